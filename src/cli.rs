@@ -29,7 +29,8 @@ pub struct Cli {
 pub enum Command {
     /// Runs a case with one collision model.
     Run(Run),
-    /// Runs the variants of a case one after the other and compares them; without a [[compare]] list: soft and hard.
+    /// Runs the variants of a case one after the other and compares them. Without a [[compare]] list, the variants are
+    /// soft and hard.
     Compare(Compare),
     /// Compares files of any program: series over time, output of LAMMPS, tables of values with standard errors, and
     /// folders of results.
@@ -45,19 +46,22 @@ pub enum Command {
     Fluid(FluidArguments),
     /// Shows one impact, of two spheres or of a sphere and a wall, under each model.
     Impact(ImpactArguments),
-    /// Charts the error of every method against its cost, with the cheapest ones marked.
+    /// Charts the error of every method against its cost, and marks the cheapest methods.
     Chart(Chart),
     /// Draws maps that show where each method fails: stability, restitution, overlap, collapse, missed collisions. Each
     /// point of a map is a run.
     Limits(Limits),
     /// Compares the program with closed forms, with published numbers of other codes, and with experiments.
     Validate(Validate),
-    /// Runs the variants of a case at several values of its keys, and plots the results over these values; an
-    /// interrupted sweep is continued when started again.
+    /// Runs the variants of a case at several values of its keys, and plots the results over these values. An
+    /// interrupted sweep is continued when it is started again.
     Sweep(Sweep),
-    /// Shows in one chart how strongly each result shifts with the contact model, stiffness, restitution, gas and
-    /// others.
+    /// Shows in one chart how strongly each result shifts with the contact model, stiffness, restitution, gas and other
+    /// inputs.
     Sensitivity(Sensitivity),
+    /// Finds the cheapest set of models (contacts, rotation, turbulence, two-way coupling, lift, ...) that gives the results
+    /// of the richest one.
+    Needs(Needs),
     /// Serves a page on this machine, on which both models run side by side: scenes to try out, sliders, questions.
     #[cfg(feature = "lab")]
     Lab(Lab),
@@ -67,7 +71,7 @@ pub enum Command {
     Init(Init),
     /// Explains the keys of a case: type, unit, default, range, example.
     Keys(Keys),
-    /// Prints the completions of a shell, for the folder in which the shell looks for them.
+    /// Prints the completion script of a shell, to be saved in the folder in which the shell looks for such scripts.
     Completions(Completions),
     /// Prints the manual page of the program or of one command, for `man -l`.
     Man(Man),
@@ -87,21 +91,21 @@ pub struct Input {
 }
 
 impl Input {
-    /// Changes to keys as `key=value`: all of `--set`, and those of flags such as `--relax`.
+    /// Changes of keys, each as `key=value`: those of `--set`, then those of flags such as `--relax`.
     pub fn sets(&self) -> Vec<String> {
         let relax = self.relax.then(|| "run.relax=true".to_owned());
         self.set.iter().cloned().chain(relax).collect()
     }
 
-    /// Copy of these options, with the simulated time as a further change if one is given.
+    /// Copies these options. If a `duration` is given, adds the change of the key `run.duration`.
     pub fn with_duration(&self, duration: Option<&String>) -> Self {
         let mut input = self.clone();
         input.set.extend(duration.map(|duration| format!("run.duration={duration}")));
         input
     }
 
-    /// Copy of these options, with the time between two instants of the trajectories as a further change if one is
-    /// given.
+    /// Copies these options. If a time `every` between two trajectory frames is given, adds the change of the key
+    /// `output.every`.
     pub fn with_every(&self, every: Option<&String>) -> Self {
         let mut input = self.clone();
         input.set.extend(every.map(|every| format!("output.every={every}")));
@@ -132,7 +136,7 @@ pub struct Keep {
     pub checkpoint_every: CheckpointEvery,
 }
 
-/// Wall time between two checkpoints; `None`: no checkpoints.
+/// Wall time between two checkpoints; `None` if no checkpoints are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CheckpointEvery(pub Option<Duration>);
 
@@ -170,8 +174,8 @@ pub struct Effort {
 /// Number of runs per variant.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct Repeats {
-    /// Runs each variant with N seeds (that of the case and the next ones) and averages over them. `run` and
-    /// `compare` time the first run of each variant, which runs alone; the others run side by side.
+    /// Runs each variant with N seeds (that of the case and the next ones) and averages over them. `run` and `compare`
+    /// time the first run of each variant, which is done alone; the other runs are done at the same time.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=10_000))]
     pub replicas: u16,
 }
@@ -191,8 +195,8 @@ pub struct Run {
     /// (budgets.csv, figures/budgets.svg). For a resumed run the budget begins at the resumption.
     #[arg(long)]
     pub budgets: bool,
-    /// Continues the run twice by a fifteenth of its length, with the same settings and with half the step and window,
-    /// and reports the difference; costs about a fifth of the run.
+    /// Continues the run twice by a fifteenth of its length: once with the same settings, once with half the time step
+    /// and half the window. Reports the difference; costs about a fifth of the run.
     #[arg(long)]
     pub verify: bool,
     /// Writes the particles at regular intervals for ParaView, OVITO and ASE (trajectory/), such as --every "1 ms";
@@ -252,7 +256,7 @@ impl ModelChoice {
 pub struct Plan {
     /// The case file, or the name of a built-in case.
     pub case: PathBuf,
-    /// Relative error that the recommended model must keep, as 1% or 0.01 [-].
+    /// Largest relative error allowed for the recommended model, as 1% or 0.01 [-].
     #[arg(long, value_name = "ERROR", default_value = "1%", value_parser = relative_error)]
     pub target_error: f64,
     /// Prints the plan as JSON.
@@ -264,7 +268,7 @@ pub struct Plan {
     pub effort: Effort,
 }
 
-/// [-] parses a share between 0 and 1 from a number or a percentage.
+/// Parses a relative error [-] between 0 and 1, both excluded, from a number or a percentage.
 fn relative_error(text: &str) -> Result<f64, String> {
     let (number, unit) = match text.trim().strip_suffix('%') {
         Some(number) => (number.trim(), 0.01),
@@ -401,14 +405,14 @@ pub struct Sensitivity {
     /// Simulated time of each run; the same as --set run.duration=TIME.
     #[arg(long, value_name = "TIME")]
     pub duration: Option<String>,
-    /// Runs each variant with N seeds (that of the case and the next ones) [default: 1, or 8 where averages over time
-    /// mean nothing, such as in a cooling gas].
+    /// Runs each variant with N seeds (that of the case and the next ones) [default: 1, or 8 for scenes without a
+    /// steady state, such as a cooling gas].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub replicas: Option<u16>,
     /// Shifts smaller than this margin count as zero; given as 1% or 0.01 of the scale of each observable [-].
     #[arg(long, value_name = "SHARE", default_value = "1%", value_parser = relative_error)]
     pub margin: f64,
-    /// Prints the factors, their sizes, the number of runs and their approximate time, and runs nothing else.
+    /// Prints the factors, their sizes, the number of runs and their approximate time, without doing the runs.
     #[arg(long)]
     pub plan: bool,
     /// Also gives the answer by the exit code: 0 if no shift is beyond the margin, 3 if some shift is, 4 if some shift
@@ -423,6 +427,65 @@ pub struct Sensitivity {
     pub effort: Effort,
     #[command(flatten)]
     pub keep: Keep,
+}
+
+/// Arguments of `diptych needs`.
+#[derive(Clone, Debug, Args)]
+pub struct Needs {
+    /// The case file, or the name of a built-in case.
+    pub case: PathBuf,
+    /// Richest collision model [default: soft, or that of the case if it gives no contact law].
+    #[arg(long, value_parser = PossibleValuesParser::new(MODELS.map(Model::name)).try_map(model_of))]
+    pub model: Option<Model>,
+    /// Simulated time of each run; the same as --set run.duration=TIME.
+    #[arg(long, value_name = "TIME")]
+    pub duration: Option<String>,
+    /// Runs each variant with N seeds (that of the case and the next ones) [default: 1, or 8 for scenes without a
+    /// steady state, such as a cooling gas].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub replicas: Option<u16>,
+    /// Shifts smaller than this margin count as zero; given as 1% or 0.01 of the scale of each observable [-].
+    #[arg(long, value_name = "SHARE", default_value = "1%", value_parser = relative_error)]
+    pub margin: f64,
+    /// Prints the models, the number of runs and their approximate time, without doing the runs.
+    #[arg(long)]
+    pub plan: bool,
+    /// Also gives the answer by the exit code: 0 if no shift is beyond the margin, 3 if some shift is, 4 if some shift
+    /// is unresolved and none is beyond.
+    #[arg(long)]
+    pub exit_code: bool,
+    #[command(flatten)]
+    pub input: Input,
+    #[command(flatten)]
+    pub output: Output,
+    #[command(flatten)]
+    pub effort: Effort,
+    #[command(flatten)]
+    pub keep: Keep,
+}
+
+impl Needs {
+    /// Arguments of the sensitivity study by which the needs are found.
+    pub fn as_sensitivity(&self) -> Sensitivity {
+        let Self { case, model, duration, replicas, margin, plan, exit_code, input, output, effort, keep } =
+            self.clone();
+        let (factors, vary) = (Vec::new(), Vec::new());
+        Sensitivity {
+            case,
+            factors,
+            vary,
+            model,
+            duration,
+            replicas,
+            margin,
+            plan,
+            exit_code,
+            input,
+            output,
+            effort,
+            keep,
+        }
+    }
 }
 
 /// Arguments of `diptych lab`.

@@ -1,27 +1,27 @@
 //! The clock that times the parts of a run and reports the progress of the run.
 //!
-//! The run loop and the engines never read the time of day. The caller that starts a simulation passes a clock to it,
-//! or none. The measured times appear only in reports.
+//! The run loop and the engines never read the time of day by themselves. The program that starts a simulation can pass
+//! a clock to it. The measured times appear only in reports.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
-/// A clock that counts from a fixed start, or one that stands still and costs nothing.
+/// Clock that counts wall time from a fixed start, or a stopped clock, whose time is always 0 and which costs nothing.
 ///
-/// Two separate times are exchanged through a clock: wall time is read from it, simulated time is reported to it.
+/// A run reads wall time from the clock, and writes to it the simulated time that the run has reached.
 #[derive(Clone, Debug, Default)]
 pub struct Clock {
     read: Option<fn() -> Duration>,
     reached: Option<Reached>,
 }
 
-/// The simulated time that a run has reached, readable from another thread while it runs.
+/// Simulated time that a run has reached. Another thread can read it during the run.
 #[derive(Clone, Debug, Default)]
 pub struct Reached(Arc<AtomicU64>);
 
 impl Reached {
-    /// [s] simulated time reported last; 0 before the first report.
+    /// [s] simulated time of the last report; 0 before the first report.
     pub fn time(&self) -> f64 {
         f64::from_bits(self.0.load(Ordering::Relaxed))
     }
@@ -34,7 +34,7 @@ impl Clock {
         Self { read: Some(|| BEGAN.get_or_init(Instant::now).elapsed()), reached: Some(Reached::default()) }
     }
 
-    /// Present time; constant if the clock stands still.
+    /// Wall time since the start of the clock; 0 if the clock is stopped.
     pub fn now(&self) -> Duration {
         self.read.map_or(Duration::ZERO, |read| read())
     }
@@ -47,15 +47,15 @@ impl Clock {
         result
     }
 
-    /// Reports that the run has reached simulated `time` [s]. The report is one write to memory, so that engines can
-    /// make it at every step or event.
+    /// Reports that the run has reached the simulated time `time` [s]. A report is one write to memory, so engines can
+    /// report every step or event.
     pub fn tell(&self, time: f64) {
         if let Some(reached) = &self.reached {
             reached.0.store(time.to_bits(), Ordering::Relaxed);
         }
     }
 
-    /// The simulated time reported to this clock and to its clones; `None` if the clock stands still.
+    /// Simulated time reported to this clock and to its clones; `None` if the clock is stopped.
     pub fn reached(&self) -> Option<Reached> {
         self.reached.clone()
     }

@@ -1,10 +1,10 @@
-//! Communication among processes that share one run. The caller of a simulation passes the connection itself (MPI, or
-//! threads in tests).
+//! Communication among processes that share one run. The program that starts a simulation passes an implementation of
+//! it: MPI, or threads in tests.
 
 use crate::exact::ExactSum;
 
-/// The processes that share one run. All processes must call the same methods in the same order: a call returns when
-/// all processes have made it. Process 0 is the lead.
+/// Connection between the processes that share one run. All processes must call the same methods in the same order. A
+/// call returns when all processes have made this call. Process 0 is called the lead.
 pub trait Communicator: Send + Sync {
     /// Number of this process, counted from 0.
     fn rank(&self) -> usize;
@@ -16,13 +16,13 @@ pub trait Communicator: Send + Sync {
     /// of process numbers.
     fn exchange(&self, outgoing: Vec<Vec<u8>>) -> Vec<Vec<u8>>;
 
-    /// Returns the bytes of the lead on all processes; the arguments of the other processes are ignored.
+    /// Sends the bytes of the lead to all processes and returns them. The arguments of the other processes are ignored.
     fn broadcast(&self, bytes: Vec<u8>) -> Vec<u8>;
 
     /// Replaces each number by its sum over all processes.
     fn sum(&self, numbers: &mut [i64]);
 
-    /// Replaces each value by its largest value on any process.
+    /// Replaces each value by the largest value that any process has at its index.
     fn largest(&self, values: &mut [f64]);
 
     /// True if this process is the lead.
@@ -43,8 +43,8 @@ pub trait Communicator: Send + Sync {
         }
     }
 
-    /// Sends bytes to the lead. Returns the bytes of all processes, in the order of their numbers, on the lead, and
-    /// nothing on the others.
+    /// Sends the bytes of every process to the lead. In the lead, returns the bytes of all processes in the order of
+    /// their numbers; in the other processes, returns an empty list.
     fn collect(&self, own: Vec<u8>) -> Vec<Vec<u8>> {
         let mut outgoing = vec![Vec::new(); self.size()];
         if let Some(lead) = outgoing.first_mut() {

@@ -4,6 +4,29 @@ pub mod blocks;
 
 use nalgebra::Vector3;
 use serde::Serialize;
+use std::borrow::Cow;
+
+/// Uniform shear of a periodic box (Lees and Edwards 1972, J. Phys. C 5, 1921). The mean flow is U_z = γ y. Images
+/// across y slide along z: the image one period L_y above has the velocity γ L_y relative to its particle.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Shear {
+    /// [1/s] shear rate γ = dU_z/dy.
+    pub rate: f64,
+    /// [m] displacement along z of the image one period above, at time 0.
+    pub start: f64,
+    /// [m] displacement along z of the image one period above, at the instant of the box; at most half a period.
+    #[serde(skip)]
+    offset: f64,
+}
+
+/// Particle in a sheared box as seen from the nearest image of another one.
+#[derive(Clone, Copy, Debug)]
+struct NearestImage {
+    /// [m] vector to the particle's nearest image.
+    apart: Vector3<f64>,
+    /// [m/s] velocity along z of that image relative to the particle.
+    velocity: f64,
+}
 
 /// A rectangular box with one corner at the origin, periodic along any of its axes.
 ///
@@ -14,11 +37,14 @@ pub struct Domain {
     pub size: Vector3<f64>,
     /// True for each axis along which the box is periodic.
     pub periodic: [bool; 3],
-    /// [m] half the edge along periodic axes, infinity along others: beyond this distance another image of a particle
-    /// is nearer.
+    /// Shear, by which images across y slide along z; `None` if images are at rest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shear: Option<Shear>,
+    /// [m] half the edge length along periodic axes, infinity along others. If two particles are farther apart along an
+    /// axis, another periodic image is nearer.
     #[serde(skip)]
     pub(crate) half: Vector3<f64>,
-    /// [m²] square of the shortest half edge: if a particle is within this distance of another, none of its images is
+    /// [m²] square of the shortest half edge length. If two particles are nearer than this length, no periodic image is
     /// nearer.
     #[serde(skip)]
     direct: f64,
@@ -28,7 +54,98 @@ impl Domain {
     /// Makes a box with the given edge lengths [m].
     pub fn new(size: Vector3<f64>, periodic: [bool; 3]) -> Self {
         let half = Vector3::from_fn(|axis, _| if periodic[axis] { 0.5 * size[axis] } else { f64::INFINITY });
-        Self { size, periodic, half, direct: half.min().powi(2) }
+        Self { size, periodic, shear: None, half, direct: half.min().powi(2) }
+    }
+
+    /// Makes the box sheared at a rate [1/s], with images at the places of time 0: the image one period above is displaced
+    /// by `start` [m] along z. The box must be periodic along y and z.
+    pub fn sheared(self, rate: f64, start: f64) -> Self {
+        Self { shear: Some(Shear { rate, start, offset: 0.0 }), ..self }.at(0.0).into_owned()
+    }
+
+    /// The box with images at rest at their present places, where only positions matter.
+    pub fn at_rest(&self) -> Self {
+        let rest = |shear: Shear| Shear { rate: 0.0, start: shear.offset, ..shear };
+        Self { shear: self.shear.map(rest), ..self.clone() }
+    }
+
+    /// [m] displacement along z of the image one period above, at the instant of the box; `None` without shear.
+    pub fn offset(&self) -> Option<f64> {
+        self.shear.map(|shear| shear.offset)
+    }
+
+    /// The box with images at the places of a time [s]. Without shear it is the box itself.
+    pub fn at(&self, time: f64) -> Cow<'_, Self> {
+        self.slid_to(|shear| shear.start + self.sliding() * time)
+    }
+
+    fn slid_to(&self, offset: impl Fn(&Shear) -> f64) -> Cow<'_, Self> {
+        let Some(shear) = &self.shear else { return Cow::Borrowed(self) };
+        let (offset, period) = (offset(shear), self.size.z);
+        let offset = offset - period * (offset / period).round();
+        Cow::Owned(Self { shear: Some(Shear { offset, ..*shear }), ..self.clone() })
+    }
+
+    /// [m/s] velocity γ L_y along z of the image one period above its particle; 0 without shear.
+    pub fn sliding(&self) -> f64 {
+        self.shear.map_or(0.0, |shear| shear.rate * self.size.y)
+    }
+
+    /// [m/s] whole multiple of [`sliding`](Self::sliding) nearest to a velocity [m/s]; 0 without shear.
+    pub fn whole_slides(&self, velocity: f64) -> f64 {
+        let sliding = self.sliding();
+        if sliding == 0.0 { 0.0 } else { sliding * (velocity / sliding).round() }
+    }
+
+    /// [1/s] magnitude of the shear rate; 0 without shear.
+    pub fn strain_rate(&self) -> f64 {
+        self.shear.map_or(0.0, |shear| shear.rate.abs())
+    }
+
+    /// [m/s] mean flow of the shear at a position [m]; zero without shear. A velocity less this flow is equal for all
+    /// images of a particle.
+    #[inline]
+    pub fn mean_flow(&self, position: &Vector3<f64>) -> Vector3<f64> {
+        Vector3::new(0.0, 0.0, self.shear.map_or(0.0, |shear| shear.rate * position.y))
+    }
+
+    /// True for each axis along which cells at one side continue at the other side. Across sheared sides they do not,
+    /// since the images there are displaced.
+    pub fn joined(&self) -> [bool; 3] {
+        let [x, y, z] = self.periodic;
+        [x, y && self.shear.is_none(), z]
+    }
+
+    /// Calls `visit` with the images of `position` across the sheared sides within `reach` [m] of it. Images are inside
+    /// the box along z only.
+    #[inline]
+    pub fn for_each_across(&self, position: &Vector3<f64>, reach: f64, mut visit: impl FnMut(Vector3<f64>)) {
+        if self.shear.is_none() {
+            return;
+        }
+        let height = self.size.y;
+        if position.y < reach {
+            visit(self.image(position, 1.0));
+        }
+        if position.y > height - reach {
+            visit(self.image(position, -1.0));
+        }
+    }
+
+    /// Calls `visit` with `position` and with its images as [`for_each_across`](Self::for_each_across) does.
+    #[inline]
+    pub fn for_each_image(&self, position: &Vector3<f64>, reach: f64, mut visit: impl FnMut(Vector3<f64>)) {
+        visit(*position);
+        self.for_each_across(position, reach, visit);
+    }
+
+    /// [m] image of a position across a number of sheared periods, inside the box along z.
+    fn image(&self, position: &Vector3<f64>, periods: f64) -> Vector3<f64> {
+        let offset = self.shear.map_or(0.0, |shear| shear.offset);
+        let z = position.z + periods * offset;
+        let inside = z - self.size.z * (z / self.size.z).floor();
+        let z = if inside < self.size.z { inside } else { 0.0 };
+        Vector3::new(position.x, position.y + periods * self.size.y, z)
     }
 
     /// [m³] volume of the box.
@@ -36,14 +153,17 @@ impl Domain {
         self.size.x * self.size.y * self.size.z
     }
 
-    /// [m] vector from `b` to the nearest image of `a`. Both positions must be within 1.5 periods of the box. This is
-    /// so between two calls of [`Domain::wrap`].
+    /// [m] vector from `b` to the nearest periodic image of `a`. Both positions must be within 1.5 periods of the box,
+    /// as all positions are between two calls of [`Domain::wrap`].
     #[inline(always)]
     pub fn separation(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> Vector3<f64> {
         let mut d = a - b;
-        // most pairs are near, and for these one comparison replaces those of three axes
+        // most pairs are near: this comparison then replaces the comparisons along the three axes
         if d.norm_squared() < self.direct {
             return d;
+        }
+        if let Some(shear) = &self.shear {
+            return self.nearest(&d, shear, 0.0).apart;
         }
         for axis in 0..3 {
             if d[axis] > self.half[axis] {
@@ -55,9 +175,73 @@ impl Domain {
         d
     }
 
-    /// [m] image of `position` that lies in the box along all periodic axes.
+    /// Separation [m] as by [`separation`](Self::separation), and velocity [m/s] of the nearest image of `a` relative to
+    /// `b`, from the `velocity` of `a` itself relative to `b`. Both positions are those `elapsed` [s] after the instant
+    /// of the box.
+    #[inline(always)]
+    pub fn relative(
+        &self,
+        a: &Vector3<f64>,
+        b: &Vector3<f64>,
+        velocity: Vector3<f64>,
+        elapsed: f64,
+    ) -> (Vector3<f64>, Vector3<f64>) {
+        let Some(shear) = &self.shear else { return (self.separation(a, b), velocity) };
+        let d = a - b;
+        if d.norm_squared() < self.direct {
+            return (d, velocity);
+        }
+        let image = self.nearest(&d, shear, elapsed);
+        (image.apart, Vector3::new(velocity.x, velocity.y, velocity.z + image.velocity))
+    }
+
+    /// Nearest image of a particle at the distance `d` [m] from another one, `elapsed` [s] after the instant of the box.
+    fn nearest(&self, d: &Vector3<f64>, shear: &Shear, elapsed: f64) -> NearestImage {
+        let sliding = shear.rate * self.size.y;
+        let above = -(d.y / self.size.y).round();
+        let z = d.z + above * (shear.offset + sliding * elapsed);
+        let near = |x: f64, axis: usize| {
+            if self.periodic[axis] { x - self.size[axis] * (x / self.size[axis]).round() } else { x }
+        };
+        let apart = Vector3::new(near(d.x, 0), d.y + above * self.size.y, near(z, 2));
+        NearestImage { apart, velocity: above * sliding }
+    }
+
+    /// Replaces a position [m] outside the box and its velocity [m/s] by those of the image inside the box. Returns the
+    /// change of the velocity along z [m/s], which is 0 unless the position is outside a sheared side.
+    #[inline]
+    pub fn wrap_motion(&self, position: &mut Vector3<f64>, velocity: &mut Vector3<f64>) -> f64 {
+        let periods = self.sheared_periods(position);
+        let change = periods * self.sliding();
+        if change != 0.0 {
+            velocity.z += change;
+        }
+        *position = self.wrap_by(position, periods);
+        change
+    }
+
+    /// [m] periodic image of `position` that lies inside the box along all periodic axes.
     #[inline]
     pub fn wrap(&self, position: &Vector3<f64>) -> Vector3<f64> {
+        self.wrap_by(position, self.sheared_periods(position))
+    }
+
+    /// Number of sheared periods by which a position must move to be in the box; 0 without shear.
+    #[inline]
+    fn sheared_periods(&self, position: &Vector3<f64>) -> f64 {
+        let (y, height) = (position.y, self.size.y);
+        if self.shear.is_none() || (0.0..height).contains(&y) {
+            return 0.0;
+        }
+        let periods = -(y / height).floor();
+        // just below the lower side, y + L_y rounds to L_y: such a position stays at that side
+        if y + periods * height < height { periods } else { 0.0 }
+    }
+
+    /// Wraps a position that crosses a number of sheared periods.
+    #[inline]
+    fn wrap_by(&self, position: &Vector3<f64>, periods: f64) -> Vector3<f64> {
+        let position = if periods == 0.0 { *position } else { self.image(position, periods) };
         Vector3::from_fn(|axis, _| {
             let (x, l) = (position[axis], self.size[axis]);
             if !self.periodic[axis] || (0.0..l).contains(&x) {

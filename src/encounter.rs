@@ -2,9 +2,9 @@
 //! relative position and velocity, and the time at which they touch. All engines and predictions use these functions;
 //! no other code distinguishes pairs from walls.
 //!
-//! The functions that are called for every pair are always inlined. In most calls the compiler then knows the frame,
-//! and that the bodies are a pair, so half of the code is optimised away. As function calls they cost a tenth of the
-//! run time of case D with soft spheres.
+//! The functions that are called for every pair are always inlined. In most calls the frame and the kind of body are
+//! then constants, so that the compiler removes half of the code. Without inlining, the calls cost a tenth of the run
+//! time of case D of the paper (docs/paper.md) with soft spheres.
 
 use crate::contact_law::Bodies;
 use crate::particles::Particles;
@@ -16,7 +16,7 @@ use crate::walls::{Flight, Touch};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Collision partner of a particle, in the form in which results name it.
+/// Collision partner of a particle, as it is named in results.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Partner {
@@ -35,12 +35,12 @@ impl std::fmt::Display for Partner {
     }
 }
 
-/// The second body of a couple: the body that a particle may meet.
+/// Second body of a couple, which the particle may touch: another particle or a wall.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Other {
     /// Another particle, by its index in the particle store.
     Particle(u32),
-    /// One of the contacts that a wall may have with a sphere.
+    /// Wall, with the number of one of the contacts that it may have with a sphere.
     Wall(AtWall),
 }
 
@@ -69,35 +69,37 @@ pub struct Couple {
     pub other: Other,
 }
 
-/// Time at which two bodies are compared, relative to the time of the stored positions and velocities. The particle
-/// store may be in a falling frame, so two times of fall are also given. All times in s.
+/// Time at which the relative position and velocity of two bodies are computed, relative to the time of the particle
+/// store. The store may be in a falling frame, so two times of fall are also given. All times are in s.
 ///
 /// Engines move particles in the frame that falls freely with gravity, in which gravity does not affect pairs. A wall
 /// does not fall, so the motion of a particle relative to a wall includes gravity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameTime {
-    /// Time [s] from the time of the particle store to that of the comparison; particles fly straight meanwhile.
+    /// Time [s] from the time of the particle store to the computed time; particles fly straight meanwhile.
     pub ahead: f64,
-    /// Time [s] of free fall whose displacement g t²/2 must be added to positions relative to a wall.
+    /// Time [s] of free fall whose displacement g t²/2 must be added to positions relative to a wall. Images in a sheared
+    /// box have slid for this time since the instant of the scene.
     pub sunk: f64,
     /// Time [s] of free fall whose velocity g t must be added to velocities relative to a wall.
     pub fallen: f64,
 }
 
 impl FrameTime {
-    /// Time of the particle store. Positions are relative to the walls, and velocities are in a frame that has fallen
-    /// for `time` [s].
+    /// Creates the time of the particle store, for positions relative to the walls and velocities in a frame that has
+    /// fallen freely for `time` [s].
     pub fn fallen(time: f64) -> Self {
         Self { ahead: 0.0, sunk: 0.0, fallen: time }
     }
 
-    /// Time of the particle store. Positions and velocities are in a frame that has fallen freely for `time` [s].
+    /// Creates the time of the particle store, for positions and velocities in a frame that has fallen freely for
+    /// `time` [s].
     pub fn in_free_fall(time: f64) -> Self {
         Self { ahead: 0.0, sunk: time, fallen: time }
     }
 
-    /// Time that is `time` [s] after that of the particle store. The frame of positions and velocities begins to fall
-    /// at the time of the store.
+    /// Creates the time `time` [s] after that of the particle store, for a frame that begins to fall at the time of the
+    /// store.
     pub fn ahead(time: f64) -> Self {
         Self { ahead: time, sunk: time, fallen: time }
     }
@@ -131,7 +133,7 @@ pub struct WallMotion {
 }
 
 impl WallMotion {
-    /// [W] power of a force [N] on the particle and of a couple [N m].
+    /// [W] power of the moving wall on the particle, by a force [N] and a torque `couple` [N m] on the particle.
     #[inline(always)]
     pub fn power(&self, force: &Vector3<f64>, couple: Option<&Vector3<f64>>) -> f64 {
         force.dot(&self.velocity) + couple.map_or(0.0, |couple| couple.dot(&self.spin))
@@ -181,8 +183,8 @@ impl Couple {
         matches!(self.other, Other::Wall(_))
     }
 
-    /// True if the other body is a wall with a constant normal. The motion of a single contact with such a wall
-    /// requires only one coordinate.
+    /// True if the other body is a wall with a constant normal. The motion of a single contact with such a wall is
+    /// computed in one coordinate, along the normal.
     pub fn is_flat(&self, scene: &Scene) -> bool {
         match self.other {
             Other::Particle(_) => false,
@@ -190,14 +192,14 @@ impl Couple {
         }
     }
 
-    /// True if the couple is a contact with a wall, but not the first possible contact with that wall.
+    /// True if the couple is a contact with a wall, but not the first of the possible contacts with that wall.
     #[inline]
     pub fn is_further(&self) -> bool {
         matches!(self.other, Other::Wall(at) if at.which > 0)
     }
 
     /// True if both couples are contacts of one particle with one wall, and this contact cannot be nearer than `other`.
-    /// This is known if a wall numbers its contacts by distance, the nearest first.
+    /// This requires a wall that numbers its contacts by distance, the nearest first.
     pub fn is_beyond(&self, other: &Self, scene: &Scene) -> bool {
         let (Other::Wall(at), Other::Wall(before)) = (self.other, other.other) else { return false };
         let same = self.i == other.i && at.wall == before.wall && at.which > before.which;
@@ -226,7 +228,7 @@ impl Couple {
         Self { i: place_of(self.i), other }
     }
 
-    /// True if `self` and `couple` name the same two bodies, in either order.
+    /// True if `self` and `couple` consist of the same two bodies, in either order.
     pub fn is(&self, couple: &Self) -> bool {
         self == couple || couple.j().is_some_and(|j| *self == Self::pair(j, couple.i))
     }
@@ -248,8 +250,8 @@ impl Couple {
         (particles.species[self.i as usize], other)
     }
 
-    /// Motion of the wall's surface at the contact; `None` between particles. The power of a force [N] on the particle,
-    /// or the energy of an impulse [N s], that the wall gives is force times velocity.
+    /// Motion of the wall's surface at the contact; `None` between particles. If a wall exerts a force [N] on the
+    /// particle, its power is force times velocity. The energy of an impulse [N s] is impulse times velocity.
     #[inline(always)]
     pub fn wall_motion(
         &self,
@@ -266,6 +268,19 @@ impl Couple {
         let position = moment.flight(particles, scene, i).position;
         let at_contact = position - met.normal * (particles.radius[i] + met.gap);
         Some(WallMotion { velocity: wall.surface_velocity(&at_contact), spin: turning.spin })
+    }
+
+    /// [m/s] velocity along z, relative to particle j itself, of the image of j that particle i meets. It is 0 unless a
+    /// sheared side is between the two. `velocity` [m/s] is that of i relative to the image.
+    #[inline]
+    pub fn image_velocity(&self, particles: &Particles, scene: &Scene, velocity: &Vector3<f64>) -> f64 {
+        match self.other {
+            Other::Particle(j) if scene.domain.shear.is_some() => {
+                let own = particles.velocity[self.i as usize].z - particles.velocity[j as usize].z;
+                scene.domain.whole_slides(own - velocity.z)
+            }
+            Other::Particle(_) | Other::Wall(_) => 0.0,
+        }
     }
 
     /// Properties of the two bodies on which a contact law depends.
@@ -345,7 +360,7 @@ impl Couple {
         2.0 * self.j().map_or(radius, |j| radius.min(particles.radius[j as usize]))
     }
 
-    /// The other body, in the form in which results name it.
+    /// The other body, as it is named in results.
     pub fn partner(&self, particles: &Particles) -> Partner {
         match self.other {
             Other::Particle(j) => Partner::Particle(particles.id[j as usize]),
@@ -431,8 +446,8 @@ impl Couple {
     }
 }
 
-/// True if two particles, by index, may touch on straight flights from their positions. If the result is false, they
-/// certainly do not touch.
+/// False if two particles, given by their indices, certainly do not touch on straight flights from their positions.
+/// True if they may touch.
 #[inline(always)]
 pub fn may_meet(particles: &Particles, scene: &Scene, [i, j]: [usize; 2]) -> bool {
     let (apart, velocity) = relative(particles, scene, [i, j], FrameTime::default());
@@ -448,6 +463,6 @@ pub fn relative(
     [i, j]: [usize; 2],
     moment: FrameTime,
 ) -> (Vector3<f64>, Vector3<f64>) {
-    let apart = scene.domain.separation(&moment.position(particles, i), &moment.position(particles, j));
-    (apart, particles.velocity[i] - particles.velocity[j])
+    let velocity = particles.velocity[i] - particles.velocity[j];
+    scene.domain.relative(&moment.position(particles, i), &moment.position(particles, j), velocity, moment.sunk)
 }

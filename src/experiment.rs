@@ -1,4 +1,4 @@
-//! One variant of a case, checked and converted to SI units: all data on which a simulation depends.
+//! One variant of a case, checked and converted to SI units. It contains all data on which a simulation depends.
 
 use crate::contact_law::ContactLaw;
 use crate::particles::Particles;
@@ -51,11 +51,11 @@ pub enum Spheres {
     Hard,
     /// Hard spheres where two particles meet alone, soft spheres with this contact law elsewhere.
     Hybrid(ContactLaw),
-    /// Spheres that collide by chance.
+    /// Spheres whose collision pairs are drawn at random.
     Dsmc,
 }
 
-/// Reference of the comparison of a variant.
+/// Reference with which a variant is compared.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Reference {
@@ -136,7 +136,8 @@ impl Experiment {
         self.start.iter().map(|population| population.amount.count()).sum()
     }
 
-    /// [-] volume of all particles at the start over that of the box. It is zero if the drag law does not depend on it.
+    /// [-] volume of all particles at the start over that of the box. It is 0 if the drag law does not depend on the
+    /// volume fraction.
     pub fn fraction_for_drag(&self) -> f64 {
         let drag = self.scene.fluid.as_ref().and_then(|fluid| fluid.drag.as_ref());
         if drag.is_none_or(|drag| drag.law().cells().is_none()) {
@@ -283,23 +284,26 @@ pub struct HardSettings {
 /// Settings of the hybrid engine.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HybridSettings {
-    /// [-] clearance θ: a touch is treated as an instant if no other particle can come near within θ contact times.
+    /// [-] clearance θ: a touch is an instantaneous collision if no other particle can come near within θ contact
+    /// times.
     pub clearance: f64,
 }
 
 /// Settings of collisions by chance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DsmcSettings {
-    /// True if the collision rate has the Enskog factor: the contact value at the local volume fraction.
+    /// True if the collision rate is multiplied by the Enskog factor, which is the contact value at the local volume
+    /// fraction.
     pub enskog: bool,
     /// Numbers of cells along x, y and z; `None` if they are chosen from the mean free path and the number of particles.
     pub cells: Option<[usize; 3]>,
-    /// [-] longest time step over the mean free time.
+    /// [-] ratio of the longest time step to the mean free time.
     pub step: f64,
 }
 
 impl Default for DsmcSettings {
-    /// Enskog factor, chosen cells, and steps of a fifth of the mean free time (docs/design/dsmc.md).
+    /// Settings with the Enskog factor, automatic cells, and steps of a fifth of the mean free time
+    /// (docs/design/dsmc.md).
     fn default() -> Self {
         Self { enskog: true, cells: None, step: 0.2 }
     }
@@ -309,9 +313,9 @@ impl Default for DsmcSettings {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HardStepping {
-    /// At the exact instants of touch, with an event queue.
+    /// Collisions happen at the exact instants of touch, which are kept in an event queue.
     Events,
-    /// At the ends of time steps Δt < θ d/u_r, where particles overlap (the paper's section 3.4).
+    /// Collisions are found as overlaps at the ends of time steps Δt < θ d/u_r (the paper's section 3.4).
     Steps {
         /// [-] step criterion θ.
         theta: f64,
@@ -355,7 +359,7 @@ pub enum TrajectoryFormat {
     Vtp,
     /// Extended XYZ, for OVITO and ASE.
     Xyz,
-    /// One VTK file and one XYZ frame of each instant.
+    /// Both formats: one VTK file and one XYZ frame per instant.
     Both,
 }
 

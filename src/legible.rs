@@ -79,7 +79,7 @@ pub fn json(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// Appends a character to `to`, or its escape if the character has an effect.
+/// Appends a character to `to`, or its escape if the character [`acts`].
 fn show(c: char, to: &mut String) {
     match c {
         '\n' | '\r' | '\t' => to.extend(c.escape_default()),
@@ -99,7 +99,7 @@ pub fn cell(text: String) -> String {
     if !is_formula(&text) || is_number() { text } else { format!("'{text}") }
 }
 
-/// The text from which [`cell`] made a cell.
+/// Returns the original text of a cell that was made by [`cell`].
 pub fn of_cell(cell: &str) -> &str {
     cell.strip_prefix('\'').filter(|text| is_formula(text)).unwrap_or(cell)
 }

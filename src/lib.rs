@@ -13,10 +13,12 @@
 //!         Outcome -> outputs (csv, json, svg, html)  <-  studies: run, compare, plan, impact
 //! ```
 //!
-//! Without the feature `program` (on by default) the crate has no command line, studies and output files. Without
-//! `case` it reads no case files either; the physics remains, from `clock` to `outcome`.
+//! Without the feature `program` (on by default) the crate has no command line, no studies and no output files. Without
+//! the feature `case` it cannot read case files. The modules from `clock` to `outcome`, with all physics, need no
+//! feature.
 //!
-//! All quantities are in SI units; x is spanwise, y wall-normal, z streamwise. Imports point one way, down this list.
+//! All quantities are in SI units; x is spanwise, y wall-normal, z streamwise. Modules import only from modules above
+//! them in the list below.
 //!
 //! Names that most programs need are re-exported at the root; `examples/` shows their use.
 

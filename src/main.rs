@@ -47,8 +47,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// Prints the message of the command-line parser in colours. If the message quotes control characters, which would act
-/// on the terminal, it is printed without colours, and these characters appear in the form `\u{1b}`.
+/// Prints the message of the command-line parser in colours. Control characters in the message would act on the
+/// terminal. A message with such characters is printed without colours, and the characters appear in the form `\u{1b}`.
 fn say(why: &clap::Error) -> std::io::Result<()> {
     let plain = why.render().to_string();
     let shown = legible::lines(&plain);
@@ -59,13 +59,13 @@ fn say(why: &clap::Error) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Runs a command and returns the exit code. The code is 0, unless `--exit-code` is given: then it depends on the
-/// verdict.
+/// Runs a command and returns the exit code. With `--exit-code` the code is that of the verdict; otherwise it is 0.
 fn command(command: Command, ranks: &Ranks) -> Result<u8, StudyError> {
     let done = match command {
         Command::Run(args) => study::run(&args, ranks),
         Command::Compare(args) => return Ok(verdict(args.exit_code, study::compare(&args, ranks)?)),
         Command::Sensitivity(args) => return Ok(verdict(args.exit_code, study::sensitivity(&args, ranks)?)),
+        Command::Needs(args) => return Ok(verdict(args.exit_code, study::needs(&args, ranks)?)),
         Command::Judge(args) => return Ok(verdict(args.exit_code, ranks.by_lead(|| study::judge_files(&args))?)),
         Command::Validate(args) => return Ok(verdict(args.exit_code, ranks.by_lead(|| study::validate(&args))?)),
         Command::Sweep(args) => study::sweep(&args, ranks),

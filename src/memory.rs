@@ -6,11 +6,11 @@
 use crate::experiment::Experiment;
 use crate::schedule::Schedule;
 
-/// [byte] per particle: the bound that `tests/memory.rs` checks for dense scenes of either model.
+/// [byte] memory per particle: upper limit for dense scenes of soft or of hard spheres, tested in `tests/memory.rs`.
 const PARTICLE: f64 = 350.0;
 
-/// [byte] per slice and block of time: twenty sums, and as much again while averages are computed from them
-/// (`statistics/profiles.rs`).
+/// [byte] memory per slice and block of time: twenty sums of 8 bytes, stored twice while averages are computed from
+/// them (`statistics/profiles.rs`).
 const SLICE: f64 = 2.0 * 20.0 * 8.0;
 
 /// Largest number of blocks of time into which the samples of a run are grouped (`statistics/profiles.rs`).
@@ -19,9 +19,9 @@ const MOST_BLOCKS: f64 = 512.0;
 /// Memory that a run needs [byte].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Need {
-    /// [byte] for particles, their neighbours and contacts.
+    /// [byte] memory for particles, their neighbours and contacts.
     pub particles: f64,
-    /// [byte] for averages in slices.
+    /// [byte] memory for averages in slices.
     pub slices: f64,
 }
 
@@ -45,9 +45,9 @@ impl Need {
     }
 }
 
-/// [byte] memory that this process may still use; `None` if the system does not report it. The smallest of three
-/// numbers counts: the free memory of the machine, and what is left of the limits of the process (`ulimit -v`) and of
-/// its container.
+/// [byte] memory that this process may still use; `None` if the system does not report it. The result is the smallest
+/// of three numbers: the free memory of the machine, and the unused memory within the limits of the process (`ulimit
+/// -v`) and of its container.
 #[cfg(target_os = "linux")]
 pub fn available() -> Option<f64> {
     use procfs::process::{LimitValue, Process};
@@ -65,13 +65,13 @@ pub fn available() -> Option<f64> {
     [of_machine, of_process, of_container].into_iter().flatten().min().map(|bytes| bytes as f64)
 }
 
-/// `None`: on systems other than Linux the free memory is not known.
+/// Returns `None`, because the free memory is not known on systems other than Linux.
 #[cfg(not(target_os = "linux"))]
 pub fn available() -> Option<f64> {
     None
 }
 
-/// Words that compare `need` [byte] with the free memory; `None` if enough is free, or if the free memory is not known.
+/// Text that compares `need` [byte] with the free memory; `None` if enough is free, or if the free memory is not known.
 pub fn lack(need: f64) -> Option<String> {
     let there = available().filter(|there| need > *there)?;
     Some(format!("about {} of memory, and {} are free for this process", size(need), size(there)))
@@ -95,7 +95,7 @@ pub fn refusal(experiment: &Experiment) -> Option<(String, String)> {
     ))
 }
 
-/// The number of bytes in words, such as "3 MB".
+/// Text of a number of bytes with its unit, such as "3 MB".
 pub fn size(bytes: f64) -> String {
     match bytes {
         few if few < 1e6 => format!("{:.0} kB", (1e-3 * few).ceil()),

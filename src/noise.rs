@@ -1,17 +1,17 @@
 //! Random numbers that are a function of a seed, a step and a particle or cell, and not of the order in which they are
 //! drawn.
 //!
-//! The generator is ChaCha with eight rounds, used as a counter: the key holds the seed and the use, the stream is the
-//! number of the step, and the position in the stream is that of the particle or cell. So results are equal for any
-//! number of threads and processes, for any order of the particle store, and after a stopped run is continued.
+//! The generator is ChaCha with eight rounds, used as a counter. Its key contains the seed and the use, its stream is
+//! the number of the step, and the position in the stream is that of the particle or cell. So results do not depend on
+//! the numbers of threads and processes, on the order of the particle store, or on a stop and continuation of the run.
 
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Binary logarithm of the number of blocks of 64 bytes that belong to one particle or cell in one step. So many are
-/// never drawn, and all numbers of 32 bits fit beside it into the block counter of 64 bits.
+/// Binary logarithm of the number of 64-byte blocks reserved for one particle or cell in one step; no step draws so
+/// many. The block counter has 64 bits, so that 32 bits remain for the number of the particle or cell.
 const BLOCKS: u32 = 32;
 
 /// Purpose of random numbers. Different uses have independent numbers for equal seeds.
@@ -21,7 +21,7 @@ pub enum NoiseUse {
     FirstEddies = 1,
     /// Later fluctuations of the gas that particles see.
     Eddies = 2,
-    /// Collisions by chance, of which each cell has its numbers.
+    /// Collisions by chance; each cell has separate numbers.
     Collisions = 3,
 }
 
@@ -29,7 +29,7 @@ pub enum NoiseUse {
 pub struct Noise(ChaCha8Rng);
 
 impl Noise {
-    /// Random numbers for a use in the step number `step` of a run with the seed `seed`.
+    /// Creates the random numbers of one use, in the step number `step` of a run with the seed `seed`.
     pub fn new(seed: u64, purpose: NoiseUse, step: u64) -> Self {
         let mut key = [0; 32];
         key[..8].copy_from_slice(&seed.to_le_bytes());
@@ -39,15 +39,15 @@ impl Noise {
         Self(random)
     }
 
-    /// Generator at the first of the numbers that belong to the particle or cell `id`.
+    /// Returns the generator, moved to the first random number of the particle or cell `id`.
     #[inline]
     pub fn of(&mut self, id: u32) -> &mut ChaCha8Rng {
         self.0.set_block_pos(u64::from(id) << BLOCKS);
         &mut self.0
     }
 
-    /// [-] first `N` vectors of the particle `id`, whose components are independent Gaussian numbers of mean 0 and
-    /// variance 1.
+    /// [-] first `N` random vectors of the particle `id`. Their components are independent Gaussian numbers of mean 0
+    /// and variance 1.
     #[inline]
     pub fn normals<const N: usize>(&mut self, id: u32) -> [Vector3<f64>; N] {
         let random = self.of(id);
@@ -69,7 +69,8 @@ mod tests {
         assert_eq!(forwards, backwards);
     }
 
-    /// Means over 1e5 numbers have standard errors of 3.2e-3, squares of 4.5e-3; five of them are allowed.
+    /// Checks means and squares of 1e5 numbers, whose standard errors are 3.2e-3 and 4.5e-3. Five standard errors are
+    /// allowed.
     #[test]
     fn seeds_uses_steps_and_particles_are_independent() {
         let of = |seed, purpose, step, id| Noise::new(seed, purpose, step).normals::<1>(id)[0].x;

@@ -2,14 +2,14 @@
 
 use crate::engine::{Counters, Failure};
 use crate::experiment::{Experiment, Integrator, Model};
-use crate::observe::{Balance, KindAverages, Paths, RingAverages, Series, Stress};
+use crate::observe::{Balance, GasFlow, KindAverages, Paths, RingAverages, Series, Stress};
 use crate::predict::contact::{ImpactSpeeds, contacts};
 use crate::predict::overlaps::Overlaps;
 use crate::record::{Impacts, Record};
 use crate::statistics::{Batches, Estimate, ProfileTable, Steadiness};
 use serde::Serialize;
 
-/// Result of running one variant, complete or ended early by a failure.
+/// Result of one variant. The run may be complete or ended early by a failure.
 #[derive(Clone, Debug, Serialize)]
 pub struct Outcome {
     /// The experiment that was run.
@@ -30,22 +30,21 @@ pub struct Outcome {
     pub window: f64,
     /// [s] time between two samples of the statistics.
     pub sample_interval: f64,
-    /// [s] time step of soft contacts or of stepped hard spheres; `None` if collisions happen at exact instants.
+    /// [s] time step of soft contacts or of stepped hard spheres; `None` if collisions are found at exact instants.
     pub time_step: Option<f64>,
     /// Averages in slices across the height y.
     pub profiles: ProfileTable,
-    /// Averages of each species, and impacts of each pair of species or of a species and a wall, if the particles are a
-    /// mixture.
+    /// Averages of each species, and impacts of each pair of species or of a species and a wall, for mixtures.
     pub kinds: KindAverages,
-    /// Averages in rings about the axis, if the flow is in a pipe.
+    /// Averages in rings about the axis, for flow in a pipe.
     pub rings: RingAverages,
     /// Result of the test for a steady state, with the time from which averages are taken.
     pub steadiness: Steadiness,
     /// [-] share of the particles that stay in their layer along y during the averaging period, beyond the share
-    /// expected by chance. The value is 1 for a bed at rest and 0 for a gas that mixes. `None` if there are too few
-    /// layers or particles for an estimate.
+    /// expected by chance. It is 1 for a bed at rest and 0 for a gas that mixes. `None` if there are too few layers or
+    /// particles.
     pub places_kept: Option<f64>,
-    /// Impacts, and the balance (ledger) of energy and momentum, of the whole run.
+    /// Impacts, and the ledger of energy and momentum, of the whole run.
     pub record: Record,
     /// Impacts between particles that ended in the averaging period.
     pub pairs: Impacts,
@@ -55,18 +54,20 @@ pub struct Outcome {
     pub pair_rate: Option<Estimate>,
     /// [1/s] wall collisions per time over the averaging period.
     pub wall_rate: Option<Estimate>,
-    /// Realised restitution of impacts between particles over the whole run. `None` without an impact. The estimate has
-    /// no error if too few intervals between samples had an impact.
+    /// [-] restitution of impacts between particles, measured over the whole run; `None` without an impact. The
+    /// estimate has no error if too few intervals between samples had an impact.
     pub pair_restitution: Option<Estimate>,
-    /// Realised restitution of impacts at walls over the whole run, with the same conditions as `pair_restitution`.
+    /// [-] restitution of impacts at walls, measured over the whole run, with the same conditions as
+    /// `pair_restitution`.
     pub wall_restitution: Option<Estimate>,
-    /// [m²/s²] granular temperature over the averaging period: a third of the variance of the velocities about the
-    /// mean of each slice at one instant.
+    /// [m²/s²] granular temperature over the averaging period: a third of the variance of the velocities about the mean
+    /// of each slice at the same instant.
     pub temperature: Option<Estimate>,
     /// Collision rates and temperature averaged in blocks of time, with errors from replicas.
     #[serde(skip)]
     pub averaged: Averaged,
-    /// [J] energy that the balance of the whole run leaves unexplained, with the size of its random fluctuations.
+    /// [J] part of the change of energy that the balance of the whole run does not explain; its error is the size of
+    /// random fluctuations.
     pub energy_residual: Estimate,
     /// [J] kinetic plus elastic energy at the start.
     pub energy_at_start: f64,
@@ -76,9 +77,12 @@ pub struct Outcome {
     pub balance: Balance,
     /// Stress, contacts per particle and volume fraction over the averaging period.
     pub stress: Stress,
+    /// Gas over the averaging period, if it feels the particles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gas: Option<GasFlow>,
     /// Averages over all particles as functions of time.
     pub series: Series,
-    /// Path of every particle, stored only if the particles are few.
+    /// Path of every particle; empty unless there are few particles.
     pub paths: Paths,
     /// Counts of the work done by the engine, such as time steps.
     pub counters: Counters,
@@ -101,10 +105,10 @@ impl Outcome {
     }
 
     /// Overlaps of a Maxwellian gas with the granular temperature of this run, at walls or between particles. `None`
-    /// for hard spheres, several species or sizes of spheres, several surfaces, or a run without averages.
+    /// for hard spheres, for several species, sizes or surfaces, and for a run without averages.
     pub fn kinetic_theory(&self, wall: bool) -> Option<Overlaps> {
         let experiment = &self.experiment;
-        // the prediction is for pure soft spheres: instantaneous collisions have no overlap
+        // the prediction is for soft spheres alone: instantaneous collisions have no overlap
         let law = experiment.law().filter(|_| experiment.model() == Model::Soft)?;
         let temperature = self.temperature?.value;
         let pair = |_, _| ImpactSpeeds::isotropic(2.0 * temperature);
@@ -117,7 +121,7 @@ impl Outcome {
     }
 }
 
-/// Averages of single quantities in blocks of time; a field is `None` if there were no samples.
+/// Averages of single quantities in blocks of time. A field is `None` without samples.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Averaged {
     /// [1/s] pair collisions per time.
@@ -126,6 +130,8 @@ pub struct Averaged {
     pub wall_rate: Option<Batches>,
     /// [m²/s²] granular temperature.
     pub temperature: Option<Batches>,
+    /// [Pa] stress against the shear of a sheared box, kinetic plus contact part; `None` without shear.
+    pub shear_stress: Option<Batches>,
     /// Errors estimated from the scatter between replicas; `None` for a single run.
     pub replicas: Option<Replicas>,
 }
@@ -135,13 +141,13 @@ pub struct Averaged {
 pub struct Replicas {
     /// Number of replicas.
     pub count: usize,
-    /// [-] scatter of averages between the replicas, divided by the standard errors computed within each run. This is a
-    /// root mean square over the mean velocity, the temperature and the rates, and near 1 if the standard errors are
-    /// right. `None` if none of the averages has errors.
+    /// [-] scatter of averages between the replicas, divided by the standard errors computed within each run: the root
+    /// mean square over the mean velocity, the temperature and the rates. It is near 1 if the standard errors are
+    /// right. `None` if no average has an error.
     pub scatter_over_errors: Option<f64>,
 }
 
-/// Wall-clock times of one run [s].
+/// Wall-clock times of one run.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Timing {
     /// [s] total time between the initial state and the last sample.
@@ -150,7 +156,8 @@ pub struct Timing {
     pub engine: f64,
     /// [s] part of the engine's time that was spent on neighbour search.
     pub neighbours: f64,
-    /// [s] part of the engine's time that was spent on straight flight of all particles; 0 if not timed separately.
+    /// [s] part of the engine's time that was spent on straight flight of all particles; 0 if it is not timed
+    /// separately.
     pub flight: f64,
     /// [s] time spent on drag kicks.
     pub drag: f64,

@@ -1,4 +1,4 @@
-//! The scene: all data that both engines read and neither changes.
+//! The scene: all data that engines read and do not change.
 
 mod buoyancy;
 mod sizes;
@@ -17,17 +17,18 @@ use crate::rotation::{ImpactKind, ResistanceFriction, Rotation, SOLID_SPHERE, ta
 use crate::walls::Wall;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Properties of the contact between two kinds of bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Meeting {
-    /// Restitution and friction, for both engines.
+    /// Restitution and friction, for all engines.
     pub surface: Surface,
     /// [-] stiffness of soft contacts of the pair over that of the contact law.
     pub stiffness_ratio: f64,
-    /// [kg] effective mass at which `stiffness_ratio` holds, if the stiffness of a contact is proportional to the
-    /// effective mass of the two bodies. All contacts of the pair then last equally long. `None`: the stiffness does
-    /// not depend on the masses.
+    /// [kg] effective mass for which `stiffness_ratio` is valid. The stiffness of a contact is then proportional to the
+    /// effective mass of its two bodies, so that all contacts of the pair last equally long. `None` if the stiffness
+    /// does not depend on the masses.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at_mass: Option<f64>,
     /// Rolling and twisting friction that differ from those of the law.
@@ -47,7 +48,7 @@ impl Meeting {
 }
 
 impl From<Surface> for Meeting {
-    /// A meeting with the stiffness of the contact law.
+    /// Makes the contact properties of a surface, with the stiffness of the contact law.
     fn from(surface: Surface) -> Self {
         Self { surface, stiffness_ratio: 1.0, at_mass: None, resistance: ResistanceFriction::default() }
     }
@@ -63,7 +64,7 @@ pub enum Kind {
     Wall(u32),
 }
 
-/// Pairs of kinds with contact properties of their own. All others meet as [`Scene::contact`] or their wall says.
+/// Contact properties of particular pairs of kinds. All other pairs have those of [`Scene::contact`] or of their wall.
 ///
 /// ```
 /// use diptych::scene::{Kind, Pairs};
@@ -79,7 +80,7 @@ pub enum Kind {
 #[serde(transparent)]
 pub struct Pairs(Vec<(u16, Kind, Meeting)>);
 
-/// Sorted pair of kinds: of two species the one that comes first in the case comes first.
+/// Sorts a pair of kinds: of two species, the one with the smaller index comes first.
 #[inline]
 pub(crate) fn in_order(species: u16, other: Kind) -> (u16, Kind) {
     match other {
@@ -113,18 +114,18 @@ impl Pairs {
         self.0.iter()
     }
 
-    /// True if no pair has properties of its own.
+    /// True if no pair has particular contact properties.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Surfaces of all pairs, for changes.
+    /// Mutable references to the surfaces of all pairs.
     pub fn surfaces_mut(&mut self) -> impl Iterator<Item = &mut Surface> {
         self.0.iter_mut().map(|(_, _, meeting)| &mut meeting.surface)
     }
 }
 
-/// Elastic constants of a solid; only contact laws that derive their stiffness from materials read them.
+/// Elastic constants of a solid. Only contact laws whose stiffness follows from the material use them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Elasticity {
     /// [Pa] Young's modulus E.
@@ -143,12 +144,13 @@ pub struct Species {
     pub diameter: f64,
     /// [kg/m³] density ρ_p.
     pub density: f64,
-    /// [kg/m³] added mass over the volume of a sphere: gas that a sphere accelerates with itself. 0 if it is left out.
+    /// [kg/m³] added mass (inertia of the gas that a sphere accelerates) over the volume of the sphere. 0 if it is left
+    /// out.
     #[serde(skip_serializing_if = "is_zero")]
     pub added_density: f64,
-    /// Elasticity of the species; `None`: that of the contact law.
+    /// Elasticity of the species; `None` means the elasticity of the contact law.
     pub elasticity: Option<Elasticity>,
-    /// Distribution of the diameters; `None`: all are `diameter`.
+    /// Distribution of the diameters; `None` if all particles have the same diameter.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sizes: Option<SizeDistribution>,
     /// [-] moment of inertia about the centre over m r², where m is the mass without added mass: 2/5 of a solid sphere,
@@ -157,40 +159,40 @@ pub struct Species {
     pub inertia_factor: f64,
 }
 
-/// True if a moment of inertia is that of a solid sphere, of which a case needs to say nothing.
+/// True for the inertia factor of a solid sphere, which is the default and is not serialized.
 fn is_solid(factor: &f64) -> bool {
     *factor == SOLID_SPHERE
 }
 
-/// True if a species has no added mass, of which a case needs to say nothing.
+/// True if a species has no added mass, which is the default and is not serialized.
 fn is_zero(density: &f64) -> bool {
     *density == 0.0
 }
 
 impl Species {
-    /// A species of solid spheres of one size: diameter [m] and density [kg/m³].
+    /// Makes a species of solid spheres of one size, from the diameter [m] and the density [kg/m³].
     pub fn new(name: impl Into<String>, diameter: f64, density: f64) -> Self {
         let (name, elasticity, sizes) = (name.into(), None, None);
         Self { name, diameter, density, added_density: 0.0, elasticity, sizes, inertia_factor: SOLID_SPHERE }
     }
 
-    /// [m³] volume of one sphere, π d³/6; the mean volume where sizes differ.
+    /// [m³] volume of one sphere, π d³/6; the mean volume if sizes differ.
     pub fn volume(&self) -> f64 {
         std::f64::consts::PI / 6.0 * self.diameter.powi(3)
     }
 
-    /// [kg/m³] mass that a force accelerates, over the volume of a sphere: density plus added mass.
+    /// [kg/m³] inertial mass of a sphere (its mass plus the added mass), divided by its volume.
     pub fn inertial_density(&self) -> f64 {
         self.density + self.added_density
     }
 
-    /// [kg] mass of one sphere with its added mass; the mean mass where sizes differ.
+    /// [kg] mass of one sphere with its added mass; the mean mass if sizes differ.
     pub fn mass(&self) -> f64 {
         self.inertial_density() * self.volume()
     }
 
-    /// [-] moment of inertia about the centre over m r², where m is the mass with added mass: gas around a sphere that
-    /// only rotates is not accelerated.
+    /// [-] moment of inertia about the centre over m r², where m includes the added mass. A rotating sphere accelerates
+    /// no gas, so the moment of inertia is that of the sphere alone.
     pub fn factor_with_added_mass(&self) -> f64 {
         self.inertia_factor * (self.density / self.inertial_density())
     }
@@ -205,7 +207,7 @@ impl Species {
         self.sizes.as_ref().map_or(self.diameter, SizeDistribution::largest)
     }
 
-    /// A copy of the species in which all particles have one diameter [m].
+    /// Returns a copy of the species in which all particles have one diameter [m].
     pub fn of_one_size(&self, diameter: f64) -> Self {
         Self { diameter, sizes: None, ..self.clone() }
     }
@@ -237,30 +239,38 @@ pub struct Scene {
     /// [m/s²] acceleration of the particles by gravity. With [buoyancy](Self::add_buoyancy), it is the acceleration of
     /// the densest species by weight and buoyancy.
     pub gravity: Vector3<f64>,
-    /// The gas with its velocity profile and drag law; `None`: no gas, no drag code runs.
+    /// The gas with its velocity profile and drag law; `None` if the scene has no gas.
     pub fluid: Option<Fluid>,
     /// Walls, each with its own surface.
     pub walls: Vec<Wall>,
-    /// Surface between particles, where `pairs` holds no other.
+    /// Surface between particles, for pairs of species that are not in `pairs`.
     pub contact: Surface,
-    /// Pairs of species, and of species and walls, with contact properties of their own.
+    /// Particular contact properties of pairs of species, and of pairs of a species and a wall.
     #[serde(skip_serializing_if = "Pairs::is_empty")]
     pub pairs: Pairs,
-    /// Kinds of particles; `Particles::species` points here.
+    /// Species of the particles; `Particles::species` contains indices into this list.
     pub species: Vec<Species>,
-    /// Tangential behaviour of spheres that rotate; `None`: no sphere rotates, and friction has no memory.
+    /// Tangential behaviour of spheres that rotate; `None` if no sphere rotates, and friction then has no memory.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotation: Option<Rotation>,
 }
 
 impl Scene {
-    /// [m³] volume available to particles: the domain, or the smallest vessel in it.
+    /// The scene with the images of a sheared box at the places of a time [s]. Without shear it is the scene itself.
+    pub fn at(&self, time: f64) -> Cow<'_, Self> {
+        match self.domain.at(time) {
+            Cow::Borrowed(_) => Cow::Borrowed(self),
+            Cow::Owned(domain) => Cow::Owned(Self { domain, ..self.clone() }),
+        }
+    }
+
+    /// [m³] volume available to particles: the volume of the domain, or of the smallest vessel in it.
     pub fn room(&self) -> f64 {
         let vessels = self.walls.iter().filter_map(|wall| wall.geometry.law().vessel_volume(&self.domain.size));
         vessels.fold(self.domain.volume(), f64::min)
     }
 
-    /// Gives particles what they need to rotate, if spheres of the scene do.
+    /// Adds spins and moments of inertia to the particles, if spheres of the scene rotate.
     pub fn let_rotate(&self, particles: &mut Particles) {
         if self.rotation.is_some() {
             particles.let_rotate(&self.species.iter().map(Species::factor_with_added_mass).collect::<Vec<_>>());
@@ -281,8 +291,9 @@ impl Scene {
         surfaces.for_each(|surface| surface.represent(speed));
     }
 
-    /// Kinds of impacts that can happen, each once; where sizes are spread, of mean spheres. `shear_ratio` gives the
-    /// ratio of Mindlin's stiffness of two bodies with these elasticities to Hertz's elastic constant [-].
+    /// All kinds of impacts in the scene, each listed once. If sizes differ, the kinds are those of spheres of the mean
+    /// volume. `shear_ratio` returns the ratio [-] of Mindlin's stiffness to Hertz's elastic constant for two
+    /// elasticities.
     pub fn impact_kinds(&self, shear_ratio: impl Fn([Option<Elasticity>; 2]) -> f64) -> Vec<ImpactKind> {
         let species = |species: u16| &self.species[usize::from(species)];
         let body = |of: u16| {
@@ -336,7 +347,7 @@ impl Scene {
         self.pairs.find(species, other).map_or_else(|| self.usual(other), |meeting| &meeting.surface)
     }
 
-    /// Surface of a kind towards all kinds for which `pairs` holds no other.
+    /// Default surface of a kind, for pairs that are not in `pairs`.
     #[inline]
     fn usual(&self, other: Kind) -> &Surface {
         match other {
@@ -345,21 +356,21 @@ impl Scene {
         }
     }
 
-    /// Every pair of species, the first not after the second, with its contact properties.
+    /// All pairs of species with their contact properties. Each pair is listed once, the smaller index first.
     pub fn meetings(&self) -> impl Iterator<Item = (u16, u16, Meeting)> {
         let count = self.species.len() as u16;
         let each = move |one| (one..count).map(move |other| (one, other, self.meeting(one, Kind::Species(other))));
         (0..count).flat_map(each)
     }
 
-    /// Every species and wall, with their contact properties.
+    /// All pairs of a species and a wall, with their contact properties.
     pub fn meetings_at_walls(&self) -> impl Iterator<Item = (u16, u32, Meeting)> {
         let (count, walls) = (self.species.len() as u16, self.walls.len() as u32);
         let each = move |one| (0..walls).map(move |wall| (one, wall, self.meeting(one, Kind::Wall(wall))));
         (0..count).flat_map(each)
     }
 
-    /// Every species, with the stiffness of contacts between its own particles over that of the contact law [-].
+    /// All species, each with the stiffness of contacts between its own particles over that of the contact law [-].
     pub fn alike(&self) -> impl Iterator<Item = (&Species, f64)> {
         (0..).zip(&self.species).map(|(index, species)| {
             (species, self.meeting(index, Kind::Species(index)).stiffness_of(0.5 * species.mass()))
@@ -376,8 +387,8 @@ impl Scene {
         self.species.iter().map(Species::largest).fold(0.0, f64::max)
     }
 
-    /// Two copies of the scene, with all particles at their smallest and at their largest diameter; only one copy if
-    /// every species has one size.
+    /// Two copies of the scene: all particles have their smallest diameter in one copy, and their largest in the other.
+    /// Only one copy if every species has one size.
     pub fn at_extremes(&self) -> Vec<Self> {
         if !self.has_sizes() {
             return vec![self.clone()];
@@ -389,7 +400,7 @@ impl Scene {
         vec![with(Species::smallest), with(Species::largest)]
     }
 
-    /// True if the diameters of any species are spread.
+    /// True if the particles of any species differ in diameter.
     pub fn has_sizes(&self) -> bool {
         self.species.iter().any(|species| species.sizes.is_some())
     }
@@ -416,8 +427,8 @@ impl Scene {
         constant(self.meetings_at_walls().map(|(_, _, meeting)| meeting.surface))
     }
 
-    /// Surfaces between particles and surfaces at walls; for `particles` < 2 those at walls alone. Without a species
-    /// they are the general ones of the case.
+    /// All surfaces of the scene: those at walls and, if `particles` > 1, those between particles. If the scene has no
+    /// particular pairs, the list contains the surface of each wall and the surface `contact`.
     pub fn surfaces(&self, particles: usize) -> Vec<Surface> {
         if self.pairs.is_empty() {
             let walls = self.walls.iter().map(|wall| wall.surface);

@@ -1,9 +1,9 @@
 //! Schedule of a run: the lengths of windows and the times of samples. A window is the time between two exchanges of
 //! momentum with the gas (drag kicks). At a sample, measurements are taken.
 //!
-//! The schedule depends on the scene, not on the model. So drag is split from motion in the same way in all engines,
-//! and samples are taken at equal times. Windows may become longer during a run if drag is certain to slow the
-//! particles down. The slowing is computed from drag alone, which is equal in every model, and not from the particles.
+//! The schedule depends on the scene, not on the model. So all engines split drag from motion in the same way, and take
+//! samples at the same times. Windows may become longer during a run if drag is certain to slow the particles down. The
+//! slowing is computed from the drag law alone, which is equal in every model, and not from the moving particles.
 
 use crate::experiment::{Amount, Experiment, Population};
 use crate::fluid::Profile;
@@ -14,34 +14,34 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// [-] relative change of the mean velocity and the agitation that the splitting of drag from motion may cause.
+/// [-] largest allowed relative change of the mean velocity and the agitation by the splitting of drag from motion.
 /// Standard errors of long runs are ten times as large.
 pub const SPLITTING: f64 = 1e-4;
 
-/// [-] relative change that the splitting may cause in the response of a single particle to the gas. It is smaller than
-/// `SPLITTING`, because a single particle has no scatter that hides the change.
+/// [-] largest allowed relative change of the response of a single particle to the gas by the splitting. It is smaller
+/// than `SPLITTING`, because a single particle has no scatter that hides the change.
 pub const SPLITTING_ALONE: f64 = 1e-5;
 
-/// [-] largest distance between the path within a window and the parabola that it stands for, divided by the smallest
-/// diameter. It has the size of [`SPLITTING_ALONE`].
+/// [-] largest distance between the computed path within a window and the exact parabola, divided by the smallest
+/// diameter. The value is that of [`SPLITTING_ALONE`].
 const SAG: f64 = 1e-5;
 
 /// Number of windows in a run without drag, with one sample each.
 const PIECES: f64 = 200.0;
 
-/// Number of collisions of each particle between two samples, in an elastic gas without drag. After so many collisions
-/// the velocities are independent, and a sample costs little compared with the collisions.
+/// Number of collisions of each particle between two samples, in an elastic gas without drag. After this number of
+/// collisions the velocities are independent, and the cost of a sample is small compared with that of the collisions.
 const COLLISIONS: f64 = 5.0;
 
-/// Largest number of samples in an elastic gas without drag. More samples would take much memory and contain little
-/// more information.
+/// Largest number of samples in an elastic gas without drag. More samples would take much memory and add little
+/// information.
 const MOST_SAMPLES: f64 = 1e5;
 
-/// Largest number of particles whose paths are stored. A reader can still distinguish so many in a picture.
+/// Largest number of particles whose paths are stored; more paths could not be distinguished in a picture.
 pub const MOST_FOLLOWED: usize = 50;
 
-/// Number of rows of a curve over time at instants that are common to all variants. Paths of few bodies have as many
-/// instants.
+/// Number of rows of a curve over time, if variants with different sample times share common instants. The second
+/// constant is for runs of at most `MOST_FOLLOWED` particles, whose paths are stored.
 const ROWS: f64 = 200.0;
 const ROWS_OF_FEW: f64 = 1000.0;
 
@@ -51,14 +51,14 @@ const SAMPLES_PER_RESPONSE: f64 = 20.0;
 /// Largest number of times that the length of windows may be doubled in a run.
 const DOUBLINGS: usize = 4;
 
-/// [-] ratio of the longest window to the length of the run; longer windows would be visible in time series.
+/// [-] largest ratio of the longest window to the duration of the run; longer windows would be visible in time series.
 const SHARE: f64 = 1e-3;
 
-/// [-] growing windows are used if they save at least this share of the windows of a run.
+/// [-] smallest fraction of the windows of a run that growing windows must save to be used.
 const WORTH: f64 = 0.1;
 
-/// Windows of a run and samples between them. All windows are equal, or several of the shortest windows are merged into
-/// one from a certain sample on.
+/// Windows of a run and samples between them. Either all windows are equal, or the shortest windows are merged into
+/// longer ones from certain samples on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Schedule {
     /// [s] window h. If windows grow, it is the first and shortest window.
@@ -68,7 +68,7 @@ pub struct Schedule {
     /// Number of samples, without the one at the start.
     pub samples: u64,
     /// Numbers of the samples from which on two, four, eight and sixteen of the shortest windows are merged into one.
-    /// `None` if so many are never merged.
+    /// `None` if the run has no windows of that length.
     pub longer: [Option<u64>; DOUBLINGS],
     /// [s] time between two instants, counted from the start, at which windows must also end because all particles are
     /// written.
@@ -110,7 +110,7 @@ impl Schedule {
             (least(&mut drag.iter().map(DragScales::longest_window)), response / SAMPLES_PER_RESPONSE)
         };
         let allowed = allowed.min(longest_with_kicks_of_buoyancy(&experiment.scene));
-        let allowed = allowed.min(longest_for_eddies(experiment));
+        let allowed = allowed.min(longest_for_eddies(experiment)).min(longest_for_coupling(experiment));
         let longest = experiment.run.window.unwrap_or(allowed).min(duration);
         // windows are shortened if samples are requested more often than windows end
         let interval = experiment.statistics.sample_interval.unwrap_or(often.max(longest)).min(duration);
@@ -120,13 +120,13 @@ impl Schedule {
         let window = duration / (samples * windows_per_sample);
         let instants = experiment.run.instants;
         let even = Self { instants, ..Self::even(window, windows_per_sample as u64, samples as u64) };
-        // a run without end can have more windows than an integer counts exactly
+        // an extremely long run can have more windows than a double counts exactly
         let countless = samples * windows_per_sample > 1e15;
         if experiment.run.window.is_some() || countless { even } else { even.growing(experiment) }
     }
 
-    /// Schedule in which windows grow while drag slows the particles down, if such windows save enough work. Otherwise
-    /// returns this schedule.
+    /// Schedule whose windows grow while drag slows the particles down, if this saves enough windows. Otherwise returns
+    /// this schedule unchanged.
     fn growing(self, experiment: &Experiment) -> Self {
         let Some(slowing) = Slowing::of(experiment) else { return self };
         let most = SHARE * experiment.run.duration;
@@ -153,7 +153,7 @@ impl Schedule {
         best.filter(|best| (best.windows() as f64) < (1.0 - WORTH) * self.windows() as f64).unwrap_or(self)
     }
 
-    /// Number of the shortest windows that are merged into the next window, after `done` shortest windows.
+    /// Number of the shortest windows that make up the next window. `done` of the shortest windows precede it.
     pub fn together(&self, done: u64) -> u64 {
         let sample = done / self.windows_per_sample.max(1);
         1 << self.longer.iter().flatten().filter(|first| **first <= sample).count()
@@ -184,8 +184,8 @@ impl Schedule {
         windows + (self.samples - from) * each
     }
 
-    /// [s] allowance for the rounding of a time: a millionth of a window. The product of a number of 1e9 windows and
-    /// their length has an error of 1e-7 of a window.
+    /// [s] allowance for rounding errors of a time: a millionth of a window. For comparison, the product of a number of
+    /// 1e9 windows and their length has a rounding error of 1e-7 of a window.
     pub fn rounding(&self) -> f64 {
         1e-6 * self.window
     }
@@ -197,7 +197,7 @@ impl Schedule {
         let Some(every) = self.instants else { return ScheduleStep::Windows(to_sample) };
         let (window, end) = (self.window * together as f64, (done + together) as f64 * self.window);
         let number = ((now + self.rounding()) / every).floor() + 1.0;
-        // the quotient may have been rounded down: the number then belongs to the present instant
+        // if rounding has reduced the quotient, `number` belongs to the present instant instead of the next one
         let mut number = if number * every <= now + self.rounding() { number + 1.0 } else { number };
         if now > done as f64 * self.window + self.rounding() {
             let instant = number * every;
@@ -247,7 +247,7 @@ impl Schedule {
 ///
 /// The second error is found as follows. During the fall the speed w changes at the rate g - D(w), with the
 /// deceleration D by drag. Strang's splitting gives an error of at most h² g ((D'² - D D'')/24 + g D''/12), from its
-/// double commutators. Once drag carries the weight, the relative error of the speed is less than (h D')²/24. Before
+/// double commutators. Once drag balances the weight, the relative error of the speed is less than (h D')²/24. Before
 /// that, the last term dominates. The integral of this term over the fall, with D = 0 and w = g t, is the second error.
 #[derive(Clone, Copy, Debug)]
 struct DragScales {
@@ -367,9 +367,9 @@ impl<'a> Slowing<'a> {
     }
 }
 
-/// [s] longest window if buoyancy gives species of different densities different accelerations, so that kicks add the
-/// differences; infinite if it does not. With a difference b [m/s²] the path within a window of length h differs by at
-/// most b h²/8 from a parabola. This distance is at most a [`SAG`] of the smallest diameter.
+/// [s] longest window if buoyancy accelerates species of different densities differently, so that kicks add the
+/// differences. Infinite if all accelerations are equal. With a difference b [m/s²] the path within a window of length
+/// h differs by at most b h²/8 from a parabola. This distance is at most a [`SAG`] of the smallest diameter.
 fn longest_with_kicks_of_buoyancy(scene: &Scene) -> f64 {
     let largest = scene.differences_in_gravity().iter().map(|difference| difference.norm()).fold(0.0, f64::max);
     if largest > 0.0 { (8.0 * SAG * scene.smallest_diameter() / largest).sqrt() } else { f64::INFINITY }
@@ -391,8 +391,31 @@ pub fn longest_for_eddies(experiment: &Experiment) -> f64 {
     (12.0 * SPLITTING).sqrt() / rates.fold(0.0, f64::max)
 }
 
-/// [1/s] collision rate of each particle in an elastic gas that nothing drives, whose agitation is constant; 0 for all
-/// other scenes.
+/// [-] largest share of the slip that a gas loses to the particles within a window. The gas stands still in a kick, so that
+/// an exchange is explicit: it is stable below 2, and of first order in this share.
+const EXCHANGED: f64 = 0.1;
+
+/// [s] longest window in which a gas feels the particles; infinite in a frozen gas. The slip of the gas decays at the rate
+/// Σ(m/τ)/(ρ_f V) with the volume V of the gas, and a window lasts a tenth of its inverse.
+pub fn longest_for_coupling(experiment: &Experiment) -> f64 {
+    let scene = &experiment.scene;
+    let Some(fluid) = scene.fluid.as_ref().filter(|fluid| fluid.coupling.is_some()) else { return f64::INFINITY };
+    let Some(drag) = &fluid.drag else { return f64::INFINITY };
+    let volume = match &fluid.profile {
+        Profile::Pipe(pipe) => PI * pipe.radius().powi(2) * scene.domain.size.z,
+        Profile::Uniform(_) | Profile::Tabulated(_) | Profile::Channel(_) | Profile::LogLaw(_) => scene.domain.volume(),
+    };
+    let kinds = scene.species.iter().zip(experiment.counts());
+    let exchange = kinds.map(|(species, count)| {
+        let sphere = fluid.sphere(species).among(experiment.fraction_for_drag());
+        let slip = terminal_slip(drag, &sphere, scene.gravity_of(species).norm());
+        count as f64 * species.mass() / drag.law().response_time(&sphere, slip)
+    });
+    EXCHANGED * fluid.density * volume / exchange.sum::<f64>()
+}
+
+/// [1/s] collision rate of each particle in an elastic gas without gravity and drag, whose agitation is constant; 0 for
+/// all other scenes.
 fn steady_rate(experiment: &Experiment) -> f64 {
     let scene = &experiment.scene;
     let surfaces = scene.surfaces(experiment.count());
@@ -422,8 +445,7 @@ pub fn align(experiments: &mut [&mut Experiment]) {
     let few = experiments.iter().all(|one| one.count() <= MOST_FOLLOWED);
     let wanted = longest / if few { ROWS_OF_FEW } else { ROWS };
     for one in experiments {
-        // if the case gives instants already, the common interval is shortened so that the given interval is a whole
-        // multiple of it
+        // the given interval must be a whole multiple of the common interval, which is shortened for this purpose
         let parts = one.run.instants.map(|every| every / (every / wanted - 1e-9).ceil().max(1.0));
         one.run.instants = Some(parts.unwrap_or(wanted));
     }

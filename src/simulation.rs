@@ -5,6 +5,7 @@
 //! kick is the exact solution of the drag law for constant gas velocity, so two half-kicks equal one whole kick.
 
 mod contacts;
+mod coupling;
 mod engines;
 mod kick;
 mod lift;
@@ -27,6 +28,7 @@ use crate::drag::{Kick, Sphere};
 use crate::engine::distributed::Distributed;
 use crate::engine::{Counters, Engine, Failure, Window};
 use crate::experiment::{Experiment, Integrator};
+use crate::fluid::LoadedFlow;
 use crate::particles::{Particles, Sample};
 use crate::predict::energy::{Bound, broken_contract, too_long};
 use crate::record::{Ledger, Record};
@@ -36,12 +38,13 @@ use lift::LiftKick;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use share::{GatheredParticles, Order, SharedSimulation};
+use std::borrow::Cow;
 use std::time::Duration;
 use totals::SimulationTotals;
 use turbulence::TurbulentKick;
 
-/// Smallest number of particles for which the drag law is tabulated. Making the table takes as long as some dozen kicks
-/// of so many particles, and a run makes hundreds of kicks.
+/// Smallest number of particles for which the drag law is tabulated. Making the table takes as long as several dozen
+/// kicks of this number of particles, and a run makes hundreds of kicks.
 const TABULATE: usize = 1000;
 
 /// A simulation of one variant: the particles, the engine that moves them, and the records of the run.
@@ -69,7 +72,7 @@ const TABULATE: usize = 1000;
 /// # Ok::<(), diptych::Failure>(())
 /// ```
 pub struct Simulation {
-    /// Particles that this process holds.
+    /// Particles stored in this process.
     pub particles: Particles,
     /// Collisions and other records since the start.
     pub record: Record,
@@ -85,6 +88,8 @@ pub struct Simulation {
     /// Seed of the random numbers of the run.
     seed: u64,
     spheres: Vec<Sphere>,
+    /// Gas that feels the particles; `None` if the gas of the scene is frozen.
+    loaded_flow: Option<Box<LoadedFlow>>,
     /// Kicks that were used last: for half a window and for a whole window.
     kicks: Vec<Kick>,
     /// Sums over all particles of all processes.
@@ -93,20 +98,21 @@ pub struct Simulation {
     by_walls: Vector3<f64>,
     /// Connection to the other processes that share the run; `None` if there are no others.
     share: Option<SharedSimulation>,
-    /// Description of the particles gathered from all processes, while these replace those of the lead process.
+    /// Data of the particles gathered from all processes, as long as the gathered particles replace those of the lead
+    /// process.
     shown: Option<GatheredParticles>,
     /// True if the drag of the last window has been applied completely, so that velocities and positions belong to one
     /// time.
     half_kicked: bool,
-    /// Failure that is returned by the next run because the soft time step is too long.
+    /// Failure that the next run returns: a violated contract of the contact law, or a soft time step that is too long.
     refused: Option<Failure>,
     /// Limit of the growth of the energy by errors of the soft scheme.
     bound: Option<Bound>,
-    /// [J] elastic energy of the initial overlaps, until the engine has processed the start (soft).
+    /// [J] elastic energy of the initial overlaps, until the soft engine has processed the start.
     unseen: Option<f64>,
 }
 
-/// Wall time spent in each part of a simulation, by the given clock; zero without a clock.
+/// Wall time spent in each part of a simulation, measured by the clock of the simulation; zero without a clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SimulationTimes {
     /// Time spent in the engine.
@@ -132,13 +138,13 @@ impl Simulation {
         Self::of(experiment, particles, None)
     }
 
-    /// Creates a simulation of particles. With `others`, each process has a part of them.
+    /// Creates a simulation of particles. With `others`, `particles` is the part of them that this process has.
     fn of(experiment: &Experiment, particles: Particles, others: Option<&dyn Communicator>) -> Self {
         let sample = Sample::part(&particles, others);
         let totals = SimulationTotals::of(&sample);
         let (engine, step) = (engine(experiment, totals.count), soft_step(experiment, totals.count));
         let soft = experiment.model().has_contacts() && may_touch(experiment, totals.count);
-        // contacts that do not end give no limit: the step is then at most the whole run
+        // contacts that do not end set no limit: the step is then the duration of the run
         let step = step.min(experiment.run.duration);
         let may_run = experiment.soft.allow_unstable || experiment.soft.integrator == Integrator::Rk2;
         let broken = if soft { broken_contract(experiment, totals.count) } else { None };
@@ -170,8 +176,10 @@ impl Simulation {
             Some(fluid) => scene.species.iter().map(|species| fluid.sphere(species)).collect(),
             None => Vec::new(),
         };
+        let loaded_flow = scene.fluid.as_ref().and_then(|fluid| coupling::flow_at_start(fluid, &scene.domain));
         Self {
             totals,
+            loaded_flow: loaded_flow.map(Box::new),
             by_walls: Vector3::zeros(),
             share: None,
             shown: None,
@@ -214,8 +222,8 @@ impl Simulation {
     /// Runs `windows` windows of `window` [s] each. At the end, velocities and positions belong to the same time.
     ///
     /// # Errors
-    /// The engine's failure, an escape, an unstable soft time step, or an energy that grew beyond what the scheme
-    /// explains. The state is then the one at which the failure was detected.
+    /// A failure of the engine, a particle that left the domain, an unstable soft time step, or energy that grew more
+    /// than errors of the scheme explain. The state is then that at which the failure was detected.
     pub fn run(&mut self, windows: u64, window: f64) -> Result<(), Failure> {
         let result = self.run_while(windows, window, &mut |_, _| true).map(drop);
         self.show(1);
@@ -257,6 +265,9 @@ impl Simulation {
         }
         self.half_kicked = true;
         for k in 1..=windows {
+            if let Some(failure) = &self.refused {
+                return Err(failure.clone());
+            }
             self.advance(window)?;
             self.windows += 1;
             if k < windows && !go_on(self, k) {
@@ -290,8 +301,8 @@ impl Simulation {
         in_order(self.particles.clone(), &self.scene)
     }
 
-    /// Replaces the particles by those of [`state`](Self::state), without a copy. This method is for a simulation that
-    /// is over, because the engine requires its own order of the particles.
+    /// Replaces the particles by those of [`state`](Self::state), without a copy. Call this method only after the last
+    /// run, because the engine requires its own order of the particles.
     pub fn end(&mut self) {
         // the memory of the engine is freed before the particles are copied
         self.engine.forget();
@@ -302,6 +313,12 @@ impl Simulation {
     /// particles.
     pub fn mean_velocity(&self) -> Vector3<f64> {
         if self.totals.mass > 0.0 { self.totals.momentum / self.totals.mass } else { Vector3::zeros() }
+    }
+
+    /// Particles of this process with velocities relative to the mean flow of a sheared box; without shear, the particles
+    /// as they are.
+    pub fn relative_to_flow(&self) -> Cow<'_, Particles> {
+        self.particles.relative_to_flow(&self.scene.domain)
     }
 
     /// [kg] mass of all particles in all processes.
@@ -336,7 +353,7 @@ impl Simulation {
     }
 
     fn advance(&mut self, window: f64) -> Result<(), Failure> {
-        self.order(&Order::Advance(self.time, window));
+        self.order(&Order::Advance(self.time, window, self.loaded_flow.clone()));
         self.lift(0.5 * window, LiftKick::BeforeWindow);
         self.add_differences_in_gravity(0.5 * window);
         let began = self.clock.now();
@@ -356,6 +373,7 @@ impl Simulation {
         if !self.is_follower() {
             self.book_gravity(by_walls, [window, reached]);
         }
+        self.slide_images();
         self.add_differences_in_gravity(0.5 * window);
         self.lift(0.5 * window, LiftKick::AfterWindow);
         turbulence::mirror_at_walls(&mut self.particles, &self.scene, window);
@@ -365,16 +383,27 @@ impl Simulation {
         result
     }
 
-    /// Calls `show` during a run, with the missing half-kick of drag, `kick` [s], applied to the velocities. Afterwards
-    /// the velocities are restored, so that the next kick is a whole one and rounding does not depend on this call. If
-    /// each process has a part of the particles, all processes apply the half-kick.
+    /// Moves the images of a sheared box to their places at the present time. The particles that have crossed a sheared
+    /// side come back at the other side.
+    fn slide_images(&mut self) {
+        if self.scene.domain.shear.is_none() {
+            return;
+        }
+        self.scene.domain = self.scene.domain.at(self.time).into_owned();
+        self.record.ledger += self.particles.wrap(&self.scene.domain);
+        self.totals.momentum = self.particles.momentum();
+    }
+
+    /// Calls `show` during a run with the missing half-kick of drag applied to the velocities. `kick` [s] is the
+    /// duration of the half-kick. Afterwards the velocities are restored, so that the next kick is a whole one and this
+    /// call changes no rounding. If each process has a part of the particles, all processes apply the half-kick.
     pub fn look<T>(&mut self, kick: f64, show: impl FnOnce(&mut Self) -> T) -> T {
         let dragged = self.scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
         let kept = dragged.then(|| {
             let mut before = Particles::default();
             self.particles.keep_kicked(&mut before);
             before.eddies.clone_from(&self.particles.eddies);
-            (before, self.record.ledger.clone(), self.totals.momentum)
+            (before, self.record.ledger.clone(), self.totals.momentum, self.loaded_flow.clone())
         });
         let by_all = dragged && self.engine.is_cut();
         if by_all {
@@ -387,15 +416,16 @@ impl Simulation {
         if by_all {
             self.order(&Order::TakeBack);
         }
-        if let Some((mut before, ledger, momentum)) = kept {
+        if let Some((mut before, ledger, momentum, gas)) = kept {
             self.particles.take_back(&mut before);
             self.particles.eddies = before.eddies;
+            self.take_gas(gas);
             (self.record.ledger, self.totals.momentum) = (ledger, momentum);
         }
         answer
     }
 
-    /// Applies drag alone for the duration `duration` [s], as the kick with this number.
+    /// Applies drag alone for `duration` [s]; `number` is the number of the kick, which determines its random numbers.
     fn kick(&mut self, duration: f64, number: u64) {
         let Some(fluid) = &self.scene.fluid else { return };
         let Some(law) = &fluid.drag else { return };
@@ -418,6 +448,7 @@ impl Simulation {
         });
         let fractions = law.law().cells().map(|cells| self.fractions(cells));
         let kick = &self.kicks[place];
+        let before = self.slice_sums(Some((kick, fractions.as_ref())));
         let sums = match &fluid.turbulence {
             None => kick_among(&mut self.particles, &fluid.profile, kick, fractions.as_ref()),
             Some(turbulence) => {
@@ -427,6 +458,7 @@ impl Simulation {
                 TurbulentKick { profile, turbulence, kick, fractions, seed_and_number }.apply(&mut self.particles)
             }
         };
+        self.advance_gas(before, duration);
         self.book_kick(sums, |drag_impulse, drag_work| Ledger { drag_impulse, drag_work, ..Ledger::default() });
         self.spent.drag += self.clock.now() - began;
     }
@@ -436,6 +468,9 @@ impl Simulation {
         // this order also checks the first part of a window, before all particles are moved at once
         self.order(&Order::Check);
         self.collect_records();
+        if let Some(failure) = self.refused.as_ref().filter(|_| !self.is_follower()) {
+            return Err(failure.clone());
+        }
         if let Some(bound) = &self.bound {
             // the energy is checked first, since too much energy may be the reason why particles left the domain
             let uniform = self.counters().uniform_steps > 0;

@@ -1,6 +1,6 @@
 //! Data of an engine or an observer as bytes, which a checkpoint stores together with the state of the particles.
 //!
-//! Only the type that was stored can be read from the bytes. The format is that of the library `postcard`: numbers keep
+//! The bytes can be read only as the type that was stored. The format is that of the library `postcard`: numbers keep
 //! all of their bits, and the bytes contain no names or types. Code that writes the bytes to a file adds a version and
 //! a checksum.
 
@@ -20,13 +20,13 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Stored(Vec<u8>);
 
-/// The error for data that cannot be stored, or for bytes that do not belong to the requested type.
+/// Error: data cannot be stored, or bytes do not belong to the requested type.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("stored data do not fit: {0}")]
 pub struct StoreError(#[from] postcard::Error);
 
 impl StoreError {
-    /// The error for bytes that can be read but do not belong to the requested type.
+    /// Error for bytes that can be read but do not belong to the requested type.
     pub(crate) fn misfit() -> Self {
         Self(postcard::Error::DeserializeBadEncoding)
     }

@@ -6,7 +6,7 @@ use diptych::placement::initial_state;
 use diptych::predict::flow::flows;
 use diptych::simulation::Simulation;
 
-/// A light sphere and a heavy one, far apart, in water without drag.
+/// Case of a light sphere and a heavy sphere, far apart, in water without drag.
 const WATER: &str = r#"
 [domain]
 size = ["100 mm", "100 mm", "100 mm"]
@@ -42,7 +42,8 @@ duration = "0.1 s"
 window = "0.1 ms"
 "#;
 
-/// A bubble in an ideal fluid rises with 2 g, a sphere of density ρ_p with g (ρ_f - ρ_p)/(ρ_p + ρ_f/2).
+/// A bubble in an ideal fluid rises with the acceleration 2 g, a sphere of density ρ_p with g (ρ_f - ρ_p)/(ρ_p +
+/// ρ_f/2).
 #[test]
 fn spheres_rise_and_fall_with_their_added_mass() {
     for model in [Model::Soft, Model::Hard, Model::Hybrid] {
@@ -51,10 +52,10 @@ fn spheres_rise_and_fall_with_their_added_mass() {
         simulation.run(1000, 1e-4).unwrap();
         let state = simulation.state();
         for (velocity, wanted) in state.velocity.iter().zip([10.0 * 900.0 / 600.0, -10.0 * 1500.0 / 3000.0]) {
-            // a thousand windows add a velocity of 1 m/s, each rounded
+            // a thousand windows add up to a velocity of 1 m/s, with one rounding each
             close("velocity", velocity.z, wanted * 0.1, 1000.0 * f64::EPSILON);
         }
-        // the work on both is their kinetic energy, which contains that of the water
+        // the work on both spheres equals the kinetic energy, including that of the water
         let work = simulation.record.ledger.gravity_work;
         close("work", simulation.particles.kinetic_energy(), work, 1e-12 * work);
         // moments of inertia are those of the spheres alone
@@ -63,7 +64,7 @@ fn spheres_rise_and_fall_with_their_added_mass() {
             close("inertia", *found, wanted, 1e-14 * wanted);
         }
     }
-    // a light sphere without added mass would rise with 9 g
+    // without added mass, the light sphere would rise with 9 g
     let bare = case(WATER, Model::Hard, &["fluid.added_mass=false"]).unwrap();
     close("without", bare.scene.gravity_of(&bare.scene.species[0]).z, 90.0, 1e-12);
 }

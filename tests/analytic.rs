@@ -1,4 +1,5 @@
-//! Impacts of two bodies, and of a sphere on a wall, against closed forms.
+//! Impacts of two bodies, and of a sphere on a wall, against closed-form solutions. Oracle X means section X of the
+//! catalogue of reference values.
 //!
 //! The tolerances allow for the truncation errors of the soft engine, with x = ω_0 Δt = π sqrt(1-ζ²)/N_c. The schemes
 //! are of second order (x²). A contact that is detected at the end of a step misses up to one step of the dashpot. The
@@ -12,8 +13,8 @@ use diptych::scene::Species;
 use diptych::simulation::Simulation;
 use nalgebra::Vector3;
 
-/// A head-on pair at 1 m/s after its contact. The contact begins `phase` (0, 1] of a step before the end of a step, and
-/// has N_c steps.
+/// Head-on pair at 1 m/s after its contact. The contact begins a fraction `phase` (0, 1] of a step before the end of a
+/// step, and lasts N_c steps.
 fn head_on_run(restitution: f64, steps_per_contact: f64, integrator: Integrator, phase: f64, k: f64) -> Simulation {
     let scene = empty([0.01, 0.01, 0.01], [false; 3], small(), surface(restitution, 0.0));
     let law = LinearSpring { stiffness: k };
@@ -58,15 +59,15 @@ fn contact_time_overlap_and_restitution_of_a_pair() {
             let mut mean = 0.0;
             let mut last = None;
             for phase in 1..=20 {
-                // centres 1.5 d apart, and a little more, so that the contact begins anywhere within a step
+                // centres 1.5 d apart, plus a fraction of a step, so that the contact begins anywhere within a step
                 let apart = 1.5 * d + dt * f64::from(phase) / 20.0;
                 let start =
                     [([0.005, 0.005, 0.005], [0.5, 0.0, 0.0]), ([0.005 + apart, 0.005, 0.005], [-0.5, 0.0, 0.0])];
                 let end = run(&scene, placed(&scene, &start), soft(3000.0, dt, integrator), 0.5 * d + 400.0 * dt, 1);
                 let seen = end.record.pairs.summary();
                 assert_eq!(seen.count, 1);
-                // the contact begins and ends at the ends of steps: an error of one step in 200 at either end, and the
-                // missed dashpot force
+                // a contact begins and ends at the ends of steps, with an error of up to one step in 200 each; the
+                // dashpot force of the missed part is missing
                 close("w0 Tc", seen.mean_duration.unwrap() * w0, contact_time, 0.01 * contact_time);
                 let got = seen.mean_maximum_overlap.unwrap() * d * w0;
                 close(&format!("overlap e={e} {integrator:?}"), got, overlap, overlap * (1e-4 + 2.0 * zeta * x));
@@ -95,7 +96,7 @@ fn overlap_history_follows_the_damped_oscillator() {
         let (w0, zeta) = (law.angular_frequency(0.5 * m), LinearSpring::damping_ratio(e));
         let w = w0 * (1.0 - zeta * zeta).sqrt();
         let dt = law.contact_time(0.5 * m, e) / 200.0;
-        // the touch is at the end of a step, so the error is that of the scheme alone
+        // the touch is at the end of a step, so that the error is that of the scheme alone
         let gap = 3.0 * dt;
         let start = [([0.005, 0.005, 0.005], [0.5, 0.0, 0.0]), ([0.005 + d + gap, 0.005, 0.005], [-0.5, 0.0, 0.0])];
         let mut simulation =
@@ -114,7 +115,8 @@ fn overlap_history_follows_the_damped_oscillator() {
         }
         let x = w0 * dt;
         println!("{integrator:?} e={e}: worst error {worst:.2e} of u0/w0");
-        // rounding decides if the step of first touch is in contact: an error of one dashpot step
+        // rounding decides whether the step of first touch belongs to the contact; the error is that of one step of the
+        // dashpot
         assert!(worst < x * x + 2.0 * zeta * x, "{integrator:?} e={e}: {worst}");
         assert!(deepest > 0.5);
     }
@@ -132,8 +134,8 @@ fn contact_times_of_the_papers_particles() {
     close("L wall", law(5000.0).contact_time(l, 1.0), 5.99986e-5, 1e-10);
 }
 
-/// True if the oscillation of a sphere grows at x = ω_0 Δt. The sphere is squeezed between two walls, so that it never
-/// leaves them.
+/// True if the oscillation of a sphere grows at x = ω_0 Δt. The sphere is squeezed between two walls, so that it always
+/// touches both.
 fn grows(restitution: f64, integrator: Integrator, x: f64) -> bool {
     // two springs and two dashpots act: ω_0² and γ double, so ζ is sqrt 2 times that of one wall
     let zeta = LinearSpring::damping_ratio(restitution) / 2.0f64.sqrt();
@@ -243,7 +245,7 @@ fn first_seen_overlap_is_uniform_and_knows_no_stiffness() {
         let dt = LinearSpring { stiffness: k }.contact_time(m, 1.0) / nc;
         let overlaps: Vec<f64> = (1..=100)
             .map(|i| head_on_run(1.0, nc, Integrator::VelocityVerlet, f64::from(i) / 100.0, k))
-            // the contact begins `phase` of a step after the end of a step: the rest of that step is overlap
+            // the overlap is the motion in the part of the step after the touch
             .map(|end| end.record.pairs.summary().mean_first_overlap.unwrap() * d / dt)
             .collect();
         let mean = overlaps.iter().sum::<f64>() / 100.0;
@@ -290,7 +292,8 @@ fn normal_restitution_is_the_one_asked_for() {
     }
 }
 
-/// One oblique impact: (vt, vn, e, mu, hard vt', soft vt' with the dashpot's force, which pulls at the end)
+/// Oblique impacts: (v_t, v_n, e, μ, v_t' of hard spheres, v_t' of soft spheres). The soft value includes the
+/// attractive dashpot force at the end of a contact.
 const OBLIQUE: [(f64, f64, f64, f64, f64, f64); 7] = [
     (1.0, 1.0, 1.0, 0.325, 0.350000, 0.350000),
     (1.0, 1.0, 0.94, 0.325, 0.369500, 0.369026),
@@ -326,7 +329,7 @@ fn friction_without_rotation_at_a_wall() {
             let v = end.particles.velocity[0];
             let got = 0.6 * v.x + 0.8 * v.z;
             println!("{integrator:?} vt={vt} e={e}: {got:.6}, oracle {want_soft}");
-            // friction is proportional to the normal impulse, which misses up to a step of the dashpot
+            // friction is proportional to the normal impulse, which lacks up to a step of the dashpot
             let tolerance = mu * vn * (x * x + 2.0 * zeta * x);
             close("soft", got, want_soft, if want_soft == 0.0 { mu * vn * x } else { tolerance });
             close("soft, across the slip", 0.8 * v.x - 0.6 * v.z, 0.0, 1e-13);
@@ -337,13 +340,13 @@ fn friction_without_rotation_at_a_wall() {
 
 #[test]
 fn friction_acts_on_the_relative_slip_of_a_pair() {
-    // oracle B4 in the frame of a pair: M u replaces m v, so relative velocities change equally
+    // oracle B4 for a pair: M u replaces m v, so that relative velocities change equally
     for (vt, vn, e, mu, want, _) in OBLIQUE {
         let scene = empty([0.01, 0.01, 0.01], [false; 3], small(), surface(e, mu));
         let d = small().diameter;
         let drift = Vector3::new(0.0, 0.7, -0.3);
         let velocity = |s: f64| (drift + Vector3::new(-s * 0.5 * vn, 0.0, s * 0.5 * vt)).into();
-        // the spheres are aimed so that the line of centres at touch is the x axis
+        // positions for which the line of centres at touch is the x axis
         let tau = 1e-5;
         let start = [
             ([0.005 + d + 0.5 * vn * tau, 0.005, 0.005 - 0.5 * vt * tau], velocity(1.0)),
@@ -360,7 +363,7 @@ fn friction_acts_on_the_relative_slip_of_a_pair() {
 
 #[test]
 fn no_slip_no_friction() {
-    // oracle B4: vt = 0 exactly must not give 0/0
+    // oracle B4: v_t = 0 exactly must not lead to 0/0
     for (engine, tolerance) in [
         (hard(), 1e-15),
         (soft(3000.0, 1e-8, Integrator::VelocityVerlet), 1e-2),
@@ -389,7 +392,7 @@ fn oblique_impact_of_two_sizes_without_rotation() {
     particles.push(centre - v2 * tau, v2, 0.75e-3, sizes[1].mass(), 1);
     let end = run(&scene, particles, hard(), 2.0 * tau, 1);
     for (got, want) in end.particles.velocity.iter().zip(&want) {
-        // the table of reference values has nine decimals
+        // the reference values have nine decimals
         assert!((got - want).norm() < 2e-9, "{got} {want}");
     }
     // the collision rule itself, without an engine

@@ -1,4 +1,4 @@
-//! Averages over blocks of time, and comparisons of such averages for which the right answer is known.
+//! Averages over blocks of time, and comparisons of such averages in cases with a known answer.
 
 use diptych::statistics::{Answer, Batches, Comparison, ErrorLevels, Observable, Parity, compare};
 use rand::SeedableRng;
@@ -8,7 +8,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 /// Number of slices of a profile.
 const SLICES: usize = 20;
 
-/// Number of samples of a series, from which blocks are made.
+/// Number of samples of a series. Blocks are made from these samples.
 const SAMPLES: usize = 480;
 const BLOCKS: usize = 20;
 
@@ -16,7 +16,7 @@ fn normal(random: &mut Xoshiro256PlusPlus) -> f64 {
     StandardNormal.sample(random)
 }
 
-/// Independent samples of unit variance about a mean.
+/// Independent samples with unit variance about a mean.
 fn white(mean: f64, random: &mut Xoshiro256PlusPlus) -> Vec<f64> {
     (0..SAMPLES).map(|_| mean + normal(random)).collect()
 }
@@ -26,14 +26,15 @@ fn profile(name: &'static str, parity: Parity, parts: Vec<Option<Batches>>) -> O
     Observable { name: name.into(), unit: "", places, parity, fixed_mean: false, scale: 10.0, scale_is: "10", parts }
 }
 
-/// A profile of independent slices about 10, each with a shift. Each mean over the run has the error 0.046.
+/// Profile of independent slices about 10, with a shift in each slice. The mean over the run has the standard error
+/// 0.046 in each slice.
 fn shifted(shift: impl Fn(usize) -> f64, random: &mut Xoshiro256PlusPlus) -> Observable {
     let part = |slice: usize| Batches::of_series(&white(10.0 + shift(slice), random), 1.0, 0.0);
     let parts = (0..SLICES).map(part).collect();
     profile("U", Parity::Even, parts)
 }
 
-/// Compares a shifted profile with one that is not shifted.
+/// Compares a shifted profile with an unshifted one.
 fn against(shift: impl Fn(usize) -> f64, margin: f64, seed: u64) -> Comparison {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let a = shifted(shift, &mut random);
@@ -47,8 +48,8 @@ fn blocks_are_means_in_the_order_of_time_and_end_where_they_are_cut() {
     let batches = Batches::of_series(&samples, 0.5, 3.0).unwrap();
     assert_eq!((batches.count(), batches.per_run, batches.from, batches.length), (21, 21, 3.5, 1.0));
     assert_eq!((batches.values[0], batches.blocks[0][0], batches.blocks[0][20]), (21.0, 1.5, 41.5));
-    // the last samples of blocks are at 4 s, 5 s, ...: by 8.6 s five blocks are complete, and by 24 s, the time of the
-    // last sample, all
+    // the last samples of blocks are at 4 s, 5 s, ...: five blocks are complete at 8.6 s, and all blocks at 24 s, the
+    // time of the last sample
     let cut = batches.until(8.6);
     assert_eq!(batches.until(24.0), batches);
     assert_eq!(batches.until(9.0).count(), 6);
@@ -68,7 +69,7 @@ fn slices_that_fluctuate_together_do_not_make_their_mean_surer() {
     let error = |parts: &[Batches]| Batches::join(parts).unwrap().project(&mean).estimate().unwrap().error.unwrap();
     let one = common.estimate().unwrap().error.unwrap();
     assert!((error(&vec![common; SLICES]) / one - 1.0).abs() < 1e-12, "the same twenty times is as sure as once");
-    // independent ones do, by sqrt(20) = 4.5; each error is known to some 15 %
+    // for independent slices the error of the mean is smaller by sqrt(20) = 4.5; each error is known to about 15 %
     let ratio = one / error(&own);
     assert!((3.0..6.5).contains(&ratio), "{ratio}");
 }
@@ -84,20 +85,20 @@ fn replicas_are_averaged_and_from_eight_on_each_is_a_block() {
     assert_eq!((few.count(), few.per_run), (3 * BLOCKS, BLOCKS));
     assert_eq!((many.count(), many.per_run), (8, 1));
     assert!((few.values[0] - mean(3)).abs() < 1e-12 && (many.values[0] - mean(8)).abs() < 1e-12);
-    // means of 0 to 7 scatter by 2.45: sqrt(6) over sqrt(8) is 0.87
+    // means of 0 to 7 have the standard deviation 2.45, and the mean of eight runs has the error sqrt(6)/sqrt(8) = 0.87
     let error = many.estimate().unwrap().error.unwrap();
     assert!((0.8..0.95).contains(&error), "{error}");
 }
 
 #[test]
 fn a_difference_within_the_margin_is_found_and_equivalent() {
-    // 0.3 of 10 is nine standard errors of the channel mean; the margin of 6 % is 0.6
+    // 0.3 is nine standard errors of the mean over the channel; the margin of 6 % of 10 is 0.6
     for seed in 0..20 {
         let comparison = against(|_| 0.3, 0.06, seed);
         let one = &comparison.judged[0];
         assert!(one.detected && one.answer == Answer::Equivalent && comparison.answer == Answer::Equivalent, "{one:?}");
         assert!((0.03..0.06).contains(&one.reached), "{}", one.reached);
-        // but within a margin of 2 % this difference is found
+        // but a margin of 2 % shows this difference
         assert_eq!(against(|_| 0.3, 0.02, seed).answer, Answer::Different);
     }
 }
@@ -105,7 +106,7 @@ fn a_difference_within_the_margin_is_found_and_equivalent() {
 #[test]
 fn a_difference_at_the_walls_alone_must_be_within_the_margin_there() {
     // three polynomials reproduce about nine tenths of a step in the outermost slices: their sum is within 1.95, the
-    // slice is not
+    // value of the slice is not
     for seed in 0..20 {
         let wall = |slice: usize| if slice == 0 || slice == SLICES - 1 { 2.0 } else { 0.0 };
         let comparison = against(wall, 0.195, seed);
@@ -124,7 +125,7 @@ fn what_has_no_errors_keeps_the_answer_open() {
     let [a, b] = [0, 1].map(|_| shifted(|_| 0.0, &mut random));
     let blind = |seed: u64| {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
-        // seven samples are too few for an error
+        // seven samples are too few for a standard error
         let part = || Batches::of_series(&[normal(&mut random); 7], 1.0, 0.0);
         profile("uu", Parity::Even, std::iter::repeat_with(part).take(SLICES).collect())
     };
@@ -135,15 +136,15 @@ fn what_has_no_errors_keeps_the_answer_open() {
     assert_eq!(compare(&[], &[], 0.1, ErrorLevels::default()).answer, Answer::Unresolved);
 }
 
-/// The smallest difference that a report says would be found, and the recommended length of a run, are right in 80 % of
-/// cases.
+/// In 80 % of cases, the smallest difference that a report promises to find is found, and the recommended duration of a
+/// run is sufficient.
 #[test]
 fn what_could_be_seen_and_what_would_do_is_said_rightly() {
     let pairs = 200;
     let usual = |seed: u64| against(|_| 0.0, 0.01, seed).judged[0].clone();
     let equal: Vec<_> = (0..pairs).map(usual).collect();
-    // two runs `stretch` times as long have errors smaller by sqrt(stretch), which is equivalent to a margin larger by
-    // it
+    // two runs that are longer by the factor `stretch` have errors smaller by sqrt(stretch); a margin larger by this
+    // factor is equivalent
     let enough = (0..pairs).filter(|&seed| {
         let one = &equal[seed as usize];
         against(|_| 0.0, 0.01 * one.stretch.sqrt(), seed).answer == Answer::Equivalent
@@ -152,13 +153,13 @@ fn what_could_be_seen_and_what_would_do_is_said_rightly() {
     let seen = equal.iter().map(|one| one.detectable * 10.0).sum::<f64>() / equal.len() as f64;
     let found = (0..pairs).filter(|&seed| against(|_| seen, 0.01, seed).judged[0].detected).count();
     println!("{enough} of {pairs} are equivalent as foretold; a shift of {seen:.3} is found in {found}");
-    // 80 % of 200 is 160, with a scatter of 6; the position with the largest error counts, so the length is enough more
-    // often
+    // 80 % of 200 is 160, with a standard deviation of 6; the recommendation is for the position with the largest
+    // error, so that the duration is sufficient more often
     assert!((150..=196).contains(&enough), "{enough}");
     assert!((140..=185).contains(&found), "{found}");
 }
 
-/// Compares a probability with one found by hand or by another program, to its printed digits.
+/// Compares a probability with a value found by hand or by another program, to the printed digits of the value.
 #[track_caller]
 fn same_chance(found: f64, expected: f64) {
     assert!((found / expected - 1.0).abs() < 1e-9, "{found:e} {expected:e}");
@@ -195,17 +196,17 @@ fn independent_runs_are_tested_as_the_textbooks_say() {
     assert_eq!(found.largest.unwrap().place, Some(0.0));
     same_chance(found.local_chance.unwrap(), 0.003_088_583_362_171_550_3);
     same_chance(found.smooth_chance, 5.311_850_085_136_161_4e-5);
-    // three tests were made
+    // three tests were made, so that their combined probability is larger
     same_chance(found.chance, 1.593_555_025_540_848_4e-4);
 }
 
-/// Two stated values are independent: the variance of their sum is the sum of their variances.
+/// Two given values are independent: the variance of their sum is the sum of their variances.
 #[test]
 fn stated_values_have_their_errors_and_are_independent() {
     for (one, other) in [(0, 1), (1, 2), (5, 1022)] {
         let (a, b) = (Batches::of_stated(3.0, 0.3, one), Batches::of_stated(-1.0, 0.4, other));
         let estimate = a.estimate().unwrap();
-        // the scatter of 1024 made-up runs gives the error itself, but for rounding
+        // the standard deviation of 1024 made-up runs gives the given error, except for rounding
         assert!((estimate.value - 3.0).abs() < 1e-12 && (estimate.error.unwrap() - 0.3).abs() < 1e-9, "{estimate:?}");
         let sum = Batches::join([&a, &b]).unwrap().project(&[vec![1.0, 1.0]]).estimate().unwrap();
         assert!((sum.value - 2.0).abs() < 1e-12 && (sum.error.unwrap() - 0.5).abs() < 1e-9, "{sum:?}");

@@ -1,4 +1,4 @@
-//! Walls that are not planes along an axis: bodies of the library parry, and tilted planes.
+//! Walls other than planes along an axis: bodies of the library parry, and tilted planes.
 
 use crate::support::*;
 use diptych::case::Case;
@@ -16,7 +16,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use std::f64::consts::PI;
 use std::path::Path;
 
-/// A scene with an obstacle in a wide box. Its surface is frictionless and has the restitution e.
+/// Scene with an obstacle in a wide box. The surface of the obstacle is frictionless and has the restitution e.
 fn obstacle(obstacle: Obstacle, e: f64) -> Scene {
     let mut scene = empty([20.0; 3], [false; 3], unit(), surface(1.0, 0.0));
     scene.walls = vec![Wall::new(WallGeometry::Obstacle(obstacle), surface(e, 0.0))];
@@ -25,13 +25,13 @@ fn obstacle(obstacle: Obstacle, e: f64) -> Scene {
 
 #[test]
 fn bounces_off_bodies() {
-    // v' = v - (1+e)(v.n) n at the point of touch, with v made of 1 against the normal and 0.2 along the surface
+    // v' = v - (1+e)(v.n) n at the point of touch; v is 1 against the normal, and 0.2 along the surface
     let e = 0.8;
     for (body, touch, n, curvature) in touches() {
         let scene = obstacle(body, e);
         let across = if n.x.abs() < 0.9 { Vector3::x() } else { Vector3::z() };
         let across = (across - n * n.dot(&across)).normalize();
-        // the sphere of radius 1/2 touches the body at this point at t = 1
+        // at t = 1 the sphere of radius 1/2 touches the body at this point
         let v = -1.0 * n + 0.2 * across;
         let start = touch + 0.5 * n - v;
         let want = v - (1.0 + e) * v.dot(&n) * n;
@@ -46,16 +46,16 @@ fn bounces_off_bodies() {
             end.particles.position[0]
         };
         for windows in [1, 7] {
-            // Positions of about 10 are known to 10 ε, a normal to that over the radius of curvature, the speed to
-            // (1+e) times the error of the normal; about ten operations.
+            // Rounding errors: 10 ε for positions of about 10; this error over the radius of curvature for a normal;
+            // (1+e) times the error of the normal for the speed. There are about ten operations.
             let rounding = 10.0 * 10.0 * f64::EPSILON * (1.0 + (1.0 + e) * curvature);
             let place = check("hard", hard(), windows, rounding);
             assert!((place - (touch + 0.5 * n + want)).norm() < 2.0 * rounding);
         }
-        // Soft spheres: during a contact the normal turns by the path along the surface over the radius of curvature,
-        // and the change of velocity turns at most with it; this turning adds as much to the path. With ω_0 Δt = x,
-        // uniform stepping detects the beginning late by up to a step, which adds x² to the energy. It also detects the
-        // end late, and until then the dashpot pulls at a rate of 2 γ. Local stepping has the error x⁴/120 π.
+        // Soft spheres: during a contact the normal turns by the path along the surface over the radius of curvature.
+        // The change of velocity turns by at most the same angle, and lengthens the path by as much. With ω_0 Δt = x,
+        // uniform stepping detects the beginning up to a step late, which adds x² to the energy. It also detects the
+        // end late, and until then the dashpot force pulls at a rate of 2 γ. Local stepping has the error x⁴/120 π.
         let (law, steps) = (LinearSpring { stiffness: 1e4 }, 200.0);
         let (contact, verlet) = (law.contact_time(1.0, e), Integrator::VelocityVerlet);
         let dt = contact / steps;
@@ -66,9 +66,9 @@ fn bounces_off_bodies() {
     }
 }
 
-/// Bodies with a point at which a sphere of radius 1/2 may touch them, the normal at this point, and the largest
-/// curvature [1/m] of the surface on which the sphere's centre then lies. The points are on the face, edge and corner
-/// of a box, and on the side and cap of a cylinder along each axis.
+/// Bodies, each with a point at which a sphere of radius 1/2 may touch it, the normal there, and the largest curvature
+/// [1/m] of the surface of possible centres of the sphere. The points are on the face, edge and corner of a box, and on
+/// the side and cap of a cylinder along each axis.
 fn touches() -> Vec<(Obstacle, Vector3<f64>, Vector3<f64>, f64)> {
     let centre = Vector3::new(10.0, 10.0, 10.0);
     let unit_of = |x: f64, y: f64, z: f64| Vector3::new(x, y, z).normalize();
@@ -120,7 +120,8 @@ fn a_gas_around_a_body_stays_outside_and_keeps_its_energy() {
 
 #[test]
 fn a_tilted_plane_is_a_plane() {
-    // the closed form in the frame of the plane, with gravity; for both engines, and for both steppings of the soft one
+    // the closed-form solution in the frame of the plane, with gravity; for both engines, and for both steppings of
+    // soft spheres
     let n = Vector3::new(0.3, 1.0, -0.2).normalize();
     let point = Vector3::new(10.0, 5.0, 10.0);
     let (e, mu) = (0.7, 0.1);
@@ -129,7 +130,7 @@ fn a_tilted_plane_is_a_plane() {
     scene.walls = vec![plane(point.into(), n.into(), surface(e, mu))];
     let v = Vector3::new(1.0, 0.0, 0.5);
     let start = point + 1.5 * n;
-    // gap 1 + (v.n) t + (g.n) t²/2
+    // the gap over time is 1 + (v.n) t + (g.n) t²/2
     let (b, a) = (v.dot(&n), scene.gravity.dot(&n));
     let t = (b + (b * b - 2.0 * a).sqrt()) / -a;
     let before = v + scene.gravity * t;
@@ -139,9 +140,9 @@ fn a_tilted_plane_is_a_plane() {
     let (law, verlet) = (LinearSpring { stiffness: 1e6 }, Integrator::VelocityVerlet);
     let contact = law.contact_time(1.0, e);
     let dt = contact / 400.0;
-    // Errors of the normal impulse (1+e) u: gravity acts during the contact; the beginning and the end are detected
+    // Errors of the normal impulse (1+e) u: gravity acts during the contact, and the beginning and the end are detected
     // late as in `bounces_off_bodies`. Friction is proportional to the normal force at every instant, and adds the
-    // fraction mu of these errors.
+    // fraction μ of these errors.
     let (u, x) = (along.abs(), law.angular_frequency(1.0) * dt);
     let local_error = 2.0 * contact + PI * x.powi(4) / 120.0 * u;
     let uniform_error = local_error + (x * x + 2.0 * law.damping(1.0, e) * dt) * u;
@@ -168,7 +169,7 @@ fn the_middle_of_a_body_is_as_deep_as_it_gets() {
         (Obstacle::cylinder(centre, 2, 1.5, 2.5), 1.5),
     ];
     for (body, depth) in bodies {
-        // the middle of the body exactly, and points so near it that squares vanish
+        // the exact middle of the body, and points so near it that squares of the distance underflow
         for off in [0.0, 1e-300, 1e-170, 1e-9] {
             let nearest = body.nearest(&(centre + Vector3::new(0.0, off, 0.0)));
             close(&format!("{body:?}"), nearest.distance, -depth, 2e-9);
@@ -196,8 +197,8 @@ fn spheres_in_the_middle_of_a_body_are_refused() {
     }
 }
 
-/// A sphere flies to and fro between a body and its periodic image. The windows are longer or shorter than its way to
-/// the body, and the parts into which a solver divides them begin on either side.
+/// A sphere flies back and forth between a body and the periodic image of the body. Windows are longer or shorter than
+/// this path, and the parts into which a solver divides a window begin on either side.
 #[test]
 fn bodies_stand_again_across_periodic_sides() {
     let ball = Species { name: "ball".into(), diameter: 0.2, ..unit() };
@@ -220,7 +221,7 @@ fn bodies_stand_again_across_periodic_sides() {
             for (name, engine) in
                 [("hard", hard()), ("islands", islands()), ("uniform", soft_uniform), ("local", soft_local)]
             {
-                // first 1.9 to the image on the left, then 8.8 from side to side: the fourth touch is after 28.3
+                // first 1.9 to the image on the left, then 8.8 between touches: the fourth touch is after 28.3
                 let start = placed(&scene, &[([1.0, 2.0, 2.0], [-10.0, 0.0, 0.0])]);
                 let what = format!("{:?}, {name}, {windows} windows", scene.walls[0].geometry);
                 let (simulation, result) = try_run(&scene, start, engine, 3.0, windows);
@@ -233,8 +234,8 @@ fn bodies_stand_again_across_periodic_sides() {
     }
 }
 
-/// A body may lie across a periodic side or a corner of the box. Motion around it is then the shifted motion around a
-/// body in the middle.
+/// A body may lie across a periodic side or a corner of the box. The motion around it is then the shifted motion around
+/// a body in the middle.
 #[test]
 fn a_body_in_a_periodic_side_is_a_body_in_the_middle() {
     let size = 6.0;
@@ -243,8 +244,8 @@ fn a_body_in_a_periodic_side_is_a_body_in_the_middle() {
             0 => WallGeometry::Obstacle(Obstacle::sphere(centre, 1.5)),
             1 => WallGeometry::Obstacle(Obstacle::cuboid(centre, Vector3::new(1.0, 1.5, 2.2))),
             _ => {
-                // wide at one end: of two images at equal distance of their centres, the surface of the wider end is
-                // nearer
+                // the body is wider at one end: of two images at equal distances of their centres, the one whose wider
+                // end is nearer has the nearer surface
                 let axle = RoundAxis { center: centre, axis: 0 };
                 WallGeometry::Frustum(Frustum { axle, radii: [1.8, 0.3], half_height: 2.2, solid: true })
             }
@@ -257,7 +258,7 @@ fn a_body_in_a_periodic_side_is_a_body_in_the_middle() {
     for body in 0..3 {
         for centre in [Vector3::new(0.0, 2.0, 3.0), Vector3::new(0.4, 5.9, 0.0)] {
             let (there, here) = (scene_with(centre, body), scene_with(middle, body));
-            // a random start that must avoid the images of the body too
+            // a random start, which must avoid the images of the body too
             let start = random(&there, 24, 1.0, 3);
             let seen = Repeated::all(&there.walls, &there.domain);
             for x in &start.position {
@@ -282,7 +283,7 @@ fn a_body_in_a_periodic_side_is_a_body_in_the_middle() {
                 assert_eq!(counts(&found), counts(&want), "{body}, {number}");
                 for (x, y) in found.particles.position.iter().zip(&want.particles.position) {
                     let off = here.domain.separation(&here.domain.wrap(&(x - centre + middle)), &here.domain.wrap(y));
-                    // rounding, which about ten impacts of each sphere amplify
+                    // rounding errors, amplified by about ten impacts of each sphere
                     assert!(off.norm() < 1e-6, "{body}, {number}: {:e}", off.norm());
                 }
             }
@@ -290,7 +291,7 @@ fn a_body_in_a_periodic_side_is_a_body_in_the_middle() {
     }
 }
 
-/// An [`Obstacle`] of a kind without bounds, so that engines always compute its distance.
+/// An [`Obstacle`] of a kind without bounds, so that engines compute its distance for every position.
 #[derive(Debug)]
 struct Unbound(Obstacle);
 
@@ -304,8 +305,8 @@ impl Geometry for Unbound {
     }
 }
 
-/// Spheres that fall among pins. A tree of bounds selects the pins whose distance is computed; start and run must have
-/// the bits of a computation with all pins.
+/// Spheres that fall among pins. A tree of bounds selects the pins whose distance is computed. Start and run must have
+/// the same bits as with the distances to all pins.
 #[test]
 fn what_is_found_in_a_tree_of_walls_is_what_all_walls_say() {
     let scene_of = |pin: fn(Obstacle) -> WallGeometry| {
@@ -314,7 +315,7 @@ fn what_is_found_in_a_tree_of_walls_is_what_all_walls_say() {
         for k in 0..48u32 {
             let at = |k: u32| 1.5 + 3.0 * f64::from(k);
             let centre = Vector3::new(at(k % 4), at(k / 4 % 4), at(k / 16) + 1.0);
-            // a block fills the whole box of bounds in the tree
+            // a block fills its whole box of bounds in the tree
             let body = if k % 2 == 0 {
                 Obstacle::sphere(centre, 0.6)
             } else {
@@ -339,7 +340,7 @@ fn what_is_found_in_a_tree_of_walls_is_what_all_walls_say() {
         || soft(1e4, 1e-3, Integrator::Rk2),
     ];
     for count in [120, 700] {
-        // few spheres are drawn again and again, many are pushed apart
+        // few spheres are placed again until they do not overlap; many spheres are pushed apart
         let starts = [&boxed, &asked].map(|scene| random(scene, count, 1.0, 5));
         assert!(starts[0].position == starts[1].position, "{count}");
         let [start, _] = starts;
@@ -349,8 +350,8 @@ fn what_is_found_in_a_tree_of_walls_is_what_all_walls_say() {
             assert_eq!(found.record.walls.count, want.record.walls.count, "{number}");
             assert!(found.particles.position == want.particles.position, "{number}");
         }
-        // A wall that both computations miss would show as an overlap: the calendar tests no wall that is out of reach,
-        // and no hard sphere may ever overlap a wall. Without gravity, walls are in reach from farther away
+        // A wall that both computations miss would show as an overlap, because no hard sphere may ever overlap a wall.
+        // The calendar does not test walls out of reach. Without gravity, the reach is longer.
         for gravity in [boxed.gravity, Vector3::zeros()] {
             let scene = Scene { gravity, ..boxed.clone() };
             let mut simulation = Simulation::with_engine(scene, start.clone(), Box::new(Hard::with_one_calendar()));
@@ -367,7 +368,7 @@ fn what_is_found_in_a_tree_of_walls_is_what_all_walls_say() {
     }
 }
 
-/// Among hundreds of pins, the tree finds all that are near a position and few others, in periodic boxes too.
+/// Among hundreds of pins, the tree finds all pins near a position and few others, also in periodic boxes.
 #[test]
 fn of_many_bodies_only_those_near_by_are_asked() {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(5);

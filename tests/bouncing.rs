@@ -1,4 +1,5 @@
-//! Spheres dropped on a floor and squeezed between walls, against closed forms (oracle C).
+//! Spheres dropped on a floor and squeezed between walls, against closed-form solutions (oracle C, section C of the
+//! catalogue of reference values).
 
 use crate::support::*;
 use diptych::engine::Failure;
@@ -30,8 +31,8 @@ fn apex(simulation: &Simulation) -> f64 {
 
 #[test]
 fn ball_dropped_on_a_soft_floor() {
-    // oracle C1: k, e, end of contact, speed then, deepest overlap, apex; the step divides the time of the fall, so
-    // that the contact begins at the end of a step
+    // oracle C1: k, e, end of contact, speed at this end, largest overlap, apex. The step divides the time of the fall,
+    // so that the contact begins at the end of a step
     let fall: f64 = 0.2856173962;
     for (k, e, end, speed, overlap, height) in [
         (1e4, 1.0, 0.39688654, 2.80094984, 0.10373022, 0.5),
@@ -67,8 +68,8 @@ fn ball_dropped_on_a_soft_floor() {
 
 #[test]
 fn energy_of_a_ball_in_a_deep_contact_is_booked_at_the_order_of_local_steps() {
-    // Half of a contact has passed. Gravity works on the momentum that the floor gives, which grows within each step. With
-    // friction the step is that of all contacts of an island, without friction that of a contact alone.
+    // Half of a contact has passed. Gravity does work on the momentum received from the floor, which grows within each
+    // step. With friction, the step is that of all contacts of an island, without friction that of a single contact.
     for friction in [0.0, 0.3] {
         for steps in [50.0, 100.0, 1000.0] {
             let (mut scene, ball) = dropped(mfix_ball(), 1.0, 0.5);
@@ -77,8 +78,8 @@ fn energy_of_a_ball_in_a_deep_contact_is_booked_at_the_order_of_local_steps() {
             let done = run(&scene, ball, local(5e4, time / steps, Integrator::VelocityVerlet), 0.31, 1);
             assert!(done.elastic_energy() > 0.3 * done.energy(), "the contact is deep");
             let residual = done.record.ledger.residual(0.0, done.energy()) / done.energy();
-            // a step of the classical Runge-Kutta method takes x^6/72 of the energy of an oscillator, with phase x; up to
-            // 0.6 of a contact has passed, and rounding is 1e-15 for each of its four stages
+            // with the phase x of a step, a step of the classical Runge-Kutta method takes x^6/72 of the energy of an
+            // oscillator; up to 0.6 of a contact has passed, and each of the four stages rounds by 1e-15
             let x = std::f64::consts::PI / steps;
             let bound = 0.6 * steps * (x.powi(6) / 72.0 + 4e-15);
             assert!(residual.abs() < bound, "{friction} {steps} {residual:e} {bound:e}");
@@ -88,7 +89,7 @@ fn energy_of_a_ball_in_a_deep_contact_is_booked_at_the_order_of_local_steps() {
 
 #[test]
 fn paper_sized_ball_dropped_on_a_floor() {
-    // oracle C1: S from 20 mm, k = 3000 N/m; some 400 steps in the contact
+    // oracle C1: S from 20 mm, k = 3000 N/m, about 400 steps per contact
     let fall = 0.06386599136;
     for (e, end, speed, overlap) in [
         (1.0, 0.0638769307, 0.6263114241, 2.18092345e-6),
@@ -148,7 +149,7 @@ fn bounces_of_a_stiff_soft_ball() {
 
 #[test]
 fn a_hard_ball_that_comes_to_rest_is_reported() {
-    // oracle C2: infinitely many bounces end at 5.426730529 s; whatever the window, and without a hang
+    // oracle C2: the infinite series of bounces ends at 5.426730529 s, for any window and without a hang
     for window in [1.0, 0.1, 1e-3, 1e-4] {
         let (scene, ball) = dropped(mfix_ball(), 0.9, 0.5);
         let windows = (6.0f64 / window).round() as u64;
@@ -195,7 +196,7 @@ fn two_stacked_particles_squeezed_between_walls() {
     ] {
         for integrator in BOTH {
             let (scene, particles) = build(e);
-            // some 5000 steps per contact: x² = 4e-7, a step of the dashpot 1e-4
+            // about 5000 steps per contact: x² = 4e-7, and the impulse of the dashpot in one step is 1e-4
             let end = run(&scene, particles, soft(1000.0, 5e-8, integrator), time, 1);
             let (x, v) = (&end.particles.position, &end.particles.velocity);
             let got = [x[0].y, v[0].y, x[1].y, v[1].y];
@@ -218,7 +219,7 @@ fn two_stacked_particles_squeezed_between_walls() {
 #[test]
 fn stepped_spheres_that_fall_alone_or_side_by_side_have_a_step_limit() {
     // Only the floor moves relative to the mean velocity. The sphere overlaps the floor by at most its motion in a
-    // step, v Δt <= θ d sqrt(3π/4), and its apex is off by no more
+    // step, v Δt <= θ d sqrt(3π/4), and the error of the apex is at most as large.
     let (theta, e, height, d) = (0.01, 0.9, 0.5, 0.2);
     let (scene, alone) = dropped(mfix_ball(), e, height);
     let row = [0.5, 1.0, 1.5].map(|x| ([x, height, 1.0], [0.0; 3]));
@@ -237,7 +238,7 @@ fn stepped_spheres_that_fall_alone_or_side_by_side_have_a_step_limit() {
             );
         }
     }
-    // without gravity, straight at the floor
+    // without gravity, a sphere thrown straight at the floor
     let (mut scene, mut thrown) = dropped(mfix_ball(), e, height);
     scene.gravity = Vector3::zeros();
     thrown.velocity[0] = Vector3::new(0.0, -10.0, 0.0);
@@ -248,7 +249,7 @@ fn stepped_spheres_that_fall_alone_or_side_by_side_have_a_step_limit() {
 
 #[test]
 fn books_of_a_run_that_stops_end_where_it_stops() {
-    // an infinite series of bounces in the middle of a window, and a soft floor with too deep an overlap
+    // an infinite series of bounces ends within a window, and the overlap with a soft floor becomes too large
     let (scene, ball) = dropped(mfix_ball(), 0.5, 0.5);
     for windows in [1, 7, 300] {
         let (done, result) = try_run(&scene, ball.clone(), hard(), 2.0, windows);
@@ -260,7 +261,7 @@ fn books_of_a_run_that_stops_end_where_it_stops() {
         let ledger = &done.record.ledger;
         close("work of gravity", ledger.gravity_work, ball.mass[0] * 9.80665 * 0.4, 1e-12);
         assert!(ledger.residual(0.0, done.energy()).abs() < 1e-12 * ledger.gravity_work, "{ledger:?}");
-        // the impulse of the wall equals that of the weight, because at the end hardly anything moves
+        // the impulse of the wall balances that of the weight, because the sphere hardly moves at the end
         close("impulse of gravity", ledger.gravity_impulse.y, -ledger.wall_impulse.y, 1e-6 * ball.mass[0]);
     }
     let dt = 1e-4;
@@ -268,7 +269,7 @@ fn books_of_a_run_that_stops_end_where_it_stops() {
     let Err(why @ Failure::OverlapTooLarge { .. }) = result else { panic!("{result:?}") };
     assert_eq!(done.time, why.time());
     let fallen = 0.5 - done.particles.position[0].y;
-    // the ledger is computed from the momentum; the last step of the contact force is missing in it
+    // the ledger is computed from the momentum, without the contact force of the last step
     let force = 100.0 * 0.2 * dt * 9.80665 * done.time;
     close("work of gravity", done.record.ledger.gravity_work, ball.mass[0] * 9.80665 * fallen, 2.0 * force);
 }
@@ -286,16 +287,16 @@ fn hard_spheres_with_a_contact_time_start_at_rest_on_one_another() {
             let (done, result) = try_run(&scene, start.clone(), engine, 3e-3, windows);
             assert_eq!(result, Ok(()), "{count} spheres, e = {e}, {windows} windows");
             let ledger = &done.record.ledger;
-            // each sphere keeps moving by the height to which a sphere rises that leaves the wall at g t_c/4, times the
-            // number of such speeds that may add up
+            // each sphere keeps moving by the rise of a sphere that leaves the wall at g t_c/4, times the number of
+            // such speeds that may add up
             let rise = g * contact_time * contact_time / 32.0;
             for (x, y) in done.particles.position.iter().zip(&start.position) {
                 assert!(x.y - y.y > -1e-13 && x.y - y.y < 20.0 * count as f64 * rise, "{:e} {rise:e}", x.y - y.y);
             }
-            // the floor carries the spheres, to within the momentum that they may have
+            // the impulse of the floor carries the weight, except for the momentum that the spheres may have
             let weight = start.mass.iter().sum::<f64>() * g * 3e-3;
             close("impulse", ledger.wall_impulse.y, weight, 0.05 * weight);
-            // momenta are known to the rounding of the weight's impulse, energies to that times the speed
+            // momenta have the rounding error of the weight's impulse; energies have this error times the speed
             let rounding = weight * g * contact_time * 1e-9;
             assert!(ledger.residual(0.0, done.energy()).abs() < rounding, "{ledger:?}");
         }

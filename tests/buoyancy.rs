@@ -1,4 +1,5 @@
-//! Buoyancy: falls against MFIX and against closed forms, mixtures of densities, the ledger, threads and processes.
+//! Buoyancy: falling spheres against MFIX and closed-form solutions, mixtures of densities, the ledger, threads and
+//! processes.
 
 use crate::soak::{Crowd, books, crowd, energy_of_impacts, engines};
 use crate::support::{case, close, diptych, empty, plane, random, shared, small, surface, try_run, words};
@@ -18,7 +19,7 @@ use diptych::simulation::Simulation;
 use diptych::{Drag, Stokes};
 use nalgebra::Vector3;
 
-/// A case of falling spheres: those of MFIX's test DEM06, in a gas that flows upwards.
+/// Case of the falling spheres of MFIX's test DEM06, in a gas that flows upwards.
 const DEM06: &str = r#"
 [domain]
 size = ["10 mm", "10 mm", "200 mm"]
@@ -47,7 +48,7 @@ window = "0.1 ms"
 
 const MODELS: [Model; 4] = [Model::Soft, Model::Hard, Model::Hybrid, Model::Dsmc];
 
-/// Velocities along z [m/s] of the only sphere of an experiment at `times` [s], in windows of 0.1 ms.
+/// Velocities along z [m/s] of the single sphere of an experiment at `times` [s], with windows of 0.1 ms.
 fn velocities(experiment: &Experiment, times: &[f64]) -> Vec<f64> {
     let mut simulation = Simulation::new(experiment, initial_state(experiment).unwrap());
     let mut done = 0;
@@ -78,8 +79,8 @@ fn the_sphere_of_mfix_falls_with_and_without_buoyancy() {
     }
 }
 
-/// A glass bead of 2 mm in water falls at 0.268 m/s, and at 0.366 m/s without buoyancy; the roots of the balance of
-/// forces have these three digits. `plan` predicts the speeds, and a warning tells what is left out.
+/// A glass bead of 2 mm falls in water at 0.268 m/s, and at 0.366 m/s without buoyancy. These are roots of the balance
+/// of forces, to three digits. `plan` predicts the speeds, and a warning names the forces that are left out.
 #[test]
 fn a_bead_sinks_in_water() {
     let water = [
@@ -110,7 +111,7 @@ fn a_bead_sinks_in_water() {
 /// Gravity of the scenes below [m/s²].
 const GRAVITY: [f64; 3] = [0.0, -9.81, 2.0];
 
-/// A box of fluid of 1000 kg/m³ without drag, with spheres as heavy as the fluid, of 2500 kg/m³, and of 800 kg/m³.
+/// Box of fluid of 1000 kg/m³ without drag, with spheres of 1000, 2500 and 800 kg/m³.
 fn three_densities() -> Scene {
     let species = |density: f64| diptych::Species { density, diameter: 1e-3, ..small() };
     let mut scene = empty([0.2; 3], [true, false, true], species(1000.0), surface(0.8, 0.0));
@@ -127,7 +128,7 @@ fn add(particles: &mut Particles, scene: &Scene, species: u16, place: [f64; 3]) 
     particles.push(place.into(), Vector3::zeros(), 0.5 * kind.diameter, kind.mass(), species);
 }
 
-/// Ways of stepping for spheres of some milligrams.
+/// Ways of stepping spheres of a few milligrams.
 fn ways() -> Vec<(&'static str, Box<dyn Distributed>)> {
     let (law, step, verlet) = (ContactLaw::linear(1000.0), 2e-6, Integrator::VelocityVerlet);
     let soft = |integrator, stepping| Box::new(Soft::new(law, integrator, step, stepping));
@@ -141,8 +142,8 @@ fn ways() -> Vec<(&'static str, Box<dyn Distributed>)> {
     ]
 }
 
-/// Without drag a sphere of density ρ_p falls exactly with g (1 - ρ_f/ρ_p), in every engine and in windows of any
-/// length. Spheres as heavy as the fluid stay at rest.
+/// Without drag, a sphere of density ρ_p falls exactly with g (1 - ρ_f/ρ_p), in every engine and for any window.
+/// Spheres of the density of the fluid stay at rest.
 #[test]
 fn spheres_of_three_densities_fall_as_they_should() {
     let mut scene = three_densities();
@@ -159,8 +160,8 @@ fn spheres_of_three_densities_fall_as_they_should() {
         simulation.run(windows, time / windows as f64).unwrap();
         let state = simulation.state();
         for (k, acceleration) in accelerations.iter().enumerate() {
-            // each window adds a few numbers, each rounded: of up to 0.2 m, and of up to g t = 1 m/s. Soft steps of 2 µs
-            // do so as well
+            // each window, and each soft step of 2 µs, adds a few numbers with a rounding each: of up to 0.2 m, and of
+            // up to g t = 1 m/s
             let rounding = 4.0 * f64::EPSILON * (time / 2e-6);
             let way = state.position[k] - start.position[k] - acceleration * (0.5 * time * time);
             let speed = state.velocity[k] - acceleration * time;
@@ -175,7 +176,7 @@ fn spheres_of_three_densities_fall_as_they_should() {
     }
 }
 
-/// A sphere as heavy as the water stays at rest, also on a floor; its bits do not change.
+/// A sphere of the density of the water stays at rest, also on a floor. No bit of its state changes.
 #[test]
 fn a_sphere_as_heavy_as_the_water_stays_where_it_is() {
     let mut scene = three_densities();
@@ -204,14 +205,15 @@ fn the_ledger_closes_in_a_mixture_with_buoyancy() {
             crowd.start.species[k] = 1;
             crowd.start.mass[k] *= 0.4;
         }
-        // a response time of the heavy spheres of a hundred windows, and half of the weight of the light ones carried
+        // the heavy spheres have a response time of a hundred windows, and buoyancy carries half of the weight of the
+        // light spheres
         let density = 0.2 * heavy.density;
         let kinematic_viscosity = heavy.density / (18.0 * density * 100.0 * crowd.window);
         let (profile, drag) = (Profile::Uniform(0.5), Some(Drag::Stokes(Stokes)));
         crowd.scene.fluid = Some(Fluid::new(density, kinematic_viscosity, profile, drag));
         crowd.scene.add_buoyancy();
         for (name, engine, gain) in engines(&crowd) {
-            // lighter spheres have a higher frequency, and the gain is at most proportional to its fourth power
+            // lighter spheres have a higher frequency; the gain of energy is at most proportional to its fourth power
             let gain = gain / 0.4_f64.powi(2);
             let explained = |simulation: &Simulation| gain * (energy_of_impacts(simulation) + simulation.energy());
             let (worst, simulation) = books(&crowd, engine, &explained).unwrap();
@@ -223,7 +225,7 @@ fn the_ledger_closes_in_a_mixture_with_buoyancy() {
     }
 }
 
-/// A gas of two densities, with or without drag, that falls between two walls.
+/// Gas of spheres of two densities that falls between two walls, with or without drag.
 fn mixture(drag: Option<Drag>, count: usize, fraction: f64) -> (Scene, Particles) {
     let species = small();
     let edge = (count as f64 * species.volume() / fraction).cbrt();
@@ -253,7 +255,7 @@ fn buoyancy_gives_the_same_bits_on_any_number_of_threads_and_processes() {
         || Box::new(Soft::new(law, Integrator::VelocityVerlet, 3e-7, SoftStepping::Local)) as Box<dyn Distributed>;
     let islands = || Box::new(Hard::with_islands()) as Box<dyn Distributed>;
     let hybrid = || Box::new(Hybrid::new(law, Integrator::VelocityVerlet, 3e-7, 1.0)) as Box<dyn Distributed>;
-    // without drag and at this density, hard spheres have one queue of events, which would last from window to window
+    // without drag and at this density, hard spheres have one event queue, which would remain from window to window
     let queue = || Box::new(Hard::new()) as Box<dyn Distributed>;
     let ways: [(&str, &(dyn Fn() -> Box<dyn Distributed> + Sync), _); 4] = [
         ("soft", &local, mixture(stokes.clone(), 3000, 0.03)),
@@ -274,12 +276,13 @@ fn buoyancy_gives_the_same_bits_on_any_number_of_threads_and_processes() {
     }
 }
 
-/// The event queue of all particles predicts anew after kicks of buoyancy: it agrees with the islands of each window.
+/// The event queue of all particles predicts all events again after kicks of buoyancy. It agrees with the islands of
+/// each window.
 #[test]
 fn the_event_queue_of_all_particles_sees_kicks_of_buoyancy() {
     let (scene, start) = mixture(None, 800, 0.25);
     let [one, many] = [Hard::new(), Hard::with_islands()].map(|engine| {
-        // some 20 collisions, before the growth of rounding errors becomes visible
+        // about 20 collisions, before rounding errors have grown visibly
         try_run(&scene, start.clone(), Box::new(engine), 4e-5, 8).0
     });
     assert!(one.record.pairs.count > 5, "{}", one.record.pairs.count);
@@ -289,9 +292,9 @@ fn the_event_queue_of_all_particles_sees_kicks_of_buoyancy() {
     }
 }
 
-/// A light sphere bounces on a floor while a dense one is present, so that kicks make the difference of their weights.
-/// Its height agrees with the closed form, with an error that is of first order in the window for a single impact: the
-/// speed at an impact within a window is wrong by up to (1 + e) b h/2, where b is the difference of the accelerations.
+/// A light sphere bounces on a floor. A dense sphere is present too, so that kicks contain the difference of the
+/// weights. The height agrees with the closed-form solution to first order in the window: an impact within a window has
+/// a speed wrong by up to (1 + e) b h/2. b is the difference of the two accelerations.
 #[test]
 fn a_light_sphere_bounces_beside_a_dense_one() {
     let mut scene = three_densities();
@@ -302,7 +305,7 @@ fn a_light_sphere_bounces_beside_a_dense_one() {
     add(&mut start, &scene, 0, [0.05, 0.0105, 0.1]);
     add(&mut start, &scene, 1, [0.15, 0.1, 0.1]);
     scene.add_buoyancy();
-    // it falls by 10 mm with 2 m/s², for 0.1 s, and rises for 0.05 s with 0.8 of its speed
+    // the sphere falls by 10 mm with 2 m/s², for 0.1 s, and rises for 0.05 s at 0.8 of its speed
     let height = 5e-4 + 0.16 * 0.05 - 0.5 * 2.0 * 0.05 * 0.05;
     let largest = |windows: u64| {
         let error = |engine: Hard| {
@@ -324,7 +327,8 @@ fn a_light_sphere_bounces_beside_a_dense_one() {
     assert!(4.8 * window * window / 8.0 <= 1e-8 && window > 1e-5, "{window}");
 }
 
-/// A case that gives no key has buoyancy; `false` gives the bits of a scene without it, and the report tells which.
+/// A case without the key has buoyancy. With `false`, the bits are those of a scene without buoyancy. The report names
+/// the setting.
 #[test]
 fn the_key_switches_buoyancy() {
     let scene = |sets: &[&str]| case(DEM06, Model::Hard, sets).unwrap().scene;
@@ -333,7 +337,7 @@ fn the_key_switches_buoyancy() {
     assert!(without.fluid.as_ref().is_some_and(|fluid| fluid.buoyancy.is_none()));
     assert_eq!(with.gravity_alone(), without.gravity);
     assert_eq!(with.gravity, without.gravity * (1.0 - 1.2 / 2000.0));
-    // without gravity nothing floats
+    // without gravity there is no buoyancy
     assert!(scene(&["gravity.acceleration=[0, 0, 0]"]).fluid.is_some_and(|fluid| fluid.buoyancy.is_none()));
     let mut twice = with.clone();
     twice.add_buoyancy();

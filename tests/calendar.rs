@@ -1,5 +1,5 @@
-//! One event calendar of all particles, which lasts from window to window. Its results must not depend on the windows,
-//! the order of the store and the threads.
+//! Event queue of all particles, which remains from window to window. The results must not depend on the windows, the
+//! order of the store or the number of threads.
 
 use crate::support::*;
 use diptych::engine::hard::Hard;
@@ -10,8 +10,8 @@ fn calendar(scene: &Scene, particles: &Particles) -> Simulation {
     Simulation::with_engine(scene.clone(), particles.clone(), Box::new(Hard::with_one_calendar()))
 }
 
-/// A gas of elastic spheres of unit diameter and mass that fill a periodic cube to `phi`; its centre of mass is at
-/// rest.
+/// Gas of elastic spheres of unit diameter and mass in a periodic cube with the volume fraction `phi`. The centre of
+/// mass is at rest.
 fn gas(count: usize, phi: f64, seed: u64) -> (Scene, Particles) {
     let scene = empty([edge(count, 1.0, phi); 3], [true; 3], unit(), surface(1.0, 0.0));
     let mut particles = random(&scene, count, 1.0, seed);
@@ -33,12 +33,12 @@ fn windows_leave_no_trace() {
     parts.run(64, 1.0 / 64.0).unwrap();
     assert!(whole.record.pairs.count > 15_000);
     assert_eq!(whole.record.pairs.count, parts.record.pairs.count);
-    // no event was computed again at the ends of windows, so not even rounding differs
+    // no event was computed again at the ends of windows, so that not even rounding errors differ
     assert!(velocities(&whole) == velocities(&parts));
     assert_eq!(whole.counters().neighbour_builds, 1);
     assert_eq!(parts.counters().neighbour_builds, 1);
-    // if velocities are changed between windows, all events must be computed again; otherwise spheres would meet none
-    // of their new partners
+    // if velocities change between windows, all events must be computed again; otherwise spheres would miss their new
+    // partners
     let mut kicked = calendar(&scene, &start);
     kicked.run(32, 1.0 / 64.0).unwrap();
     kicked.particles.velocity.iter_mut().for_each(|v| *v = -*v);
@@ -52,7 +52,8 @@ fn windows_leave_no_trace() {
 
 #[test]
 fn equal_times_go_by_id() {
-    // a square of spheres that all meet in its middle at once; the order of the store is reversed for the second run
+    // four spheres at the corners of a square meet in its middle at one instant; the second run has the reversed order
+    // of the store
     let scene = empty([10.0; 3], [true; 3], unit(), surface(1.0, 0.0));
     let at = |x: f64, y: f64| ([5.0 + x, 5.0 + y, 5.0], [-x, -y, 0.0]);
     let list = [at(2.0, 0.0), at(-2.0, 0.0), at(0.0, 2.0), at(0.0, -2.0)];
@@ -70,8 +71,8 @@ fn equal_times_go_by_id() {
     assert_eq!(runs[0], runs[1]);
 }
 
-/// Compares with oracle D1 at the volume fraction 0.3 (Kolafa, Labik and Malijevsky 2004): collisions per particle and
-/// time, times diameter over thermal speed. Also checks that a long run conserves energy and momentum.
+/// Compares collisions per particle and time, times diameter over thermal speed, with oracle D1 at the volume fraction
+/// 0.3 (Kolafa, Labik and Malijevsky 2004). Also checks that a long run conserves energy and momentum.
 fn keep_energy_momentum_and_order(collisions: u64) {
     let (scene, start) = gas(1000, 0.3, 5);
     let mut simulation = calendar(&scene, &start);
@@ -85,12 +86,12 @@ fn keep_energy_momentum_and_order(collisions: u64) {
     }
     let counted = (simulation.record.pairs.count - count) as f64;
     let rate = 2.0 * counted / 1000.0 / ((simulation.time - began) * thermal);
-    // a finite N lowers the rate by 1/N
+    // a finite number N of particles lowers the rate by 1/N
     close("rate", rate, 10.1012 * (1.0 - 1e-3), 0.005 * 10.1);
     close("energy", simulation.particles.kinetic_energy() / energy, 1.0, 1e-10);
     let momentum = (simulation.particles.momentum() - start.momentum()).norm();
     assert!(momentum < 1e-12 * 1000.0 * thermal, "{momentum}");
-    // overlaps at the instants of impacts are due to rounding, and no larger at the end than at the beginning
+    // overlaps at impacts are rounding errors, and do not grow during the run
     let largest = simulation.record.pairs.summary().largest_overlap.unwrap();
     assert!(largest < 1e-12, "{largest}");
     println!("{counted} collisions: rate {rate}, momentum {momentum:.1e}, largest overlap {largest:.1e}");
@@ -134,7 +135,7 @@ fn the_calendar_gives_the_same_bits_on_any_number_of_threads() {
         pool.install(|| {
             let mut simulation = calendar(&scene, &start);
             simulation.run(3, 0.1).unwrap();
-            // velocities are changed, so that all events are computed again in parallel
+            // changed velocities require that all events are computed again, in parallel
             simulation.particles.velocity.iter_mut().for_each(|v| *v *= 1.5);
             simulation.run(3, 0.1).unwrap();
             assert!(simulation.record.pairs.count > 10_000);

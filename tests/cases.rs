@@ -24,8 +24,8 @@ fn cases() -> Vec<PathBuf> {
     found
 }
 
-/// Puts the case in a smaller box: periodic sides are shortened, at most to eight diameters, until few particles are
-/// left.
+/// Puts the case into a smaller box: periodic sides are shortened to no less than eight diameters, until few particles
+/// are left.
 fn smaller(experiment: &mut Experiment) {
     let (all, scene) = (experiment.count(), &mut experiment.scene);
     let placed = |amount: &Amount| matches!(amount, Amount::Placed(_));
@@ -50,10 +50,10 @@ fn smaller(experiment: &mut Experiment) {
     }
 }
 
-/// Cases whose particles come to rest on a wall in the first windows, where they collide by chance.
+/// Cases whose particles come to rest on a wall in the first windows of the engine with collisions by chance.
 const RESTS: [&str; 4] = ["column.toml", "slide-to-roll.toml", "incline.toml", "three-balls.toml"];
 
-/// Runs three windows, none longer than about 20 contacts, because soft spheres need time steps for all of it.
+/// Runs three windows of at most about 20 contact times. Longer windows would take too many time steps of soft spheres.
 fn few_windows(name: &str, experiment: &Experiment) {
     let start = initial_state(experiment).unwrap_or_else(|why| panic!("{name}: {why}"));
     let (count, mut simulation) = (start.len(), Simulation::new(experiment, start));
@@ -63,11 +63,11 @@ fn few_windows(name: &str, experiment: &Experiment) {
         .iter()
         .any(|stops| name.contains(stops))
     {
-        // the cases say so: what lies on the floor cannot rest without a contact time
+        // as these cases say, spheres on the floor cannot rest without a contact time
         return assert!(matches!(result, Err(Failure::InelasticCollapse { .. })), "{name}: {result:?}");
     }
     if RESTS.iter().any(|stops| name.contains(&format!("{stops}, Dsmc"))) {
-        // as above, and beds whose particles lie on the floor
+        // the same cases, and beds of particles on the floor
         return assert!(matches!(result, Err(Failure::RestOnWall { .. })), "{name}: {result:?}");
     }
     result.unwrap_or_else(|why| panic!("{name}: {why}"));
@@ -83,7 +83,7 @@ fn every_case_runs_with_each_engine() {
     for path in cases() {
         let case = Case::read(&path, &[]).unwrap_or_else(|why| panic!("{}: {why}", path.display()));
         let variants = case.variants(None).unwrap_or_else(|why| panic!("{}: {why}", path.display()));
-        // one variant of each model that the case defines, and the case itself with the other engines
+        // one variant of each model in the case, and the case itself with the other engines
         for model in [Model::Soft, Model::Hard, Model::Hybrid, Model::Dsmc] {
             let own = variants.iter().map(|(experiment, _)| experiment).find(|one| one.model() == model);
             let Some(mut experiment) = own.cloned().or_else(|| other(&variants[0].0, model)) else { continue };
@@ -103,7 +103,7 @@ fn every_case_runs_with_each_engine() {
     assert_eq!(runs, 6 * cases().len());
 }
 
-/// The case with the other model; `None` if it has no contact law for soft spheres.
+/// Experiment of the case with another model; `None` if the case has no contact law for soft spheres.
 fn other(experiment: &Experiment, model: Model) -> Option<Experiment> {
     let mut experiment = experiment.clone();
     experiment.run.spheres = match model {

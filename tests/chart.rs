@@ -1,5 +1,4 @@
-//! The chart of work against precision: catalogue values for one impact, orders of convergence, fronts, failures,
-//! floors.
+//! Work-precision chart: catalogue values for one impact, orders of convergence, Pareto fronts, failures, floors.
 
 use crate::support::{experiment, small, surface};
 use diptych::case::Case;
@@ -26,7 +25,7 @@ fn head_on(e: f64) -> HeadOn {
     }
 }
 
-/// Points of a method for that impact.
+/// Points of one method for this impact.
 fn swept(head_on: &HeadOn, name: &str) -> Vec<ChartPoint> {
     let sweeps = MethodSweep::all(&head_on.experiment, head_on.duration, &HeadOn::values(false));
     let (place, sweep) = sweeps.iter().enumerate().find(|(_, sweep)| sweep.name == name).unwrap();
@@ -39,9 +38,9 @@ fn at(points: &[ChartPoint], knob: f64) -> &ChartPoint {
 
 #[test]
 fn rows_of_the_catalogue_of_one_impact() {
-    // mean, smallest and largest realised restitution over 200 phases of first touch, contact detected at the ends of
-    // steps only (independent integration of the linear spring-dashpot by Heun's method and by Verlet's with the
-    // half-step velocity)
+    // mean, smallest and largest realised restitution over 200 phases of first touch; contacts are detected only at the
+    // ends of steps. The values come from an independent integration of the linear spring-dashpot by Heun's method, and
+    // by Verlet's method with the half-step velocity
     let rows: [(&str, f64, [(f64, f64, Option<(f64, f64)>); 4]); 6] = [
         (
             "soft uniform, RK2",
@@ -110,7 +109,7 @@ fn rows_of_the_catalogue_of_one_impact() {
         for (steps, mean, range) in row {
             let found = at(&points, steps).errors[0].unwrap();
             let text = format!("{method} e={e} N_c={steps}: {found:?}, catalogue {mean} {range:?}");
-            // the catalogue's tolerance: 0.01 at N_c = 5, else 0.002, for the mean; 0.002 for the range
+            // the catalogue's tolerance for the mean is 0.01 at N_c = 5, else 0.002; for the range it is 0.002
             assert!((found.value - mean).abs() <= if steps < 10.0 { 0.01 } else { 0.002 }, "{text}");
             assert!((found.error - (found.value - e).abs() / e).abs() < 1e-15, "{text}");
             if let Some((low, high)) = range {
@@ -138,23 +137,23 @@ fn orders_of_convergence_come_out_as_slopes() {
     const SINGLE: usize = 1;
     const ENERGY: usize = 2;
     const DISPLACEMENT: usize = 3;
-    // linear map of Heun's method for an undamped spring: e = 1 + (π/N_c)⁴ N_c/8, order 3. The first omitted term is
-    // smaller by (π/N_c)⁴ N_c/16: 4 % at N_c = 5, nothing from 30 on. The late detection of the touch adds an error of
-    // the same order
+    // Heun's method for an undamped spring is the linear map e = 1 + (π/N_c)⁴ N_c/8, of order 3. The first omitted term
+    // is smaller by (π/N_c)⁴ N_c/16: 4 % at N_c = 5, negligible from 30 on. The late detection of the touch adds an
+    // error of the same order
     let close = |what: &str, slope: diptych::statistics::PowerLaw, order: f64, by: f64| {
         assert!((slope.exponent - order).abs() <= by && slope.error <= by, "{what}: {slope:?}, should be {order}");
     };
     close("Heun, elastic", fitted(1.0, "soft uniform, RK2", MEAN), -3.0, 0.1);
-    // Verlet's method conserves the energy of a spring; where the slope of the force jumps within a step, its error is
-    // of order Δt³
+    // Verlet's method conserves the energy of a spring; its error is of order Δt³, because the slope of the force jumps
+    // within a step
     close("Verlet, elastic", fitted(1.0, "soft uniform, Verlet", SINGLE), -3.0, 0.15);
-    // the force of a dashpot itself jumps at the touch: the impulse of a part of a step is missed
+    // the force of a dashpot itself jumps at the touch, so that the impulse of a part of a step is missing
     close("Verlet, damped", fitted(0.5, "soft uniform, Verlet", SINGLE), -1.0, 0.1);
     close("Verlet, ledger", fitted(0.9, "soft uniform, Verlet", ENERGY), -2.0, 0.1);
-    // exact instants of touch: the order is that of the Runge-Kutta method. Terms of order 5 are smaller by π/N_c times
-    // a number of order one, 3 % at N_c = 100
+    // with exact instants of touch, the order is that of the Runge-Kutta method. Terms of order 5 are smaller by the
+    // factor π/N_c times a number of order one, 3 % at N_c = 100
     close("local", fitted(0.9, "soft local, RK4", SINGLE), -4.0, 0.2);
-    // a contact lasts T_c ∝ k_n^(-1/2); time steps detect a collision half a step late on average
+    // a contact lasts T_c ∝ k_n^(-1/2); with time steps, a collision is detected half a step late on average
     close("stiffness", fitted(0.9, "soft local, RK4, stiffness", DISPLACEMENT), -0.5, 0.001);
     close("hard steps", fitted(0.9, "hard, steps", DISPLACEMENT), 1.0, 0.02);
 }
@@ -164,7 +163,7 @@ fn exact_instants_have_no_error_but_rounding_and_counts_do_not_change() {
     let head_on = head_on(0.9);
     let events = swept(&head_on, "hard, events");
     for point in &events {
-        // positions are of the order of 1e-3 m with an error of 1e-19, a diameter is 4e-4 m
+        // positions of about 1e-3 m have an error of 1e-19 m, and a diameter is 4e-4 m
         assert!((0..4).all(|quantity| point.error(quantity).is_some_and(|error| error < 1e-14)), "{point:?}");
         assert_eq!(point.counters.events, PHASES as u64);
     }
@@ -184,7 +183,7 @@ fn a_wall_is_an_impact_too() {
     for name in ["soft uniform, RK2", "soft local, RK4"] {
         let (a, b) = (swept(&pair, name), swept(&wall, name));
         let (a, b) = (at(&a, 10.0).errors[0].unwrap(), at(&b, 10.0).errors[0].unwrap());
-        // equal oscillators in units of their contact times; only the rounding of coordinates differs
+        // both are the same oscillator in units of its contact time; only the rounding of coordinates differs
         assert!((a.value - b.value).abs() < 1e-9, "{name}: {a:?} {b:?}");
     }
 }
@@ -213,8 +212,8 @@ fn quantity(floor: f64) -> ChartQuantity {
     ChartQuantity { key: "error", name: "error of something", axis: "error", reference, unit: "", floor }
 }
 
-/// Points of three methods. A: second order, from 8 % at a cost of 10 on, with the other sign at first. B: worse than
-/// others everywhere. C: cheap, fails once.
+/// Points of three methods. A: second order, from 8 % at a cost of 10 on; the sign of its error changes at first. B:
+/// worse than the others everywhere. C: cheap, with one failure.
 fn example() -> Vec<ChartPoint> {
     let mut points = made_up(&[
         (0, 2.0, 5.0, -0.3),
@@ -244,7 +243,7 @@ fn conclusions_follow_from_the_points() {
     assert!(text.contains("within 1 % the cheapest is A (N_c = 20.0): 40 operations, 40 ms"), "{text}");
     assert!(text.contains("within 0.1 % the cheapest is A (N_c = 80.0): 160 operations"), "{text}");
     assert!(text.contains("Failed: C (N_c = 2.00): escaped."), "{text}");
-    // with a floor of 0.5 % no method can be within 0.1 %, and points near the floor give no slope
+    // with a floor of 0.5 %, no method can be within 0.1 %, and points near the floor determine no slope
     let noisy = vec![quantity(0.005)];
     let fits = slopes(&noisy, methods.len(), &points);
     assert!(fits.is_empty(), "{fits:?}");
@@ -269,8 +268,7 @@ fn files_hold_every_point_and_failures_stand_on_the_frame_with_their_cause() {
         notes: &[],
     };
     let both = [Model::Soft, Model::Hard];
-    // below the floor of 0.4 % nothing is gained: of the points at 80 and 160 neither is better, and the cheaper one
-    // stays on the front
+    // errors below the floor of 0.4 % count as equal: of the points at 80 and 160, only the cheaper one is on the front
     assert_eq!(study.front(0, CostMeasure::Work, &both), [0, 1, 8, 2, 3, 4]);
     assert_eq!(study.front(0, CostMeasure::Wall, &[Model::Hard]), [8]);
     let folder = tempfile::tempdir().unwrap();
@@ -288,7 +286,7 @@ fn files_hold_every_point_and_failures_stand_on_the_frame_with_their_cause() {
     assert!(!figure.contains("NaN") && !figure.contains("inf"));
     let html = read("report.html");
     assert!(html.contains("outside the domain") && html.contains("0.0040"));
-    // the best method is named and marked: the cheapest whose error is within 1 %
+    // the name and the mark belong to the cheapest method whose error is within 1 %
     assert!(html.contains("Within 1 % soft spheres win, by A, N_c = 20.00; no hard method gets there for certain."));
     assert!(figure.contains("cheapest within 1 %") && html.matches("Operations: pair checks").count() == 1);
     let summary: serde_json::Value = serde_json::from_str(&read("summary.json")).unwrap();
@@ -307,7 +305,7 @@ fn files_hold_every_point_and_failures_stand_on_the_frame_with_their_cause() {
 
 #[test]
 fn the_floor_of_a_gas_is_the_scatter_of_its_own_samples() {
-    // 100 elastic spheres at 5 %: by chance the collision rate of N spheres over a time t changes by about
+    // 100 elastic spheres at 5 %: in a time t, the collision rate of N spheres varies by chance by about
     // 1/sqrt(collisions)
     let scene = crate::support::empty([4e-3, 4e-3, 4e-3], [true; 3], small(), surface(1.0, 0.0));
     let mut base = experiment(scene, 100, [0.0; 3], 0.5, Model::Hard, 7);
@@ -319,14 +317,14 @@ fn the_floor_of_a_gas_is_the_scatter_of_its_own_samples() {
     let collisions = rate.reference.value * crowd.stretch.experiment.run.duration;
     let poisson = (1.0 / collisions).sqrt();
     println!("floor {:.4}, 1/sqrt(collisions) {poisson:.4}", rate.floor);
-    // The standard deviation of eight samples is known within a quarter. Counts of hard spheres scatter less than
-    // independent events. They also scatter since the energy of each start differs by chance (sqrt(2/300) in T, half of
-    // it in the rate)
+    // The standard deviation of eight samples is known to about a quarter. Collisions of hard spheres vary less than
+    // independent events. They also vary because the energy of each start differs by chance: sqrt(2/300) in T, half of
+    // this in the rate
     let starts = (poisson * poisson + (0.5 * (2.0f64 / 300.0).sqrt()).powi(2)).sqrt();
     assert!((0.4 * starts..2.0 * starts).contains(&rate.floor), "{} {starts}", rate.floor);
     let scatter = rate.reference.error.unwrap() * (STARTS as f64).sqrt() / rate.reference.value;
     assert!((rate.floor / scatter - (1.0 + 1.0 / STARTS as f64).sqrt()).abs() < 1e-12);
-    // soft spheres of a thousandth of the stiffness collide less often, or overlap too deeply
+    // soft spheres with a thousandth of the stiffness collide less often, or their overlap becomes too large
     let results = measure(&base, None, true, &mut Outlook::new(None)).unwrap();
     assert!(results.points.iter().filter(|point| point.failure.is_none()).all(|point| point.work > 0.0));
     let name = |point: &ChartPoint| results.methods[point.method].name.as_str();
@@ -334,7 +332,7 @@ fn the_floor_of_a_gas_is_the_scatter_of_its_own_samples() {
     assert!(sunk.unwrap().failure.is_some(), "{sunk:?}");
 }
 
-/// Message on stretches of a case that are too short, and the `--set` that it recommends.
+/// Message that intervals of a case are too short, and the `--set` arguments that the message recommends.
 fn shortfall(path: &str, set: &[String]) -> Option<(String, Vec<String>)> {
     let case = Case::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join(path), set).unwrap();
     let (base, _) = case.experiment(None, None).unwrap();
@@ -346,8 +344,8 @@ fn shortfall(path: &str, set: &[String]) -> Option<(String, Vec<String>)> {
 
 #[test]
 fn a_stretch_too_short_for_error_bars_names_the_shortest_that_will_do() {
-    // without a gas the window is a part of the duration, so a longer duration alone is not enough; with a gas drag
-    // determines the windows
+    // without a gas, the window is a part of the duration, so that a longer duration alone is not enough; with a gas,
+    // drag determines the windows
     let driven = ["run.duration=\"1.51 s\"".to_owned()];
     for (path, set, windows) in [("cases/glass-beads.toml", &[][..], true), ("cases/quick.toml", &driven[..], false)] {
         let (text, named) = shortfall(path, set).unwrap();
@@ -355,12 +353,12 @@ fn a_stretch_too_short_for_error_bars_names_the_shortest_that_will_do() {
         assert!(named[0].starts_with("run.duration"), "{text}");
         assert_eq!(text.contains("no --quick"), windows, "{text}");
         assert!(shortfall(path, &named).is_none(), "{text}");
-        // the duration is given to three digits, and one less in the last digit is too short
+        // the recommended duration has three digits; a duration smaller by one in the last digit is too short
         let duration: f64 = named[0].split(['"', ' ']).nth(1).unwrap().parse().unwrap();
         let mut shorter = named.clone();
         shorter[0] = format!("run.duration={} s", duration - 10f64.powi(duration.log10().floor() as i32 - 2));
         assert!(shortfall(path, &shorter).is_some(), "{text}");
-        // no window is charted that is longer than possible, and every charted run has enough samples
+        // no window in the chart is longer than possible, and every run in the chart has enough samples
         let (base, _) = Case::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join(path), &named)
             .and_then(|case| case.experiment(None, None))
             .unwrap();
@@ -390,7 +388,7 @@ fn the_command_tells_what_it_will_take_and_what_the_averaging_is_too_short_for()
     let told = run(&[]);
     let lines: Vec<&str> = told.lines().collect();
     assert!(lines[0].starts_with("Too short") && lines[1].contains(" runs, "), "{told}");
-    // the promised number of runs follows these two lines
+    // the number of runs announced in these two lines is the number of lines that follow
     let runs: usize = lines[1].split(' ').next().unwrap().parse().unwrap();
     assert_eq!(lines.len(), 2 + runs, "{told}");
     assert!(std::fs::read_to_string(out.join("report.html")).unwrap().contains("Too short"));
@@ -423,7 +421,7 @@ fn the_command_charts_the_case_of_one_impact() {
     let row = rows.iter().find(|row| (0..3).all(|k| row[k] == *wanted[k]) && &row[12] == "restitution_mean").unwrap();
     // as above: 0.94857 for Heun at N_c = 10
     assert!((row[14].parse::<f64>().unwrap() - 0.94857).abs() < 0.002, "{row:?}");
-    // refusals: exit code 2, nothing written
+    // refusals have exit code 2, and write nothing
     for set in ["run.duration=5 us", "particles[0].at[0].velocity=[0.0, 0.0, -3.0]"] {
         let folder = keep.path().join("refused");
         let output = run(&["chart", "cases/impact.toml", "--set", set, "--out", folder.to_str().unwrap()]);

@@ -1,12 +1,12 @@
-//! The program on the command line: exit codes, messages, files, and output when nothing should be printed.
+//! The program on the command line: exit codes, messages, files, and its output with `--quiet`.
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use tempfile::TempDir;
 
-/// Case of a sphere dropped 2 mm above a floor that halves its speed. Its infinite sequence of bounces ends before 0.1
-/// s.
+/// Case of a sphere dropped 2 mm above a floor that halves its speed at each impact. The infinite series of bounces
+/// ends before 0.1 s.
 const BOUNCING: &str = r#"# A bouncing ball
 [domain]
 size = ["4 mm", "4 mm", "4 mm"]
@@ -45,7 +45,7 @@ fn diptych(arguments: &[&str]) -> Output {
     output
 }
 
-/// Runs a command on a case with a folder for its results. Both are put on the command line unchanged.
+/// Runs a command with its arguments and a folder for its results.
 fn into(folder: &Path, arguments: &[&str]) -> Output {
     let folder = folder.to_str().unwrap();
     diptych(&[arguments, &["--out", folder]].concat())
@@ -105,7 +105,7 @@ fn a_run_leaves_what_is_promised_and_is_not_overwritten() {
     let (_keep, folder) = place();
     let output = into(&folder, &["run", CASE, "--save-state"]);
     assert_eq!(code(&output), 0, "{}", words(&output.stderr));
-    // output is piped: one line per interval, and this run is shorter than an interval
+    // the output is piped: one line of progress per interval, and this run is shorter than an interval
     let told = words(&output.stderr);
     let progress: Vec<&str> = told.lines().filter(|line| line.contains("simulated")).collect();
     assert_eq!(progress.len(), 1, "{told}");
@@ -179,8 +179,8 @@ fn a_saved_state_starts_another_run() {
     assert_eq!(summary(&next)["variants"][0]["initial_state_hash"], hash, "17 digits give back every bit");
 }
 
-/// Budgets are written with the report: a row for each moment and slice, and one for all particles. The terms add up to
-/// the remainder.
+/// Budgets are written together with the report: a row for each moment and slice, and a row for all particles. The
+/// terms add up to the remainder.
 #[test]
 fn budgets_are_written_on_request() {
     let (_guard, folder) = place();
@@ -213,13 +213,13 @@ fn comparing_writes_every_variant() {
     let summary = summary(&folder);
     let starts: Vec<_> = summary["variants"].as_array().unwrap().iter().map(|v| &v["initial_state_hash"]).collect();
     assert!(starts.len() == 2 && starts[0] == starts[1]);
-    // a run that is over at once gives no information on cost
+    // a very short run gives no information about cost
     for figure in ["differences", "number-density", "overlap"] {
         assert!(folder.join(format!("figures/{figure}.svg")).exists(), "{figure}");
     }
 }
 
-/// Checks a run that stopped: exit code 1, the typed failure in words and in the summary, and readable files.
+/// Checks a run that stopped: exit code 1, the failure in the message and in the summary, and readable files.
 fn stopped(folder: &Path, output: &Output, failure: &str, says: &str) {
     let told = words(&output.stderr);
     assert_eq!(code(output), 1, "{told}");
@@ -243,12 +243,12 @@ fn a_failure_on_the_way_is_a_result() {
     std::fs::write(&case, BOUNCING).unwrap();
     let output = into(&folder, &["run", case.to_str().unwrap()]);
     stopped(&folder, &output, "inelastic_collapse", "inelastic collapse");
-    // the run stopped when the infinite sequence of bounces ends: (1+e)/(1-e) sqrt(2h/g), h = 2.2 mm - 0.203 mm
+    // the run stops at the end of the infinite series of bounces: (1+e)/(1-e) sqrt(2h/g), h = 2.2 mm - 0.203 mm
     let time = summary(&folder)["variants"][0]["failure"]["inelastic_collapse"]["time"].as_f64().unwrap();
     let end = 3.0 * (2.0 * 1.997e-3 / 9.81_f64).sqrt();
     assert!((time / end - 1.0).abs() < 1e-6, "{time} {end}");
 
-    // docs/limits.md: at the literature's theta a step carries a sphere through the wall
+    // docs/limits.md: at the θ of the literature, a step carries a sphere through the wall
     let (_keep, folder) = place();
     let stepped = ["--set", "hard.stepping=steps", "--set", "hard.theta=0.3"];
     let short = ["--set", "run.duration=1 s", "--set", "run.average_from=0.5 s"];
@@ -275,8 +275,8 @@ fn impact_shows_the_contact() {
     assert_eq!(code(&output), 0, "{}", words(&output.stderr));
     let path = read(&folder, "impact.csv");
     assert_eq!(path.lines().next().unwrap(), "variant,t_s,gap_m,normal_velocity_m_s");
-    // the overlap of soft spheres rises from zero and falls again: 0.58 % of the diameter at most at 3000 N/m (closed
-    // form, Eq. 10)
+    // the overlap of soft spheres rises from zero to 0.58 % of the diameter at 3000 N/m (closed form, Eq. 10), and
+    // falls again
     let deepest = |name: &str| {
         let mut rows = csv::Reader::from_reader(path.as_bytes());
         let gaps = rows.records().map(Result::unwrap).filter(|row| &row[0] == name);
@@ -303,7 +303,7 @@ fn fluid_and_check_speak() {
     }
 }
 
-/// An installed program does not find the folders `cases/` and `models/` where it is started.
+/// An installed program is started in folders without `cases/` and `models/`.
 #[test]
 fn sets_and_the_case_of_impact_are_built_in() {
     let elsewhere = tempfile::tempdir().unwrap();
@@ -318,14 +318,14 @@ fn sets_and_the_case_of_impact_are_built_in() {
     let check = ["check", "bouncing.toml", "--set", "soft.linear_spring_dashpot.stiffness=3000"];
     let output = run(&check);
     assert!(code(&output) == 0 && words(&output.stdout).contains("406"), "{}", words(&output.stderr));
-    // a set of that name in the folder of the case replaces the built-in one
+    // a set with the name of a built-in set, in the folder of the case, replaces the built-in set
     let folder = elsewhere.path().join("models/particles");
     std::fs::create_dir_all(&folder).unwrap();
     let own = "name = \"own\"\ndiameter = \"300 um\"\ndensity = \"1000 kg/m^3\"\nsource = \"none\"\n";
     std::fs::write(folder.join("polystyrene-406um.toml"), own).unwrap();
     let output = run(&check);
     assert!(code(&output) == 0 && words(&output.stdout).contains("\"own\""), "{}", words(&output.stdout));
-    // the message on an unknown name lists the known names
+    // the message about an unknown name lists the known names
     let output = run(&["check", "bouncing.toml", "--set", "contact.use=contacts/elastic-smoth"]);
     assert!(
         code(&output) == 2 && words(&output.stderr).contains("contacts/elastic-smooth"),

@@ -1,4 +1,4 @@
-//! Contact time in a dense crowd of spheres, and impacts during a change from one way of stepping to the other.
+//! Contact time in a dense group of spheres, and impacts during a change between two ways of stepping.
 
 use crate::support::*;
 use diptych::contact_law::ContactLaw;
@@ -12,22 +12,22 @@ use diptych::simulation::Simulation;
 use nalgebra::Vector3;
 
 /// Hard spheres of unit diameter and mass in a periodic cube, computed by the simplest method: after every collision
-/// all pairs are tried again, and all spheres move. The cube is wide compared with the flights between collisions. A
-/// collision less than `contact_time` after the last one of either sphere is elastic.
+/// all pairs are tested again, and all spheres move. The cube is wide compared with the flights between collisions. A
+/// collision is elastic if one of the spheres had a collision less than `contact_time` before.
 struct BruteForce {
     scene: Scene,
     particles: Particles,
     last: Vec<f64>,
     contact_time: f64,
     restitution: f64,
-    /// [J] energy that the elastic collisions would have lost, and energy that the others lost.
+    /// [J] energy that the elastic collisions would have lost, and energy lost in the other collisions.
     kept: f64,
     lost: f64,
     collisions: u64,
 }
 
 impl BruteForce {
-    /// Next pair that collides, and the time until then. Pairs that separate do not collide.
+    /// Next colliding pair, and the time until the collision. Pairs that separate do not collide.
     fn next(&self) -> Option<(f64, usize, usize)> {
         let Particles { position: x, velocity: v, .. } = &self.particles;
         let pairs = (0..x.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
@@ -66,7 +66,7 @@ impl BruteForce {
 
 #[test]
 fn the_contact_time_in_a_crowd_is_that_of_a_brute_force_reference() {
-    // about as many collisions conserve their energy as dissipate it
+    // about half of the collisions are elastic because of the contact time
     let (count, phi, restitution, contact_time, duration) = (40, 0.3, 0.7, 0.04, 0.2);
     let scene = empty([edge(count, 1.0, phi); 3], [true; 3], unit(), surface(restitution, 0.0));
     for seed in 1..4 {
@@ -91,8 +91,8 @@ fn the_contact_time_in_a_crowd_is_that_of_a_brute_force_reference() {
             );
             assert_eq!(end.record.pairs.count, reference.collisions);
             assert!(reference.collisions > 20 && reference.kept > 0.2 * reference.lost);
-            // rounding of 1e-16, amplified by a mean free path over a radius at each of up to a dozen collisions of a
-            // sphere: about ten thousand times
+            // rounding errors of 1e-16, amplified at each of up to a dozen collisions of a sphere by the mean free path
+            // over the radius: by about ten thousand in all
             close("kept", ledger.contact_time_kept, reference.kept, 1e-9 * reference.kept);
             close("lost", ledger.dissipated(), reference.lost, 1e-9 * reference.lost);
             for (a, b) in end.particles.velocity.iter().zip(&reference.particles.velocity) {
@@ -104,8 +104,7 @@ fn the_contact_time_in_a_crowd_is_that_of_a_brute_force_reference() {
 
 #[test]
 fn a_crowd_that_is_handed_over_counts_every_impact() {
-    // long windows alternate with windows of a few steps, between walls: islands solve the former, uniform steps the
-    // latter
+    // long windows, solved by islands, alternate with windows of a few steps, solved by uniform steps, between walls
     let (e, count, phi) = (0.9, 400, 0.1);
     let size = edge(count, 1.0, phi);
     let mut scene = empty([size; 3], [true, false, true], unit(), surface(e, 0.0));
@@ -131,7 +130,7 @@ fn a_crowd_that_is_handed_over_counts_every_impact() {
     let (pairs, walls, ledger) = (&simulation.record.pairs, &simulation.record.walls, &simulation.record.ledger);
     println!("{by_islands} windows by islands, {by_steps} by steps, {} and {} impacts", pairs.count, walls.count);
     assert!(by_islands > 50 && by_steps > 50 && pairs.count > 500 && walls.count > 50);
-    // the energy that dashpots dissipated is that which the counted impacts lost, except for impacts in progress
+    // dashpots dissipate the energy lost in the counted impacts, except for impacts in progress
     let in_progress = simulation.energy() - simulation.particles.kinetic_energy();
     for (impacts, mass, loss) in
         [(pairs, 0.5, ledger.pair_restitution_loss), (walls, 1.0, ledger.wall_restitution_loss)]
@@ -144,12 +143,12 @@ fn a_crowd_that_is_handed_over_counts_every_impact() {
         close("loss", loss, counted, late * counted + in_progress);
         close("restitution", realised, e, late * e);
     }
-    // every impact began with an overlap that a step at its speed can cause
+    // every impact began with an overlap of at most the motion in one step
     assert!(pairs.first_overlap.maximum <= pairs.normal_speed.maximum * step);
 }
 
-/// Two kinds of spheres in a stream of gas, from rest. The gas accelerates the small spheres sooner; collisions carry
-/// their momentum to the large ones, in either model.
+/// Two species of spheres in a stream of gas, initially at rest. The gas accelerates the small spheres sooner.
+/// Collisions transfer their momentum to the large spheres, in either model.
 #[test]
 fn a_mixture_in_a_gas_shares_momentum() {
     let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/inputs/mixture-in-gas.toml"));
@@ -169,7 +168,7 @@ fn a_mixture_in_a_gas_shares_momentum() {
             simulation.run(100, 1e-4).unwrap();
             let ledger = &simulation.record.ledger;
             let gained = simulation.particles.momentum() - momentum;
-            // a hundred drag kicks and about a thousand impacts, each with a rounding error
+            // a hundred drag kicks and about a thousand impacts, with a rounding error each
             let miss = (gained - ledger.drag_impulse).norm();
             assert!(miss < 1e-12 * gained.norm() + 1e-13 * mass, "momentum {miss:.1e} of {gained}");
             let residual = ledger.residual(energy, simulation.energy()).abs();
@@ -186,7 +185,7 @@ fn a_mixture_in_a_gas_shares_momentum() {
             );
         }
     }
-    // without collisions each kind moves as if alone in the gas, at most 1 % below the velocity of the gas
+    // without collisions each species moves as if it were alone in the gas, at most 1 % slower than the gas
     let (experiment, _) = case.experiment(None, None).unwrap();
     let fluid = experiment.scene.fluid.as_ref().unwrap();
     let alone = [0, 1].map(|k| {
@@ -197,9 +196,9 @@ fn a_mixture_in_a_gas_shares_momentum() {
     println!("alone: {alone:?}");
     for mean in &means {
         assert!(mean[0] < alone[0] && mean[1] > alone[1] && mean[0] > mean[1], "{mean:?} against {alone:?}");
-        // One run represents many. Its error is the spread of velocities (less than a quarter of the difference between
-        // the kinds) over the root of the number of large spheres; sqrt 2 times that for two runs; three standard
-        // errors.
+        // The standard error of one run is the spread of velocities over the root of the number of large spheres. The
+        // spread is less than a quarter of the difference between the species. The factor sqrt 2 is for two runs, the
+        // factor 3 for three standard errors.
         for (a, b) in mean.iter().zip(&means[0]) {
             close("mean velocity", *a, *b, 3.0 * (2.0f64 / 60.0).sqrt() * 0.25 * (alone[0] - alone[1]));
         }

@@ -1,5 +1,4 @@
-//! Dense soft scenes: uniform steps against the simplest possible program, and identical bits for any number of
-//! threads.
+//! Dense soft scenes: uniform steps against the simplest possible program, and equal bits for any number of threads.
 
 use crate::support::*;
 use diptych::experiment::Integrator;
@@ -81,12 +80,12 @@ fn dense_steps_of_spheres_that_differ_in_restitution_alone_are_those_of_all_pair
 
 /// Runs a start in uniform steps, in few windows and in many, and compares with [`all_pairs`].
 fn compare_with_all_pairs(scene: &Scene, start: &Particles) {
-    // a contact that is detected one step late changes a velocity by k δ dt, about 1e-3; rounding grows tenfold per
-    // collision, and each sphere has two to three collisions
+    // a contact detected one step late changes a velocity by k δ dt, about 1e-3; a rounding error grows tenfold per
+    // collision, and each sphere has two or three collisions
     let dt = PI * (0.5 / STIFFNESS).sqrt() / 20.0;
     let steps = 600;
     let exact = all_pairs(scene, start, dt, steps);
-    // with many windows, neighbour lists are built in between, while each contact still lacks half a kick
+    // with many windows, neighbour lists are built between them, while the velocities lack half a kick of the contacts
     for windows in [2, 60] {
         let engine = soft(STIFFNESS, dt, Integrator::VelocityVerlet);
         let mut end = run(scene, start.clone(), engine, steps as f64 * dt, windows);
@@ -105,7 +104,7 @@ fn compare_with_all_pairs(scene: &Scene, start: &Particles) {
 
 #[test]
 fn dense_steps_give_the_same_bits_on_any_number_of_threads() {
-    // so many contacts that threads share the work on lists, forces and kicks
+    // enough contacts for the threads to share the work on lists, forces and kicks
     let (scene, start) = crowd(16_000, 0.5);
     let dt = PI * (0.5 / STIFFNESS).sqrt() / 20.0;
     let once = |threads: usize| {

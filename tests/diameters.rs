@@ -1,4 +1,4 @@
-//! Kinds of particles whose diameters have a distribution.
+//! Species with a distribution of diameters.
 
 use crate::support::*;
 use diptych::contact_law::Bodies;
@@ -7,7 +7,7 @@ use diptych::placement::initial_state;
 use diptych::scene::{Fraction, SizeDistribution, Species};
 use diptych::simulation::Simulation;
 
-/// Case of a gas of one kind in a periodic box.
+/// Case of a gas of one species in a periodic box.
 const GAS: &str = r#"
 [domain]
 size = ["4 mm", "4 mm", "4 mm"]
@@ -65,7 +65,8 @@ fn moments_are_those_of_the_closed_forms() {
     }
 }
 
-/// With many spheres the moments are those of the distribution, for every seed; with few they are as close as possible.
+/// With many spheres the moments are those of the distribution, for every seed. With few spheres they are as close as
+/// possible.
 #[test]
 fn starts_have_the_distribution_asked_for() {
     let of = |sizes: &str, count: usize, seed: u64| {
@@ -99,7 +100,7 @@ fn starts_have_the_distribution_asked_for() {
             close("mean mass", start.mass.iter().sum::<f64>() / count as f64 / species.mass(), 1.0, 3.0 * tolerance);
             let inside = |d: f64| d >= sizes.smallest() * (1.0 - 1e-12) && d <= sizes.largest() * (1.0 + 1e-12);
             assert!(start.radius.iter().all(|r| inside(2.0 * r)));
-            // the large spheres are not all among the first ones
+            // large spheres are found throughout the store, not only at its beginning
             let half = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
             let (first, last) = start.radius.split_at(count / 2);
             close("order", half(first) / half(last), 1.0, 6.0 / (count as f64).sqrt());
@@ -108,7 +109,7 @@ fn starts_have_the_distribution_asked_for() {
         assert_eq!(one.fingerprint(), of(sizes, count, 1).1.fingerprint());
         assert!(sizes.contains("table") || one.radius != other.radius);
     }
-    // nine tenths of the volume in spheres three times as large: nine to twenty-seven by number
+    // nine tenths of the volume are in spheres three times as large; the ratio of numbers is nine to twenty-seven
     let (_, start) = of(sieves, 4000, 1);
     assert_eq!(start.radius.iter().filter(|r| **r > 1e-4).count(), 1000);
 }
@@ -122,7 +123,7 @@ const WAYS: [(Model, &str); 6] = [
     (Model::Dsmc, "soft.stepping=auto"),
 ];
 
-/// Runs a dilute gas (islands) and a dense one (one calendar, crowds).
+/// Runs a dilute gas (with islands) and a dense gas (with one event queue, or uniform steps).
 #[test]
 fn every_engine_keeps_energy_and_momentum() {
     for (density, sizes) in [("dilute", "4 mm"), ("dense", "2.05 mm")] {
@@ -143,8 +144,8 @@ fn every_engine_keeps_energy_and_momentum() {
     }
 }
 
-/// Three spheres in a row, each of another size, collide three times. All engines give the velocities of the textbook
-/// formula.
+/// Three spheres of different sizes in a row collide three times. The velocities in all engines are those of the
+/// textbook formula.
 #[test]
 fn three_sizes_meet_alike_in_every_engine() {
     let text = GAS.replace(
@@ -168,7 +169,7 @@ fn three_sizes_meet_alike_in_every_engine() {
     hit(&mut want, 0, 1);
     hit(&mut want, 1, 2);
     hit(&mut want, 0, 1);
-    // who meets whom is a matter of chance in the last one
+    // the last engine is left out, because its particles collide by chance
     for (model, stepping) in WAYS.into_iter().filter(|(model, _)| *model != Model::Dsmc) {
         let experiment = case(&text, model, &[stepping, "soft.linear_spring_dashpot.stiffness=1 MN/m"]).unwrap();
         let start = initial_state(&experiment).unwrap();
@@ -185,7 +186,7 @@ fn three_sizes_meet_alike_in_every_engine() {
     }
 }
 
-/// Drag acts on each sphere by its own diameter: spheres of many sizes fall as spheres of each size do alone.
+/// Drag on each sphere depends on its own diameter: a sphere in a mixture falls like a sphere of its size alone.
 #[test]
 fn drag_knows_every_diameter() {
     let gas = r#"
@@ -224,7 +225,7 @@ velocity = "0.3 m/s"
     }
 }
 
-/// A requested contact time holds for every pair of particles. The time step resolves the contact of the smallest
+/// A prescribed contact time holds for every pair of particles. The time step resolves the contact of the smallest
 /// possible spheres.
 #[test]
 fn contacts_of_all_sizes_last_as_long_as_asked_for() {
@@ -238,7 +239,7 @@ fn contacts_of_all_sizes_last_as_long_as_asked_for() {
         close("contact time", law.contact_time(&spring, 0.1) / 2e-6, 1.0, 1e-9);
     }
     close("step", diptych::simulation::soft_step(&experiment, 200) / (2e-6 / 20.0), 1.0, 1e-9);
-    // without a given contact time, the shortest contact is that of two spheres of the smallest diameter
+    // without a prescribed contact time, the shortest contact is that of two spheres of the smallest diameter
     let plain = case(GAS, Model::Soft, &[]).unwrap();
     let mass = 0.5 * plain.scene.species[0].of_one_size(1e-4).mass();
     let shortest = std::f64::consts::PI * (mass / 2e4).sqrt();
@@ -298,14 +299,14 @@ fn what_cannot_be_is_refused() {
     assert!(case(&at, Model::Hard, &[]).unwrap_err().contains("all of \"sand\" have the same"));
 }
 
-/// `sizes` of the case override the one size that a model gives.
+/// The key `sizes` of the case overrides the single size in a set of values.
 #[test]
 fn sizes_override_the_diameter_of_a_model() {
     let text = GAS.replace("density = \"2500 kg/m^3\"\n", "use = \"particles/polystyrene-406um\"\n");
     let experiment = case(&text, Model::Hard, &[]).unwrap();
     let species: &Species = &experiment.scene.species[0];
     assert_eq!((species.smallest(), species.largest(), species.density), (1e-4, 6e-4, 1038.0));
-    // the option typed last overrides others, as for every choice
+    // the option that is typed last has priority
     let one = case(&text, Model::Hard, &["particles[0].diameter=0.3 mm"]).unwrap();
     assert_eq!((&one.scene.species[0].sizes, one.scene.species[0].diameter), (&None, 3e-4));
     let flat =

@@ -1,4 +1,4 @@
-//! Beads that run out of a vessel, compared with Beverloo's law.
+//! Beads that flow out of a vessel, compared with Beverloo's law.
 
 use diptych::case::Case;
 use diptych::engine::Failure;
@@ -33,8 +33,8 @@ fn rate(model: Model, scale: f64, until: f64) -> f64 {
     sum / samples
 }
 
-/// Flow rates of beads that do not rotate are between half and all of Beverloo's law, since they correspond to a larger
-/// k. Soft and hybrid spheres have equal rates. Hard spheres stop when beads come to rest.
+/// The flow rate of beads that do not rotate is between half and all of Beverloo's law, since it corresponds to a
+/// larger k. Soft and hybrid spheres have equal rates. A run of hard spheres stops when beads come to rest.
 #[test]
 #[ignore = "minutes: 3000 beads for a second, four times"]
 fn flow_rates_follow_beverloo() {
@@ -52,6 +52,6 @@ fn hard_beads_stop_when_they_come_to_rest() {
     let mut simulation = case(Model::Hard, &["particles[0].count=300"]);
     let why = simulation.run(200, 6e-3).unwrap_err();
     assert!(matches!(why, Failure::InelasticCollapse { .. }), "{why}");
-    // not before the first have fallen from the middle of the box onto the bottom
+    // no earlier than the first beads fall from the middle of the box onto the bottom
     assert!(simulation.time > 0.02 && simulation.time < 0.5, "{}", simulation.time);
 }

@@ -9,7 +9,7 @@ use diptych::scene::Scene;
 use diptych::simulation::Simulation;
 use nalgebra::Vector3;
 
-/// Unit spheres on a line, with given gaps instead of distances of centres: a one-dimensional problem of points.
+/// Unit spheres on a line with given gaps between surfaces. They move like points in one dimension.
 fn line(restitution: f64, points: &[f64], speeds: &[f64]) -> (Scene, Particles) {
     let scene = empty([64.0; 3], [false; 3], unit(), surface(restitution, 0.0));
     let list: Vec<_> = points
@@ -43,11 +43,11 @@ fn three_particles_on_a_line() {
             let end = run(&scene, particles, hard(), 3.0, windows);
             assert_eq!(end.record.pairs.count, count, "e = {e}");
             for (got, want) in speeds(&end).iter().zip(want) {
-                // to the printed digits: nine decimals, or six figures
+                // tolerance: the printed digits, which are nine decimals or six significant digits
                 close(&format!("e = {e}"), *got, want, 1e-9f64.max(1e-10 * want.abs()).min(1e-5 * want.abs() + 1e-14));
             }
         }
-        // the last collision happens at the printed instant; near the collapse rounding is amplified more
+        // the last collision is at the printed instant, to 1e-8; near the collapse, rounding errors grow more
         for (time, done) in [(last - 1e-8, count - 1), (last + 1e-8, count)] {
             let (scene, particles) = start();
             assert_eq!(run(&scene, particles, hard(), time, 1).record.pairs.count, done, "e = {e} at {time}");
@@ -57,9 +57,9 @@ fn three_particles_on_a_line() {
 
 #[test]
 fn collapse_of_three_particles_ends() {
-    // oracle E2: e < 7 - 4 sqrt 3 gives infinitely many collisions before 1.35714 / 1.38254. The relative velocities
-    // fall below rounding within a few dozen collisions. Then the three move on as one cluster, which is the limit of
-    // the sequence
+    // oracle E2: for e < 7 - 4 sqrt 3 there are infinitely many collisions before 1.35714 or 1.38254. The relative
+    // velocities fall below rounding within a few dozen collisions. The three spheres then move on as one cluster,
+    // which is the limit of the sequence
     for (e, limit) in [(0.05, 1.35714), (0.07, 1.38254)] {
         let (scene, particles) = line(e, &[0.0, 1.0, 2.5], &[1.0, 0.0, -1.0]);
         let before = run(&scene, particles.clone(), hard(), limit - 0.05, 1);
@@ -82,7 +82,7 @@ fn collapse_of_three_particles_ends() {
 
 #[test]
 fn simultaneous_touches_on_a_line_are_reproducible() {
-    // oracle E2, simultaneous touches: either order is right, but the order must always be equal
+    // oracle E2, simultaneous touches: either order of the collisions is right, but it must be the same in every run
     for (e, want) in [(1.0, [-1.0, 0.0, 1.0]), (0.9, [-0.854875, 0.002375, 0.8525])] {
         let go = || {
             let (scene, particles) = line(e, &[0.0, 1.0, 2.0], &[1.0, 0.0, -1.0]);
@@ -107,10 +107,10 @@ fn bouncing(restitution: f64, height: f64) -> (Scene, Particles) {
 
 #[test]
 fn bouncing_to_rest() {
-    // oracle E3: total time (1+e)/(1-e) sqrt(2h/g), and number of impacts after which the flight lasts more than 1e-6 s
+    // oracle E3: total time (1+e)/(1-e) sqrt(2h/g), and number of impacts before flights become shorter than 1e-6 s
     for (e, total, count) in [(0.94_f64, 2.06464777, 191), (0.9, 1.21324663, 112), (0.5, 0.19156526, 17)] {
         let fall = (2.0f64 * 0.02 / 9.81).sqrt();
-        // in the middle of the flight after that many impacts
+        // a time in the middle of the flight after this number of impacts
         let flights: f64 = (1..count).map(|k| 2.0 * fall * e.powi(k)).sum();
         let until = fall + flights + fall * e.powi(count);
         let (scene, ball) = bouncing(e, 0.02);
@@ -121,8 +121,8 @@ fn bouncing_to_rest() {
         let (end, result) = try_run(&scene, ball, hard(), 1.5 * total, 3000);
         let Err(Failure::InelasticCollapse { time, y, .. }) = result else { panic!("e = {e}: {result:?}") };
         println!("e = {e}: {time}, oracle {total}, {} bounces", end.record.walls.count);
-        // rounding (1e-17 m) decides flights that are shorter than the time of a fall by it: about 200 flights of 1e-9
-        // to 1e-8 s
+        // flights become so short (1e-9 to 1e-8 s) that rounding errors of 1e-17 m decide their durations; there are
+        // about 200 such flights
         close("comes to rest", time, total, 1e-5);
         close("on the floor", y, 0.5 * small().diameter, 1e-13);
         assert!(end.record.walls.count < 1000);
@@ -131,8 +131,8 @@ fn bouncing_to_rest() {
 
 #[test]
 fn a_hard_sphere_without_restitution_cannot_rest() {
-    // e = 0: the first touch ends the bounces, with gravity by a typed failure, without gravity by sliding along the
-    // wall
+    // e = 0: the first touch ends the bounces. With gravity the run stops with a failure; without gravity the sphere
+    // slides along the wall
     let (mut scene, ball) = bouncing(0.0, 0.02);
     let (end, result) = try_run(&scene, ball.clone(), hard(), 0.1, 10);
     let Err(Failure::InelasticCollapse { time, .. }) = result else { panic!("{result:?}") };
@@ -149,7 +149,7 @@ fn a_hard_sphere_without_restitution_cannot_rest() {
 
 #[test]
 fn a_sphere_resting_on_a_slope_is_reported_however_short_the_window() {
-    // a tangential speed that is large compared with the bounces, and friction, must not hide the collapse
+    // a tangential speed much larger than that of the bounces, and friction, must not hide the collapse
     let slope = Vector3::new(0.1f64.sin(), 0.1f64.cos(), 0.0);
     let mut scene = empty([0.1; 3], [false; 3], small(), surface(1.0, 0.0));
     scene.gravity = Vector3::new(0.0, -9.81, 0.0);
@@ -166,7 +166,7 @@ fn a_sphere_resting_on_a_slope_is_reported_however_short_the_window() {
 
 #[test]
 fn newtons_cradle_hard() {
-    // oracle E4: touching spheres, one hit at speed 1; impulses are passed on one after the other
+    // oracle E4: touching spheres, one of which is hit at speed 1; the impulses follow one another
     let cases: [(&[f64], f64, &[f64], u64, f64); 7] = [
         (&[1.0, 0.0, 0.0], 1.0, &[0.0, 0.0, 1.0], 2, 1e-15),
         (&[1.0, 0.0, 0.0], 0.94, &[0.029127, 0.029973, 0.940900], 3, 1e-14),
@@ -188,7 +188,8 @@ fn newtons_cradle_hard() {
 
 #[test]
 fn newtons_cradle_soft() {
-    // oracle E4: all spheres are in contact at once, so that the impulse is not passed on completely; N_c = 200, 1e-3
+    // oracle E4: all spheres are in contact at once, so that the impulse is not passed on completely; N_c = 200,
+    // tolerance 1e-3
     let cases: [(&[f64], f64, f64, &[f64]); 8] = [
         (&[1.0, 0.0, 0.0], 1.0, 0.0, &[-0.13026170, 0.15022957, 0.98003213]),
         (&[1.0, 0.0, 0.0], 0.94, 0.0, &[-0.11112162, 0.17505818, 0.93606343]),
@@ -203,7 +204,7 @@ fn newtons_cradle_soft() {
     let dt = std::f64::consts::PI * (0.5 / k).sqrt() / 200.0;
     for integrator in [Integrator::VelocityVerlet, Integrator::Rk2] {
         for (start, e, gap, want) in cases {
-            // gaps in u_0 sqrt(m/k)
+            // gaps are in units of u_0 sqrt(m/k)
             let gap = gap / k.sqrt();
             let points: Vec<f64> = (0..start.len()).map(|i| i as f64 * gap).collect();
             let (scene, particles) = line(e, &points, start);
@@ -223,7 +224,7 @@ fn gas(restitution: f64, seed: u64) -> (Scene, Particles) {
     (scene, particles)
 }
 
-/// ln(T/T0) at the times at which each particle has suffered `tau` collisions, for each of `taus`.
+/// ln(T/T0) at the times at which the number of collisions per particle reaches each of `taus`.
 fn cooling(mut simulation: Simulation, taus: &[f64]) -> Vec<f64> {
     let start = temperature(&simulation.particles);
     taus.iter()
@@ -236,7 +237,7 @@ fn cooling(mut simulation: Simulation, taus: &[f64]) -> Vec<f64> {
                     return before.1 + (ln - before.1) * (tau - before.0) / (now - before.0);
                 }
                 before = (now, ln);
-                // a tenth of a collision per particle
+                // duration of a tenth of a collision per particle
                 simulation.run(1, 0.1 / 0.77 * (-0.5 * ln).exp()).unwrap();
             }
         })
@@ -245,8 +246,8 @@ fn cooling(mut simulation: Simulation, taus: &[f64]) -> Vec<f64> {
 
 #[test]
 fn homogeneous_cooling() {
-    // oracle E1: ln(T/T0) at 10, 20, 30 collisions per particle, 3 % (an independent event-driven code, N = 1000). At
-    // 50 collisions Haff's law, -(1 - e²) 50/3; at 30 that code is 1 % below the law
+    // oracle E1: ln(T/T0) at 10, 20, 30 collisions per particle within 3 % (an independent event-driven code, N =
+    // 1000). At 50 collisions, Haff's law gives -(1 - e²) 50/3; at 30 the code is 1 % below this law
     for (e, want) in [(0.9, [-0.6227, -1.2514, -1.8808, -3.1667]), (0.8, [-1.1889, -2.3673, -3.5597, -6.0])] {
         let mut mean = [0.0; 4];
         for seed in 1..=4 {
@@ -263,8 +264,8 @@ fn homogeneous_cooling() {
 
 #[test]
 fn homogeneous_cooling_of_soft_spheres() {
-    // oracle E1: as for hard spheres within 3 % at N_c = 50, with sqrt(mT/k) = 0.004 d (d_eff within 0.5 %). One start
-    // scatters by 2 %, so the mean over four is taken, as for hard spheres
+    // oracle E1: the values of hard spheres within 3 % at N_c = 50, with sqrt(mT/k) = 0.004 d (effective diameter
+    // within 0.5 %). A single start varies by 2 %, so that the mean over four starts is used, as for hard spheres
     let k: f64 = 1.0 / (0.004 * 0.004);
     let dt = std::f64::consts::PI * (0.5 / k).sqrt() / 50.0;
     let ln = (1..=4).map(|seed| {
@@ -279,7 +280,8 @@ fn homogeneous_cooling_of_soft_spheres() {
 
 #[test]
 fn homogeneous_cooling_of_soft_spheres_for_long() {
-    // oracle E1 as for hard spheres, to 50 collisions per particle; only particles in contact are stepped, at N_c = 50
+    // oracle E1 up to 50 collisions per particle, as for hard spheres; only particles in contact are stepped, at N_c =
+    // 50
     let k: f64 = 1.0 / (0.004 * 0.004);
     let dt = std::f64::consts::PI * (0.5 / k).sqrt() / 50.0;
     for (e, want) in [(0.9, [-0.6227, -1.2514, -1.8808, -3.1667]), (0.8, [-1.1889, -2.3673, -3.5597, -6.0])] {
@@ -300,8 +302,8 @@ fn homogeneous_cooling_of_soft_spheres_for_long() {
 #[test]
 fn ledger_explains_the_energy() {
     // Gravity, walls, friction, restitution, periodic sides. The energy residual is rounding for hard spheres. For
-    // Verlet's method it is proportional to Δt²: an eighth of the step would leave 1/64 of it, if the runs were not
-    // chaotic and contacts not detected at the ends of steps
+    // Verlet's method it is proportional to Δt². With an eighth of the step, 1/64 of it would remain if the runs were
+    // not chaotic and contacts were not detected at the ends of steps
     let build = |e: f64, mu: f64| {
         let mut scene = empty([8.0, 6.0, 8.0], [true, false, true], unit(), surface(e, mu));
         scene.gravity = Vector3::new(0.3, -0.5, 0.2);
@@ -348,7 +350,7 @@ fn ledger_explains_the_energy() {
 
 #[test]
 fn ledger_of_an_elastic_gas_is_the_heating_of_rk2() {
-    // nothing dissipates, so the residual is E - E0 to rounding, and that of RK2 is positive
+    // nothing dissipates, so that the residual is E - E0 except for rounding, and is positive for RK2
     let (scene, particles) = gas(1.0, 2);
     let k: f64 = 1e4;
     let dt = std::f64::consts::PI * (0.5 / k).sqrt() / 8.0;
@@ -359,7 +361,7 @@ fn ledger_of_an_elastic_gas_is_the_heating_of_rk2() {
     close("residual", end.record.ledger.residual(start, end.energy()), gain, 1e-12 * start);
 }
 
-/// Two spheres, and a sphere on a floor, start at rest with overlaps. All energy comes from the springs.
+/// Two spheres, and a sphere on a floor, start at rest with overlaps. The springs contain all energy.
 #[test]
 fn ledger_counts_the_elastic_energy_of_the_start() {
     const STEPS: f64 = 200.0;
@@ -375,14 +377,15 @@ fn ledger_counts_the_elastic_energy_of_the_start() {
             let k = start.soft.law.unwrap().parameter().value;
             let mut simulation = Simulation::new(&start, initial_state(&start).unwrap());
             let before = simulation.energy();
-            // k δ²/2 of each overlap, in coordinates of a few metres
+            // k δ²/2 for each overlap; the coordinates are a few metres
             close("elastic energy", before, 0.5 * k * (0.005f64.powi(2) + 0.003f64.powi(2)), 1e-12 * k);
             simulation.run(5, 0.05).unwrap();
             let now = simulation.energy();
             assert!(simulation.particles.kinetic_energy() > 0.5 * before, "the springs have let go");
             let residual = simulation.record.ledger.residual(before, now) / before;
             println!("{restitution} {stepping:?}: {residual:.1e}");
-            // velocity Verlet may gain (ω_0 Δt)²/4 in an elastic contact; the loss by the dashpot is of the same order
+            // in an elastic contact, velocity Verlet may gain (ω_0 Δt)²/4; the loss by the dashpot has an error of the
+            // same order
             let order = (std::f64::consts::PI / STEPS).powi(2);
             assert!(residual.abs() < order, "{restitution}, {stepping:?}: {residual}");
         }

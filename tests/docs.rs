@@ -1,4 +1,4 @@
-//! Rules for documents and comments, and the structure that they describe.
+//! Rules for documents, comments and the structure of the source.
 
 use clap::CommandFactory;
 use diptych::case::Case;
@@ -6,8 +6,8 @@ use diptych::cli::Cli;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Exceptions from the order of modules. `scene` is made of fluid and walls, and these name its `Species` and
-/// `Surface`: data that belong together.
+/// Exceptions from the order of modules. `scene` imports fluid and walls, which use its types `Species` and `Surface`.
+/// These data belong together.
 const EXCEPTIONS: [(&str, &str); 2] = [("scene", "fluid"), ("scene", "walls")];
 
 fn root() -> PathBuf {
@@ -19,7 +19,7 @@ fn text(path: &str) -> String {
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Path relative to the crate, and text, of every source file.
+/// Path, relative to the crate, and text of every source file.
 fn sources() -> Vec<(String, String)> {
     fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
         for entry in std::fs::read_dir(folder).unwrap() {
@@ -38,13 +38,13 @@ fn sources() -> Vec<(String, String)> {
     found.iter().map(|path| (name(path), std::fs::read_to_string(path).unwrap())).collect()
 }
 
-/// Lines of a file that are code: without comments and without the tests at its end.
+/// Lines of code of a file: without comments, and without the tests at the end.
 fn code(text: &str) -> String {
     let body = text.split("#[cfg(test)]").next().unwrap_or_default();
     body.lines().map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
 }
 
-/// Modules of the crate that a piece of code names after `crate::`, also in braces.
+/// Modules of the crate that a piece of code names after `crate::`, also within braces.
 fn imports(code: &str) -> Vec<String> {
     let word = |text: &str| text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
     let mut found = Vec::new();
@@ -104,7 +104,7 @@ fn doc_comments(text: &str) -> Vec<(usize, String)> {
     blocks
 }
 
-/// A first line names the item or says what it does; words for persons are not used for things; sentences are short.
+/// First lines name the item or say what it does. Words for persons are not used for things. Sentences are short.
 #[test]
 fn doc_comments_are_plain() {
     const OPENINGS: [&str; 12] = [
@@ -125,7 +125,7 @@ fn doc_comments_are_plain() {
     let mut wrong = Vec::new();
     for (path, text) in sources() {
         for (line, block) in doc_comments(&text) {
-            // a unit may stand first
+            // a unit may precede the first word
             let start = block.strip_prefix('[').and_then(|rest| Some(rest.split_once(']')?.1.trim_start()));
             let start = start.unwrap_or(&block);
             if OPENINGS.iter().any(|opening| start.starts_with(opening)) {
@@ -136,7 +136,7 @@ fn doc_comments_are_plain() {
             if let Some(person) = words.find(|word| PERSONS.contains(word)) {
                 wrong.push(format!("{path}:{line}: {person}"));
             }
-            // code and links count as one word
+            // code and links count as one word each
             let pieces = block.split('`').enumerate().map(|(k, piece)| if k % 2 == 1 { "x" } else { piece });
             let prose: String = pieces.collect();
             for sentence in prose.split_inclusive(['.', ':', ';', '!', '?']).collect::<Vec<_>>().join("\n").split('\n')
@@ -201,7 +201,7 @@ fn engines_do_not_know_each_other_and_one_file_knows_each_foreign_library() {
     }
 }
 
-/// Engines, islands and uniform steps are written as if there were one process.
+/// The code of engines, islands and uniform steps is that for one process.
 #[test]
 fn one_folder_of_the_engines_knows_other_processes() {
     let is_elsewhere = |path: &str| path.starts_with("src/engine/") && !path.starts_with("src/engine/distributed/");
@@ -210,8 +210,8 @@ fn one_folder_of_the_engines_knows_other_processes() {
     }
 }
 
-/// Results cannot depend on a clock that physics does not read. Engines only measure times with a clock that they are
-/// given, for reports.
+/// Results cannot depend on the time, because physics does not read a clock. Engines measure times for reports, with a
+/// clock that the caller passes.
 #[test]
 fn only_studies_and_the_clock_read_the_time() {
     let reads = |path: &str| ["src/runs/", "src/study/"].iter().any(|floor| path.starts_with(floor));
@@ -226,7 +226,7 @@ fn blocks<'a>(markdown: &'a str, language: &str) -> Vec<&'a str> {
     markdown.split(fence.as_str()).skip(1).filter_map(|rest| rest.split("\n```").next()).collect()
 }
 
-/// Path relative to the crate, and text, of the pages for readers; those of `docs/` include its folders.
+/// Path, relative to the crate, and text of every page for readers, including the folders in `docs/`.
 fn documents() -> Vec<(String, String)> {
     fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
         for entry in std::fs::read_dir(folder).unwrap() {
@@ -246,7 +246,7 @@ fn documents() -> Vec<(String, String)> {
     found.iter().map(|path| (name(path), std::fs::read_to_string(path).unwrap())).collect()
 }
 
-/// Anchors of the headings of a page, as GitHub and similar sites make them.
+/// Anchors of the headings of a page, as made by GitHub and similar sites.
 fn anchors(markdown: &str) -> Vec<String> {
     let headings =
         markdown.lines().filter(|line| line.starts_with('#')).map(|line| line.trim_start_matches('#').trim());
@@ -360,7 +360,7 @@ fn what_is_a_unit() {
     assert!(!says_a_unit(" Unites islands of [`Scene`], at index [0].") && !says_a_unit(" A unit normal."));
 }
 
-/// Number of lines of all files of a module.
+/// Number of lines of all files of a module together.
 fn lines_of(module: &str) -> usize {
     let own = |path: &str| path == format!("src/{module}.rs") || path.starts_with(&format!("src/{module}/"));
     sources().iter().filter(|(path, _)| own(path)).map(|(_, text)| text.lines().count()).sum()

@@ -1,5 +1,5 @@
-//! One run divided into domains, with threads in place of processes. This requires that no result depends on the order
-//! of the particle store.
+//! One run divided into domains, with threads in place of processes. The results must not depend on the order of the
+//! particle store.
 
 mod uniform;
 
@@ -28,7 +28,7 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use std::sync::{Arc, Mutex};
 
-/// A gas of spheres of two sizes that falls between walls with friction, so dense that islands have many members.
+/// Gas of spheres of two sizes that falls between walls with friction. It is so dense that islands have many members.
 fn scene(count: usize, volume_fraction: f64) -> (Scene, Particles) {
     let species = small();
     let edge = (count as f64 * species.volume() / volume_fraction).cbrt();
@@ -46,7 +46,7 @@ fn scene(count: usize, volume_fraction: f64) -> (Scene, Particles) {
     (scene, particles)
 }
 
-/// Makes the spheres of a scene rotate, with tangential springs that last from step to step.
+/// Makes the spheres of a scene rotate, with tangential springs that remain from step to step.
 fn rough((mut scene, mut particles): (Scene, Particles)) -> (Scene, Particles) {
     let law = LinearTangential::Ratios { stiffness: 0.8, dashpot: 0.3 };
     let impact = ImpactRule::Walton { tangential_restitution: 0.4 };
@@ -58,7 +58,7 @@ fn rough((mut scene, mut particles): (Scene, Particles)) -> (Scene, Particles) {
     (scene, particles)
 }
 
-/// Adds a ball that turns in its place, in the largest gap between the particles on a grid.
+/// Adds a ball that rotates in place, in the largest gap between the particles, found on a grid of positions.
 fn with_turning_ball((mut scene, particles): (Scene, Particles)) -> (Scene, Particles) {
     let size = scene.domain.size;
     let place = |k: usize| {
@@ -77,7 +77,7 @@ fn with_turning_ball((mut scene, particles): (Scene, Particles)) -> (Scene, Part
     (scene, particles)
 }
 
-/// The particles with their ids, in another order.
+/// Copy of the particles with their ids, in another order of the store.
 fn shuffled(particles: &Particles, seed: u64) -> Particles {
     let mut order: Vec<u32> = (0..particles.len() as u32).collect();
     order.shuffle(&mut rand_xoshiro::Xoshiro256PlusPlus::seed_from_u64(seed));
@@ -165,8 +165,8 @@ fn same_bits_over_processes(
     }
 }
 
-/// Observer that records the state of every n-th particle by id, of the particles in contact with these, and of all
-/// together.
+/// Observer that records the states of three groups: every n-th particle by id, the particles in contact with these,
+/// and all particles.
 #[derive(Default)]
 struct Glances {
     every: u32,
@@ -175,7 +175,7 @@ struct Glances {
 
 impl Observer for Glances {
     fn next(&self, now: f64, schedule: &Schedule) -> Option<f64> {
-        // all particles are recorded at every tenth window, the few at others in between
+        // all particles are recorded every ten windows; a part of the particles is recorded every three windows
         Some(now + schedule.window * if self.every == 1 { 10.0 } else { 3.0 })
     }
 
@@ -216,8 +216,8 @@ fn air() -> Fluid {
     Fluid::new(1.2, 1.5e-5, Profile::Uniform(0.5), Some(Drag::SchillerNaumann(SchillerNaumann)))
 }
 
-/// Records of observers of few and of all particles in a run that `size` threads share in place of processes; with
-/// `None`, in a run of one process.
+/// Records of observers of a part and of all particles, in a run that `size` threads share in place of processes.
+/// `None` means a run of one process.
 fn glances(
     size: Option<usize>,
     (scene, start): &(Scene, Particles),
@@ -258,7 +258,7 @@ fn who_looks_at_a_shared_run_sees_what_one_process_shows() {
     }
 }
 
-/// Sums over all particles at each sample, as the lead of `size` processes records them; with `None`, of a run of one
+/// Sums over all particles at each sample, as recorded in the lead of `size` processes. `None` means a run of one
 /// process.
 fn sums(
     size: Option<usize>,
@@ -351,7 +351,7 @@ fn a_shared_run_is_cut_anew_where_particles_gather() {
     let (scene, mut start) = scene(3000, 0.03);
     let edge = scene.domain.size.z;
     for place in 0..start.len() {
-        // all particles are in a cloud that is dense in its middle and flies from block to block
+        // all particles are in a cloud that is dense in its middle and moves from block to block
         let z = start.position[place].z / edge;
         start.position[place].z = edge * (z - (2.0 * std::f64::consts::PI * z).sin() / 9.0);
         start.velocity[place].z += 2.0;
@@ -371,13 +371,13 @@ fn a_shared_run_is_cut_anew_where_particles_gather() {
     let heads = heads.0.lock().unwrap();
     println!("{heads:?}");
     assert!(heads[0] == start.len() && heads.len() == 41, "{heads:?}");
-    // no process has many more than half of the particles at two successive samples, but one does at a single sample
+    // a process may have many more than half of the particles at one sample, but not at two successive samples
     let is_uneven = |two: &[usize]| two.iter().any(|count| *count as f64 > 1.1 * 0.5 * start.len() as f64);
     let uneven: Vec<bool> = heads[1..].chunks(2).map(is_uneven).collect();
     assert!(uneven.contains(&true) && !uneven.windows(2).any(|two| two == [true, true]), "{heads:?}");
 }
 
-/// Counters that do not depend on how a run is shared. The number of pairs that searches examine does.
+/// Counters that do not depend on how a run is shared; the number of examined pairs is left out because it does.
 fn counts(counters: &Counters) -> Counters {
     Counters { pair_checks: 0, ..*counters }
 }
@@ -385,7 +385,7 @@ fn counts(counters: &Counters) -> Counters {
 #[test]
 fn processes_that_share_a_run_give_the_bits_of_one() {
     let law = ContactLaw::linear(3000.0);
-    // few windows are long windows: islands are solved again, and reach far
+    // few windows mean long windows: islands are solved several times, and extend over several domains
     for (name, of, time) in [("dilute", scene(3000, 0.02), (1e-3, 40)), ("crowded", scene(12_000, 0.05), (2e-3, 4))] {
         let hybrid = || -> Box<dyn Distributed> { Box::new(Hybrid::new(law, Integrator::VelocityVerlet, 2e-7, 1.0)) };
         same_bits_over_processes(&format!("{name} hard"), &of, &|| Box::new(Hard::with_islands()), time);
@@ -434,8 +434,8 @@ fn where_all_are_moved_at_once_every_process_moves_all() {
 
 #[test]
 fn islands_are_given_up_by_all_processes_or_by_none() {
-    // stiff spheres and short windows: islands are solved, given up because they cost too much, and solved again; only
-    // the lead has the limit of their cost
+    // stiff spheres and short windows: islands are solved, given up because of their cost, and solved again; only the
+    // lead process decides on the limit of the cost
     let side = edge(2000, small().diameter, 0.3);
     let gas = empty([side; 3], [true; 3], small(), surface(1.0, 0.0));
     let start = random(&gas, 2000, 0.5, 1);
@@ -451,7 +451,7 @@ fn islands_are_given_up_by_all_processes_or_by_none() {
 
 #[test]
 fn an_island_that_grows_over_borders_is_that_of_one_process() {
-    // a row in which each sphere hits the next within one window, in blocks of two or three particles each
+    // a row of spheres in which each hits the next within one window, divided into blocks of two or three spheres
     let scene = empty([0.05, 0.01, 0.01], [false; 3], small(), surface(0.95, 0.0));
     let row = |k: usize| ([0.002 + 1.01 * 406e-6 * k as f64, 0.005, 0.005], [if k == 0 { 1.0 } else { 0.0 }, 0.0, 0.0]);
     let of = (scene.clone(), placed(&scene, &(0..12).map(row).collect::<Vec<_>>()));

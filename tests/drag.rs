@@ -1,5 +1,5 @@
-//! Drag laws against independent integrations (the oracle catalogue, section F), and as half-kicks of a Strang
-//! splitting.
+//! Drag laws against independent integrations (oracle F, section F of the catalogue of reference values), and as
+//! half-kicks of a Strang splitting.
 //!
 //! Particles S (406 um, 1038 kg/m³) and L (1.5 mm, 1032 kg/m³) are the paper's, in its air, without buoyancy.
 
@@ -32,7 +32,7 @@ fn close(value: f64, reference: f64, relative: f64, what: &str) {
 }
 
 /// Velocity of a particle that starts with `velocity` in a uniform gas, after repeated kick(h/2), drift(h) with
-/// gravity, kick(h/2).
+/// gravity, and kick(h/2).
 fn strang(
     sphere: &Sphere,
     gas: [f64; 2],
@@ -64,7 +64,7 @@ fn stokes_time_of_the_papers_spheres() {
 
 #[test]
 fn start_from_rest_without_gravity() {
-    // The kick is an exact solution, so the tolerance is given by the printed digits of the catalogue.
+    // The kick is an exact solution, so that the tolerance is that of the printed digits in the catalogue.
     let rows = [
         (small(), 15.9075, [2.777472504, 11.707274085, 15.795363212]),
         (large(), 15.9075, [0.624511236, 4.614625519, 13.381509683]), // starts at Re = 1575: C_D = 0.44
@@ -103,9 +103,10 @@ fn weight_against_the_flow() {
 
 #[test]
 fn oblique_slip_uses_its_magnitude() {
-    // The large sphere L starts at Re = 1010, hence with C_D = 0.44. The catalogue uses C_D = 24/Re (1 + 0.15 Re^0.687)
-    // there as well. Its integration was repeated with the switch (fourth-order Runge-Kutta, step 1e-5 s), which gives
-    // the row used here; without the switch it gives the catalogue's row. They differ by 5e-3 to 7e-6.
+    // The large sphere L starts at Re = 1010, and therefore with C_D = 0.44. The catalogue uses C_D = 24/Re (1 + 0.15
+    // Re^0.687) there too. Its integration was repeated with the change at Re = 1000 (fourth-order Runge-Kutta, step
+    // 1e-5 s), which gives the row used here. Without the change it gives the row of the catalogue. The two rows differ
+    // by 5e-3 to 7e-6.
     let rows = [
         (small(), [(1.291409760, 1.723469308), (6.189052838, 0.639134921), (8.323317485, 0.002372821)]),
         (large(), [(0.159337913, 1.948763980), (1.323596774, 1.561149766), (4.244232276, 0.265969091)]),
@@ -123,10 +124,10 @@ fn oblique_slip_uses_its_magnitude() {
 fn terminal_slip() {
     for (sphere, expected) in [(small(), 1.67597328), (large(), 5.56350207)] {
         let [velocity, _] = strang(&sphere, [0.0; 2], [0.0; 2], [-9.81, 0.0], 10.0, 100_000);
-        // The splitting is of second order: its steady slip speed is off by about (h/τ_l)²/24 = 3e-8 at h = 1e-4 s and
-        // the relaxation time τ_l = 0.117 s of S.
+        // The splitting is of second order: the error of its steady slip speed is about (h/τ_l)²/24 = 3e-8, for h =
+        // 1e-4 s and the relaxation time τ_l = 0.117 s of S.
         close(-velocity, expected, 1e-7, "terminal slip");
-        // At the terminal slip drag balances weight: w/τ(w) = g.
+        // At the terminal slip, drag balances the weight: w/τ(w) = g.
         close(expected / law().law().response_time(&sphere, expected), 9.81, 1e-8, "force balance");
     }
 }

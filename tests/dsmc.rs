@@ -1,5 +1,5 @@
-//! Collisions by chance (DSMC): rates against kinetic theory, cooling, walls, vessels, what is conserved, bits, messages.
-//! Mixtures are in `mixtures.rs`, rough spheres in `rotation/gases.rs`, stored states in `snapshots.rs`.
+//! Collisions by chance (DSMC): rates against kinetic theory, cooling, walls, vessels, conserved quantities, bits,
+//! messages. Mixtures are in `mixtures.rs`, rough spheres in `rotation/gases.rs`, stored states in `snapshots.rs`.
 
 use crate::support::*;
 use diptych::engine::dsmc::Dsmc;
@@ -21,10 +21,10 @@ fn engine(settings: DsmcSettings, seed: u64) -> Box<dyn Engine> {
     Box::new(Dsmc::new(settings, seed))
 }
 
-/// One cell for all particles.
+/// Settings with one cell for all particles.
 const ONE_CELL: DsmcSettings = DsmcSettings { enskog: true, cells: Some([1; 3]), step: 0.2 };
 
-/// Unit spheres in a periodic cube at the volume fraction `phi`, T = 1.
+/// Unit spheres in a periodic cube with the volume fraction `phi`, at T = 1.
 fn cube(count: usize, phi: f64, restitution: f64, seed: u64) -> (Scene, Particles) {
     let scene = empty([edge(count, 1.0, phi); 3], [true; 3], unit(), surface(restitution, 0.0));
     let mut particles = random(&scene, count, 1.0, seed);
@@ -44,9 +44,9 @@ fn carnahan_starling(phi: f64) -> f64 {
     (1.0 - 0.5 * phi) / (1.0 - phi).powi(3)
 }
 
-/// Number of collisions of each particle in a gas at equilibrium, over that of kinetic theory for the same number of
-/// particles, less 1. The gas collides ten times before it is measured, for as long as gives `collisions` of all. Windows
-/// are `window` mean free times long.
+/// Number of collisions per particle in a gas at equilibrium, over that of kinetic theory for the same number of
+/// particles, minus 1. Each particle collides ten times before the measurement. The measurement lasts until there are
+/// about `collisions` collisions of all particles. Windows are `window` mean free times long.
 fn excess(
     scene: &Scene,
     particles: Particles,
@@ -66,8 +66,9 @@ fn excess(
 
 #[test]
 fn rates_are_those_of_enskog() {
-    // collisions are drawn one by one, so that their number n has the relative standard error 1/sqrt(n) or less: 4 of them
-    // are allowed; and the mean of the Enskog factor over blocks of 500 particles, by the formula at PER_BLOCK
+    // the number n of collisions has the relative standard error 1/sqrt(n) or less, because collisions are drawn one by
+    // one; four of these errors are allowed. The mean of the Enskog factor over blocks of 500 particles adds an error,
+    // by the formula at PER_BLOCK
     let collisions = 400_000.0_f64;
     for (phi, of_blocks) in [(0.01, 1e-4), (0.1, 1.2e-3), (0.3, 1e-2)] {
         let (scene, particles) = cube(4000, phi, 1.0, 3);
@@ -83,7 +84,7 @@ fn rates_are_those_of_enskog() {
         let without = excess(&scene, particles.clone(), settings, (rate_of(phi, 1.0) * finite, 0.3), collisions);
         println!("phi {phi}: without {without:+.5}");
         assert!(without.abs() < 4.0 / collisions.sqrt(), "{phi}: {without}");
-        // all particles in one block, whose volume fraction does not scatter
+        // all particles are in one block, whose volume fraction does not vary
         let alone = excess(&scene, particles, ONE_CELL, (rate, 0.3), collisions);
         println!("phi {phi}: in one cell {alone:+.5}");
         assert!(alone.abs() < 4.0 / collisions.sqrt(), "{phi}: {alone}");
@@ -96,8 +97,8 @@ fn impact_speeds_are_those_of_a_maxwellian_gas() {
     let mut simulation = Simulation::with_engine(scene, particles, engine(DsmcSettings::default(), 1));
     simulation.run(300, 2.0).unwrap();
     let speeds = &simulation.record.pairs.normal_speed;
-    // normal speeds of impact have the density u exp(-u²/4)/2: mean sqrt(π), mean square 4, standard deviation
-    // sqrt(4 - π)
+    // the normal speeds of impacts have the density u exp(-u²/4)/2, with the mean sqrt(π), the mean square 4, and the
+    // standard deviation sqrt(4 - π)
     let count = simulation.record.pairs.count as f64;
     let error = ((4.0 - PI) / count).sqrt();
     println!("{count} impacts, mean normal speed {:.4} ± {error:.4}", speeds.sum() / count);
@@ -108,8 +109,8 @@ fn impact_speeds_are_those_of_a_maxwellian_gas() {
 
 #[test]
 fn haff_s_law_and_a2() {
-    // T(t) = T_0 (1 + (1 - e²) Γ_0 t/6)^-2 (Haff 1983), with the cooling rate times 1 + 3/16 a2, a2 of van Noije and Ernst
-    // 1998 (Granular Matter 1, 57). Without space, as in one cell, nothing clusters
+    // T(t) = T_0 (1 + (1 - e²) Γ_0 t/6)^-2 (Haff 1983). The cooling rate has the factor 1 + 3/16 a2, with a2 of van
+    // Noije and Ernst 1998 (Granular Matter 1, 57). In a single cell, no clusters can form
     for (e, a2) in [(0.9_f64, -0.0146), (0.5, 0.0525)] {
         let (starts, count, phi) = (16_u64, 8000, 0.05);
         let rate = rate_of(phi, carnahan_starling(phi));
@@ -133,15 +134,16 @@ fn haff_s_law_and_a2() {
         let law = (1.0 + (1.0 - e * e) * (1.0 + 3.0 / 16.0 * a2) * rate * time / 6.0).powi(-2);
         let all = (starts * count as u64) as f64;
         println!("e {e}: T {found:.5}, law {law:.5}; a2 {kurtosis:.4}, theory {a2}");
-        // four standard errors of T, sqrt(2/(3 N)), and the start, whose a2 is 0 for some of the first collisions
+        // four standard errors of T, sqrt(2/(3 N)), and an allowance for the start, where a2 is 0 during the first
+        // collisions
         close("T by Haff's law", found / law, 1.0, 4.0 * (2.0 / (3.0 * all)).sqrt() + 2.0 * a2.abs() / 16.0);
-        // four of a2, sqrt(8/(15 N)), at three instants some collisions apart; and a fifth of a2, since the theory is of
-        // first order in it
+        // four standard errors of a2, sqrt(8/(15 N)), at three instants some collisions apart, and a fifth of a2,
+        // because the theory is of first order in a2
         close("a2", kurtosis, a2, 4.0 * (8.0 / (15.0 * 3.0 * all)).sqrt() + 0.2 * a2.abs());
     }
 }
 
-/// Unit spheres in a slit between two planes, T = 1.
+/// Unit spheres in a slit between two planes, at T = 1.
 fn slit(count: usize, size: [f64; 3]) -> (Scene, Particles) {
     let wall = surface(1.0, 0.0);
     let mut scene = empty(size, [true, false, true], unit(), wall);
@@ -154,8 +156,9 @@ fn slit(count: usize, size: [f64; 3]) -> (Scene, Particles) {
 
 #[test]
 fn walls_see_a_uniform_gas_of_centres() {
-    // n sqrt(T/2π) impacts and the impulse n T per area and time, with the density n of centres between planes a radius
-    // nearer to each other; pairs in the same volume. Four standard errors of numbers of events
+    // walls have n sqrt(T/2π) impacts and receive the impulse n T per area and time. The density n of centres is that
+    // between planes shifted inwards by a radius; pairs collide in the same volume. The tolerance is four standard
+    // errors of numbers of events
     let (count, size) = (2000, [20.0, 10.0, 20.0]);
     let (scene, particles) = slit(count, size);
     let time = 600.0;
@@ -170,18 +173,18 @@ fn walls_see_a_uniform_gas_of_centres() {
     let hits = simulation.record.walls.count as f64;
     within("impacts on walls", hits, density * area * time / (2.0 * PI).sqrt(), hits);
     within("pressure", simulation.record.ledger.wall_normal_impulse, density * area * time, hits);
-    // the fraction is that of the whole box
+    // the volume fraction is that of the whole box
     let phi = PI / 6.0 * count as f64 / (20.0 * 10.0 * 20.0);
     let pairs = simulation.record.pairs.count as f64;
     let want = 0.5 * (count - 1) as f64 * 4.0 * density * PI.sqrt() * carnahan_starling(phi) * time;
     println!("phi {phi}");
-    // 1 % for the scatter of the volume fraction among four blocks: the formula at PER_BLOCK
+    // 1 % for the variation of the volume fraction among four blocks, by the formula at PER_BLOCK
     close("pairs", simulation.record.pairs.count as f64 / want, 1.0, 4.0 / pairs.sqrt() + 0.01);
 }
 
 #[test]
 fn cells_that_curved_walls_cut_are_as_full_as_others() {
-    // pairs in a pipe and around a ball: ½ N (N - 1) 4 sqrt(π)/V with the volume V open to centres
+    // pairs in a pipe and around a ball: ½ N (N - 1) 4 sqrt(π)/V, with the volume V that centres can reach
     let wall = surface(1.0, 0.0);
     let of = |geometry| Wall::new(geometry, wall);
     let pipe =
@@ -206,7 +209,7 @@ fn cells_that_curved_walls_cut_are_as_full_as_others() {
         let found = (simulation.record.pairs.count - before) as f64;
         let want = 0.5 * (count * (count - 1)) as f64 * 4.0 * PI.sqrt() / volume * 3000.0;
         println!("{name}: {:.5} of theory, {found} pairs", found / want);
-        // lattices of six points along an edge leave 1 % of the volume of all cells
+        // lattices of six points along an edge find the volume of all cells within 1 %
         close(name, found / want, 1.0, 4.0 / found.sqrt() + 0.01);
     }
 }
@@ -288,13 +291,13 @@ fn the_ledger_closes_and_momentum_is_that_of_walls_and_gas() {
     ] {
         assert!(loss > 0.0);
     }
-    // rounding of some thousand impacts and windows
+    // rounding errors of some thousand impacts and windows
     let through = ledger.through(before);
     close("energy", ledger.residual(before, energy(&simulation)) / through, 0.0, 1e-12);
     let given = ledger.drag_impulse + ledger.gravity_impulse + ledger.wall_impulse;
     let off = simulation.particles.momentum() - momentum - given;
     close("momentum", off.norm() / given.norm(), 0.0, 1e-12);
-    // pairs do not touch, so no momentum moves from centre to centre
+    // pairs do not touch, so that no momentum is transferred from centre to centre
     assert_eq!(ledger.pair_virial.norm(), 0.0);
     let counters = simulation.counters();
     assert_eq!(counters.events, simulation.record.pairs.count + simulation.record.walls.count);
@@ -336,8 +339,8 @@ fn bits_do_not_depend_on_threads_order_or_restarts() {
 fn steps_are_a_share_of_the_mean_free_time() {
     let (scene, particles) = cube(2000, 0.05, 1.0, 3);
     let rate = rate_of(0.05, carnahan_starling(0.05));
-    // the rate in a cell is that of the temperature in the cell, whose root is 1 % below the root of the mean: so 24 to 26
-    // steps, one, one for 4 windows, and one for 16 at most
+    // the rate in a cell depends on the temperature in this cell, whose mean square root is 1 % below the root of the
+    // mean. The numbers of steps are therefore 24 to 26, one, one for 4 windows, and one for up to 16 windows
     for (step, window, least, most) in [
         (0.2, 5.0, 24.0, 26.0),
         (0.05, 1.0, 19.0, 21.0),
@@ -350,7 +353,8 @@ fn steps_are_a_share_of_the_mean_free_time() {
         simulation.run(320, window / rate).unwrap();
         let per_window = simulation.counters().steps as f64 / 320.0;
         assert!((least..=most).contains(&per_window), "{step} {window}: {per_window}");
-        // as much collided as flown, up to half a step of up to 16 windows; and 4 standard errors of the number
+        // collisions follow the time of flight with a delay of up to half a step of up to 16 windows; four standard
+        // errors of their number are added
         let collisions = simulation.record.pairs.count as f64;
         let want = 0.5 * 2000.0 * 320.0 * window * (1.0 - 1.0 / 2000.0);
         close("collisions", collisions / want, 1.0, 4.0 / want.sqrt() + 1e-3 + 0.5 * 16.0 / 320.0);
@@ -371,11 +375,12 @@ fn few_particles_and_equal_velocities() {
     close("x after 5 s", alone.particles.position[0].x, 3.0, 1e-12);
     close("z after 5 s", alone.particles.position[0].z, 5.0, 1e-12);
     assert_eq!(alone.record.pairs.count, 0);
-    // at rest with respect to one another, in one place or not
+    // at rest relative to each other, in one place or in several
     let together = go(&[([1.0, 2.0, 3.0], [1.0, 0.0, 0.0]); 5]);
     assert_eq!(together.record.pairs.count, 0);
     assert_eq!(together.particles.velocity, vec![Vector3::x(); 5]);
-    // two in one cell that approach and part again and again, which costs energy: 0.2 times a second at the start
+    // two spheres in one cell that approach and separate again and again, at first 0.2 times per second; each collision
+    // loses energy
     let scene = empty([4.0, 5.0, 6.0], [true; 3], unit(), surface(0.5, 0.1));
     let particles = placed(&scene, &[([1.0, 2.0, 3.0], [4.0, 0.0, 0.0]), ([3.0, 2.0, 3.0], [-4.0, 0.0, 0.0])]);
     let pair = run(&scene, particles, engine(DsmcSettings::default(), 1), 100.0, 100);
@@ -391,7 +396,7 @@ fn a_particle_that_comes_to_rest_is_named() {
     let (height, radius) = (0.01, 0.5 * small().diameter);
     let particles = placed(&scene, &[([0.05, height + radius, 0.05], [0.0; 3])]);
     let (simulation, result) = try_run(&scene, particles, engine(DsmcSettings::default(), 1), 1.0, 100);
-    // (1 + e)/(1 - e) sqrt(2 h/g), found at the end of its half of a window
+    // the time of rest (1 + e)/(1 - e) sqrt(2 h/g) is found at the end of the half-window that contains it
     let rest = 3.0 * (2.0 * height / 9.81).sqrt();
     let Err(why @ Failure::RestOnWall { time, particle: 0, .. }) = result else { panic!("{result:?}") };
     assert!((rest..rest + 0.0051).contains(&time), "{time}, {rest}");
@@ -413,13 +418,14 @@ fn bad_keys_are_named() {
         let why = case(CHANNEL, Model::Dsmc, &[set]).err().unwrap_or_else(|| panic!("{set} is taken"));
         assert!(why.contains(words), "{set}: {why}");
     }
-    // another model does not use them, and only warns of a bad value
+    // another model does not use these keys, and only warns of a bad value
     assert!(case(CHANNEL, Model::Hard, &["dsmc.step=0"]).is_ok());
     let cells = channel(&["dsmc.cells=[2, 8, 3]", "dsmc.step=0.1", "dsmc.enskog=false"]).dsmc;
     assert_eq!(cells, DsmcSettings { enskog: false, cells: Some([2, 8, 3]), step: 0.1 });
 }
 
-/// Particles that collide by chance may lie within each other, as their saved states show; hard ones may not.
+/// Particles that collide by chance may overlap each other at the start, as in their saved states. Hard spheres must
+/// not.
 #[test]
 fn a_start_may_overlap_pairs_but_not_walls() {
     let at = |y: &str| {

@@ -1,4 +1,4 @@
-//! Surfaces of triangles that continue through periodic sides: floors, corrugated walls, pipes of one period.
+//! Surfaces of triangles that continue through periodic sides: floors, corrugated walls, and pipes of one period.
 
 use crate::support::{diptych, words};
 use diptych::case::Case;
@@ -9,7 +9,7 @@ use diptych::{Particles, Vector3};
 use std::fmt::Write;
 use std::path::Path;
 
-/// Length [mm] of a period.
+/// Length of a period [mm].
 const PERIOD: f64 = 20.0;
 
 type Triangle = [[f64; 3]; 3];
@@ -27,7 +27,7 @@ fn stl(triangles: &[Triangle]) -> String {
     text + "endsolid made\n"
 }
 
-/// A floor over the whole period in x and z [mm], made of 8 by 8 squares.
+/// Floor over the whole period in x and z [mm], made of 8 by 8 squares.
 fn floor(height: impl Fn(f64, f64) -> f64) -> Vec<Triangle> {
     let at = |i: u32, k: u32| {
         let [x, z] = [i, k].map(|place| PERIOD * f64::from(place) / 8.0);
@@ -40,7 +40,7 @@ fn floor(height: impl Fn(f64, f64) -> f64) -> Vec<Triangle> {
     (0..8).flat_map(|i| (0..8).flat_map(|k| square(i, k)).collect::<Vec<_>>()).collect()
 }
 
-/// A pipe along z of one period, with 24 flat sides, open at both ends [mm].
+/// Pipe of one period along z, with 24 flat sides, open at both ends [mm].
 fn pipe(radius: f64) -> Vec<Triangle> {
     let at = |side: u32, z: f64| {
         let (sin, cos) = (f64::from(side % 24) * std::f64::consts::TAU / 24.0).sin_cos();
@@ -58,7 +58,7 @@ const WAVY: fn(f64, f64) -> f64 = |x, z| {
     3.0 + 0.8 * (2.0 * turn * x).sin() + 0.5 * (turn * z).cos()
 };
 
-/// Case of beads of 2 mm in a box of one period. `wall` is a key of a wall, `rest` is further text of the case.
+/// Case of beads of 2 mm in a box of one period. `wall` is a key of a wall, and `rest` is further text of the case.
 fn case(wall: &str, particles: &str, rest: &str) -> String {
     format!(
         "[domain]\nsize = [\"20 mm\", \"20 mm\", \"20 mm\"]\nperiodic = [\"x\", \"z\"]\n\
@@ -84,7 +84,7 @@ fn run(triangles: &[Triangle], text: &str, sets: &[&str]) -> (Outcome, Particles
     execute(&experiment, initial_state(&experiment).unwrap(), &mut [])
 }
 
-/// A bead at a position [mm] that moves with 0.5 m/s along x.
+/// Bead at a position [mm] that moves at 0.5 m/s along x.
 fn sliding(x: f64, y: f64) -> String {
     format!(
         "at = [{{ position = [\"{x} mm\", \"{y} mm\", \"10 mm\"], velocity = [\"0.5 m/s\", \"0 m/s\", \"0.2 m/s\"] }}]"
@@ -96,7 +96,8 @@ fn a_bead_feels_nothing_of_the_side_on_a_flat_floor() {
     let flat = floor(|_, _| 2.0);
     for model in ["soft", "hard", "hybrid"] {
         let model = format!("run.model={model}");
-        // the bead falls 0.1 mm and bounces to rest, or continues to bounce, while it slides through both sides
+        // the bead falls by 0.1 mm and bounces to rest, or without end if it is elastic, while it slides through both
+        // sides
         let text = case(MESH, &sliding(1.0, 3.1), "");
         let sets: &[&str] = if model.ends_with("hard") {
             &[&model, "contact.restitution=1", "walls[0].restitution=1"]
@@ -117,7 +118,7 @@ fn a_bead_feels_nothing_of_the_side_on_a_flat_floor() {
 
 #[test]
 fn a_path_over_the_side_is_that_within_the_box() {
-    // half a period later the wavy floor is equal along x
+    // shifted by half a period, the wavy floor is the same along x
     let wavy = floor(WAVY);
     for model in ["run.model=soft", "run.model=hybrid"] {
         let at = |x: f64| {
@@ -135,13 +136,13 @@ fn a_path_over_the_side_is_that_within_the_box() {
     }
 }
 
-/// A roof with its valley at the periodic side. A bead in the valley is held by flanks of two periods, each of which is
-/// a periodic copy for the other.
+/// Roof with its valley at the periodic side. A bead in the valley lies on the flanks of two periods. Each flank is a
+/// periodic image for the other one.
 #[test]
 fn a_bead_rests_in_a_valley_at_the_side() {
     let slope = 0.6;
     let roof = floor(|x, _| 2.0 + slope * (0.5 * PERIOD - (x - 0.5 * PERIOD).abs()));
-    // each flank carries m g/(2 cos α) at 20 N/m; cos α = 1/sqrt(1 + slope²), lengths in mm
+    // each flank carries m g/(2 cos α) with 20 N/m; cos α = 1/sqrt(1 + slope²); lengths are in mm
     let lean = (1.0 + slope * slope).sqrt();
     let weight = 2500.0 * std::f64::consts::PI / 6.0 * 8e-9 * 9.81;
     let rests = 2.0 + lean - 0.5e3 * weight * lean * lean / 20.0;
@@ -153,7 +154,7 @@ fn a_bead_rests_in_a_valley_at_the_side() {
             assert!(outcome.failure.is_none(), "{model}: {:?}", outcome.failure);
             let at = all.position[0] * 1e3;
             let aside = at.x - PERIOD * (at.x / PERIOD).round();
-            // held by one flank alone the bead would lie 3.5 µm deeper
+            // on one flank alone, the bead would lie 3.5 µm deeper
             assert!(aside.abs() < 2e-4 && (at.y - rests).abs() < 2e-4, "{model} from {x} mm: {at:?}, not {rests}");
         }
     }

@@ -1,5 +1,5 @@
-//! Situations that many users meet: long names, folders in use or emptied, damaged files, large scenes, bad cases read
-//! by programs.
+//! Situations of many users: long names, folders in use or emptied, damaged files, large scenes, bad cases read by
+//! programs.
 
 use crate::support::{BASE, diptych, empty, experiment, plane, small, surface, words};
 use diptych::case::Case;
@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 
 const TEXT: &str = include_str!("inputs/good/base.toml");
 
-/// Longest wait of a test for an event that must occur, since the machine may be busy.
+/// Longest waiting time for an event that must occur. It is long because the machine may be busy.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 fn wait_for(what: impl Fn() -> bool) {
@@ -46,7 +46,7 @@ fn a_name_of_400_characters_is_no_obstacle() {
         .output();
     let output = run.unwrap();
     assert!(output.status.success(), "{}", words(&output.stderr));
-    // two names give two files
+    // two long names give two different files
     let indices = std::fs::read_dir(out.join("trajectory")).unwrap().flatten();
     assert_eq!(indices.filter(|entry| entry.path().extension().is_some_and(|end| end == "pvd")).count(), 2);
 }
@@ -122,7 +122,7 @@ fn a_damaged_command_has_a_copy() {
     assert!(!place.path().join("checkpoint").exists());
 }
 
-/// Case with `count` kinds of one particle each, of different sizes.
+/// Case with `count` species of one particle each, of different sizes.
 fn of_kinds(count: usize) -> String {
     let kind = |k: usize| {
         let size = 200.0 + 0.1 * k as f64;
@@ -133,7 +133,7 @@ fn of_kinds(count: usize) -> String {
 
 #[test]
 fn what_check_does_is_bounded() {
-    // 45,451 kinds of contact, of which each variant lists 20
+    // there are 45,451 pairs of species, of which each variant lists 20
     let text = check_text(&read(&of_kinds(300))).unwrap();
     assert!(
         text.contains("of many kinds of contact the 20 shortest") && text.lines().count() < 1200,
@@ -147,7 +147,7 @@ fn what_check_does_is_bounded() {
     assert!(error.contains("there are more than 100000 walls"), "{error}");
 }
 
-/// A wall that counts its distance computations and leaves no room.
+/// Wall that counts the computations of its distance. It fills the whole box, so that no start exists.
 #[derive(Debug, Default)]
 struct NoRoom(AtomicU64);
 
@@ -158,7 +158,7 @@ impl Geometry for NoRoom {
     }
 }
 
-/// Beads between a floor and a lid, `height` [m] apart, in a box ten times as high.
+/// Beads between a floor and a lid at the distance `height` [m], in a box ten times as high.
 fn between_planes(count: usize, height: f64, gravity: f64) -> Experiment {
     let mut scene = empty([4e-3, 10.0 * height, 4e-3], [true, false, true], small(), surface(0.9, 0.0));
     scene.gravity.y = -gravity;
@@ -169,8 +169,8 @@ fn between_planes(count: usize, height: f64, gravity: f64) -> Experiment {
     experiment(scene, count, [0.0; 3], 0.1, Model::Hard, 1)
 }
 
-/// A neighbour list that allowed for the fall in each step of the relaxation contained all pairs: 5000 beads took
-/// minutes.
+/// A dense start does not depend on gravity. A neighbour list that allowed for a fall in each step of the relaxation
+/// would contain all pairs.
 #[test]
 fn a_dense_start_knows_no_gravity() {
     // φ = 0.58
@@ -186,12 +186,12 @@ fn more_spheres_than_any_arrangement_holds_are_refused_before_they_are_tried() {
     let overfull = told(0.75);
     assert!(!overfull.given_up && overfull.most == Some(std::f64::consts::PI / 18f64.sqrt()), "{overfull}");
     assert!(overfull.to_string().contains("no arrangement of such spheres more than 7.405e-1"), "{overfull}");
-    // it is not known if a random start exists below that fraction: it is tried with the given effort
+    // the existence of a random start below this fraction is unknown: it is tried with the given effort
     assert!(told(0.70).given_up);
 }
 
 /// The effort of a placement limits the number of distance computations of a wall, plus a few per particle. The test
-/// counts them, so that it does not depend on the machine.
+/// counts computations, so that it does not depend on the machine.
 #[test]
 fn a_start_that_is_not_found_is_given_up_after_its_effort() {
     let mut experiment = read(TEXT).experiment(None, None).unwrap().0;
@@ -200,7 +200,7 @@ fn a_start_that_is_not_found_is_given_up_after_its_effort() {
     let wall = Wall { geometry: WallGeometry::Other(counter.clone()), ..floor };
     let particles = experiment.count() as u64;
     assert!(initial_state_within(&experiment, 1_000_000).is_ok());
-    // little effort gives the start that full effort gives
+    // if a small effort is sufficient, the start is that of the full effort
     assert_eq!(
         initial_state_within(&experiment, 1_000_000).unwrap().fingerprint(),
         initial_state(&experiment).unwrap().fingerprint()
@@ -217,13 +217,13 @@ fn a_start_that_is_not_found_is_given_up_after_its_effort() {
 
 #[test]
 fn check_says_that_no_start_was_found() {
-    // φ = 0.70 is between random packings and the densest one
+    // φ = 0.70 is between random packings and the densest packing
     let lid = |height: &str| {
         TEXT.replace("point = [\"0 m\", \"4 mm\", \"0 m\"]", &format!("point = [\"0 m\", \"{height}\", \"0 m\"]"))
     };
     let told = check_text(&read(&lid("2 mm").replace("count = 100", "count = 2876"))).unwrap();
     assert!(told.contains("no random start was found with the effort that `check` makes"), "{told}");
-    // there is no room at all: refused, as by `run`
+    // without any room, `check` refuses the case as `run` does
     let text = lid("1e-15 mm").replace("count = 100", "count = 20000");
     let why = check_text(&read(&text.replace("diameter = \"406 um\"", "diameter = \"10 um\""))).unwrap_err();
     assert!(why.to_string().contains("there is no random start: the particles fill 1.454e11"), "{why}");

@@ -1,4 +1,4 @@
-//! The programs of `examples/` run to their end.
+//! The programs of `examples/` run without failure.
 
 #[path = "../examples/both_engines.rs"]
 mod both_engines;

@@ -1,4 +1,4 @@
-//! Files of other programs: every oddity that programs write, and every two of them, are read or refused as listed.
+//! Files of other programs: every oddity of such files, and every pair of oddities, is read or refused as listed.
 
 pub mod parts;
 mod starts;
@@ -7,16 +7,16 @@ mod triangles;
 use diptych::case::Case;
 use diptych::experiment::{Experiment, Model};
 
-/// The outcome that a file must have.
+/// Expected result of reading a file.
 pub enum Expected {
-    /// The file is read, with this number of triangles or particles. The warnings contain these words; without words
+    /// The file is read, with this number of triangles or particles. The warnings contain these words; without words,
     /// there are no warnings.
     Read(usize, &'static [&'static str]),
     /// The file is refused with a message that contains these words.
     Refused(&'static [&'static str]),
 }
 
-/// Reads the case `text` with a file of that name and these bytes in its folder. Returns the experiment and its
+/// Reads the case `text` with a file of this name and these bytes in its folder. Returns the experiment and its
 /// warnings, or the message.
 pub fn read(name: &str, bytes: &[u8], text: &str, model: Model) -> Result<(Experiment, Vec<String>), String> {
     let folder = tempfile::tempdir().unwrap();
@@ -28,8 +28,8 @@ pub fn read(name: &str, bytes: &[u8], text: &str, model: Model) -> Result<(Exper
     read.map(|(experiment, warnings)| (experiment, told(warnings))).map_err(|error| error.to_string())
 }
 
-/// Compares the result of reading a file (`count` of triangles or particles and warnings, or a message) with the
-/// expected one.
+/// Compares the result of reading a file with the expected result. The result is a number of triangles or particles and
+/// warnings, or a message.
 pub fn judge(what: &str, found: &Result<(usize, Vec<String>), String>, expected: &Expected) {
     match (found, expected) {
         (Ok((count, told)), Expected::Read(wanted, parts)) => {
@@ -53,7 +53,7 @@ pub fn judge(what: &str, found: &Result<(usize, Vec<String>), String>, expected:
     }
 }
 
-/// Every oddity alone, and every two of them together, with their names.
+/// Every oddity alone and every pair of oddities, with their names.
 pub fn combinations<T: Clone>(plain: &T, oddities: &[(&'static str, fn(T) -> T)]) -> Vec<(String, T)> {
     let mut all = vec![("plain".to_owned(), plain.clone())];
     for (k, (name, change)) in oddities.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The first answer in the README, its picture, pages that cite its runs, and the stored runs must agree.
+//! The first answer in the README, its picture, the pages that cite its runs, and the stored runs must agree.
 
 use crate::support::{diptych, words};
 use serde_json::Value;
@@ -17,19 +17,19 @@ fn stored(name: &str) -> Value {
     serde_json::from_str(&text(&format!("docs/results/{name}/summary.json"))).unwrap()
 }
 
-/// Sentences of the comparisons in a summary, in order.
+/// Sentences of the comparisons in a summary, in their order.
 fn sentences(summary: &Value) -> Vec<String> {
     summary["comparisons"].as_array().unwrap().iter().map(|one| one["sentence"].as_str().unwrap().to_owned()).collect()
 }
 
-/// Lines of the first block of a language in the README.
+/// Lines of the first code block of a language in the README.
 fn block(language: &str) -> Vec<String> {
     let readme = text("README.md");
     let (_, rest) = readme.split_once(&format!("```{language}\n")).unwrap();
     rest.split("\n```").next().unwrap().lines().map(str::to_owned).collect()
 }
 
-/// First command of the README, from the name of the subcommand on.
+/// First command of the README, without the name of the program.
 fn command() -> Vec<String> {
     let line = block("sh").remove(0);
     let line = line.split('#').next().unwrap().trim().to_owned();
@@ -53,7 +53,7 @@ fn the_readme_says_what_the_stored_run_said() {
     assert_eq!(verdicts, ["equivalent", "different"], "the first answer decides");
 }
 
-/// Values of an attribute of all elements of one kind in a picture.
+/// Values of an attribute in all elements of one kind in a picture.
 fn attributes(picture: &str, element: &str, name: &str) -> Vec<f64> {
     let start = format!("<{element} ");
     let tags = picture.split(start.as_str()).skip(1);
@@ -64,7 +64,7 @@ fn attributes(picture: &str, element: &str, name: &str) -> Vec<f64> {
     tags.filter_map(value).collect()
 }
 
-/// Scale below the picture: pairs of a number and its position along x.
+/// Scale below the picture: each number, and its position along x.
 fn ticks(picture: &str) -> Vec<(f64, f64)> {
     let texts = picture.split("<text ").skip(1).filter(|text| text.contains("y=\"327\""));
     let tick = |text: &str| {
@@ -75,7 +75,8 @@ fn ticks(picture: &str) -> Vec<(f64, f64)> {
     texts.filter_map(tick).collect()
 }
 
-/// Each dot of the picture is a difference of the stored run, in per cent of its scale, within the width of a line.
+/// Each dot of the picture is a difference of the stored run, in per cent of its scale. The tolerance is the width of a
+/// line.
 #[test]
 fn the_picture_draws_the_stored_run() {
     let picture = text("docs/results/first-answer/differences-in-per-cent.svg");
@@ -101,7 +102,7 @@ fn the_picture_draws_the_stored_run() {
     }
 }
 
-/// All pages and cases give one number for the share of collisions that stepped hard spheres miss.
+/// All pages and cases give the same number for the fraction of collisions that stepped hard spheres miss.
 #[test]
 fn missed_collisions_are_one_number() {
     let summary = stored("quick");
@@ -114,7 +115,7 @@ fn missed_collisions_are_one_number() {
     }
 }
 
-/// docs/plan.md shows a plan unchanged, except for measured times.
+/// The page docs/plan.md shows a plan unchanged, except for measured times.
 #[test]
 fn the_page_of_the_plan_shows_the_plan() {
     let page = text("docs/plan.md");
@@ -129,7 +130,7 @@ fn the_page_of_the_plan_shows_the_plan() {
     }
 }
 
-/// Takes half a minute on two cores with a release build, and some minutes with a test build.
+/// The test takes half a minute on two cores with a release build, and some minutes with a test build.
 #[test]
 #[ignore = "runs the README's first command in full"]
 fn a_fresh_run_says_the_same() {

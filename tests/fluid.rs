@@ -1,5 +1,5 @@
-//! Gas profiles. Reference values: the oracle catalogue, section G (independent k-epsilon solvers; channel of 40 mm,
-//! ν = 1.515e-5 m²/s, bulk Reynolds number 42 000), with its tolerances.
+//! Gas profiles. Reference values and tolerances: oracle G, section G of the catalogue of reference values. They are
+//! from independent k-epsilon solvers, for a channel of 40 mm, ν = 1.515e-5 m²/s and the bulk Reynolds number 42 000.
 
 use diptych::Vector3;
 use diptych::case::Case;
@@ -47,8 +47,8 @@ fn friction_velocity_and_profile_of_each_model() {
         let profile = profile(model);
         close(flow(&profile).friction_velocity, friction_velocity, 0.01, "u_tau");
         for (y, u) in distance.iter().zip(velocity) {
-            // Launder-Sharma solves equal equations resolved down to the wall on both sides: 0.2 %, although the
-            // catalogue allows 1.5 %.
+            // The program and the reference solve the same equations of Launder and Sharma down to the wall, so that
+            // the tolerance is 0.2 % instead of the catalogue's 1.5 %.
             let tolerance = if model == LaunderSharma { 0.002 } else { 0.015 };
             close(profile.velocity(y * 1e-3), *u, tolerance, &format!("{model:?}, U at {y} mm"));
         }
@@ -84,14 +84,14 @@ fn bulk_velocity_is_met_by_the_profile_itself() {
     for model in MODELS {
         let profile = profile(model);
         close(flow(&profile).bulk_velocity, BULK, 1e-9, "bulk velocity of the solver");
-        // Simpson's rule on separate points, divided where the law of the wall bends.
+        // Simpson's rule on separate points, divided where the law of the wall has a kink.
         let count = 200_001;
         let sum: f64 = (profile.sample(HEIGHT, count).iter().enumerate())
             .map(|(i, (_, u))| u * if i == 0 || i == count - 1 { 1.0 } else { 2.0 + 2.0 * (i % 2) as f64 })
             .sum();
         close(sum / (3.0 * (count - 1) as f64), BULK, 1e-8, "bulk velocity of the profile");
     }
-    // The sum over the cells is another way to compute the flow. It differs by the law of the wall in the first cell.
+    // The sum over the cells is another way to compute the flow. In the first cell it differs by the law of the wall.
     let flow = solve(LaunderSharma, 240);
     let mut face = 0.0;
     let mut sum = 0.0;
@@ -163,13 +163,13 @@ fn below_the_first_node_the_law_of_the_wall_holds() {
     let flow = flow(&profile);
     let (wall_unit, first) = (VISCOSITY / flow.friction_velocity, flow.nodes[0].y);
     close(profile.velocity(3.0 * wall_unit), 3.0 * flow.friction_velocity, 1e-6, "U+ at y+ = 3");
-    // u* of the wall cell is C_mu^(1/4) k^(1/2) = 0.993 u_tau; κ = 0.41, E = 9.
+    // u* of the wall cell is C_mu^(1/4) k^(1/2) = 0.993 u_tau; κ = 0.41 and E = 9.
     let scale = 0.09_f64.powf(0.25) * flow.nodes[0].k.sqrt();
     for y in [15.0 * wall_unit, 20.0 * wall_unit, first] {
         let law = flow.friction_velocity.powi(2) / (0.41 * scale) * (9.0 * y * scale / VISCOSITY).ln();
         close(profile.velocity(y), law, 1e-4, &format!("U at y = {y}"));
     }
-    // A straight line from the wall to the first node, a possible mistake, gives 40 % less at half the distance.
+    // A straight line from the wall to the first node would give 40 % less at half the distance.
     let straight = 0.5 * flow.nodes[0].u;
     assert!(profile.velocity(0.5 * first) > 1.5 * straight);
 }
@@ -180,8 +180,8 @@ fn converges_over_the_range_of_reynolds_numbers() {
         for reynolds in reynolds {
             let flow = ChannelFlow::solve(reynolds * 1e-6, 1.0, 1e-6, model);
             let flow = flow.unwrap_or_else(|error| panic!("Re = {reynolds}: {error}"));
-            // The logarithmic law from wall to centre (κ = 0.41, B = 5.36) gives U_b+ = ln(Re_τ)/κ + B - 1/κ. It has no
-            // wake and no viscous layer; k-epsilon flows exceed it by 0.4 to 1.4.
+            // The logarithmic law from wall to centre (κ = 0.41, B = 5.36) gives U_b+ = ln(Re_τ)/κ + B - 1/κ. It has
+            // neither a wake nor a viscous layer; k-epsilon flows exceed it by 0.4 to 1.4.
             let law = flow.reynolds_tau.ln() / 0.41 + 5.36 - 1.0 / 0.41;
             let bulk = flow.bulk_velocity / flow.friction_velocity;
             assert!((bulk - law).abs() < 1.5, "{model:?}, Re = {reynolds}: U_b+ = {bulk}, logarithmic law {law}");
@@ -226,7 +226,7 @@ fn table_goes_through_its_points_and_stays_between_them() {
 #[test]
 fn table_converges_to_a_smooth_profile() {
     let error = |count: usize| {
-        // Unevenly spaced points of a logarithmic profile, denser near the wall.
+        // Unevenly spaced points of a logarithmic profile, with smaller distances near the wall.
         let point = |i: usize| 0.02 * (i as f64 / count as f64).powi(2);
         let exact = |y: f64| (1.0 + 1e3 * y).ln();
         let points: Vec<_> = (0..=count).map(|i| (point(i), exact(point(i)))).collect();
@@ -265,7 +265,7 @@ fn study_writes_a_table_and_a_figure() {
         let points: Vec<(f64, f64)> = rows.iter().filter_map(|row| Some((row[0]?, row[1]?))).collect();
         assert_eq!(points.len(), rows.len());
         assert_eq!(rows.iter().filter(|row| row[2].is_some()).count(), 2 * channel.cells);
-        // The table can be read back as a profile; only the interpolation in ln y between two nodes is lost.
+        // The table can be read again as a profile. The difference is the interpolation in ln y between two nodes.
         let again = Profile::table(&points).expect("ascending rows");
         for (y, u) in fluid.profile.sample(HEIGHT, 1000) {
             assert!((again.velocity(y) - u).abs() < 0.015 * BULK, "{model:?}, U({y}) = {} or {u}", again.velocity(y));
@@ -288,9 +288,9 @@ fn study_of_a_plain_profile() {
     assert!(fluid_study(&fluid, HEIGHT, &out.path().join("profile.csv")).is_err(), "a file is no directory");
 }
 
-/// Points of the direct simulation that docs/validation.md prints, in the units of the paper's channel: y = 20 mm
-/// y⁺/1000.512 and U = 0.0500256 · 15.9075 m/s U⁺. The table must contain them to their printed digits, and have the
-/// bulk velocity U_b to 0.02 %.
+/// The points of the direct simulation in docs/validation.md must be in the table, to their printed digits. In the
+/// units of the paper's channel, y = 20 mm y⁺/1000.512 and U = 0.0500256 · 15.9075 m/s U⁺. The bulk velocity of the
+/// table must be U_b within 0.02 %.
 #[test]
 fn the_simulated_gas_is_that_of_its_source() {
     let table = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/paper/gas-dns.csv");
@@ -320,7 +320,7 @@ fn the_simulated_gas_is_that_of_its_source() {
     assert!((bulk / BULK - 1.0).abs() < 2e-4, "{bulk}");
 }
 
-/// A logarithmic law as the case gives it, and its scale at the wall.
+/// Logarithmic law of a case, and its scale at the wall.
 #[test]
 fn a_logarithmic_law_knows_its_wall() {
     let law = LogLaw::with_friction_velocity(0.80, HEIGHT, VISCOSITY, LogConstants::default()).unwrap();
@@ -329,7 +329,7 @@ fn a_logarithmic_law_knows_its_wall() {
     assert_eq!(scale.friction_velocity, 0.80);
     assert!((scale.length / (VISCOSITY / 0.80) - 1.0).abs() < 1e-15);
     assert_eq!(profile.maximum(), profile.velocity(0.5 * HEIGHT));
-    // the mean over many points is the bulk velocity, to the error of the trapezoidal rule at the walls
+    // the mean over many points is the bulk velocity, except for the error of the trapezoidal rule at the walls
     let sample = profile.sample(HEIGHT, 20_001);
     let mean: f64 = sample.windows(2).map(|pair| 0.5 * (pair[0].1 + pair[1].1)).sum::<f64>() / 20_000.0;
     assert!((mean / profile.bulk_velocity().unwrap() - 1.0).abs() < 1e-4, "{mean}");
@@ -346,8 +346,8 @@ fn prandtl(reynolds: f64) -> f64 {
     1.0 / (root * root)
 }
 
-/// The low-Reynolds-number model in a pipe: friction compared with Prandtl's law and, where it is valid, with Blasius's
-/// law (λ = 0.3164 Re^-¼, up to Re = 1e5).
+/// Friction of the low-Reynolds-number model in a pipe, compared with Prandtl's law. Where it is valid, it is also
+/// compared with Blasius's law (λ = 0.3164 Re^-¼, up to Re = 1e5).
 #[test]
 fn friction_in_a_pipe() {
     for (reynolds, most) in [(1e4, 0.1), (42_000.0, 0.1), (1e5, 0.1), (1e6, 0.1)] {
@@ -374,8 +374,8 @@ fn friction_in_a_pipe() {
     }
 }
 
-/// The velocity profile in a pipe is equal in all directions about the axis, zero at the wall and beyond, and has the
-/// bulk velocity over the cross-section.
+/// The velocity profile in a pipe is equal in all directions about the axis, and zero at the wall and beyond. Its mean
+/// over the cross-section is the bulk velocity.
 #[test]
 fn a_pipe_profile_is_round() {
     let profile = Profile::k_epsilon_pipe(15.0, 0.04, [0.03, 0.025], 1.5e-5).unwrap();
@@ -397,8 +397,8 @@ fn a_pipe_profile_is_round() {
     close((0..RINGS).map(ring).sum::<f64>() / 0.02_f64.powi(2), 15.0, 1e-5, "bulk");
 }
 
-/// Drag depends on the gas velocity at the particle. Two particles that differ in x alone settle to different
-/// velocities: that of the gas minus the slip speed that carries the weight.
+/// Drag depends on the gas velocity at the particle. Two particles with different x settle to different velocities:
+/// that of the gas there, minus the slip speed that carries the weight.
 #[test]
 fn a_pipe_drags_by_the_place() {
     let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/walls/pipe.toml")).unwrap();

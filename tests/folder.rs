@@ -1,4 +1,4 @@
-//! The folder of results: which command owns it, and which files are replaced in it.
+//! Folder of results: which command may write into it, and which files are replaced.
 
 use crate::support::{BASE, diptych, words};
 use diptych::output::{Folder, OutputError};
@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
-/// Names in a folder, in order; none if the folder does not exist.
+/// Names in a folder, sorted; none if the folder does not exist.
 fn names(path: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(path).into_iter().flatten().flatten();
     let mut names: Vec<String> = entries.map(|entry| entry.file_name().into_string().unwrap()).collect();
@@ -18,7 +18,7 @@ fn names(path: &Path) -> Vec<String> {
 fn two_runs_do_not_share_a_folder() {
     let place = tempfile::tempdir().unwrap();
     let folder = place.path().join("results");
-    // the run is long enough to be found at work, and to be killed
+    // the run takes long enough to be found in progress and to be killed
     let mut first = diptych(&["run", BASE, "--set", "run.duration=1000 s", "--quiet", "--out"])
         .arg(&folder)
         .stderr(Stdio::null())
@@ -35,7 +35,7 @@ fn two_runs_do_not_share_a_folder() {
         assert!(told.contains("another run is writing into") && told.contains("--out"), "{told}");
         assert!(!folder.join("summary.json").exists() && second.stdout.is_empty());
     }
-    // the lock of a killed run stops no other run, and the lock of a run that has ended is removed
+    // the lock of a killed run stops no other run, and the lock file of a finished run is removed
     first.kill().unwrap();
     first.wait().unwrap();
     let third = diptych(&["run", BASE, "--quiet", "--out"]).arg(&folder).output().unwrap();

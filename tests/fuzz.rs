@@ -1,6 +1,6 @@
-//! Damaged and random inputs to every reader. None may cause a panic, hang or fill the memory.
+//! Damaged and random inputs to every reader. No input may cause a panic, a hang, or a full memory.
 //!
-//! Inputs are valid ones with a few random changes each. The changes are drawn from the number of the input, so that
+//! Each input is a valid input with a few random changes. The changes are drawn from the number of the input, so that
 //! any input can be made again. A fault is printed with its reader and number.
 
 use crate::files::parts::{COMB, CUBE, binary, cube, prism, text};
@@ -20,11 +20,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Longest time that a reader may take for an input. Inputs have some kilobytes and take milliseconds; the rest allows
-/// for a busy machine.
+/// Longest time that a reader may take for an input. Inputs have some kilobytes and usually take milliseconds. The
+/// limit is so long because the machine may be busy.
 const LONGEST: Duration = Duration::from_secs(20);
 
-/// [kB] largest memory of this process, including all tests that run at the same time.
+/// [kB] largest memory of this process, which includes all tests that run at the same time.
 const LARGEST: u64 = 2 << 20;
 
 /// Numbers and words that are likely to cause errors in readers.
@@ -69,7 +69,7 @@ const ODD: [&str; 38] = [
     "\"soft\"",
 ];
 
-/// The text `from` with one to four random changes.
+/// Text `from` with one to four random changes.
 fn mutated(from: &str, others: &[String], draw: &mut Xoshiro256PlusPlus) -> String {
     let mut bytes = from.as_bytes().to_vec();
     for _ in 0..1 + draw.random_range(0..4) {
@@ -94,7 +94,7 @@ fn mutated(from: &str, others: &[String], draw: &mut Xoshiro256PlusPlus) -> Stri
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// Replaces the first number after `at` by an odd one.
+/// Replaces the first number after `at` by a number or word from [`ODD`].
 fn odd_number(bytes: &mut Vec<u8>, at: usize, draw: &mut Xoshiro256PlusPlus) {
     let Some(start) = (at..bytes.len()).find(|k| bytes[*k].is_ascii_digit()) else { return };
     let of_a_number = |byte: &u8| byte.is_ascii_digit() || b".eE+-".contains(byte);
@@ -102,7 +102,7 @@ fn odd_number(bytes: &mut Vec<u8>, at: usize, draw: &mut Xoshiro256PlusPlus) {
     bytes.splice(start..end, ODD[draw.random_range(0..ODD.len())].bytes());
 }
 
-/// Swaps two lines, removes one, or inserts one from another input.
+/// Swaps two lines, removes a line, or inserts a line from another input.
 fn lines(bytes: &mut Vec<u8>, others: &[String], draw: &mut Xoshiro256PlusPlus) {
     let mut lines: Vec<Vec<u8>> = bytes.split(|byte| *byte == b'\n').map(<[u8]>::to_vec).collect();
     let (one, other) = (draw.random_range(0..lines.len()), draw.random_range(0..lines.len()));
@@ -119,7 +119,8 @@ fn lines(bytes: &mut Vec<u8>, others: &[String], draw: &mut Xoshiro256PlusPlus) 
     *bytes = lines.join(&b'\n');
 }
 
-/// Readers, and how many of a thousand inputs each gets. A whole case costs milliseconds, a quantity a microsecond.
+/// Readers, and the number of inputs for each among a thousand. A whole case takes milliseconds, a quantity a
+/// microsecond.
 const READERS: [(&str, u64); 13] = [
     ("quantity", 273),
     ("start.csv", 15),
@@ -161,7 +162,7 @@ struct Fuzz {
     checkpoint: Checkpoint,
 }
 
-/// Files of a checkpoint as a run writes them, and the run.
+/// Files of a checkpoint as written by a run, and the identity of this run.
 struct Checkpoint {
     experiment: Experiment,
     run: RunIdentity,
@@ -201,7 +202,7 @@ impl Fuzz {
         fuzz
     }
 
-    /// Text of a state that a run has saved.
+    /// Text of a state file that a run has written.
     fn saved(&self) -> String {
         let out = self.folder.path().join("out");
         let run = diptych(&["run", "cases/impact.toml", "--model", "hard", "--save-state", "--quiet", "--out"])
@@ -211,7 +212,7 @@ impl Fuzz {
         std::fs::read_to_string(out.join("state.csv")).unwrap()
     }
 
-    /// Passes one input to a reader. Its result does not matter as long as the reader returns.
+    /// Passes one input to a reader. The reader must return; its result does not matter.
     fn one(&self, reader: &str, draw: &mut Xoshiro256PlusPlus) {
         match reader {
             "quantity" => {
@@ -237,9 +238,9 @@ impl Fuzz {
             }
             "case" => {
                 let text = mutated(pick(&self.cases, draw), &self.cases, draw);
-                // as if the case were in the folder of the built-in ones, so that their files are found
+                // the case is read as if from the folder of the built-in cases, so that its files are found
                 let case = Case::from_text(&self.root.join("cases/fuzz.toml"), text.into(), &[]);
-                // the only other possible result is a message
+                // the only other possible result is an error message
                 let _ = case.and_then(|case| check_text(&case));
             }
             "snapshot" => self.snapshot(draw),
@@ -249,7 +250,7 @@ impl Fuzz {
         }
     }
 
-    /// Reads a case that starts from this table.
+    /// Reads a case whose start is this table.
     fn start(&self, name: &str, table: &str) {
         std::fs::write(self.folder.path().join(name), table).unwrap();
         let text = "[domain]\nsize = [\"4 mm\", \"4 mm\", \"4 mm\"]\n[[particles]]\nname = \"glass\"\ndiameter = \"406 um\"\ndensity = \"2500 kg/m^3\"\n\
@@ -277,8 +278,7 @@ impl Fuzz {
         let _ = postcard::from_bytes::<Snapshot>(&damaged(whole, draw)).is_ok();
     }
 
-    /// A damaged file of a checkpoint. In half of the inputs its checksum is made to fit, so that its contents are
-    /// decoded.
+    /// Damaged file of a checkpoint. In half of the inputs the checksum fits, so that the contents are decoded.
     fn damaged_file(&self, draw: &mut Xoshiro256PlusPlus) -> (&str, &[u8], Vec<u8>) {
         let files = &self.checkpoint.files;
         let (name, whole) = &files[draw.random_range(0..files.len())];
@@ -317,7 +317,7 @@ impl Fuzz {
     }
 }
 
-/// The bytes with up to three damaged places.
+/// Bytes with up to three damaged places.
 fn damaged(whole: &[u8], draw: &mut Xoshiro256PlusPlus) -> Vec<u8> {
     let mut bytes = whole.to_vec();
     for _ in 0..1 + draw.random_range(0..3) {
@@ -332,7 +332,7 @@ fn damaged(whole: &[u8], draw: &mut Xoshiro256PlusPlus) -> Vec<u8> {
     bytes
 }
 
-/// Observers of the run of the checkpoint.
+/// Observers in the run of the checkpoint.
 fn observers(experiment: &Experiment) -> (Series, Paths, Accumulator) {
     let schedule = Schedule::new(experiment);
     let profiles = Accumulator::new(experiment.statistics.slices, experiment.scene.domain.size.y);
@@ -340,7 +340,7 @@ fn observers(experiment: &Experiment) -> (Series, Paths, Accumulator) {
 }
 
 impl Checkpoint {
-    /// Writes the checkpoint of a run that was stopped twice and is then over.
+    /// Writes the checkpoint of a run that was stopped twice, and then ended.
     fn new(folder: &Path) -> Self {
         let scene = empty([5e-3; 3], [true; 3], small(), surface(0.9, 0.1));
         let mut experiment = experiment(scene, 12, [0.0; 3], 0.5, Model::Soft, 1);
@@ -399,7 +399,7 @@ fn snapshots() -> Vec<Vec<u8>> {
         .into()
 }
 
-/// [kB] largest memory that this process has had; `None` if the system does not report it.
+/// [kB] largest memory of this process up to now; `None` if the system does not report it.
 fn memory() -> Option<u64> {
     let status = std::fs::read_to_string(Path::new("/proc/self/status")).ok()?;
     status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.split_whitespace().next()?.parse().ok()
@@ -410,7 +410,7 @@ fn draw_of(reader: &str, number: u64) -> Xoshiro256PlusPlus {
     Xoshiro256PlusPlus::seed_from_u64(number ^ reader.bytes().fold(0, |sum, byte| sum << 8 | u64::from(byte)))
 }
 
-/// Tries `inputs` inputs from number `first` on. Returns the faults, and prints how many inputs each reader got.
+/// Tries `inputs` inputs from number `first` on. Returns the faults, and prints the number of inputs for each reader.
 fn soak(inputs: u64, first: u64) -> Vec<String> {
     let fuzz = Fuzz::new();
     let mut faults = Vec::new();
@@ -426,7 +426,7 @@ fn soak(inputs: u64, first: u64) -> Vec<String> {
             if read.is_err() {
                 faults.push(format!("{reader}, input {number}: it panicked"));
             }
-            // the input is tried once more: on a busy machine the process itself may have waited for that long
+            // the input is tried a second time, because the process may have waited for a busy machine
             if took > LONGEST {
                 took = took.min(timed().1);
             }

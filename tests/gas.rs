@@ -9,7 +9,7 @@ use diptych::simulation::Simulation;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// Unit spheres in a periodic cube at the volume fraction `phi`, T = 1.
+/// Unit spheres in a periodic cube with the volume fraction `phi`, at T = 1.
 fn cube(count: usize, phi: f64, seed: u64) -> (Scene, Particles) {
     let scene = empty([edge(count, 1.0, phi); 3], [true; 3], unit(), surface(1.0, 0.0));
     let mut particles = random(&scene, count, 1.0, seed);
@@ -26,8 +26,8 @@ fn mean(values: &[f64]) -> (f64, f64) {
     (mean, (variance / n).sqrt())
 }
 
-/// Collision rate per particle, Z - 1 from the virial, and kinetic temperature, each with its standard error over ten
-/// blocks. Each particle collides `equilibrate` times before the measurement and `measure` times during it.
+/// Collision rate per particle, Z - 1 from the virial, and kinetic temperature, each with its standard error from ten
+/// blocks. Each particle has `equilibrate` collisions before the measurement and `measure` collisions during it.
 fn rates(
     scene: &Scene,
     particles: Particles,
@@ -38,7 +38,7 @@ fn rates(
 ) -> [(f64, f64); 3] {
     let n = particles.len() as f64;
     let mut simulation = Simulation::with_engine(scene.clone(), particles, engine);
-    // windows in which a sphere covers a large part of the way to its neighbours
+    // windows in which a sphere covers a large part of the distance to its neighbours
     let longest = 0.3 * (scene.domain.volume() / n).cbrt();
     let windows = |time: f64| (time / longest).ceil();
     let time = equilibrate / expected;
@@ -50,7 +50,7 @@ fn rates(
         simulation.run(windows(time) as u64, time / windows(time)).unwrap();
         let impacts = &simulation.record.pairs;
         rate.push(2.0 * (impacts.count - before.0) as f64 / (n * time));
-        // Z - 1 = sum of d J / (3 N T t), J = m u_n for equal elastic spheres, m = d = T = 1
+        // Z - 1 = sum of d J/(3 N T t), with J = m u_n for equal elastic spheres and m = d = T = 1
         pressure.push((impacts.normal_speed.sum() - before.1) / (3.0 * (n - 1.0) * time));
         kinetic.push(temperature(&simulation.particles));
     }
@@ -59,8 +59,8 @@ fn rates(
 
 #[test]
 fn collision_rate_and_pressure_of_hard_spheres() {
-    // oracle D1 (Kolafa, Labik & Malijevsky): Γ σ/sqrt(T) and Z. The tolerance is 3 standard errors + 0.5 %; N
-    // particles have (N-1)/N of the pair density
+    // oracle D1 (Kolafa, Labik & Malijevsky): Γ σ/sqrt(T) and Z. The tolerance is 3 standard errors + 0.5 %. N
+    // particles have the fraction (N-1)/N of the pair density
     for (phi, rate, z) in [
         (0.01, 0.138854, 1.041019),
         (0.05, 0.770069, 1.227485),
@@ -80,7 +80,7 @@ fn collision_rate_and_pressure_of_hard_spheres() {
     }
 }
 
-/// Collision rate by Carnahan and Starling at T = 1, of spheres of diameter d that replace unit spheres at phi.
+/// Collision rate of Carnahan and Starling at T = 1, for spheres of diameter d in place of unit spheres at `phi`.
 fn rate_of(phi: f64, d: f64) -> f64 {
     let phi = phi * d.powi(3);
     let contact = (1.0 - 0.5 * phi) / (1.0 - phi).powi(3);
@@ -89,9 +89,9 @@ fn rate_of(phi: f64, d: f64) -> f64 {
 
 #[test]
 fn soft_spheres_collide_as_smaller_ones() {
-    // oracle D5: d_eff = σ - sqrt(π m T/(2k)) (Barker & Henderson), here 0.963 σ: at phi = 0.3 about 16 % fewer impacts
-    // than for hard spheres. Springs store some of the energy (every sixth sphere is in contact), so T is the measured
-    // kinetic temperature. The tolerance is 3 standard errors + 2 % for a first-order theory
+    // oracle D5: d_eff = σ - sqrt(π m T/(2k)) (Barker & Henderson), here 0.963 σ: at phi = 0.3 there are about 16 %
+    // fewer impacts than for hard spheres. Springs store some of the energy (every sixth sphere is in contact), so that
+    // T is the measured kinetic temperature. The tolerance is 3 standard errors + 2 % for a theory of first order
     let (phi, s) = (0.3, 0.03);
     let k = 1.0 / (s * s);
     let dt = PI * (0.5f64 / k).sqrt() / 20.0;
@@ -146,7 +146,8 @@ fn slit_pressure_and_profile() {
     println!("P {p:.4} +- {p_error:.4}, hits {hits:.4} +- {hits_error:.4}, central phi {:.5}", bulk * PI / 6.0);
     close("wall pressure", p, 0.4262, 3.0 * p_error.hypot(0.0014));
     assert!(p_error < 0.01 * p);
-    // an exact theorem about two measurements of one run: hits = P sqrt(1/(2π T)) with T from E (3N, walls)
+    // an exact relation of two measurements in one run: hits = P sqrt(1/(2π T)), with T from E (3N degrees of freedom
+    // with walls)
     close("wall hits", hits, p / (2.0 * PI).sqrt(), 3.0 * hits_error + 3.0 * p_error / (2.0 * PI).sqrt());
     close("central volume fraction", bulk * PI / 6.0, 0.12886, 0.01 * 0.12886);
     let mut off = 0.0;
@@ -158,14 +159,14 @@ fn slit_pressure_and_profile() {
     }
     println!("profile off by {:.2} % rms", 100.0 * off.sqrt());
     assert!(off.sqrt() < 0.02);
-    // contact theorem: density at touch = P/T; the first bins extrapolated to 0 (quadratic through three)
+    // contact theorem: the density at touch is P/T; a quadratic extrapolation of the first three bins to 0
     let [a, b, c] = [0, 1, 2].map(|k| bins[k] as f64 * per_bin);
     close("contact density", 1.875 * a - 1.25 * b + 0.375 * c, p, 0.05 * p);
 }
 
 #[test]
 fn hard_spheres_conserve_momentum_and_energy() {
-    // oracle D3: over 1e6 events, momentum to 1e-13 of sum |m v|, energy to 1e-12
+    // oracle D3: over 1e6 events, momentum is conserved to 1e-13 of sum |m v|, and energy to 1e-12
     let (scene, particles) = cube(1000, 0.3, 3);
     let energy = particles.kinetic_energy();
     let momentum = particles.momentum();
@@ -182,7 +183,7 @@ fn hard_spheres_conserve_momentum_and_energy() {
 
 #[test]
 fn same_bits_on_any_number_of_threads() {
-    // oracle D4, with enough particles for parallel code (lists, sorting, moving, scanning)
+    // oracle D4, with enough particles for the parallel code (lists, sorting, moving, scanning)
     let mut scene = empty([46.0, 40.0, 46.0], [true, false, true], unit(), surface(0.95, 0.1));
     scene.gravity = Vector3::new(0.0, 0.0, -0.5);
     scene.walls = vec![
@@ -219,8 +220,8 @@ fn same_bits_on_any_number_of_threads() {
 #[test]
 fn overlaps_in_a_gas() {
     // oracle D6: T of the paper's case D, small spheres, k = 3000 N/m, dt = 1e-6 s, phi = 0.05. Largest overlaps over
-    // the diameter are Rayleigh distributed; first detected ones have the mean sqrt(π T) dt/2; 3 % on means of > 2e4
-    // impacts
+    // the diameter have a Rayleigh distribution. Overlaps at detection have the mean sqrt(π T) dt/2. The tolerance is 3
+    // % for means of > 2e4 impacts
     let (t, k, dt) = (0.4902f64, 3000.0, 1e-6);
     let d = small().diameter;
     let scene = empty([edge(2000, d, 0.05); 3], [true; 3], small(), surface(1.0, 0.0));
@@ -244,7 +245,7 @@ fn overlaps_in_a_gas() {
     close("99 %", deepest.quantile(0.99).unwrap(), 0.018223, 0.04 * 0.018223);
     close("first seen", impacts.first_overlap.mean().unwrap(), 0.001528, 0.03 * 0.001528);
     close("mean speed", impacts.normal_speed.mean().unwrap(), (PI * t).sqrt(), 0.03 * (PI * t).sqrt());
-    // the number of impacts is that of kinetic theory with the effective diameter
+    // the number of impacts is that of kinetic theory for the effective diameter
     let smaller = 1.0 - (0.5 * PI * t * small().mass() / k).sqrt() / d;
     let rate = rate_of(0.05, smaller) * t.sqrt() / d;
     let got = 2.0 * impacts.count as f64 / 2000.0 / 0.017;
@@ -280,8 +281,8 @@ fn energy_of_an_elastic_gas_after_fifty_collisions() {
 
 #[test]
 fn stepped_hard_spheres_approach_the_event_rate() {
-    // hard spheres in time steps miss grazing collisions: fewer impacts at large theta, the event rate as theta goes to
-    // 0
+    // hard spheres in time steps miss grazing collisions: there are fewer impacts at large theta, and the event rate is
+    // approached as theta goes to 0
     let (phi, rate) = (0.1, 1.765845);
     let at = |theta: f64| {
         let (scene, particles) = cube(1000, phi, 13);

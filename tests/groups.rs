@@ -1,4 +1,4 @@
-//! Variants that are compared with each other, variants that share a panel, and impacts that are counted.
+//! Comparisons between variants, panels with several variants, and counted impacts.
 
 use crate::made_up::outcome;
 use crate::support::{empty, experiment, small, surface};
@@ -55,7 +55,7 @@ fn more_variants_than_a_panel_can_tell_apart_are_drawn_by_their_references() {
 fn a_variant_keeps_its_colour_in_the_picture_of_differences() {
     let outcomes = [named("a", Model::Soft, None), named("b", Model::Hard, None), named("c", Model::Soft, None)];
     let svg = figures::differences(&outcomes);
-    // the first three of Okabe and Ito's colours, in the order of their use in pictures
+    // first three colours of Okabe and Ito, in the order of their use in pictures
     let used = ["#0072b2", "#d55e00", "#009e73"].map(|colour| svg.to_lowercase().contains(colour));
     assert_eq!(used, [true, false, true], "the reference is not drawn");
 }
@@ -76,12 +76,12 @@ fn impacts_are_those_of_the_averaging_period() {
         let counted = outcome.pairs.count as f64;
         assert!(counted > 100.0);
         match from {
-            // averages begin at the first sample after the requested time
+            // averages begin at the first sample after the given time
             AverageFrom::Time(_) => {
                 let late = outcome.sample_interval * outcome.pair_rate.unwrap().value;
                 assert!(counted <= expected + 1e-6 && counted >= expected - late, "{counted} {expected}");
             }
-            // the marks are a fortieth of the run apart
+            // the possible starts of averaging are a fortieth of the run apart
             AverageFrom::Steady => {
                 let fortieth = 0.02 / 40.0 * outcome.pair_rate.unwrap().value;
                 assert!((counted - expected).abs() <= 2.0 * fortieth, "{counted} {expected}");

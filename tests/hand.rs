@@ -1,11 +1,11 @@
-//! Commands that need no file: cases by name, a first case, keys, completions, manual pages.
+//! Commands that need no file: built-in cases by name, a first case, keys, completions, manual pages.
 
 use crate::support::words;
 use diptych::case::built_in;
 use std::path::Path;
 use std::process::Output;
 
-/// Runs the program in a folder that contains nothing of the project.
+/// Runs the program in a folder without any file of the project.
 fn away(folder: &Path, arguments: &[&str]) -> (i32, Output) {
     let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_diptych"));
     let output = command.current_dir(folder).args(arguments).output().unwrap();
@@ -41,7 +41,7 @@ fn cases_run_by_name_from_any_folder() {
     assert_eq!(code, 0);
     assert!(built_in::cases().iter().chain(&built_in::sets()).all(|one| listed.contains(&one.name)), "{listed}");
     assert!(listed.contains("do the contact models give the same particle statistics"), "{listed}");
-    // a folder of that name does not matter, and its sets are not those of the built-in case
+    // a folder with the name of the case has no effect, nor do its sets of values
     std::fs::create_dir_all(place.path().join("quick")).unwrap();
     std::fs::create_dir_all(place.path().join("models/fluids")).unwrap();
     std::fs::write(place.path().join("models/fluids/air.toml"), "density = \"-1 kg/m^3\"").unwrap();
@@ -60,11 +60,11 @@ fn cases_run_by_name_from_any_folder() {
     }
 }
 
-/// Two cases read a table in their folder. They also do so when called by name, and as a copy.
+/// Two cases read a table in their folder. The table is found if such a case is called by name, or copied.
 #[test]
 fn cases_that_name_a_file_run_from_any_folder() {
     let place = tempfile::tempdir().unwrap();
-    // a file of that name does not matter
+    // a file with the name of the table has no effect
     std::fs::create_dir_all(place.path().join("cases/paper")).unwrap();
     std::fs::write(place.path().join("cases/paper/gas-dns.csv"), "mine").unwrap();
     for name in ["gas-d", "gas-f"] {
@@ -77,13 +77,13 @@ fn cases_that_name_a_file_run_from_any_folder() {
     }
     let table = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/paper/gas-dns.csv");
     assert_eq!(std::fs::read(place.path().join("gas-dns.csv")).unwrap(), std::fs::read(table).unwrap());
-    // an existing file with other contents is not changed
+    // an existing file with other contents does not change
     std::fs::remove_file(place.path().join("gas-d.toml")).unwrap();
     std::fs::write(place.path().join("gas-dns.csv"), "mine").unwrap();
     let (code, output) = away(place.path(), &["init", "paper/gas-d"]);
     assert!(code == 2 && words(&output.stderr).contains("gas-dns.csv"), "{}", words(&output.stderr));
     assert_eq!(std::fs::read_to_string(place.path().join("gas-dns.csv")).unwrap(), "mine");
-    // the path of a typed file is relative to the folder in which it is typed
+    // a path that the user types is relative to the present folder
     let set = ["--set", "fluid.profile.table.file=no.csv"];
     let (code, output) = away(place.path(), &[&["check", "paper/gas-d"], &set[..]].concat());
     let told = words(&output.stderr);
@@ -133,7 +133,7 @@ fn keys_completions_and_pages_are_printed() {
     assert_eq!(away(place.path(), &["man", "walk"]).0, 2);
 }
 
-/// Output of `check --json` for a case.
+/// Output of `check --json` for a case, as JSON.
 fn checked(folder: &Path, arguments: &[&str]) -> serde_json::Value {
     let (code, output) = away(folder, &[&["check", "--json"], arguments].concat());
     assert_eq!(code, 0, "{}", words(&output.stderr));
@@ -151,11 +151,11 @@ fn a_check_tells_of_runs_that_would_stop_and_speaks_json() {
         assert_eq!(told.contains(expected), !why.is_empty(), "{told}");
         assert!(told.contains(why), "{told}");
     };
-    // beads that fall until they rest, which takes (1 + e)/(1 - e) = 66 times the first fall, and a shorter run of them
+    // beads come to rest after (1 + e)/(1 - e) = 66 times the first fall; a shorter run does not stop
     stops(&checked(place.path(), &["beads-in-air", "--set", "run.duration=60 s"]), "come to rest after about");
     let found = checked(place.path(), &["beads-in-air"]);
     stops(&found, "");
-    // with a contact time hard spheres may rest
+    // hard spheres with a contact time may rest
     let held = ["beads-in-air", "--set", "run.duration=60 s", "--set", "hard.contact_time=10 us"];
     stops(&checked(place.path(), &held), "");
     stops(&checked(place.path(), &["column"]), "lie at rest from the start");
@@ -164,7 +164,7 @@ fn a_check_tells_of_runs_that_would_stop_and_speaks_json() {
         (Some("cases/beads-in-air.toml (built in)"), Some("hard"))
     );
     let soft = &found["variants"][0];
-    // π/(ω sqrt(1 - ζ²)) of two glass beads of 2 mm, e = 0.97: ω² = k/(m/2), ζ = -ln e/π to a thousandth
+    // π/(ω sqrt(1 - ζ²)) for two glass beads of 2 mm with e = 0.97: ω² = k/(m/2), and ζ = -ln e/π within a thousandth
     let mass = std::f64::consts::PI / 6.0 * 8e-9 * 2500.0;
     let contact = std::f64::consts::PI / (20e3 / (0.5 * mass)).sqrt();
     assert!((soft["pair_contact"].as_f64().unwrap() / contact - 1.0).abs() < 1e-4, "{soft}");

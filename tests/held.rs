@@ -1,5 +1,5 @@
-//! Spheres that walls hold from several sides. They rest with their weight in balance, and this is not mistaken for
-//! passing through a wall; real passages are still detected. Also rest on slopes, and rest without damping.
+//! Spheres between several walls. They rest with their weight in balance, which must not be mistaken for passing
+//! through a wall. Real passages must be detected. Other tests are about rest on slopes, and rest without damping.
 
 use crate::support::{case, empty, large, local, placed, soft, surface};
 use diptych::engine::{Engine, Failure};
@@ -21,7 +21,7 @@ fn ball(diameter: f64) -> Species {
     Species::new("ball", diameter, 2500.0)
 }
 
-/// A scene with one wall, or a body of several walls, at its middle.
+/// Scene with one wall, or a body of several walls, in its middle.
 fn scene(walls: Vec<WallGeometry>, diameter: f64, gravity: Vector3<f64>) -> Scene {
     let contact = surface(0.3, 0.0);
     let walls = walls.into_iter().map(|wall| Wall::new(wall, contact)).collect();
@@ -32,18 +32,18 @@ fn middle() -> Vector3<f64> {
     Vector3::repeat(0.5 * EDGE)
 }
 
-/// Time step [s]: a twentieth of a contact at a wall.
+/// Time step [s]: a twentieth of the contact time at a wall.
 fn step(scene: &Scene) -> f64 {
     std::f64::consts::PI * (scene.species[0].mass() / STIFFNESS).sqrt() / 20.0
 }
 
-/// A vertical axis through the middle of the box.
+/// Vertical axis through the middle of the box.
 fn axle() -> RoundAxis {
     RoundAxis { center: middle(), axis: 2 }
 }
 
-/// A groove of two planes of triangles that meet in a line along x, each at `half` [rad] from the vertical, open
-/// upwards.
+/// Groove of two planes of triangles that meet in a line along x. It is open upwards, and each plane is at the angle
+/// `half` [rad] from the vertical.
 fn groove(half: f64) -> WallGeometry {
     let ([x0, x1], y, z) = ([0.1 * EDGE, 0.9 * EDGE], 0.5 * EDGE, 0.2 * EDGE);
     let side = |sign: f64| {
@@ -55,14 +55,14 @@ fn groove(half: f64) -> WallGeometry {
     WallGeometry::Mesh(Mesh::new("groove", &triangles, Some(Sides::Both)).unwrap().0.into())
 }
 
-/// A flat sheet of two triangles across x at `x` [m].
+/// Flat sheet of two triangles across x, at `x` [m].
 fn sheet(x: f64) -> [[Vector3<f64>; 3]; 2] {
     let corner = |y: f64, z: f64| Vector3::new(x, y * EDGE, z * EDGE);
     [[corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0)], [corner(0.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)]]
 }
 
-/// Runs one sphere from `start` [m] for half a second with both ways of stepping. Returns the force of the walls in the
-/// last tenth of a second [N], and the position at the end [m].
+/// Runs one sphere from `start` [m] for half a second with both ways of stepping. Returns the force of the walls [N] in
+/// the last tenth of a second, and the final position [m].
 fn rests(scene: &Scene, start: Vector3<f64>, what: &str) -> Vec<(Vector3<f64>, Vector3<f64>)> {
     let dt = step(scene);
     let engines: [(&str, Box<dyn Engine>); 2] = [
@@ -82,8 +82,8 @@ fn rests(scene: &Scene, start: Vector3<f64>, what: &str) -> Vec<(Vector3<f64>, V
         .collect()
 }
 
-/// Checks that the walls carry the weight of a resting sphere, to 1e-3 of the weight. This is more than the remaining
-/// oscillation after 0.4 s, and less than the effect of a missing contact.
+/// Checks that the walls carry the weight of a resting sphere, to 1e-3 of the weight. The oscillation after 0.4 s is
+/// smaller than this tolerance, and the effect of a missing contact is larger.
 fn carries_its_weight(scene: &Scene, start: Vector3<f64>, what: &str) {
     let weight = -scene.gravity * scene.species[0].mass();
     for (force, place) in rests(scene, start, what) {
@@ -102,14 +102,14 @@ fn spheres_in_two_hundred_shapes_are_held_in_balance() {
     held_in_balance(200);
 }
 
-/// Lays one sphere into each of `shapes` random shapes.
+/// Tests the rest of one sphere in each of `shapes` random shapes.
 fn held_in_balance(shapes: u32) {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
     let down = Vector3::new(0.0, 0.0, -9.81);
     for number in 0..shapes {
         let diameter = 0.004 + 0.004 * random.random::<f64>();
         let radius = 0.5 * diameter;
-        // off the axis by up to a hundredth of a diameter, or on the axis
+        // up to a hundredth of a diameter from the axis, or on the axis
         let aside = if number % 3 == 0 { 0.0 } else { 0.01 * diameter * random.random::<f64>() };
         let turn = std::f64::consts::TAU * random.random::<f64>();
         let off = Vector3::new(turn.cos(), turn.sin(), 0.0) * aside;
@@ -135,7 +135,7 @@ fn held_in_balance(shapes: u32) {
                 }
             }
             _ => {
-                // a hollow sphere that is narrower by up to a thousandth than the sphere inside
+                // a hollow sphere that is narrower than the sphere inside by up to a thousandth
                 let narrow = radius * (1.0 - 1e-3 * random.random::<f64>());
                 let bowl = WallGeometry::Hollow(Hollow::new(Cavity::Sphere { center: middle(), radius: narrow }));
                 let start = middle() + off * 0.05;
@@ -145,8 +145,8 @@ fn held_in_balance(shapes: u32) {
     }
 }
 
-/// Press fits. Only the ends of a tube could hold a sphere along its axis, so within the tube a sphere that is slightly
-/// wider falls freely, near the axis.
+/// Press fits. Only the ends of a tube could stop a sphere along its axis. Within the tube, a slightly wider sphere
+/// falls freely, near the axis.
 #[test]
 fn a_sphere_wider_than_its_tube_falls_through_it() {
     let (diameter, gravity) = (0.005, Vector3::new(0.3, 0.0, -9.81));
@@ -163,14 +163,14 @@ fn a_sphere_wider_than_its_tube_falls_through_it() {
             simulation.run(50, 1e-3).unwrap();
             let (x, v) = (simulation.particles.position[0], simulation.particles.velocity[0]);
             assert!((v.z + 9.81 * 0.05).abs() < 1e-9 && (start.z - x.z - 0.5 * 9.81 * 0.05 * 0.05).abs() < 1e-9);
-            // the near side is compressed more than the far side by the distance from the axis: 2 k ρ = m g_x
+            // the distance from the axis compresses the near side more than the far side: 2 k ρ = m g_x
             let aside = scene.species[0].mass() * 0.3 / (2.0 * STIFFNESS);
             assert!((x.x - start.x - aside).abs() < 1e-3 * aside, "{} of {aside} m aside", x.x - start.x);
         }
     }
 }
 
-/// Two sheets that are closer to each other than the sphere is wide, such as the two faces of the wall of a silo.
+/// Two sheets with a distance smaller than the diameter of the sphere, such as both faces of the wall of a silo.
 #[test]
 fn a_sphere_between_two_sheets_is_held() {
     for narrow in [1e-4, 1e-3, 5e-3] {
@@ -197,7 +197,7 @@ fn spheres_that_pass_thin_walls_are_still_caught() {
         let mut scene = scene(vec![wall], diameter, Vector3::zeros());
         scene.walls[0].surface = surface(1.0, 0.0);
         let dt = step(&scene);
-        // an elastic sphere whose centre reaches a surface hits it faster than ω r: from 1.3 to 30 times that
+        // an elastic sphere whose centre reaches a surface had an impact speed above ω r; here 1.3 to 30 times ω r
         let omega = (STIFFNESS / scene.species[0].mass()).sqrt();
         let speed = omega * 0.5 * diameter * (1.3 + 28.7 * random.random::<f64>().powi(2));
         let axis = Unit::new_normalize(Vector3::z());
@@ -215,7 +215,7 @@ fn spheres_that_pass_thin_walls_are_still_caught() {
     }
 }
 
-/// On an incline below the angle of friction, a sphere that does not rotate stays at rest, for any time step.
+/// A sphere that does not rotate stays at rest on an incline below the angle of friction, for any time step.
 #[test]
 fn what_friction_holds_does_not_creep() {
     let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/inputs/incline.toml")).unwrap();
@@ -231,7 +231,7 @@ fn what_friction_holds_does_not_creep() {
             let mut simulation = Simulation::new(&experiment, initial_state(&experiment).unwrap());
             simulation.run(50, 1e-3).unwrap();
             let (x, v) = (simulation.particles.position[0].x, simulation.particles.velocity[0].x);
-            // with an error of g_t Δt/2 = 1e-5 m/s or more the sphere would creep for ever; it slides only at first,
+            // an error of g_t Δt/2 = 1e-5 m/s or more would make the sphere creep for ever; it may slide only at first,
             // until it is pressed in
             assert!(v.abs() < 1e-12, "{model:?} {sets:?}: creeps at {v:e} m/s");
             simulation.run(20, 1e-3).unwrap();
@@ -241,7 +241,7 @@ fn what_friction_holds_does_not_creep() {
     }
 }
 
-/// Above the angle of friction the sphere slides with the acceleration g_t - μ g_n.
+/// Above the angle of friction, the sphere slides with the acceleration g_t - μ g_n.
 #[test]
 fn what_friction_does_not_hold_slides() {
     let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/inputs/incline.toml")).unwrap();
@@ -259,8 +259,8 @@ fn what_friction_does_not_hold_slides() {
     }
 }
 
-/// Elastic spheres laid on a floor oscillate for ever with the energy of their weight. The effect of rounding on this
-/// energy is not reported as a fault of the time step.
+/// Elastic spheres on a floor oscillate for ever with the energy of their weight. The effect of rounding on this energy
+/// must not be reported as a fault of the time step.
 #[test]
 fn elastic_spheres_at_rest_run_on() {
     let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/inputs/incline.toml")).unwrap();
@@ -281,8 +281,7 @@ fn elastic_spheres_at_rest_run_on() {
     }
 }
 
-/// Hard spheres that slide along a concave wall and lose energy stop with a message about it. Along a plane they do
-/// not.
+/// Hard spheres that slide along a concave wall and lose energy stop with a message. Along a plane they do not stop.
 #[test]
 fn sliding_along_a_concave_wall_is_told_from_coming_to_rest() {
     let bowl = WallGeometry::Hollow(Hollow::new(Cavity::Sphere { center: middle(), radius: 0.015 }));

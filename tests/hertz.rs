@@ -1,4 +1,4 @@
-//! Hertzian contacts in the engine: restitution, time and depth of single impacts, both steppings, and the studies.
+//! Hertzian contacts: restitution, contact time and overlap of single impacts, both ways of stepping, and the studies.
 
 use crate::support::*;
 use diptych::case::Case;
@@ -12,12 +12,12 @@ use diptych::study::{execute, plan_of};
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// Polystyrene-like, softened a hundredfold so that contacts are as deep as in the paper.
+/// Polystyrene, softened by a factor of a hundred, so that overlaps are as large as in the paper.
 const SOFTENED: ContactLaw =
     ContactLaw::Hertz(Hertz { elasticity: Elasticity { youngs_modulus: 30e6, poissons_ratio: 0.3 } });
 
-/// Realised restitution, duration over that of theory, and largest overlap over that of theory of a head-on impact at a relative
-/// speed [m/s].
+/// Head-on impact at a relative speed [m/s]: realised restitution, and duration and largest overlap over those of
+/// theory.
 fn impact(restitution: f64, speed: f64, steps: f64, stepping: SoftStepping) -> [f64; 3] {
     let scene = empty([4e-3; 3], [false; 3], small(), surface(restitution, 0.0));
     let gap = 1e-6;
@@ -39,10 +39,12 @@ fn impact(restitution: f64, speed: f64, steps: f64, stepping: SoftStepping) -> [
     ]
 }
 
-/// Antypov and Elliott: the restitution asked for at every speed; time and depth in closed form.
+/// Theory of Antypov and Elliott: the prescribed restitution at every speed, and closed forms of contact time and
+/// overlap.
 ///
-/// The viscous force begins as the fourth root of the overlap, and so of time: a step that begins at the touch misses a share of
-/// its impulse that is of order 1 + 1/4 in the step, whatever the order of the method. At N_c = 200 that is 2e-4 for e = 0.5.
+/// The viscous force begins as the fourth root of the overlap, and therefore of time. A step that begins at the touch
+/// misses a part of its impulse. This part is of order 1 + 1/4 in the step, for any order of the method. At N_c = 200
+/// it is 2e-4 for e = 0.5.
 #[test]
 fn single_impacts_are_those_of_theory() {
     for restitution in [1.0, 0.9, 0.5] {
@@ -53,7 +55,8 @@ fn single_impacts_are_those_of_theory() {
                 (time - 1.0).abs() < 2.5e-4 && (depth - 1.0).abs() < 2.5e-4,
                 "{restitution} {speed}: {time} {depth}"
             );
-            // on the grid of steps the touch is noticed up to a step late: of first order in restitution and time
+            // with uniform steps, the touch is detected up to a step late: an error of first order in restitution and
+            // contact time
             let [e, time, depth] = impact(restitution, speed, 200.0, SoftStepping::Uniform);
             assert!((e - restitution).abs() < 5e-3, "uniform, e = {restitution}, u = {speed}: {e}");
             assert!((time - 1.0).abs() < 2.0 / 200.0 && (depth - 1.0).abs() < 5e-3, "{time} {depth}");
@@ -79,7 +82,7 @@ fn contacts_last_longer_the_slower_they_are() {
     assert!((depth / 100f64.powf(0.8) - 1.0).abs() < 1e-12, "{depth}");
 }
 
-/// A wall or a kind of particles may have its own elasticity: a rigid wall leaves the compliance of the sphere alone.
+/// A wall or a species may have its own elasticity. With a rigid wall, only the sphere is compliant.
 #[test]
 fn a_wall_may_have_its_own_elasticity() {
     let mut wall = plane([0.0; 3], [0.0, 1.0, 0.0], surface(1.0, 0.0));
@@ -89,7 +92,8 @@ fn a_wall_may_have_its_own_elasticity() {
     assert!((rigid.stiffness / alike.stiffness - 2.0).abs() < 1e-8);
 }
 
-/// `plan` and the engine ask the law: predicted overlaps are those of the run, within 8 % (oblique and third-body contacts).
+/// `plan` and the engine use the same law: predicted overlaps are those of the run, within 8 % (oblique contacts, and
+/// contacts of three bodies).
 #[test]
 fn a_gas_of_hertzian_spheres_is_planned_and_run() {
     let path = root().join("cases/dense-gas.toml");
@@ -114,13 +118,14 @@ fn a_gas_of_hertzian_spheres_is_planned_and_run() {
             (predicted.overlap_99 / pairs.p99_maximum_overlap.unwrap() - 1.0).abs() < 0.15,
             "{predicted:?} {pairs:?}"
         );
-        // elastic spheres keep their energy; what one phase of an impact on the grid may gain averages out over all impacts
+        // elastic spheres conserve their energy; gains that depend on the phase of an impact average out over all
+        // impacts
         let kept = outcome.energy_at_end / outcome.energy_at_start - 1.0;
         assert!(kept.abs() < 1e-3, "{stepping:?}: {kept}");
     }
 }
 
-/// The case that ships: what its heading promises.
+/// The case of one impact has the numbers that its heading states.
 #[test]
 fn the_case_of_one_impact() {
     let folder = tempfile::tempdir().unwrap();
@@ -137,7 +142,7 @@ fn the_case_of_one_impact() {
     }
 }
 
-/// What is wrong with a Hertzian contact in a case is said at its line.
+/// A message about a bad Hertzian contact contains the line in the case.
 #[test]
 fn bad_elasticity_is_refused() {
     let path = root().join("cases/hertz.toml");
@@ -151,7 +156,7 @@ fn bad_elasticity_is_refused() {
     let both = std::fs::read_to_string(&path).unwrap() + "\n[soft.linear_spring_dashpot]\nstiffness = \"3000 N/m\"\n";
     let both = Case::from_text(&path, both.into(), &[]).and_then(|case| case.experiment(None, None)).unwrap_err();
     assert!(both.to_string().contains("keep one of `linear_spring_dashpot`, `hertz` and `kuwabara_kono`"), "{both}");
-    // a law of the command line replaces that of the case
+    // a law on the command line replaces that of the case
     let other = Case::read(&path, &["soft.linear_spring_dashpot.stiffness=3000 N/m".into()]).unwrap();
     assert!(other.experiment(Some(Model::Soft), None).unwrap().0.law().unwrap().is_linear());
     assert!(

@@ -1,4 +1,4 @@
-//! Hybrid spheres: instantaneous collisions where two spheres meet alone, lasting contacts elsewhere.
+//! Hybrid spheres: instantaneous collisions of two spheres without others nearby, and lasting contacts elsewhere.
 
 use crate::support::*;
 use diptych::case::Case;
@@ -11,7 +11,7 @@ use diptych::scene::Scene;
 use diptych::simulation::Simulation;
 use nalgebra::Vector3;
 
-/// The hybrid engine with stiffness k [N/m], time step dt [s] and clearance θ [-].
+/// Hybrid engine with stiffness k [N/m], time step dt [s] and clearance [-].
 fn hybrid(k: f64, dt: f64, clearance: f64) -> Box<dyn Engine> {
     Box::new(Hybrid::new(ContactLaw::linear(k), Integrator::VelocityVerlet, dt, clearance))
 }
@@ -54,24 +54,24 @@ fn two_that_meet_alone_are_hard_spheres() {
     assert_eq!(both.record.pairs.count, hard.record.pairs.count);
     assert_eq!(both.record.pairs.instants.count, both.record.pairs.count);
     assert_eq!(both.record.walls.instants.count, hard.record.walls.count);
-    // islands that are solved again are counted again
+    // islands that are solved several times count several times
     assert!(both.counters().events >= both.record.pairs.count + both.record.walls.count);
-    // rounding differs, and each collision may amplify it by a mean free path over a radius, as between islands and a
-    // calendar
+    // rounding differs, and each collision may amplify the difference by a mean free path over a radius, as between
+    // islands and an event queue
     for (x, y) in both.particles.velocity.iter().zip(&hard.particles.velocity) {
         assert!((x - y).norm() < 1e-6, "{x} {y}");
     }
     assert!(momentum_residual(&both, before) < 1e-12);
     assert!(energy_residual(&both, energy).abs() < 1e-12);
-    // the time and overlap that instants leave out are those of the law for the mean impact: the contact time of the
-    // two, and an overlap of u/ω_0
+    // the neglected time and overlap of instantaneous impacts are those of the law for the mean impact: the contact
+    // time of the two spheres, and an overlap of u/ω_0
     let instants = &both.record.pairs.instants;
     let mean = instants.duration() / instants.count as f64;
     close("contact time left out", mean / contact_time(k), 1.0, 2e-3);
 }
 
-/// Number of the two impacts that are instants, if the first of three spheres in a row arrives at 0.1 m/s and the third
-/// is `gap` [m] behind the second.
+/// Number of impacts that are instantaneous, and number of all impacts. The first of three spheres in a row arrives at
+/// 0.1 m/s, and the third is `gap` [m] behind the second.
 fn in_a_row(gap: f64) -> (u64, u64) {
     let d = small().diameter;
     let scene = empty([20.0 * d; 3], [true; 3], small(), surface(1.0, 0.0));
@@ -94,7 +94,7 @@ fn who_may_come_before_a_contact_is_over_makes_it_last() {
 
 #[test]
 fn a_cradle_is_that_of_soft_spheres() {
-    // the equations of five spheres in a row with linear springs, to four digits (cases/cradle.toml)
+    // the solution for five spheres in a row with linear springs, to four digits (cases/cradle.toml)
     let d = small().diameter;
     let scene = empty([6e-3, 4e-3, 4e-3], [false; 3], small(), surface(1.0, 0.0));
     let at = |k: usize| ([1.506e-3 + k as f64 * d, 2e-3, 2e-3], [0.0; 3]);
@@ -129,7 +129,7 @@ fn a_ball_bounces_to_rest() {
     assert!(energy_residual(&done, 0.0).abs() < 1e-4, "{}", energy_residual(&done, 0.0));
 }
 
-/// A bed of three touching layers, too many particles for one island of local stepping, below `gas` spheres that fly.
+/// Bed of three touching layers, with too many particles for one island of local stepping, below `gas` flying spheres.
 fn gas_over_bed(gas: usize) -> (Scene, Particles) {
     let d = small().diameter;
     let (side, height) = (12.0 * d * (1.0 + 1e-6), 80.0 * d);
@@ -142,7 +142,7 @@ fn gas_over_bed(gas: usize) -> (Scene, Particles) {
     let at = |k: usize| (k as f64 + 0.5) * d * (1.0 + 1e-6);
     let cells = |n: usize| [at(n % 12), at(n / 144), at(n / 12 % 12)];
     let mut list: Vec<_> = (0..432).map(|n| (cells(n), [0.0; 3])).collect();
-    // every third position of the layers above, with velocities that all differ
+    // the gas takes every third position of the layers above; all velocities differ
     for n in 0..gas {
         let x = [n % 4, 2 + n / 16, n / 4 % 4].map(|k| 3.0 * d * (k as f64 + 0.5));
         let v = [1, 2, 3].map(|axis| ((n * n * axis + n + axis) as f64).sin());
@@ -172,15 +172,15 @@ fn a_bed_is_stepped_while_the_gas_above_it_collides() {
     assert_eq!(bits(1), done.particles.fingerprint());
     assert_eq!(bits(2), bits(1));
     assert!(momentum_residual(&done, before) < 1e-12, "{}", momentum_residual(&done, before));
-    // the error of Verlet's dashpot and friction at 20 steps per contact, as with uniform soft steps
+    // the energy error of dashpot and friction with Verlet's method at 20 steps per contact, as for uniform soft steps
     let residual = energy_residual(&done, energy);
     let soft = run(&scene, particles.clone(), soft(k, step, Integrator::VelocityVerlet), 6e-3, 6);
     assert!(residual.abs() < 2e-3 + energy_residual(&soft, energy).abs(), "{residual}");
-    // equal physics: the number of impacts and the energy are those of soft spheres, within the scatter of so few
+    // the number of impacts and the energy equal those of soft spheres, within the variation of so few spheres
     let ratio = done.record.pairs.count as f64 / soft.record.pairs.count as f64;
     close("impacts between particles", ratio, 1.0, 0.15);
     close("energy", done.particles.kinetic_energy() / soft.particles.kinetic_energy(), 1.0, 0.05);
-    // no sphere has fallen through
+    // no sphere has fallen through the floor
     assert!(done.particles.position.iter().all(|x| x.y > 0.4 * small().diameter));
 }
 
@@ -195,7 +195,7 @@ fn a_bed_without_restitution_comes_to_rest() {
     println!("{} of {} impacts were instants", done.record.pairs.instants.count, done.record.pairs.count);
 }
 
-/// Hybrid spheres under their weight come to rest as soft spheres do.
+/// Hybrid spheres under their weight come to rest like soft spheres.
 fn comes_to_rest(restitution: f64) -> Simulation {
     const COUNT: usize = 150;
     let d = small().diameter;
@@ -215,15 +215,15 @@ fn comes_to_rest(restitution: f64) -> Simulation {
         |done: &Simulation| (2.0 * done.particles.kinetic_energy() / done.particles.mass.iter().sum::<f64>()).sqrt();
     assert!(speed(&done) < 5e-3 && speed(&soft) < 5e-3, "{} {} m/s", speed(&done), speed(&soft));
     let height = |done: &Simulation| done.particles.position.iter().map(|x| x.y).sum::<f64>() / COUNT as f64;
-    // both beds are random: the height of the centre of so few spheres is equal within a few hundredths
+    // both beds are random: the heights of the centres of so few spheres agree within a few hundredths
     close("height of the bed", height(&done) / height(&soft), 1.0, 0.05);
     done
 }
 
 #[test]
 fn contacts_that_last_are_one_crowd_wherever_they_are() {
-    // nine stacks of three on the floor, three diameters apart; each sphere overlaps the next by as much as its weight
-    // presses it
+    // nine stacks of three spheres on the floor, three diameters apart; each sphere overlaps the next one as required
+    // by the weight
     let (d, k) = (small().diameter, 300.0);
     let (side, height) = (9.0 * d, 60.0 * d);
     let mut scene = empty([side, height, side], [true, false, true], small(), surface(0.6, 0.0));
@@ -242,7 +242,7 @@ fn contacts_that_last_are_one_crowd_wherever_they_are() {
     let done = run(&scene, particles.clone(), hybrid(k, step, 2.0), 2e-3, 4);
     let counters = done.counters();
     assert!(counters.largest_island >= 27 && counters.uniform_steps > 0, "{counters:?}");
-    // no sphere of the bed moves, as with soft spheres: a stack is in balance
+    // no sphere of the bed moves, as for soft spheres: each stack is in balance
     for (x, y) in done.particles.position.iter().zip(&done.particles.id).filter(|(_, id)| **id < 27) {
         assert!((x.y - list[*y as usize].0[1]).abs() < 1e-3 * sunk, "{x:?}");
     }
@@ -250,9 +250,9 @@ fn contacts_that_last_are_one_crowd_wherever_they_are() {
     close("energy", done.energy() / soft.energy(), 1.0, 1e-3);
 }
 
-/// If all particles are stepped at once, contacts remain from window to window. Between windows all contacts and their
-/// stored energy can be read nevertheless. A lattice of spheres at rest with equal overlaps does not move, and its
-/// energy is known.
+/// If all particles are stepped at once, contacts remain from window to window. All contacts and their stored energy
+/// must be readable between windows. A lattice of spheres at rest with equal overlaps does not move, and its energy is
+/// known.
 #[test]
 fn contacts_that_are_stepped_with_all_others_are_seen_between_windows() {
     let (side, overlap, k) = (6usize, 1e-3, 1e4);
@@ -276,8 +276,8 @@ fn contacts_that_are_stepped_with_all_others_are_seen_between_windows() {
     }
 }
 
-/// [-] variance over mean of the numbers of centres in 12³ equal parts of a cube. For random hard spheres it is below
-/// one and equals their compressibility, about 0.5 at a volume fraction of 0.1; clusters increase it.
+/// [-] variance over mean of the numbers of centres in 12³ equal parts of a cube. For random hard spheres this ratio
+/// equals their compressibility, about 0.5 at a volume fraction of 0.1. Clusters increase it.
 fn unevenness(scene: &Scene, particles: &Particles) -> f64 {
     const PARTS: usize = 12;
     let mut counts = vec![0.0; PARTS * PARTS * PARTS];
@@ -293,7 +293,7 @@ fn unevenness(scene: &Scene, particles: &Particles) -> f64 {
 /// Mean over several starts, and its standard error.
 type Estimate = [f64; 2];
 
-/// [-] ln(T/T0) and the [`unevenness`] at some times, in the units of a gas of unit spheres at T0 = 1.
+/// [-] ln(T/T0) and the [`unevenness`] at given times, in the units of a gas of unit spheres at T0 = 1.
 fn cooling(engine: &dyn Fn() -> Box<dyn Engine>, times: &[f64], starts: u64) -> Vec<[Estimate; 2]> {
     let count = 64_000;
     let scene = empty([edge(count, 1.0, 0.1); 3], [true; 3], unit(), surface(0.8, 0.0));
@@ -304,7 +304,7 @@ fn cooling(engine: &dyn Fn() -> Box<dyn Engine>, times: &[f64], starts: u64) -> 
         let mut simulation = Simulation::with_engine(scene.clone(), particles, engine());
         for (time, [cooled, uneven]) in times.iter().zip(&mut all) {
             while simulation.time < time - 1e-9 {
-                // windows of about 0.4 collisions per particle while it cools
+                // windows of about 0.4 collisions per particle during the cooling
                 let window = (0.1 * (1.0 + simulation.time / 6.0)).min(time - simulation.time);
                 simulation.run(1, window).unwrap();
             }
@@ -322,11 +322,11 @@ fn cooling(engine: &dyn Fn() -> Box<dyn Engine>, times: &[f64], starts: u64) -> 
 }
 
 /// Runs until soft spheres form clusters: at 3000 d/sqrt(T0) the numbers in parts of the cube are several times as
-/// uneven as at first.
+/// uneven as initially.
 #[test]
 #[ignore = "long: a gas that clusters, 64,000 spheres from four starts with two engines; cargo test -- --ignored --nocapture cools_through_clustering"]
 fn a_gas_cools_through_clustering_as_soft_spheres_do() {
-    // sqrt(mT/k) = 0.004 d at the start
+    // softness at the start: sqrt(mT/k) = 0.004 d
     let k: f64 = 1.0 / (0.004 * 0.004);
     let dt = std::f64::consts::PI * (0.5 / k).sqrt() / 20.0;
     let times = [3.0, 10.0, 30.0, 100.0, 300.0, 1000.0, 3000.0];
@@ -339,8 +339,8 @@ fn a_gas_cools_through_clustering_as_soft_spheres_do() {
     for ((time, mixed), contacts) in times.iter().zip(&mixed).zip(&contacts) {
         for (mixed, contacts) in mixed.iter().zip(contacts) {
             let error = mixed[1].hypot(contacts[1]);
-            // five times, two numbers each: four standard errors of four starts, and these errors are known to two
-            // fifths
+            // two numbers at several times: the tolerance is four standard errors from four starts, and these errors
+            // are themselves uncertain by two fifths
             assert!((mixed[0] - contacts[0]).abs() < 4.0 * error.max(5e-3), "{time}: {mixed:?} {contacts:?}");
         }
     }
@@ -348,7 +348,7 @@ fn a_gas_cools_through_clustering_as_soft_spheres_do() {
     assert!(last > 2.0 * first, "soft spheres have not clustered: {first} and {last}");
 }
 
-/// `cases/hybrid/intruder.toml` at its start, with these keys.
+/// Simulation of `cases/hybrid/intruder.toml` at its start, with the given keys.
 fn intruder_with(model: Model, sets: &[String]) -> Simulation {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/hybrid/intruder.toml");
     let (experiment, _) = Case::read(&path, sets).and_then(|case| case.experiment(Some(model), None)).unwrap();
@@ -359,8 +359,8 @@ fn intruder(model: Model) -> Simulation {
     intruder_with(model, &[])
 }
 
-/// `cases/hybrid/intruder.toml`: a steel ball penetrates a bed of glass beads and is stopped at equal depth in either
-/// model. At six other positions the depths differed by 0.003 ± 0.006 mm, and by 0.014 mm between two runs.
+/// `cases/hybrid/intruder.toml`: a steel ball penetrates a bed of glass beads and stops at the same depth in both
+/// models. At six other positions the depths differed by 0.003 ± 0.006 mm, and by 0.014 mm between two runs.
 #[test]
 fn an_intruder_sinks_as_deep_as_among_soft_spheres() {
     let sink = |model: Model, windows: &[u64]| {
@@ -375,24 +375,24 @@ fn an_intruder_sinks_as_deep_as_among_soft_spheres() {
             })
             .collect();
         assert!(momentum_residual(&simulation, momentum) < 1e-12);
-        // the work of sliding friction is computed as if no other force acted on the two, as for a dashpot
-        // (docs/theory/model.md)
+        // the work of sliding friction is computed without the effect of other forces on the two spheres, as for a
+        // dashpot (docs/theory/model.md)
         assert!(energy_residual(&simulation, energy).abs() < 0.05, "{}", energy_residual(&simulation, energy));
         heights
     };
-    // at 2, 17 and 18 ms; soft spheres, which take most of the time, at 2 ms only
+    // heights at 2, 17 and 18 ms; soft spheres, which take most of the computing time, at 2 ms only
     let (soft, heights) = (sink(Model::Soft, &[40]), sink(Model::Hybrid, &[40, 300, 20]));
-    // at 2 ms, before small differences have grown
+    // heights at 2 ms, before small differences have grown
     assert!((soft[0] - heights[0]).abs() < 1e-7, "{} {}", soft[0], heights[0]);
-    // 3.2 mm deep, as among soft spheres, and stopped: in the last millisecond it moves less than a fiftieth of its motion
-    // in each of the first two
+    // the depth is 3.2 mm, as among soft spheres. The ball has stopped: in the last millisecond it moves less than a
+    // fiftieth of its motion per millisecond at first
     assert!((heights[2] - 13.25e-3).abs() < 1e-4, "{}", heights[2]);
     assert!(heights[1] - heights[2] < 0.02 * 0.5 * (16.45e-3 - heights[0]), "{heights:?}");
 }
 
-/// The work of sliding friction is computed as if no other force acted on the two, which has an error of first order in
-/// the time step. With three times as many steps a third remains unexplained, plus chance. Measured: 3.8 % and 1.7 % of
-/// the energy after 5 ms; the test ends after 2 ms.
+/// The work of sliding friction is computed without the effect of other forces on the two spheres. Its error is of
+/// first order in the time step: with three times as many steps, a third remains unexplained, plus chance. Measured:
+/// 3.8 % and 1.7 % of the energy after 5 ms. The test ends after 2 ms.
 #[test]
 fn the_unexplained_energy_of_an_intruder_falls_with_the_time_step() {
     let residual = |steps: f64| {
@@ -405,9 +405,9 @@ fn the_unexplained_energy_of_an_intruder_falls_with_the_time_step() {
     assert!(coarse < 0.05 && fine < 0.6 * coarse, "{coarse} {fine}");
 }
 
-/// `cases/hybrid/intruder.toml` in windows of 0.2 ms: when the ball strikes, it pushes hundreds of beads of the bed in
-/// one window. Each bead joins the particles that are stepped together, which need one search for all. With one search
-/// per bead the first 2 ms took 240 times as long as with soft spheres; now they take 1.1 times.
+/// `cases/hybrid/intruder.toml` in windows of 0.2 ms: the ball pushes hundreds of beads of the bed in one window. All
+/// of these beads join the particles that are stepped together with a single search, so that the first 2 ms take 1.1
+/// times as long as with soft spheres. With a search per bead they would take 240 times as long.
 #[test]
 fn a_bed_that_is_struck_costs_about_what_it_costs_soft_spheres() {
     let (mut soft, mut hybrid) = (intruder(Model::Soft), intruder(Model::Hybrid));
@@ -420,7 +420,7 @@ fn a_bed_that_is_struck_costs_about_what_it_costs_soft_spheres() {
     let mut taken = 0.0;
     for window in 1..=10 {
         taken += seconds(&mut hybrid, 1);
-        // a factor of ten, because other tests use the cores at the same time
+        // the tolerance is a factor of ten, because other tests use the processor cores at the same time
         assert!(
             taken < limit,
             "{window} windows: {taken} s hybrid; ten times what soft spheres took for ten: {limit} s"

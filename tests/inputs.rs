@@ -1,8 +1,9 @@
-//! Inputs of users. Every bad input is refused with one message that names the place, the value and the remedy. Every
-//! good input, every case and every set loads. No input causes a panic.
+//! Inputs of users. Every bad input is refused with one message that contains the place, the value and the remedy.
+//! Every good input, every case and every set of values loads. No input causes a panic.
 //!
-//! The heading of an input states the expected result: `# expect: line N` and `# expect: text` (in the message of the
-//! error), `# warns: text` (in a warning), `# model: soft` (only that model; both if absent).
+//! The heading of an input states the expected result. `# expect: line N` and `# expect: text` are about the error
+//! message, `# warns: text` about a warning. `# model: soft` restricts the test to that model; by default both models
+//! are tested.
 
 use diptych::case::{Case, Diagnostic, parameters};
 use diptych::contact_law::ContactLaw;
@@ -106,13 +107,13 @@ fn good_inputs_are_accepted() {
 
 #[test]
 fn every_case_loads_with_no_warning_but_its_own() {
-    // scenes of maps have headings of another kind: tests/maps.rs
+    // scenes of maps have other headings, which tests/maps.rs checks
     for path in files("cases", "toml").into_iter().filter(|path| !path.parent().unwrap().ends_with("limits")) {
         let case = Case::read(&path, &[]).unwrap_or_else(|error| panic!("{error}"));
         let mut all = case.variants(None).unwrap_or_else(|error| panic!("{error}"));
         all.push(case.experiment(None, None).unwrap_or_else(|error| panic!("{error}")));
         all.push(case.experiment(Some(Model::Soft), Some(7)).unwrap_or_else(|error| panic!("{error}")));
-        // a case that shows the effect of a bad setting names its warning
+        // a case that shows the effect of a bad setting contains the expected warning
         let text = std::fs::read_to_string(&path).unwrap();
         let expected = notes(&text, "warns");
         let told: Vec<String> = all.iter().flat_map(|(_, warnings)| warnings.iter().map(ToString::to_string)).collect();
@@ -128,7 +129,7 @@ fn every_case_loads_with_no_warning_but_its_own() {
     }
 }
 
-/// Sets are tables of values that a case may use; each is TOML and cites a source.
+/// Sets are tables of values that a case may use. Each set is TOML and cites a source.
 #[test]
 fn every_set_is_cited() {
     for path in files("models", "toml") {
@@ -138,7 +139,7 @@ fn every_set_is_cited() {
     }
 }
 
-/// Oracle H: floor(phi V / V_p) gives N_p of Table 1.
+/// Oracle H: floor(φ V/V_p) is the N_p of Table 1.
 #[test]
 fn numbers_of_particles_of_table_1() {
     for (name, wanted) in
@@ -190,7 +191,7 @@ fn set_arguments_change_the_case() {
     assert_eq!(with(&["domain.size.0 = \"13 mm\""]).scene.domain.size.x, 13e-3);
     assert_eq!(with(&["run.duration=1", "run.duration=2"]).run.duration, 2.0);
     assert_eq!(with(&["walls.1.friction=0.3"]).scene.walls[1].surface.friction, 0.3);
-    // an alternative key is removed
+    // an alternative key is removed by the `--set` argument
     assert_eq!(with(&["particles.0.volume_fraction=0.01"]).start[0].amount.count(), 82);
     assert_eq!(with(&["soft.time_step=1e-7 s"]).soft.time_step, TimeStep::Fixed(1e-7));
     assert_eq!(
@@ -251,15 +252,15 @@ fn variants_of_a_comparison() {
     assert_eq!(variants[0].0.scene.contact.restitution, 0.9);
     assert_eq!(variants[1].0.scene.contact.restitution, 0.5);
     assert_eq!(variants[1].0.run.seed, 5);
-    // the command line wins over the variant
+    // the command line has priority over the variant
     let variants = case(&text, &["contact.restitution=0.7"]).variants(None).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(variants[1].0.scene.contact.restitution, 0.7);
-    // an error in a variant's set points at its line
+    // the message about a set of a variant contains the line of the set
     let line = text.lines().count();
     let bad = text.replace("\"contact.restitution\" = 0.5", "\"contact.restitution\" = 1.5");
     let error = case(&bad, &[]).variants(None).map(|_| ()).unwrap_err().to_string();
     assert!(error.contains(&format!("base.toml:{line}:")) && error.contains("= 1.5"), "{error}");
-    // reference with which a variant is compared
+    // reference of a variant
     let against = |of_a: &str, of_b: &str| {
         let text = text.replace("name = \"a\"", &format!("name = \"a\"\n{of_a}"));
         let text = text.replace("name = \"b\"", &format!("name = \"b\"\n{of_b}"));
@@ -274,7 +275,7 @@ fn variants_of_a_comparison() {
     assert!(against("against = \"a\"", "").is_err(), "not with itself");
     let twice = text.replace("name = \"b\"", "name = \"a\"");
     assert!(case(&twice, &[]).variants(None).is_err());
-    // without a list the variants are soft and hard
+    // without a list, the variants are soft and hard
     let plain = std::fs::read_to_string(base()).unwrap();
     let variants = case(&plain, &[]).variants(None).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(
@@ -291,7 +292,7 @@ fn a_table_serves_two_kinds() {
     assert_eq!(counts, [2, 1]);
 }
 
-/// A good case with any part removed, inserted or repeated gives a result or a message, but no panic.
+/// Reads a case with any part removed, inserted or repeated: there is a result or a message, but no panic.
 fn answers(text: &str) {
     if let Ok(case) = Case::from_text(&base(), Arc::from(text), &[]) {
         for model in [Model::Soft, Model::Hard] {
@@ -354,7 +355,7 @@ proptest! {
     }
 }
 
-/// `check` accepts every case that `run` accepts.
+/// The command `check` accepts every case that `run` accepts.
 #[test]
 fn what_runs_passes_the_check() {
     let mut one_model = 0;
@@ -370,7 +371,7 @@ fn what_runs_passes_the_check() {
         }
     }
     assert!(one_model >= 2);
-    // variants that the case names itself are part of it
+    // variants in the case file belong to the case, and are checked too
     let text = std::fs::read_to_string(base()).unwrap()
         + "[[compare]]\nname = \"a\"\nmodel = \"soft\"\n\
         set = { \"contact.restitution\" = 2.0 }\n";
@@ -378,7 +379,7 @@ fn what_runs_passes_the_check() {
     assert!(case.experiment(None, None).is_ok() && diptych::study::check_text(&case).is_err());
 }
 
-/// The small case in a gas whose velocity is given by a table of these rows.
+/// Result of reading the small case in a gas whose velocity is a table of these rows.
 fn in_tabulated_gas(rows: &str, sets: &[String]) -> Result<Vec<String>, String> {
     let place = tempfile::tempdir().unwrap();
     std::fs::write(place.path().join("gas.csv"), format!("y_m,U_m_s\n{rows}")).unwrap();
@@ -391,7 +392,7 @@ fn in_tabulated_gas(rows: &str, sets: &[String]) -> Result<Vec<String>, String> 
     told.map_err(|why| why.to_string())
 }
 
-/// The gap of the small case is 4 mm wide, and its particles have a radius of 203 um.
+/// The distance between the walls of the small case is 4 mm, and its particles have a radius of 203 um.
 #[test]
 fn a_gas_table_covers_the_gap() {
     for good in ["0,0\n0.002,12\n0.004,0\n", "-1,5\n0,5\n0.004,5\n9,5\n", "0.0002,1\n0.001,9\n0.0038,1\n"] {
@@ -404,7 +405,7 @@ fn a_gas_table_covers_the_gap() {
             "{partly}: {told}"
         );
     }
-    // in millimetres, or of another channel
+    // tables in millimetres, or for another channel
     for wrong in ["0,0\n1,11\n2,12\n3,11\n4,0\n", "0.01,5\n0.02,5\n"] {
         let told = in_tabulated_gas(wrong, &[]).unwrap_err();
         assert!(told.contains("in metres") && told.contains("gas.csv") && told.contains("0.004 m"), "{wrong}: {told}");
@@ -417,10 +418,10 @@ fn a_drag_law_far_from_its_range_is_told() {
         let (_, warnings) = experiment(&base(), sets, Some(Model::Hard)).unwrap();
         warnings.iter().any(|warning| warning.to_string().contains("Reynolds numbers up to"))
     };
-    // the Reynolds number per slip speed at the start is 27 per m/s for these spheres
+    // at the start, the Reynolds number per slip speed of these spheres is 27 per m/s
     assert!(!warned(&["particles[0].velocity_mean=[0, 0, 300]"]));
     assert!(warned(&["particles[0].velocity_mean=[0, 0, 500]"]));
-    // that of the fall is 9.81 m/s² τ(w) d/ν: heavy spheres of the size of a marble in water
+    // the Reynolds number of the fall is 9.81 m/s² τ(w) d/ν: heavy spheres of the size of a marble in water
     let marble = ["particles[0].diameter=1.5 mm", "particles[0].count=2", "particles[0].density=19000"];
     let water = ["fluid.kinematic_viscosity=1e-7", "fluid.density=1", "fluid.profile.uniform.velocity=0"];
     assert!(warned(&[&marble[..], &water[..], &["particles[0].velocity_mean=[0, 0, 0]"]].concat()));
@@ -441,7 +442,7 @@ fn endless_runs_are_refused_with_their_length() {
         let told = refused(sets, model);
         assert!(parts.iter().all(|part| told.contains(part)) && told.contains("help: "), "{sets:?}: {told}");
     }
-    // the window is short enough, or long ones are allowed
+    // the run is accepted if the window is short enough, or if long windows are allowed
     for sets in [&["run.window=2e-10"][..], &["run.window=1e-11", "run.allow_long=true"], &["soft.time_step=1e-12"]] {
         assert!(experiment(&base(), sets, Some(Model::Soft)).is_ok(), "{sets:?}");
     }
@@ -476,7 +477,7 @@ fn messages_of_extreme_numbers_stay_short_and_true() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/channel-d.toml");
         experiment(&path, sets, Some(Model::Hard)).unwrap_err().to_string()
     };
-    // one range, that of the requested model
+    // the message contains one range, that of the requested model
     let reynolds = "fluid.profile.k_epsilon_channel.reynolds_number=5000";
     let told = channel(&[reynolds]);
     assert!(told.contains("allowed: 10000 ..= 1e8"), "{told}");

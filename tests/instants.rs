@@ -1,4 +1,4 @@
-//! Windows end at the requested instants, which are equal in every variant.
+//! Windows end at the requested instants, which are the same in every variant.
 
 use crate::support::*;
 use diptych::case::Case;
@@ -9,7 +9,7 @@ use diptych::schedule::{Schedule, ScheduleStep};
 use diptych::simulation::Simulation;
 use std::path::Path;
 
-/// [s] times of the frames that an index lists.
+/// [s] times of the frames in an index.
 fn listed(index: &Path) -> Vec<f64> {
     let text = std::fs::read_to_string(index).unwrap();
     let times = text.split("timestep=\"").skip(1).map(|rest| rest.split_once('"').unwrap());
@@ -31,7 +31,7 @@ fn agree(found: &[f64], wanted: &[f64]) {
     }
 }
 
-/// The small case run for 10 ms, with instants every `every` seconds.
+/// Experiment of the small case for 10 ms, with instants every `every` seconds.
 fn with_instants(every: Option<&str>, model: Model) -> Experiment {
     let mut sets = vec!["run.duration=10 ms".to_owned(), "run.average_from=0 s".to_owned()];
     sets.extend(every.map(|every| format!("output.every={every}")));
@@ -54,7 +54,7 @@ fn frames_come_at_the_times_asked_for_in_every_variant() {
         ["compare", BASE, "--every", "0.7 ms", "--set", "run.duration=10 ms", "--set", "run.average_from=0 s"];
     let output = diptych(&compare).args(["--quiet", "--out"]).arg(place.path()).output().unwrap();
     assert!(output.status.success(), "{}", words(&output.stderr));
-    // and the end, which every trajectory contains
+    // every trajectory also contains the end of the run
     let wanted: Vec<f64> = (0..15).map(|k| f64::from(k) * 0.7e-3).chain([10e-3]).collect();
     for variant in ["soft", "hard"] {
         agree(&listed(&place.path().join(format!("trajectory/{variant}.pvd"))), &wanted);
@@ -62,8 +62,8 @@ fn frames_come_at_the_times_asked_for_in_every_variant() {
     agree(&times(&place.path().join("series.csv"), "soft"), &times(&place.path().join("series.csv"), "hard"));
 }
 
-/// The pieces of a run follow one another to its end, and end at every window and every instant. None is as short as a
-/// rounding error.
+/// The pieces of a run follow one another to its end. They end at every window and every instant, and none is as short
+/// as a rounding error.
 #[test]
 fn windows_are_cut_at_instants_only() {
     for (window, per_sample, samples, every) in [
@@ -96,7 +96,7 @@ fn windows_are_cut_at_instants_only() {
         let instants = (1..).map(|k| f64::from(k) * every).take_while(|instant| *instant < duration);
         for instant in instants {
             let is_end = |end: &f64| (end - instant).abs() <= schedule.rounding();
-            // instants pass whole windows
+            // an instant is at the end of a window or of a piece of a window
             let ratio = instant / window;
             assert!(ends.iter().any(is_end) || (ratio - ratio.round()).abs() < 1e-5, "{instant}");
         }
@@ -123,7 +123,7 @@ fn instants_at_ends_of_windows_change_no_bit() {
     }
 }
 
-/// A run that is stopped after every window and every piece of a window, stored, and resumed gives identical bits.
+/// A run that is stopped after every window and every piece of a window, stored, and resumed has identical bits.
 #[test]
 fn a_run_that_is_left_between_cuts_goes_on_with_the_same_bits() {
     for model in [Model::Soft, Model::Hard, Model::Hybrid, Model::Dsmc] {

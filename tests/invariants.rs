@@ -1,4 +1,4 @@
-//! Results must not depend on the choice of frames, mirrors, orders, periodic images and tilted walls. In any scene no
+//! Results must not depend on frames of reference, mirrors, orders, periodic images or tilted walls. In any scene, no
 //! touch is missed, spheres do not overlap, neighbour lists are complete, and starts are valid.
 
 use crate::support::*;
@@ -21,17 +21,17 @@ fn at_phi(count: usize, phi: f64, restitution: f64, friction: f64, seed: u64) ->
     (scene, particles)
 }
 
-/// Soft engine with k = 1e4, N_c = 20 in reduced units.
+/// Soft engine with k = 1e4 and N_c = 20 in reduced units.
 fn stiff() -> Box<dyn Engine> {
     soft(1e4, PI * (0.5f64 / 1e4).sqrt() / 20.0, Integrator::VelocityVerlet)
 }
 
-/// Soft engine with k = 1e4, N_c = 20 and local stepping.
+/// Soft engine with k = 1e4, N_c = 20 and local stepping, in reduced units.
 fn stiff_local() -> Box<dyn Engine> {
     local(1e4, PI * (0.5f64 / 1e4).sqrt() / 20.0, Integrator::VelocityVerlet)
 }
 
-/// Largest difference of two states: positions by nearest image, and velocities.
+/// Largest difference between two states: of positions by nearest image, and of velocities.
 fn apart(scene: &Scene, a: &Particles, b: &Particles) -> f64 {
     let x = a
         .position
@@ -42,13 +42,13 @@ fn apart(scene: &Scene, a: &Particles, b: &Particles) -> f64 {
     x.chain(v).fold(0.0, f64::max)
 }
 
-/// A dissipative gas of 64 spheres with friction, with about 50 collisions in all. Neighbouring trajectories diverge by
-/// a factor of about 10 per collision of one sphere, and each has fewer than two on average. The tolerance 1e-9 allows
-/// for five.
+/// Dissipative gas of 64 spheres with friction, and about 50 collisions in all. Neighbouring trajectories diverge by a
+/// factor of about 10 per collision of a sphere, and each sphere has fewer than two collisions on average. The
+/// tolerance 1e-9 is sufficient for five collisions.
 #[test]
 fn changes_of_view_change_nothing() {
     let engines = [("hard", hard as fn() -> Box<dyn Engine>), ("soft", stiff), ("local", stiff_local)];
-    // without friction local stepping solves isolated contacts by another method
+    // without friction, local stepping solves isolated contacts by another method
     for ((name, engine), friction) in engines.into_iter().flat_map(|engine| [(engine, 0.2), (engine, 0.0)]) {
         let (scene, start) = at_phi(64, 0.15, 0.9, friction, 6);
         let size = scene.domain.size;
@@ -64,7 +64,7 @@ fn changes_of_view_change_nothing() {
             println!("{name}, {what}: {off:.1e}");
             assert!(off < 1e-9, "{name}, {what}: {off:.1e}");
         };
-        // a common velocity
+        // a velocity added to all spheres
         let boost = Vector3::new(3.0, -2.0, 5.0);
         let mut moved = start.clone();
         moved.velocity.iter_mut().for_each(|v| *v += boost);
@@ -72,12 +72,12 @@ fn changes_of_view_change_nothing() {
             *x -= boost * duration;
             *v -= boost;
         });
-        // half a period
+        // a shift by half a period
         let half = 0.5 * size;
         let mut moved = start.clone();
         moved.position.iter_mut().for_each(|x| *x += half);
         check("half a period", run(&scene, moved, engine(), duration, 3).particles, &|x, _| *x -= half);
-        // mirror and exchange of axes
+        // a mirror image and exchanged axes
         let swap = |v: &Vector3<f64>| Vector3::new(v.z, -v.x, v.y);
         let mut moved = start.clone();
         for (x, v) in moved.position.iter_mut().zip(&mut moved.velocity) {
@@ -88,7 +88,7 @@ fn changes_of_view_change_nothing() {
             *x = Vector3::new(size.x - x.y, x.z, x.x);
             *v = Vector3::new(-v.y, v.z, v.x);
         });
-        // other windows: the hard engine has no step; the soft engine keeps its step if the window is a multiple of it
+        // other windows: hard spheres have no step; soft spheres have the same step if windows are multiples of it
         if name == "hard" {
             check("eleven windows", run(&scene, start.clone(), engine(), duration, 11).particles, &|_, _| ());
         }
@@ -97,7 +97,8 @@ fn changes_of_view_change_nothing() {
 
 #[test]
 fn order_of_the_particles_changes_nothing() {
-    // oracle E6: in reversed order only rounding differs; soft to 1e-12 over a short time, hard to 1e-9
+    // oracle E6: in reversed order only rounding differs; the tolerance is 1e-12 for soft spheres over a short time,
+    // and 1e-9 for hard spheres
     let (scene, start) = at_phi(64, 0.15, 0.9, 0.2, 6);
     let engines = [(stiff as fn() -> Box<dyn Engine>, 0.3, 1e-12), (stiff_local, 0.3, 1e-12), (hard, 0.6, 1e-9)];
     for (engine, duration, tolerance) in engines {
@@ -118,7 +119,7 @@ fn order_of_the_particles_changes_nothing() {
 
 #[test]
 fn collisions_across_a_periodic_side() {
-    // one pair in the middle of the box, and across a side, an edge and a corner
+    // one pair, in the middle of the box, and across a side, an edge and a corner
     let scene = empty([5.0; 3], [true; 3], unit(), surface(0.8, 0.3));
     let velocity = [[0.5, 0.1, -0.2], [-0.5, 0.0, 0.3]];
     let start = [[1.7, 2.4, 2.6], [3.3, 2.6, 2.4]];
@@ -133,7 +134,7 @@ fn collisions_across_a_periodic_side() {
         };
         let plain = go([0.0; 3]);
         for shift in [[2.5, 0.0, 0.0], [0.0, -2.5, 0.0], [0.0, 0.0, 2.5], [2.5, 2.5, 0.0], [2.5, 2.5, 2.5]] {
-            // rounding decides the step at which the soft engine detects a touch: an error of one step
+            // rounding decides in which step a soft contact is detected: the error is that of one step
             assert!(apart(&scene, &plain, &go(shift)) < 1e-9, "{shift:?}");
         }
     }
@@ -141,9 +142,9 @@ fn collisions_across_a_periodic_side() {
 
 #[test]
 fn boxes_of_a_few_diameters() {
-    // box length between 2 d and 7 d, and long windows: a pair may meet through any image, after crossing the box more
-    // than once. The reference is a brute-force method that tries all 27 images at every event, over the first
-    // collisions
+    // the box length is between 2 d and 7 d, and windows are long: a pair may meet through any image, after crossing
+    // the box more than once. The reference is a brute-force method that tries all 27 images at every event, over the
+    // first collisions
     let mut total = 0;
     for (k, edge) in [2.05, 2.3, 2.6, 3.0, 3.5, 4.0, 7.0].into_iter().enumerate() {
         let scene = empty([edge; 3], [true; 3], unit(), surface(1.0, 0.0));
@@ -153,7 +154,7 @@ fn boxes_of_a_few_diameters() {
             let velocity = Vector3::new(angle.sin(), angle.cos(), (2.0 * angle).sin());
             let b = a + Vector3::new(0.5, 0.49, 0.51) * edge;
             let list = [(a.into(), velocity.into()), (b.into(), (-0.6 * velocity).into())];
-            // after eight collisions rounding has grown too much for a comparison
+            // after eight collisions, rounding errors have grown too much for a comparison
             let times = brute_force_pair(a - b, 1.6 * velocity, edge, 100.0);
             let count = times.len().min(8);
             let until = if times.len() > 8 { 0.5 * (times[7] + times[8]) } else { 100.0 };
@@ -171,7 +172,7 @@ fn boxes_of_a_few_diameters() {
 }
 
 /// Instants at which two elastic unit spheres collide in a periodic cube, from their separation and relative velocity.
-/// Every image is tried, in time intervals in which they move a quarter period.
+/// All images are tested, in time intervals in which the spheres move by a quarter of a period.
 fn brute_force_pair(mut r: Vector3<f64>, mut u: Vector3<f64>, l: f64, until: f64) -> Vec<f64> {
     let mut time = 0.0;
     let mut times = Vec::new();
@@ -222,8 +223,8 @@ fn no_overlap_after_any_window() {
 
 #[test]
 fn a_light_particle_that_becomes_fast_misses_nothing() {
-    // a heavy sphere hits a light one at rest, which leaves at almost twice its speed. The light one moves far beyond
-    // the range of the neighbour list, and must hit a third; then the same in a mixture, as a test against overlap
+    // a heavy sphere hits a light one at rest, which leaves at almost twice the speed. The light sphere moves far
+    // beyond the range of the neighbour list, and must hit a third sphere. A mixture follows, as a test for overlaps
     let mut scene = empty([60.0, 20.0, 20.0], [false; 3], unit(), surface(1.0, 0.0));
     scene.walls = vec![plane([59.0, 0.0, 0.0], [-1.0, 0.0, 0.0], surface(1.0, 0.0))];
     for windows in [1, 3, 40] {
@@ -232,8 +233,8 @@ fn a_light_particle_that_becomes_fast_misses_nothing() {
         particles.push(Vector3::new(4.0, 10.0, 10.0), Vector3::zeros(), 0.5, 1.0, 0);
         particles.push(Vector3::new(12.0, 10.0, 10.0), Vector3::zeros(), 0.5, 1e-3, 0);
         particles.push(Vector3::new(40.0, 10.0, 10.0), Vector3::zeros(), 0.5, 1e-3, 0);
-        // first touch at t = 1; the light sphere then takes 7 / 1.998 to reach the next, which leaves at almost 4, and
-        // so on
+        // the first touch is at t = 1; the light sphere then takes 7/1.998 to the next sphere, which leaves at almost
+        // 4, and so on
         let v1 = 2.0 * 1000.0 / 1001.0;
         let v2 = 2.0 * v1 / 1.001;
         let (t1, t2) = (1.0, 1.0 + 7.0 / v1);
@@ -245,8 +246,8 @@ fn a_light_particle_that_becomes_fast_misses_nothing() {
         close("last", v[3], -v2, 1e-12);
         close("place", end.particles.position[3].x, 58.5 - v2 * 0.01, 1e-10);
     }
-    // within one window a chain of ever lighter spheres reaches a speed of 8, and the last one must hit a sphere far
-    // outside the list made for speeds of 1; a bed of spheres at rest keeps the range of the list short
+    // within one window, a chain of lighter and lighter spheres reaches a speed of 8. The last sphere must hit a sphere
+    // far outside the list made for speeds of 1; a bed of spheres at rest keeps the range of the list short
     scene.walls.clear();
     let mut particles = Particles::default();
     let mut x = 2.0;
@@ -260,7 +261,7 @@ fn a_light_particle_that_becomes_fast_misses_nothing() {
         let place = Vector3::new(f64::from(i), f64::from(j), f64::from(k)) * 1.1 + Vector3::repeat(0.6);
         particles.push(place, Vector3::zeros(), 0.5, 1.0, 0);
     }
-    // touches at 0.2, 0.3, 0.35 and 1.85; the last sphere has not come back by 2.2
+    // touches are at 0.2, 0.3, 0.35 and 1.85; the last sphere does not return before 2.2
     for (by_islands, engine) in [(true, Hard::with_islands()), (false, Hard::with_one_calendar())] {
         let end = run(&scene, particles.clone(), Box::new(engine), 2.2, 1);
         assert_eq!(end.record.pairs.count, 4, "the last collision was missed");
@@ -269,7 +270,8 @@ fn a_light_particle_that_becomes_fast_misses_nothing() {
         assert!(provoked, "nothing was cut or done again: the test provokes nothing");
         assert!(end.particles.velocity[3].x < -7.9, "{}", end.particles.velocity[3].x);
     }
-    // a mixture of 1 : 10000 in mass, where the heavy spheres move: light spheres become about a hundred times faster
+    // a mixture with a mass ratio of 10000, in which the heavy spheres move: light spheres become about a hundred times
+    // faster
     let scene = empty([14.0; 3], [true; 3], unit(), surface(1.0, 0.0));
     let mut particles = random(&scene, 300, 0.01, 4);
     for k in 0..30 {
@@ -306,7 +308,7 @@ fn starts_are_clean_and_repeat() {
         assert!(start == random(&scene, 5000, 1.0, 17), "same seed, other bits");
         assert!(start != random(&scene, 5000, 1.0, 18), "other seed, same bits");
     }
-    // also between walls
+    // a start between walls
     let mut scene = empty([20.0, 10.0, 20.0], [true, false, true], unit(), surface(1.0, 0.0));
     scene.walls = vec![
         plane([0.0; 3], [0.0, 1.0, 0.0], surface(1.0, 0.0)),
@@ -333,7 +335,8 @@ fn a_dense_start_of_a_hundred_thousand_is_found() {
 
 #[test]
 fn velocities_of_a_start_are_gaussian() {
-    // moments of 3 x 20000 values: mean and variance exact, skewness and excess to 3 sqrt(6/n), 3 sqrt(24/n)
+    // moments of 3 x 20000 values: mean and variance are exact; the tolerances of skewness and excess are 3 sqrt(6/n)
+    // and 3 sqrt(24/n)
     let scene = empty([200.0; 3], [true; 3], unit(), surface(1.0, 0.0));
     let start = initial_state(&experiment(scene, 20_000, [1.0, -2.0, 12.0], 0.5, Model::Hard, 7)).unwrap();
     let n = 20_000.0;
@@ -357,7 +360,7 @@ fn velocities_of_a_start_have_the_mean_and_spread_asked_for() {
             let values = start.velocity.iter().map(|v| v[axis]);
             let found = values.clone().sum::<f64>() / count as f64;
             let spread = (values.map(|v| (v - found).powi(2)).sum::<f64>() / count as f64).sqrt();
-            // rounding of a sum of so many terms of that size
+            // rounding error of a sum of so many terms of this size
             let rounding = f64::EPSILON * count as f64 * (3.0 + fluctuation);
             close(&format!("mean of {count}"), found, mean, rounding);
             close(&format!("spread of {count}"), spread, fluctuation, rounding);
@@ -401,8 +404,8 @@ proptest! {
         list.build(&mut particles, &scene, 0.1);
         let skin = list.skin();
         prop_assert!(list.allows(0.1 * particles.largest_speed(list.frame())), "does not last for one use");
-        // positions are wrapped when the list is built: nearest images are found as long as no particle moves half a
-        // period relative to another
+        // positions are wrapped when the list is built: nearest images are found if no particle moves by half a period
+        // relative to another
         let period = (0..3).filter(|k| periodic[*k]).map(|k| size[k]).fold(f64::INFINITY, f64::min);
         let needed = 0.2 * particles.largest_speed(list.frame());
         prop_assert!(skin <= (0.5 * period).max(needed).max(2e-3) * 1.000001, "{skin} in a period of {period}");
@@ -430,7 +433,7 @@ proptest! {
 
 #[test]
 fn a_start_of_many_beside_walls() {
-    // one in two thousand positions is within the placement margin of a wall: with 50,000 particles some must be
+    // one in two thousand positions is within the placement margin of a wall, so that some of 50,000 particles are
     let mut scene = empty([0.1, 0.03, 0.06], [true, false, true], small(), surface(1.0, 0.0));
     scene.walls = vec![
         plane([0.0; 3], [0.0, 1.0, 0.0], surface(1.0, 0.0)),

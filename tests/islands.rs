@@ -1,5 +1,5 @@
-//! Islands against the classical algorithms: results must agree, whatever meets within a window. An island is a group
-//! of particles that may meet within a window.
+//! Islands against the classical algorithms. An island is a group of particles that may meet within a window. The
+//! results must agree for any collisions within a window.
 
 use crate::support::*;
 use diptych::contact_law::ContactLaw;
@@ -17,7 +17,7 @@ use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// A gap between two walls in y with the paper's small spheres.
+/// Slit between two walls across y, with the paper's small spheres.
 fn slit(volume_fraction: f64, count: usize, restitution: f64, friction: f64) -> (Scene, Particles) {
     let species = small();
     let edge = (count as f64 * species.volume() / volume_fraction).cbrt();
@@ -42,7 +42,8 @@ fn worst(scene: &Scene, a: &Simulation, b: &Simulation) -> f64 {
 
 #[test]
 fn islands_give_the_collisions_of_one_calendar() {
-    // rounding differs, and each collision may amplify it by a mean free path over a radius, about 20 here: 8 in a row
+    // rounding differs, and each collision may amplify the difference by a mean free path over a radius, about 20 here,
+    // up to 8 times
     for (fraction, friction) in [(0.01, 0.0), (0.05, 0.3)] {
         let (scene, particles) = slit(fraction, 2000, 0.95, friction);
         for windows in [1, 7, 200] {
@@ -62,8 +63,8 @@ fn islands_give_the_collisions_of_one_calendar() {
 
 #[test]
 fn an_island_meets_what_it_did_not_expect() {
-    // the first of a row hits the second, which hits the third, and so on, all within one window: in straight flight
-    // only the first two would touch
+    // the first sphere of a row hits the second, which hits the third, and so on, all within one window; in straight
+    // flight only the first two spheres would touch
     let scene = empty([0.05, 0.01, 0.01], [false; 3], small(), surface(1.0, 0.0));
     let d = 406e-6;
     let row = |k: usize| ([0.002 + 1.01 * d * k as f64, 0.005, 0.005], [if k == 0 { 1.0 } else { 0.0 }, 0.0, 0.0]);
@@ -82,7 +83,8 @@ fn an_island_meets_what_it_did_not_expect() {
 
 #[test]
 fn islands_that_are_done_again_meet_nobody_who_is_far_away() {
-    // two distant rows, one of them in the corner of the box; in each the second sphere unexpectedly meets the third
+    // two distant rows, one of them in the corner of the box; in each row a collision makes the second sphere meet the
+    // third
     let scene = empty([0.05, 0.01, 0.01], [false; 3], small(), surface(1.0, 0.0));
     let d = 406e-6;
     let row = |from: f64| {
@@ -100,7 +102,7 @@ fn islands_that_are_done_again_meet_nobody_who_is_far_away() {
 
 #[test]
 fn realised_restitution_of_local_stepping() {
-    // contacts begin and end at their exact instants: the error is that of the integrator, of fourth order
+    // contacts begin and end at their exact instants, so that the error is that of the integrator, of fourth order
     let law = LinearSpring { stiffness: 3000.0 };
     for e in [1.0, 0.94, 0.5] {
         let scene = empty([0.01; 3], [false; 3], small(), surface(e, 0.0));
@@ -114,13 +116,13 @@ fn realised_restitution_of_local_stepping() {
             close("restitution", realised, e, 2e-4);
             let duration = simulation.record.pairs.summary().mean_duration.unwrap();
             close("contact time", duration, law.contact_time(0.5 * scene.species[0].mass(), e), 1e-3 * duration);
-            // the force adds k_n ∫δ dt to the momentum; the part of the dashpot vanishes, since the overlap is zero at
-            // both ends
+            // the spring force adds k_n ∫δ dt to the momentum; the dashpot adds nothing, because the overlap is zero at
+            // the beginning and at the end
             let impulse = 0.5 * scene.species[0].mass() * (1.0 + e);
             let mean = impulse / (3000.0 * d * law.contact_time(0.5 * scene.species[0].mass(), e));
             let uniform = soft(3000.0, 0.1 * dt, Integrator::VelocityVerlet);
             let uniform = run(&scene, placed(&scene, &list), uniform, 4e-5, 3).record.pairs.summary();
-            // fourth order; with 200 uniform steps beginning and end are known to a step
+            // error of fourth order; with 200 uniform steps, the beginning and the end have an error of up to one step
             close("mean overlap", simulation.record.pairs.summary().time_mean_overlap.unwrap(), mean, 2e-4 * mean);
             close("mean overlap, uniform", uniform.time_mean_overlap.unwrap(), mean, mean / 200.0);
         }
@@ -144,7 +146,7 @@ fn restitution_of_local_stepping_converges_at_fourth_order() {
 
 #[test]
 fn local_and_uniform_stepping_follow_the_same_paths() {
-    // over the first 46 contacts of 100 spheres, up to an instant at which none is in progress
+    // the first 46 contacts of 100 spheres, up to an instant without contacts in progress
     let species = small();
     let edge = (100.0 * species.volume() / 0.05).cbrt();
     let scene = empty([edge; 3], [true; 3], species, surface(1.0, 0.0));
@@ -156,9 +158,9 @@ fn local_and_uniform_stepping_follow_the_same_paths() {
     let at_400 = run(local(3000.0, step(400.0), verlet));
     assert_eq!(at_400.record.pairs.count, 46);
     assert_eq!(at_400.energy(), at_400.particles.kinetic_energy());
-    // Local stepping needs no finer steps, and uniform stepping agrees with it if its steps are fine enough. Verlet's
-    // method detects a contact late by up to a step, about 1e-7 of a velocity at 400 steps. Each collision amplifies
-    // this by a mean free path over a radius, about 5 here; the fourth of a chain decides
+    // Local stepping needs no finer steps, and uniform stepping agrees with it for fine steps. Verlet's method detects
+    // a contact up to a step late, which changes a velocity by about 1e-7 at 400 steps. Each collision amplifies this
+    // by a mean free path over a radius, about 5 here; the fourth collision of a sphere is decisive
     let finer = worst(&scene, &at_400, &run(local(3000.0, step(6400.0), verlet)));
     let uniform = [400.0, 6400.0].map(|steps| worst(&scene, &at_400, &run(soft(3000.0, step(steps), verlet))));
     println!("local 6400: {finer:.1e}; uniform 400, 6400: {:.1e}, {:.1e}", uniform[0], uniform[1]);
@@ -175,7 +177,7 @@ fn local_stepping_closes_the_ledger() {
     let lost = simulation.record.ledger.dissipated();
     println!("residual over losses {:.1e}", residual / lost);
     assert!(lost > 0.05 * before);
-    // friction is not smooth at the end of slip, the rest is of fourth order
+    // friction is not smooth at the end of slip; the other errors are of fourth order
     assert!(residual.abs() < 2e-3 * lost, "{residual} of {lost}");
 }
 
@@ -193,7 +195,7 @@ fn local_stepping_gives_the_same_bits_for_any_number_of_threads() {
     }
 }
 
-/// In a dense crowd islands are tried and given up in window after window. Their reordering of the particles must not
+/// In a dense gas, islands are tried and given up in window after window. Islands reorder the particles, which must not
 /// affect the other algorithms.
 #[test]
 fn islands_that_give_up_leave_no_trace() {
@@ -206,10 +208,11 @@ fn islands_that_give_up_leave_no_trace() {
     let auto = || -> Box<dyn Engine> {
         Box::new(Soft::new(ContactLaw::linear(law.stiffness), Integrator::VelocityVerlet, step, SoftStepping::Auto))
     };
-    // windows in which islands grow together, but not from the start
+    // windows in which islands become too large, but only after some collisions
     for (name, engine) in [("soft", auto()), ("hard", islands())] {
         let done = run(&scene, particles.clone(), engine, 1e-3, 100);
-        // local steps of twenty per contact keep energy to 1e-5 per contact, and each sphere has about twelve
+        // local stepping with 20 steps per contact keeps the energy to 1e-5 per contact, and each sphere has about
+        // twelve contacts
         let drift = done.energy() / particles.kinetic_energy() - 1.0;
         assert!(drift.abs() < 2e-3, "{name}: {drift}");
         let deepest = if name == "hard" { 1e-9 } else { 0.02 };
@@ -219,8 +222,8 @@ fn islands_that_give_up_leave_no_trace() {
 
 #[test]
 fn an_impact_survives_the_hand_over_to_uniform_steps() {
-    // islands solve two spheres up to their contact. Windows of a few steps are cheaper in uniform steps, so the rest
-    // is stepped in this way, from the approach (a quarter of the contact) and from the rebound (three quarters)
+    // islands solve the motion of two spheres up to their contact. Windows of a few steps are cheaper with uniform
+    // steps, which then begin either in the approach (a quarter of the contact) or in the rebound (three quarters)
     let (e, speed, steps) = (0.9, 1.0, 200.0);
     let scene = empty([20.0; 3], [true; 3], unit(), surface(e, 0.0));
     let law = LinearSpring { stiffness: 1e4 };
@@ -238,7 +241,8 @@ fn an_impact_survives_the_hand_over_to_uniform_steps() {
             let pairs = &simulation.record.pairs;
             assert_eq!(pairs.count, 1, "{integrator:?} from {share}: the impact is lost");
             close("approach", pairs.normal_speed.sum(), speed, 1e-9);
-            // the end is detected up to one step late; until then the dashpot pulls at a rate of 2 γ
+            // the end of the contact is detected up to one step late; until then the dashpot force pulls at a rate of 2
+            // γ
             let late = 2.0 * law.damping(0.5, e) * step;
             close("rebound", pairs.rebound_squares().sqrt(), e * speed, late * e * speed);
             close("duration", pairs.duration.sum(), contact, 2.0 * step);
@@ -248,8 +252,7 @@ fn an_impact_survives_the_hand_over_to_uniform_steps() {
 
 #[test]
 fn islands_stay_away_from_a_crowd_and_serve_a_dilute_gas() {
-    // share of the time that automatic stepping spends in uniform steps: determined by counts, so equal on every
-    // machine
+    // share of uniform steps in the time of automatic stepping; it follows from counts, and is equal on every machine
     for (count, phi, restitution, crowded) in [(400, 0.5, 0.1, true), (400, 0.001, 0.7, false)] {
         let scene = empty([edge(count, 406e-6, phi); 3], [true; 3], small(), surface(restitution, 0.0));
         let law = LinearSpring { stiffness: 3000.0 };
@@ -266,8 +269,8 @@ fn islands_stay_away_from_a_crowd_and_serve_a_dilute_gas() {
         let share = end.counters().uniform_steps as f64 * step / duration;
         println!("volume fraction {phi}: {share:.3} of the time in uniform steps");
         if crowded {
-            // spheres that cluster: most islands are large, and after each trial of islands uniform steps are used for
-            // ever longer
+            // spheres that cluster: most islands are large, and after each failed trial of islands, uniform steps are
+            // used for a longer time
             assert!(share > 0.8, "{share}");
         } else {
             assert_eq!(end.counters().uniform_steps, 0);
@@ -275,8 +278,7 @@ fn islands_stay_away_from_a_crowd_and_serve_a_dilute_gas() {
     }
 }
 
-/// Eight spheres that cross one another's paths. Many islands are solved in vain before the members of all islands are
-/// known.
+/// Eight spheres with crossing paths. Many islands are solved in vain before the members of all islands are found.
 #[test]
 fn eight_that_crowd_together_meet_as_in_one_calendar() {
     let scene = empty([0.05; 3], [false; 3], small(), surface(1.0, 0.0));
@@ -306,14 +308,15 @@ fn eight_that_crowd_together_meet_as_in_one_calendar() {
 
 #[test]
 fn two_of_different_islands_meet_after_each_was_struck() {
-    // the outer two hit the inner two, which then meet in the middle: in straight flight the inner ones would not move
+    // the outer two spheres hit the inner two, which then meet in the middle; in straight flight the inner spheres
+    // would not move
     let scene = empty([0.05, 0.01, 0.01], [false; 3], small(), surface(1.0, 0.0));
     let d = 406e-6;
     let list: Vec<_> = [(0.0, 1.0), (1.5, 0.0), (4.5, 0.0), (6.0, -1.0)]
         .map(|(x, v)| ([0.02 + x * d, 0.005, 0.005], [v, 0.0, 0.0]))
         .to_vec();
     for (engine, parts) in [(islands(), 1), (local(3000.0, 2e-7, Integrator::VelocityVerlet), 2)] {
-        // the inner ones meet after 1.5 d at 1 m/s, and after 2.5 d return to those that hit them
+        // the inner spheres meet after 1.5 d at 1 m/s, and after 2.5 d they return to the outer spheres
         let simulation = run(&scene, placed(&scene, &list), engine, 2.0 * d, 1);
         assert_eq!(simulation.counters().neighbour_builds, parts, "hard spheres: all within one part");
         assert_eq!(simulation.record.pairs.count, 3);
@@ -323,11 +326,11 @@ fn two_of_different_islands_meet_after_each_was_struck() {
     }
 }
 
-/// With a contact time the next collision depends on the time of the last one, whichever algorithm has moved or
-/// reordered the particles since.
+/// With a contact time, a collision depends on the time of the last collision. This must hold after any algorithm that
+/// moves or reorders the particles.
 #[test]
 fn collision_history_follows_the_particles() {
-    // a cluster in a wide box, with gaps that close within microseconds: over 200 spheres in one island
+    // a cluster in a wide box; its gaps close within microseconds, so that over 200 spheres are in one island
     let (species, d) = (small(), small().diameter);
     let scene = empty([20.0 * d; 3], [true; 3], species, surface(0.7, 0.0));
     let mut particles = random(&scene, 343, 0.1, 1);
@@ -338,9 +341,9 @@ fn collision_history_follows_the_particles() {
         let engine = engine.with_contact_time(Some(2e-5));
         Simulation::with_engine(scene.clone(), particles.clone(), Box::new(engine))
     });
-    // 24 short windows that islands solve alone; then a long one in which islands grow together and give up at once
-    // after four searches; then, with the spheres farther apart, more windows that islands solve. The store is sorted
-    // at every 32nd search
+    // First 24 short windows that islands solve alone. Then a long window in which islands become too large and are
+    // given up after four searches. Then windows with the spheres farther apart, which islands solve again. The store
+    // is sorted at every 32nd search
     for (number, window) in [[1e-7; 24].as_slice(), &[3e-5; 12]].concat().into_iter().enumerate() {
         let before = engines[0].counters();
         for engine in &mut engines {
@@ -348,14 +351,14 @@ fn collision_history_follows_the_particles() {
         }
         let [islands, calendar] = engines.each_ref().map(|engine| &engine.record);
         assert_eq!(islands.pairs.count, calendar.pairs.count);
-        // rounding, amplified by about ten successive collisions of spheres that nearly touch, each by little more than
-        // a factor of one
+        // rounding errors, amplified by about ten successive collisions of spheres that nearly touch, each by little
+        // more than one
         let [kept, lost] = [calendar.ledger.contact_time_kept, calendar.ledger.dissipated()];
         close("kept", islands.ledger.contact_time_kept, kept, 1e-9 * kept);
         close("lost", islands.ledger.dissipated(), lost, 1e-9 * lost);
         let searches = engines[0].counters().neighbour_builds - before.neighbour_builds;
         let solved = engines[0].counters().islands - before.islands;
-        // the calendar receives the particles once, and again when they are sorted
+        // the event queue receives the particles once, and again after they are sorted
         let given_up = (4..=5).contains(&searches) && solved == 0;
         assert!(if number == 24 { given_up } else { searches == 1 }, "{number}: {searches} {solved}");
     }
@@ -364,9 +367,9 @@ fn collision_history_follows_the_particles() {
     assert!(engines[0].counters().islands > 100 && record.pairs.count > 1000);
 }
 
-/// With drag in every window, the cells of the search for islands decide. In a dense mixture the cells are as large as
-/// the largest sphere and contain many small ones, so one calendar is cheaper. Spheres of one size stay in islands.
-/// Without drag the calendar lasts from window to window.
+/// With drag in every window, the cells of the search for islands decide which way is cheaper. In a dense mixture, the
+/// cells are as large as the largest sphere and contain many small ones, so that one event queue is cheaper. Spheres of
+/// one size stay in islands. Without drag, the event queue remains from window to window.
 #[test]
 fn hard_spheres_take_the_cheaper_way() {
     let small = small();

@@ -1,4 +1,5 @@
-//! The command `judge`: series of any program, output of LAMMPS, tables with standard errors, messages about bad files.
+//! The command `judge`: time series of any program, output of LAMMPS, tables with standard errors, messages about bad
+//! files.
 
 mod against_table;
 mod formats;
@@ -16,7 +17,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-/// Relaxation time of the made-up series, in samples. Their integral correlation time is the same within 0.4 %.
+/// Relaxation time of the made-up series, in samples. It equals their integral correlation time within 0.4 %.
 const RELAXATION: f64 = 5.0;
 
 /// Series of the first-order autoregressive process with unit variance about a mean.
@@ -31,7 +32,7 @@ fn noise(count: usize, mean: f64, random: &mut Xoshiro256PlusPlus) -> Vec<f64> {
     (0..count).map(|_| mean + next()).collect()
 }
 
-/// Writes columns x0, x1, ... with the given means, sampled at every second.
+/// Writes columns x0, x1, ... with the given means, with a sample every second.
 fn series(folder: &Path, name: &str, count: usize, means: &[f64], seed: u64) -> String {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let columns: Vec<Vec<f64>> = means.iter().map(|mean| noise(count, *mean, &mut random)).collect();
@@ -54,7 +55,7 @@ fn input(name: &str) -> String {
     format!("tests/inputs/judge/{name}")
 }
 
-/// Runs `diptych judge` with further arguments; returns exit code, output, and the folder of results.
+/// Runs `diptych judge` with further arguments. Returns the exit code, the output and the folder of results.
 pub fn judged(place: &Path, arguments: &[&str]) -> (i32, String, PathBuf) {
     let out = place.join("out");
     let folder = out.display().to_string();
@@ -93,7 +94,7 @@ fn made_up_series_get_the_answer_that_is_true() {
     assert!(code == 4 && said.contains("unresolved"), "{code} {said}");
 }
 
-/// Answer for one pair of made-up series with three columns, without a process of its own.
+/// Answer for one pair of made-up series with three columns, computed within this process.
 fn answer(place: &Path, seed: u64, shift: f64) -> Option<Answer> {
     let place = place.join(format!("{seed}-{shift}"));
     std::fs::create_dir(&place).unwrap();
@@ -105,7 +106,7 @@ fn answer(place: &Path, seed: u64, shift: f64) -> Option<Answer> {
     judge_files(&arguments).unwrap()
 }
 
-/// Number of pairs with the given answer among `pairs` pairs of series.
+/// Number of pairs with the answer `wanted`, of `pairs` pairs of series.
 fn answers(pairs: u64, shift: f64, wanted: Answer) -> usize {
     let place = TempDir::new().unwrap();
     let is_wanted = |seed: &u64| answer(place.path(), 1000 + seed, shift) == Some(wanted);
@@ -114,14 +115,15 @@ fn answers(pairs: u64, shift: f64, wanted: Answer) -> usize {
 
 #[test]
 fn wrong_answers_are_as_rare_as_claimed() {
-    // of 200 comparisons of equal systems 1 % may be called different; by chance more than 7 are with 0.1 %
+    // 1 % of 200 comparisons of equal systems may be called different; more than 7 are with a probability of 0.1 %
     let different = answers(200, 0.0, Answer::Different);
-    // of 200 systems that differ by the margin 5 % may be called equivalent; by chance more than 21 are with 0.03 %
+    // 5 % of 200 systems that differ by the margin may be called equivalent; more than 21 are with a probability of
+    // 0.03 %
     let equivalent = answers(200, 0.8, Answer::Equivalent);
     println!("{different} of 200 called different, {equivalent} of 200 called equivalent");
     assert!(different <= 7, "{different} of 200 equal systems called different");
     assert!(equivalent <= 21, "{equivalent} of 200 systems called equivalent");
-    // the test has power: three margins are always found
+    // a difference of three margins is always found
     assert_eq!(answers(200, 2.4, Answer::Different), 200);
 }
 
@@ -132,7 +134,7 @@ fn rates_of_wrong_answers_of_judge() {
     let different = answers(PAIRS, 0.0, Answer::Different) as f64 / PAIRS as f64;
     let equivalent = answers(PAIRS, 0.8, Answer::Equivalent) as f64 / PAIRS as f64;
     println!("different {:.2} %, equivalent {:.2} %", 100.0 * different, 100.0 * equivalent);
-    // three standard errors of a share above the claimed 1 % and 5 %
+    // limits: the claimed 1 % and 5 %, plus three standard errors of a share
     assert!(different < 0.0155 && equivalent < 0.062, "{different} {equivalent}");
 }
 
@@ -144,7 +146,8 @@ fn lammps_logs_are_told_apart_by_their_stiffness_and_not_by_their_seed() {
     let names: Vec<Value> =
         summary(&folder)["quantities"].as_array().unwrap().iter().map(|one| one["name"].clone()).collect();
     assert_eq!(names, ["v_Txx", "v_Tyy", "KinEng", "Press"]);
-    // two thousand times softer spheres: an independent mean of the rows of both logs gives 0.381 and 0.343
+    // spheres with a two thousandth of the stiffness; an independent mean of the rows of both logs gives 0.381 and
+    // 0.343
     let (code, said, folder) = judged(place.path(), &[&input("log.soft"), &input("log.1"), "--margin", "2%"]);
     assert!(code == 3 && said.contains("in Press"), "{code} {said}");
     let judged = &summary(&folder)["comparisons"][0]["comparison"]["judged"];
@@ -173,7 +176,7 @@ fn averages_of_lammps_are_judged_by_a_table_with_other_units() {
     assert!((sides[1]["mean"]["value"].as_f64().unwrap() - 0.01).abs() < 1e-15, "{sides}");
     assert!((sides[1]["mean"]["error"].as_f64().unwrap() - 5e-5).abs() < 1e-15, "{sides}");
     assert!((sides[0]["mean"]["value"].as_f64().unwrap() - 0.01).abs() < 5e-4, "{sides}");
-    // without a standard error nothing is equivalent
+    // without a standard error, nothing is found equivalent
     let file = put(place, "judge.toml", &settings("Ty"));
     let (code, said, folder) = judged(place, &["--settings", &file]);
     assert!(code == 4 && said.contains("error bars"), "{code} {said}");
@@ -183,13 +186,13 @@ fn averages_of_lammps_are_judged_by_a_table_with_other_units() {
         &[&put(place, "bare.csv", "quantity,value\nT,1\n"), &put(place, "bare-2.csv", "quantity,value\nT,1\n")],
     );
     assert!(code == 4 && said.contains("unresolved"), "{code} {said}");
-    // errors of 1 % of two equal values: the upper bound is 1.645 sqrt(2) %
+    // two equal values with standard errors of 1 %: the upper bound is 1.645 sqrt(2) %
     let [a, b] = ["a.csv", "b.csv"].map(|name| put(place, name, "quantity,value,standard_error\nT,1,0.01\n"));
     let judged_within = |margin: &str| judged(place, &[&a, &b, "--margin", margin]).0;
     assert_eq!([judged_within("2.4%"), judged_within("2.25%")], [0, 4]);
 }
 
-/// Writes four replicas of a decay with the given time constant [s]; returns their paths, separated by commas.
+/// Writes four replicas of a decay with the given time constant [s]. Returns their paths, separated by commas.
 fn decays(folder: &Path, name: &str, constant: f64, seed: u64) -> String {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let files: Vec<String> = (0..4)
@@ -299,7 +302,7 @@ fn bad_input_is_named_with_its_remedy_and_leaves_nothing_behind() {
         assert!(wanted.iter().all(|part| said.contains(part)), "{wanted:?} in {said}");
         assert!(!folder.exists(), "{arguments:?} left a folder");
     }
-    // a named column must contain numbers
+    // a column that is named must contain numbers
     put(place, "cell.csv", "t_s,T\n0,1\n1,warm\n");
     let settings = put(
         place,

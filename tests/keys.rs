@@ -1,5 +1,5 @@
-//! The list of keys must be complete, right about ranges and required keys, and up to date on its page. Numbers without
-//! units give warnings.
+//! The list of keys must be complete and up to date on its page. Its ranges and required keys must be right. Numbers
+//! without units give warnings.
 
 use crate::support::{diptych, words};
 use diptych::case::file::CaseFile;
@@ -10,11 +10,11 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Command that makes the page again.
+/// Command that writes the page.
 const MAKE: &str = "cargo run -- keys --markdown > docs/keys.md";
 
-/// A case with every table that contains others: one random kind of particles and one with given positions, walls of
-/// all shapes.
+/// Case with every table that contains other tables: a species with random positions, a species with given positions,
+/// and walls of all shapes.
 const FULL: &str = r#"
 [domain]
 size = ["40 mm", "40 mm", "40 mm"]
@@ -71,7 +71,7 @@ duration = "1 ms"
 const SPRING: &str = "[soft.linear_spring_dashpot]\nstiffness = \"3000 N/m\"\n";
 const HERTZ: &str = "[soft.hertz]\nyoungs_modulus = \"1 GPa\"\n";
 
-/// Place of the keys of a table in [`FULL`].
+/// Path of the keys of a table in [`FULL`].
 fn place(table: &str) -> String {
     let shapes = ["plane", "sphere", "cuboid", "cylinder", "box", "cone", "mesh"];
     let at = shapes.iter().position(|shape| table == format!("walls.{shape}"));
@@ -97,7 +97,7 @@ fn indexed(table: &str) -> String {
     path
 }
 
-/// Headings that lead to a table, and `line` within it.
+/// Headings of a table, and `line` within this table.
 fn with_line(table: &str, line: &str) -> String {
     let outer = tables()
         .iter()
@@ -106,7 +106,7 @@ fn with_line(table: &str, line: &str) -> String {
     outer.chain(own).map(|table| table.heading() + "\n").collect::<String>() + line + "\n"
 }
 
-/// Reads a text without resolving it.
+/// Reads a text as a case file, without resolving references.
 fn read(text: &str) -> Result<CaseFile, String> {
     let mut sources = Sources::default();
     let source = sources.add_file(Path::new("case.toml"), Arc::from(text));
@@ -114,7 +114,7 @@ fn read(text: &str) -> Result<CaseFile, String> {
     de::read(&tree).map_err(|why| why.diagnostic(&sources).to_string())
 }
 
-/// Message when a text is resolved with a model; empty if there is no error.
+/// Message of the error when a text is resolved with a model; empty without an error.
 fn told(text: &str, sets: &[String], model: Option<Model>) -> String {
     let case = Case::from_text(Path::new("case.toml"), Arc::from(text), sets);
     case.and_then(|case| case.experiment(model, None)).err().map_or(String::new(), |why| why.to_string())
@@ -137,7 +137,7 @@ fn the_page_of_keys_is_up_to_date() {
     );
 }
 
-/// serde names all keys of a table in its message on an unknown one.
+/// The message of serde about an unknown key lists all keys of the table.
 #[test]
 fn every_key_that_is_read_is_listed() {
     let known = |told: &str| -> BTreeSet<String> {
@@ -169,7 +169,7 @@ fn every_example_is_read_and_every_key_explained() {
     }
 }
 
-/// True if [`FULL`] does not contain the table, so that all of its required keys have to be set.
+/// True if [`FULL`] does not contain the table, so that all required keys of the table must be set.
 fn is_new(table: &str) -> bool {
     ["particles.sizes", "fluid.profile", "soft.kuwabara_kono", "soft.tangential", "soft.rolling", "hard.friction"]
         .iter()
@@ -177,7 +177,7 @@ fn is_new(table: &str) -> bool {
         || table.contains(".restitution.")
 }
 
-/// A number outside of a range that is given in words.
+/// Number outside of a range that is given in words.
 fn outside(range: &str, whole: bool) -> f64 {
     let number = |text: &str| text.trim().split(' ').next().unwrap().parse::<f64>().unwrap();
     match (range.split_once("..="), range.strip_prefix("up to ")) {
@@ -209,7 +209,7 @@ fn ranges_are_those_that_messages_name() {
                 "dsmc" => Model::Dsmc,
                 _ => Model::Soft,
             };
-            // other required keys of the table; the key itself replaces those that it excludes
+            // the other required keys of the table; the tested key replaces the keys that it excludes
             let others = table.keys.iter().filter(|other| {
                 other.name != key.name
                     && other.required.as_ref().is_some_and(|when| when == "always" || when.starts_with("or "))
@@ -219,10 +219,10 @@ fn ranges_are_those_that_messages_name() {
                 other.example.as_ref().map(|example| format!("{}={example}", tree::child_place(&outer, &other.name)))
             };
             let others = others.filter_map(set).filter(|_| is_new(&table.name));
-            // twisting shares the stiffness of a tangential spring
+            // twisting uses the stiffness of a tangential spring
             let spring =
                 (table.name == "soft.twisting").then(|| "soft.tangential.linear.stiffness_ratio=0.3".to_owned());
-            // a uniform gas needs both keys, and turbulence a law
+            // turbulence of a uniform gas needs both keys, and a law
             let eddies = (table.name == "fluid.turbulence")
                 .then(|| "fluid.turbulence={ kinetic_energy = 1, dissipation_rate = 1, langevin = {} }".to_owned());
             let sets: Vec<String> = others.chain(spring).chain(eddies).chain([format!("{path}={value}")]).collect();
@@ -234,7 +234,7 @@ fn ranges_are_those_that_messages_name() {
     assert!(seen > 30);
 }
 
-/// If a table has no keys, exactly those keys are missed that are listed as required.
+/// The message about a table without keys names exactly the keys that are listed as required.
 #[test]
 fn required_keys_are_those_that_are_missed() {
     for table in tables().iter().filter(|table| !table.name.ends_with("elasticity") && table.name != "particles.at") {
@@ -276,7 +276,7 @@ fn the_schema_knows_the_keys_of_all_cases() {
     assert!(!printed.contains("\"null\""));
 }
 
-/// A law without keys can also be chosen by its name alone, both in the schema and in the reader.
+/// A law without keys may also be given by its name alone, in the schema and in the reader.
 #[test]
 fn laws_without_keys_are_names_too() {
     let schema = schema();
@@ -297,7 +297,7 @@ fn laws_without_keys_are_names_too() {
     assert!(told.contains("`fluid.profile.uniform.velocity`"), "{told}");
 }
 
-/// Warnings about units of the full case with a change.
+/// Warnings about units in the full case with one change.
 fn unit_warnings(set: &str) -> Vec<String> {
     let case =
         Case::from_text(Path::new("case.toml"), Arc::from(format!("{FULL}{SPRING}")), &[set.to_owned()]).unwrap();
@@ -323,7 +323,7 @@ fn numbers_without_a_unit_are_told() {
         assert_eq!(told.len(), 1, "{set}: {told:?}");
         assert!(parts.iter().all(|part| told[0].contains(part)), "{set}: {}", told[0]);
     }
-    // equal values in every unit, or without a unit
+    // values that are equal in all units, or have no unit
     for set in
         ["run.average_from=0", "gravity.acceleration=[0, 0, 0.0]", "contact.restitution=0.5", "run.duration=1 ms"]
     {

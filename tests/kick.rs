@@ -11,14 +11,14 @@ use nalgebra::Vector3;
 
 const LAW: Drag = Drag::SchillerNaumann(SchillerNaumann);
 const DURATIONS: [f64; 6] = [1e-6, 1.3e-5, 1e-4, 7e-4, 3e-3, 1e-2];
-/// Accuracy that the table promises, relative to the change of velocity.
+/// Accuracy of the table, relative to the change of velocity.
 const ACCURACY: f64 = 1e-9;
 
 fn gas(profile: Profile) -> Fluid {
     Fluid::new(1.205, 1.515e-5, profile, Some(LAW))
 }
 
-/// The paper's two spheres in its air.
+/// The paper's two spheres in its gas.
 fn spheres() -> [Sphere; 2] {
     [small(), large()].map(|species| gas(Profile::Uniform(0.0)).sphere(&species))
 }
@@ -27,12 +27,12 @@ fn logarithmic(low: f64, high: f64, count: usize) -> impl Iterator<Item = f64> {
     (0..=count).map(move |i| low * (high / low).powf(i as f64 / count as f64))
 }
 
-/// Numbers in [0, 1) without a visible pattern (multiples of the golden ratio).
+/// Numbers in [0, 1) without a visible pattern: fractional parts of multiples of the golden ratio.
 fn scattered(i: usize) -> f64 {
     (i as f64 * 0.618_033_988_749_895).fract()
 }
 
-/// A channel full of both species, with slip speeds from almost none to that of the free stream.
+/// Channel with both species and slip speeds from almost zero to that of the free stream.
 fn cloud(count: usize, profile: &Profile) -> Particles {
     let mut particles = Particles::default();
     for i in 0..count {
@@ -52,19 +52,21 @@ fn table_is_the_law() {
         for duration in DURATIONS {
             let table = Kick::tabulated(law, &spheres(), duration);
             for (species, sphere) in (0..).zip(&spheres()) {
-                // slip speeds in every decade, and on both sides of Re = 1000 from one rounding error to a tenth away
+                // slip speeds in every decade, and on both sides of Re = 1000 at relative distances from one rounding
+                // error to a tenth
                 let switch = 1000.0 / sphere.reynolds_per_speed;
                 let near = logarithmic(1e-16, 0.1, 2000).flat_map(|d| [switch * (1.0 - d), switch * (1.0 + d)]);
                 for slip in logarithmic(1e-12, 50.0, 60_000).chain(near).chain([0.0, 65.0, 1e6]) {
                     let square = slip * slip;
                     let change = table.change(species, square);
-                    // by the slip speed given to the table: where the law jumps, the last digit of the square decides
+                    // compared at the slip speed given to the table: at the jump of the law, the last digit of the
+                    // square decides on the formula
                     let exact = law.law().change(sphere, square.sqrt(), duration);
                     let error = (change / exact - 1.0).abs();
                     assert!(error < ACCURACY, "{law:?} {species}, {slip} m/s, {duration} s: off by {error:e}");
                     let ratio = law.law().decay(sphere, slip, duration);
-                    // the plain form, as far as its digits suffice: the square root costs one digit, the jump of 0.4 %
-                    // does not matter here
+                    // the plain formula, to the precision of its digits; its square root loses one digit, and the jump
+                    // of 0.4 % is left out
                     let plain = ((1.0 + change) / ratio - 1.0).abs();
                     let digits = 4e-16 + ACCURACY * (1.0 - ratio) / ratio;
                     let jump = (slip / switch - 1.0).abs() < 1e-15;
@@ -88,7 +90,7 @@ fn two_tabulated_kicks_are_one() {
                 let rest = slip * (1.0 + first);
                 let both = first + (1.0 + first) * half.change(species, rest * rest);
                 let once = whole.change(species, slip * slip);
-                // where the law jumps, the last digit of a slip speed decides which formula is used
+                // at the jump of the law, the last digit of a slip speed decides on the formula
                 let switch = 1000.0 / spheres()[species as usize].reynolds_per_speed;
                 let error = (both / once - 1.0).abs();
                 let jumps = (slip / switch - 1.0).abs() < 1e-14 || (rest / switch - 1.0).abs() < 1e-14;
@@ -100,7 +102,8 @@ fn two_tabulated_kicks_are_one() {
 
 #[test]
 fn change_keeps_its_digits_in_short_kicks() {
-    // 1 - ratio -> t/τ(w), and the next term is of the order (t/τ)²: from the ratio itself only 5 digits would be left
+    // 1 - ratio tends to t/τ(w), and the next term is of the order (t/τ)²; computed from the ratio, only 5 digits would
+    // remain
     for sphere in spheres() {
         for slip in [0.0, 1e-3, 1.0, 9.0, 20.0] {
             let expected = -1e-12 / LAW.law().response_time(&sphere, slip);
@@ -115,7 +118,7 @@ fn particles_are_kicked_as_by_the_law() {
     let points: Vec<_> = (0..40).map(|i| f64::from(i) / 39.0).map(|s| (0.03 * s * s, 60.0 * s * (1.0 - s))).collect();
     let profile = Profile::table(&points).unwrap();
     for duration in DURATIONS {
-        // 20 011 particles are more than two chunks, and fill neither chunks nor blocks evenly
+        // 20 011 particles fill more than two chunks, and leave the last chunk and the last block partly empty
         let start = cloud(20_011, &profile);
         let (mut fast, mut exact) = (start.clone(), start.clone());
         let by_table = kick(&mut fast, &profile, &Kick::tabulated(&LAW, &spheres(), duration));
@@ -126,7 +129,7 @@ fn particles_are_kicked_as_by_the_law() {
             let slip = start.velocity[i] - u;
             let plain = u + slip * LAW.law().decay(&spheres()[i % 2], slip.norm(), duration);
             let change = (plain - start.velocity[i]).norm();
-            // a velocity near 16 m/s is known to 2e-15 m/s
+            // a velocity near 16 m/s has a rounding error of 2e-15 m/s
             for velocity in [fast.velocity[i], exact.velocity[i]] {
                 let error = (velocity - plain).norm();
                 assert!(error <= ACCURACY * change + 1e-14, "particle {i}: {error:e} of {change:e} m/s");
@@ -147,8 +150,8 @@ fn particles_are_kicked_as_by_the_law() {
 
 #[test]
 fn simulation_follows_the_exact_flow() {
-    // One particle per column of a lattice, all along z in a uniform gas: nothing meets, and by the semigroup property
-    // 50 windows are one exact kick. 1225 particles: enough for a table.
+    // One particle per column of a lattice, all along z in a uniform gas, so that no particles meet. Then 50 windows
+    // equal one exact kick. The 1225 particles are enough for a table to be used.
     let side = 35;
     let scene = Scene {
         domain: Domain::new(Vector3::new(0.1, 0.1, 0.1), [true; 3]),

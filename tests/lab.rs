@@ -1,5 +1,5 @@
-//! The lab as a page uses it: which requests are admitted, which settings are allowed, what every scene shows, and what
-//! remains when the lab ends.
+//! The lab as a page uses it: which requests are admitted, which settings are allowed, the state of every scene in both
+//! panels, and threads after the end of the lab.
 
 mod page;
 
@@ -59,8 +59,8 @@ fn only_who_knows_the_token_and_asks_for_this_machine_is_let_in() {
     lab.stop();
 }
 
-/// Requests whose head never ends do not keep connections and files open for long: the page is served although 60 such
-/// requests were made.
+/// Requests whose head is never completed do not keep connections and files open for long. The page is served after 60
+/// such requests.
 #[test]
 fn requests_that_never_end_are_closed() {
     let lab = served();
@@ -73,7 +73,7 @@ fn requests_that_never_end_are_closed() {
     };
     let mut half_open: Vec<TcpStream> = (0..60).map(begun).collect();
     assert_eq!(get(address, &path, &format!("Host: {address}\r\n")).0, 200);
-    // closed by the server: no more bytes arrive, and no error of a wait that ended in vain
+    // the server has closed the connection: reading ends without further bytes, and without a timeout
     for stream in &mut half_open {
         let mut rest = Vec::new();
         let end = stream.read_to_end(&mut rest);
@@ -99,7 +99,7 @@ fn no_file_but_those_of_the_page_can_be_had() {
     ] {
         assert_eq!(get(address, &format!("{path}{file}"), &host).0, 404, "{file}");
     }
-    // all files that the page loads exist, and it loads nothing from other servers
+    // all files that the page loads exist, and none is on another server
     let (_, page) = get(address, &path, &host);
     for name in page.split(['"', '\'']).filter(|word| word.ends_with(".js") || word.ends_with(".css")) {
         let (status, text) = get(address, &format!("{path}{name}"), &host);
@@ -133,7 +133,8 @@ fn every_scene_starts_in_both_panels_and_goes_on() {
         let (start, values) = page.frame();
         assert_eq!(values.len(), 5 * (counts[0] + counts[1]));
         assert_eq!(start["sides"][0]["time"], 0.0);
-        // equal positions and speeds on both sides; bodies that touch at the start overlap by rounding on one side
+        // positions and speeds are equal on both sides; overlaps may differ by rounding, because bodies touch at the
+        // start
         let (left, right) = values.split_at(5 * counts[0]);
         let same = left.chunks(5).zip(right.chunks(5)).all(|(left, right)| left[..4] == right[..4]);
         assert!(same, "{}", scene.name);
@@ -143,7 +144,7 @@ fn every_scene_starts_in_both_panels_and_goes_on() {
             let sides = head["sides"].as_array().unwrap();
             assert!(values.iter().all(|value| value.is_finite()), "{}", scene.name);
             if sides.iter().all(|side| side["time"].as_f64().unwrap() > 0.0 || side["state"] == "failed") {
-                // one scene is meant to fail, and one stops at once
+                // the scene `unstable` is meant to fail, and the scene `column` stops at once
                 let may_fail = ["unstable", "column"].contains(&scene.name);
                 assert!(may_fail || sides.iter().all(|side| side["failure"].is_null()), "{}: {head}", scene.name);
                 break;
@@ -154,12 +155,12 @@ fn every_scene_starts_in_both_panels_and_goes_on() {
     lab.stop();
 }
 
-/// A short text of all settings that determine the results of a stage.
+/// Fingerprints of the settings that determine the results of a scene.
 fn prints(experiments: &[diptych::Experiment; 2]) -> [String; 2] {
     [0, 1].map(|side| fingerprint(&experiments[side]).unwrap())
 }
 
-/// Settings different from those of the case: the middle of every slider, the other value of every choice.
+/// Settings different from those of the case: the middle of every slider, and the other value of every choice.
 fn moved(scene: &LabScene) -> diptych::lab::protocol::Settings {
     let halfway = |range: &diptych::lab::ParameterRange| match range.kind() {
         ParameterKind::Number { least, most, .. } => ParameterValue::Number(0.5 * (least + most)),
@@ -168,7 +169,7 @@ fn moved(scene: &LabScene) -> diptych::lab::protocol::Settings {
     scene.knobs.iter().map(|range| (range.knob.name().to_owned(), halfway(range))).collect()
 }
 
-/// Words of a command line, quoted as for a shell.
+/// Words of a command line that is quoted for a shell.
 fn words(command: &str) -> Vec<String> {
     let (mut words, mut word, mut quoted) = (Vec::new(), String::new(), false);
     for letter in command.chars() {
@@ -241,7 +242,7 @@ fn the_ends_of_every_slider_can_be_run() {
                 let settings = [(range.knob.name().to_owned(), end.clone())].into();
                 let choice = SceneChoice { scene: scene.name.into(), settings, ..SceneChoice::default() };
                 let stage = SceneState::open(&choice).unwrap_or_else(|why| panic!("{} {end:?}: {why}", scene.name));
-                // the settings are used in the run and shown on the page
+                // the run uses the settings, and the page shows them
                 let shown = stage.opened().knobs.into_iter().find(|knob| knob.name == range.knob.name()).unwrap();
                 assert_eq!(shown.value, end, "{}", scene.name);
                 let (ParameterValue::Number(asked), Some(ParameterValue::Number(runs))) =
@@ -250,7 +251,8 @@ fn the_ends_of_every_slider_can_be_run() {
                     assert_eq!(range.knob.value(&stage.experiments[0]), Some(end));
                     continue;
                 };
-                // a whole number of windows fits between two samples: a window may be shortened, by less than half
+                // a whole number of windows must fit between two samples; a window may therefore be shorter than
+                // requested, by less than half
                 let least = if range.knob.name() == "window" { 0.5 * *asked } else { *asked };
                 assert!(
                     (least * (1.0 - 1e-9)..=*asked * (1.0 + 1e-9)).contains(&runs),
@@ -280,7 +282,7 @@ fn what_is_beyond_the_limits_is_refused_and_the_scene_goes_on() {
     ] {
         let running = page.serial;
         if words.is_empty() {
-            // not even a message of the protocol: the page is disconnected, and another one can open
+            // a message that does not belong to the protocol disconnects the page, and another page can be opened
             let mut other = Page::of(&lab);
             other.told();
             other.choose("cooling", settings, right);
@@ -335,7 +337,7 @@ fn nothing_is_computed_for_a_page_that_does_not_draw_or_is_not_looked_at() {
     page.told();
     page.choose("cooling", json!({}), 0);
     page.told();
-    // two frames, then none until these are drawn
+    // two frames arrive, and no further frame before the page draws one
     let mut frames = Vec::new();
     while let Sent::Framed(head, _) = page.next(SILENCE) {
         frames.push(head["sides"][0]["time"].as_f64().unwrap());
@@ -343,7 +345,7 @@ fn nothing_is_computed_for_a_page_that_does_not_draw_or_is_not_looked_at() {
     assert_eq!(frames.len(), 2, "{frames:?}");
     page.ask(json!({"ask": "drawn"}));
     let Sent::Framed(head, _) = page.next(PATIENCE) else { panic!() };
-    // one frame later, but not as much later as the clock: frames that were not drawn were not computed either
+    // one frame later, but not by the wall time: frames that the page did not draw were not computed
     let (next, step) = (head["sides"][0]["time"].as_f64().unwrap(), frames[1] - frames[0]);
     assert!(next > frames[1] && next - frames[1] < 10.0 * step.max(1e-4), "{frames:?} {next}");
     page.ask(json!({"ask": "look", "on": false}));
@@ -357,7 +359,7 @@ fn nothing_is_computed_for_a_page_that_does_not_draw_or_is_not_looked_at() {
     assert!(matches!(page.next(SILENCE), Sent::Nothing));
     page.ask(json!({"ask": "look", "on": true}));
     assert!(matches!(page.next(PATIENCE), Sent::Framed(..)));
-    // one frame at a time while the scene is stopped
+    // while the motion is paused, each request gives one frame
     page.ask(json!({"ask": "play", "on": false}));
     page.ask(json!({"ask": "drawn"}));
     while let Sent::Framed(..) = page.next(SILENCE) {
@@ -369,7 +371,7 @@ fn nothing_is_computed_for_a_page_that_does_not_draw_or_is_not_looked_at() {
     lab.stop();
 }
 
-/// The lab uses the engines of all commands: velocities after an impact at 1 m/s are those in the heading of
+/// The lab uses the engines of all commands: the velocities after an impact at 1 m/s are those in the heading of
 /// `cases/cradle.toml`.
 #[test]
 fn the_cradle_ends_as_its_case_says() {
@@ -413,14 +415,14 @@ fn four_pages_may_be_open_and_all_threads_end() {
     pages.truncate(1);
     wait_for(|| lab.sessions() == 1);
     pages[0].frame();
-    // one page is still open, and its session is ended
+    // one page is still open, and its session must end
     let begun = Instant::now();
     lab.stop();
     assert!(begun.elapsed() < Duration::from_secs(10));
     while !matches!(pages[0].next(PATIENCE), Sent::Nothing) {}
 }
 
-/// The command itself prints its address, serves there, keeps no thread for a closed page, and ends at the first
+/// The command prints its address, serves the page there, keeps no thread for a closed page, and ends at the first
 /// Ctrl-C.
 #[cfg(target_os = "linux")]
 #[test]

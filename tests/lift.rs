@@ -1,4 +1,4 @@
-//! Lift of spheres in sheared gas and by spin, and the torque of the gas, against independently evaluated formulae.
+//! Lift of spheres by shear and by spin, and the torque of the gas, against independently evaluated formulas.
 
 use crate::support::{case, close, shared};
 use diptych::engine::distributed::Distributed;
@@ -8,7 +8,7 @@ use diptych::placement::initial_state;
 use diptych::simulation::Simulation;
 use nalgebra::Vector3;
 
-/// A sphere of 1 mm and 1000 kg/m³ in a gas of uniform shear 100 1/s or at rest, without drag.
+/// Case of a sphere of 1 mm and 1000 kg/m³ without drag, in a gas with the uniform shear 100 1/s or at rest.
 const SCENE: &str = r#"
 [domain]
 size = ["100 mm", "100 mm", "100 mm"]
@@ -56,7 +56,7 @@ fn scene(model: Model, sets: &[&str]) -> Experiment {
     case(SCENE, model, sets).unwrap()
 }
 
-/// The sphere after `windows` windows of `window` [s], from a velocity [m/s] and a spin [rad/s].
+/// Simulation after `windows` windows of `window` [s], from a velocity [m/s] and a spin [rad/s] of the sphere.
 fn after(experiment: &Experiment, velocity: [f64; 3], spin: [f64; 3], (windows, window): (u64, f64)) -> Simulation {
     let mut start = initial_state(experiment).unwrap();
     start.velocity[0] = velocity.into();
@@ -68,29 +68,30 @@ fn after(experiment: &Experiment, velocity: [f64; 3], spin: [f64; 3], (windows, 
 
 const MODELS: [Model; 3] = [Model::Soft, Model::Hard, Model::Hybrid];
 
-/// Forces [N] at slips of 0.3 m/s and 1 m/s (Re = 20 and 67), evaluated from 1.615 ρ ν d w √Re_G times Mei's factor.
+/// Forces [N] at slips of 0.3 m/s and 1 m/s (Re = 20 and 67), from 1.615 ρ ν d w √Re_G times Mei's factor.
 #[test]
 fn sheared_gas_pushes_a_sphere_that_leads_towards_slower_gas() {
     for (slip, force) in [(0.3, 5.681594588646967e-9), (1.0, 7.180754215763133e-9)] {
         for model in MODELS {
-            // spheres that turn with the gas have no other lift; the sphere leads the gas by the slip
+            // spheres that rotate with the gas have no other lift; the sphere is faster than the gas by the slip
             let experiment = scene(model, &["fluid.lift.spin=false"]);
             let end = after(&experiment, [0.0, 0.0, GAS + slip], [50.0, 0.0, 0.0], (1, 1e-6));
-            // the turn is exact; the place of the sphere and so its slip change by 1e-12 in this time
+            // the rotation of the velocity is exact; the position of the sphere, and with it the slip, changes by 1e-12
+            // in this time
             let found = end.particles.velocity[0].y * MASS / 1e-6;
             close("force", found, -force, 3e-4 * force); // SAFFMAN has five digits: 4.1126 π/8 = 1.61501
         }
     }
 }
 
-/// Forces [N] of a sphere that spins at 200 rad/s about x, evaluated from the drag-like form of the force.
+/// Forces [N] on a sphere that spins at 200 rad/s about x, from the drag-like form of the force.
 #[test]
 fn a_spinning_sphere_turns_to_the_side() {
     for (slip, force) in [(0.3, 2.5285055516971527e-8), (1.0, 1.4507770255692546e-7)] {
         for model in MODELS {
             let experiment = scene(model, &["fluid.lift.shear=false", "fluid.profile={ uniform = { velocity = 0 } }"]);
             let end = after(&experiment, [0.0, 0.0, slip], [200.0, 0.0, 0.0], (1, 1e-6));
-            // spin × velocity = x × z = -y; the spin falls by 1e-6 of its value within half a kick
+            // spin × velocity = x × z = -y; within half a kick, the spin falls by 1e-6 of its value
             let found = end.particles.velocity[0].y * MASS / 1e-6;
             close("force", found, -force, 1e-5 * force);
             close("speed", end.particles.velocity[0].norm(), slip, 1e-15);
@@ -98,8 +99,8 @@ fn a_spinning_sphere_turns_to_the_side() {
     }
 }
 
-/// A spin of 2000 rad/s (Re_r = 133) decays to that of the gas; both pieces of the torque are passed. The values were
-/// integrated with another program. The ledger has what the gas takes.
+/// A spin of 2000 rad/s (Re_r = 133) decays to the spin of the gas, through both ranges of the law of torque. The
+/// expected values were integrated by another program. The ledger contains the energy given to the gas.
 #[test]
 fn the_gas_takes_the_spin() {
     for windows in [1, 400] {
@@ -112,13 +113,13 @@ fn the_gas_takes_the_spin() {
             close("work", end.record.ledger.drag_work, left - start, 1e-10 * start);
         }
     }
-    // in sheared gas a sphere comes to turn with half of the vorticity, here along x, at the rate of creeping flow
+    // in sheared gas, a sphere approaches a spin of half the vorticity, here along x, at the rate of creeping flow
     let end = after(&scene(Model::Soft, &[]), [0.0, 0.0, GAS], [0.0; 3], (100, 0.05));
     let rate = std::f64::consts::PI * 1.2 * 1.5e-5 * 1e-9 / (0.4 * MASS * 0.25e-6);
     close("spin of the gas", end.particles.spin_of(0).x, 50.0 * (1.0 - (-5.0 * rate).exp()), 1e-9);
 }
 
-/// Halved windows bring the way four times nearer to that of very short windows: the splitting is of second order.
+/// With halved windows, the error of the path is a quarter: the splitting is of second order.
 #[test]
 fn lift_is_of_second_order_in_the_window() {
     let experiment = scene(Model::Hard, &["drag.stokes={}"]);
@@ -135,7 +136,7 @@ fn lift_is_of_second_order_in_the_window() {
     }
 }
 
-/// A crowd of spinning beads has equal bits for any number of threads and processes, and its ledger closes.
+/// A dense gas of spinning beads has equal bits for any number of threads and processes, and its ledger closes.
 #[test]
 fn lift_gives_the_same_bits_on_threads_and_processes_and_closes_the_ledger() {
     let experiment = scene(

@@ -1,4 +1,4 @@
-//! Failures of each method: typed failures, the TC model, and the maps compared with theory.
+//! Failures of each method: the kinds of failures, the contact time (TC) model, and the maps compared with theory.
 
 use crate::support::*;
 use diptych::case::Case;
@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Unit spheres on a line, with these gaps before each sphere instead of distances of centres.
+/// Unit spheres on a line with given gaps between surfaces. They move like points in one dimension.
 fn line(restitution: f64, points: &[f64], speeds: &[f64]) -> (Scene, Particles) {
     let scene = empty([64.0; 3], [false; 3], unit(), surface(restitution, 0.0));
     let list: Vec<_> = points
@@ -31,17 +31,18 @@ fn speeds(particles: &Particles) -> Vec<f64> {
     particles.velocity.iter().map(|v| v.x).collect()
 }
 
-/// The hard engine with the TC model.
+/// Hard engine with the TC model and the contact time `time` [s].
 fn in_contact(time: f64) -> Box<dyn Engine> {
     Box::new(Hard::new().with_contact_time(Some(time)))
 }
 
-/// The hard engine with the TC model and one calendar for all particles.
+/// Hard engine with the TC model and one event queue for all particles.
 fn in_contact_together(time: f64) -> Box<dyn Engine> {
     Box::new(Hard::with_one_calendar().with_contact_time(Some(time)))
 }
 
-/// Five columns of four small spheres, each a diameter apart, 1 mm above a floor, under gravity.
+/// Five columns of four small spheres each. The spheres of a column are a diameter apart, 1 mm above a floor, under
+/// gravity.
 fn bed(restitution: f64) -> (Scene, Particles) {
     let d = small().diameter;
     let mut scene = empty([0.01, 0.02, 0.01], [false; 3], small(), surface(restitution, 0.0));
@@ -56,8 +57,8 @@ fn bed(restitution: f64) -> (Scene, Particles) {
 
 #[test]
 fn a_zeno_series_on_a_line_is_typed() {
-    // Three equal spheres collide infinitely often below e = 7 - 4 sqrt 3 = 0.07180 (McNamara and Young 1992). The
-    // instants of the first two rows are sums of the series for three points at 0, 1, 2.5 with velocities 1, 0, -1
+    // Three equal spheres collide infinitely often if e < 7 - 4 sqrt 3 = 0.07180 (McNamara and Young 1992). The
+    // instants of the first two rows are sums of the series, for points at 0, 1, 2.5 with velocities 1, 0, -1
     let threshold = 7.0 - 4.0 * 3.0f64.sqrt();
     for (e, instant) in [(0.05, Some(1.357143)), (0.07, Some(1.382460)), (0.01, None), (0.03, None), (0.0717, None)] {
         assert!(e < threshold);
@@ -65,7 +66,7 @@ fn a_zeno_series_on_a_line_is_typed() {
             let (scene, particles) = line(e, &[0.0, 1.0, 2.5], &[1.0, 0.0, -1.0]);
             let (end, result) = try_run(&scene, particles, hard(), 3.0, windows);
             let Err(Failure::InelasticCollapse { time, particle, x, .. }) = result else { panic!("{e}: {result:?}") };
-            // near the threshold rounding decides the last digits of the series
+            // near the threshold, rounding decides on the last digits of the series
             close("instant", time, instant.unwrap_or(time), 2e-6);
             assert!(particle < 3 && (8.0..13.0).contains(&x));
             assert!(end.record.pairs.count < 300, "{}", end.record.pairs.count);
@@ -79,7 +80,7 @@ fn a_zeno_series_on_a_line_is_typed() {
 
 #[test]
 fn touching_rows_and_crowds_are_no_collapse() {
-    // bodies that do not fly between impacts, or that collide often, are no infinite series
+    // spheres that touch, or that collide often, are no infinite series of collisions
     for (n, e) in [(3, 0.5), (8, 0.94), (20, 0.9), (20, 1.0)] {
         let mut start = vec![0.0; n];
         start[0] = 1.0;
@@ -98,8 +99,8 @@ fn touching_rows_and_crowds_are_no_collapse() {
 
 #[test]
 fn the_contact_time_lets_a_sphere_rest_on_a_floor() {
-    // a sphere dropped 20 mm with e = 0.9: bounces that lose energy, then a speed that remains for ever (closed form:
-    // the flights 2u/g form a geometric series until the first that is shorter than t_c)
+    // a sphere dropped 20 mm with e = 0.9: bounces with losses, then bounces with a constant speed. In the closed form,
+    // the durations 2u/g of flights are a geometric series down to the first flight shorter than t_c
     for (contact_time, lossy, speed) in [(1e-3, 47, 4.428559e-3), (1e-4, 68, 4.845685e-4)] {
         let mut scene = empty([0.1; 3], [false; 3], small(), surface(1.0, 0.0));
         scene.gravity = Vector3::new(0.0, -9.81, 0.0);
@@ -116,7 +117,7 @@ fn the_contact_time_lets_a_sphere_rest_on_a_floor() {
             let through = ledger.gravity_work.abs();
             let residual = ledger.residual(start, end.energy());
             assert!(residual.abs() < 1e-12 * through, "residual {residual} of {through}");
-            // the first bounces lose 1 - e² each, 1 - e^(2n) in all
+            // each of the first n bounces multiplies the energy by e², so that 1 - e^(2n) is lost
             let fallen = small().mass() * 9.81 * 0.02;
             let want = fallen * (1.0 - 0.9f64.powi(2 * lossy));
             close("lost", ledger.wall_restitution_loss, want, 1e-9 * fallen);
@@ -146,17 +147,17 @@ fn the_contact_time_lets_a_bed_rest() {
             );
             assert!(residual.abs() < 1e-11 * ledger.gravity_work, "residual {residual} of {}", ledger.gravity_work);
             assert!(ledger.contact_time_kept > 0.0);
-            // the bed rests: the height of the columns is right within 1 % of a diameter
+            // the bed is at rest: the heights in the columns are right within 1 % of a diameter
             for (k, x) in end.particles.position.iter().enumerate() {
                 close("height", x.y, small().diameter * (0.5 + (k % 4) as f64), 0.01 * small().diameter);
             }
             energies.push(end.energy());
         }
-        // Each sphere carries those above it. In n spheres that collide within t_c of one another, each gets a speed of
-        // n g t_c/2, so the energy of a column is at most m/2 (g t_c/2)² (1 + 4 + 9 + 16).
+        // Each sphere carries the spheres above it. In a group of n spheres with collisions within t_c, each sphere has
+        // a speed of up to n g t_c/2. The energy of a column is therefore at most m/2 (g t_c/2)² (1 + 4 + 9 + 16).
         let held = 5.0 * 30.0 * 0.5 * small().mass() * (0.5 * 9.81 * 1e-5f64).powi(2);
-        // Twenty random vertical speeds: their energy has the relative standard error sqrt(2/20), and a ratio of two
-        // energies sqrt 2 of that.
+        // The energy of twenty random vertical speeds has the relative standard error sqrt(2/20). The ratio of two such
+        // energies has an error larger by sqrt 2.
         let ratio = (energies[0] / energies[1]).ln();
         println!("e = {e}: energies {energies:?}, at most {held:e}");
         assert!(energies.iter().all(|energy| (0.0..held).contains(energy)), "{energies:?} against {held}");
@@ -170,7 +171,7 @@ fn the_contact_time_lets_a_line_go_on() {
         for engine in [in_contact as fn(f64) -> _, in_contact_together] {
             let (scene, particles) = line(e, &[0.0, 1.0, 2.5], &[1.0, 0.0, -1.0]);
             let start = particles.kinetic_energy();
-            // longer than the flights for which rounding becomes important
+            // duration longer than the flights for which rounding becomes important
             let end = run(&scene, particles, engine(1e-3), 3.0, 30);
             let ledger = &end.record.ledger;
             close("books", ledger.residual(start, end.energy()), 0.0, 1e-14 * start);
@@ -183,7 +184,7 @@ fn the_contact_time_lets_a_line_go_on() {
 
 #[test]
 fn stepped_hard_spheres_count_what_they_miss() {
-    // a pair that grazes: apart at the ends of every step, but overlapping by 0.04 for a tenth of one step in between
+    // a grazing pair: no overlap at the ends of steps, but an overlap of 0.04 for a tenth of one step in between
     let scene = empty([64.0; 3], [false; 3], unit(), surface(1.0, 0.0));
     let graze = |offset: f64| {
         let list = [([30.0, 32.0, 32.0], [1.0, 0.0, 0.0]), ([34.0, 32.0 + offset, 32.0], [-1.0, 0.0, 0.0])];
@@ -191,21 +192,22 @@ fn stepped_hard_spheres_count_what_they_miss() {
         let end = run(&scene, placed(&scene, &list), engine, 4.0, 1);
         (end.counters().missed_collisions, end.record.pairs.count, end.record.pairs.summary().mean_maximum_overlap)
     };
-    // u_r = sqrt(8 q²/(3π)) with q² = 1/2: steps of 1.535 s, adjusted to 4/3 s, in which spheres move 8/3 relative to
-    // one another
+    // u_r = sqrt(8 q²/(3π)) with q² = 1/2 gives steps of 1.535 s, adjusted to 4/3 s; in a step the spheres move by 8/3
+    // relative to each other
     assert_eq!(graze(0.96), (1, 0, None), "met between two looks");
     assert_eq!(graze(1.01), (0, 0, None), "no touch at all");
-    // the event-driven engine finds the first of these collisions
+    // event-driven hard spheres find the first of these collisions
     let list = [([30.0, 32.0, 32.0], [1.0, 0.0, 0.0]), ([34.0, 32.96, 32.0], [-1.0, 0.0, 0.0])];
     assert_eq!(run(&scene, placed(&scene, &list), hard(), 4.0, 1).record.pairs.count, 1);
-    // a head-on collision, found at x = -4 + 8/3 n = 1.33 after the touch: too deep to be missed with half the step
+    // a head-on collision, found at x = -4 + 8/3 n = 1.33 after the touch; with half the step, the overlap is too deep
+    // to be missed
     let near = [([30.0, 32.0, 32.0], [1.0, 0.0, 0.0]), ([31.5, 32.0, 32.0], [-1.0, 0.0, 0.0])];
     let end = run(&scene, placed(&scene, &near), stepped(0.25), 1.0, 1);
     assert_eq!((end.counters().missed_collisions, end.record.pairs.count), (0, 1));
     assert!(end.record.pairs.summary().mean_maximum_overlap.unwrap() > 0.0);
 }
 
-/// A sphere on a floor at rest with its static overlap times `depth`, with Verlet's or Heun's method at this ω_0 Δt.
+/// Sphere at rest on a floor with `depth` times its static overlap, with Verlet's or Heun's method at this ω_0 Δt.
 fn resting(e: f64, depth: f64, reduced: f64, integrator: Integrator) -> (Experiment, Particles) {
     let mut scene = empty([0.01; 3], [false; 3], small(), surface(e, 0.0));
     scene.gravity = Vector3::new(0.0, -9.81, 0.0);
@@ -236,8 +238,8 @@ fn a_step_beyond_stability_is_refused() {
 
 #[test]
 fn energy_that_no_scheme_explains_is_typed() {
-    // beyond the limit a resting sphere is thrown up, ever higher without damping; below the limit its oscillation
-    // decays
+    // beyond the limit, a resting sphere is thrown up, without damping higher and higher; below the limit, its
+    // oscillation decays
     for (e, reduced, integrator, grows) in [
         (1.0, 2.1, Integrator::VelocityVerlet, true),
         (1.0, 1.9, Integrator::VelocityVerlet, false),
@@ -253,7 +255,7 @@ fn energy_that_no_scheme_explains_is_typed() {
         match result {
             Err(Failure::EnergyGrew { grown, explained, remedy, .. }) => {
                 assert!(grows && grown > explained);
-                // a recommendation must change something: this step is longer than half of the contact
+                // the recommendation must change something; this step is longer than half of the contact
                 assert!(remedy.contains("steps_per_contact = 20"), "{remedy}");
                 assert_eq!(remedy.contains("velocity_verlet"), integrator == Integrator::Rk2, "{remedy}");
             }
@@ -266,8 +268,7 @@ fn energy_that_no_scheme_explains_is_typed() {
 
 #[test]
 fn what_a_scheme_explains_is_no_failure() {
-    // a gas that Heun's method heats as much as its map predicts, and one of Verlet's method at few steps: both runs
-    // continue
+    // a gas heated by Heun's method as predicted, and a gas of Verlet's method with few steps: both runs continue
     for (integrator, steps) in [(Integrator::Rk2, 7.735), (Integrator::VelocityVerlet, 6.0)] {
         let side = edge(300, 406e-6, 0.1);
         let scene = empty([side; 3], [true; 3], small(), surface(1.0, 0.0));
@@ -295,8 +296,8 @@ fn what_a_scheme_explains_is_no_failure() {
 
 #[test]
 fn what_a_seam_does_is_no_failure() {
-    // a step across a seam between triangles has the force of one of them. With frequent checks single gains are found
-    // before losses outweigh them
+    // a step across a seam between two triangles uses the force of one of them. Frequent checks find gains of energy
+    // before losses balance them
     let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/cases/walls/gas-in-a-ball.toml"));
     let text: Arc<str> = std::fs::read_to_string(path).unwrap().into();
     for model in [Model::Soft, Model::Hybrid] {
@@ -304,7 +305,7 @@ fn what_a_seam_does_is_no_failure() {
             Case::from_text(path, text.clone(), &[]).unwrap().experiment(Some(model), None).unwrap();
         experiment.soft.stepping = SoftStepping::Local;
         let mut most = 0.0_f64;
-        // only in few starts does a sphere cross a seam at such an instant so soon
+        // a sphere crosses a seam during a contact in only a few starts within so short a time
         for seed in 1..=20 {
             experiment.run.seed = seed;
             let particles = initial_state(&experiment).unwrap();
@@ -319,16 +320,16 @@ fn what_a_seam_does_is_no_failure() {
             }
         }
         println!("{model:?}: at most {most:.1e} more than at the start");
-        // larger than the rounding that the ledger allows, or the test would prove nothing; the Runge-Kutta scheme
-        // loses energy on a smooth wall
+        // the gain must exceed the rounding that the ledger allows, otherwise the test proves nothing; the Runge-Kutta
+        // scheme loses energy on a smooth wall
         assert!(most > 1e-9 && most < 1e-5, "{model:?}: {most:e}");
     }
 }
 
 #[test]
 fn a_centre_within_a_thin_body_is_typed() {
-    // a plate a tenth of a diameter thick: for a centre beyond its middle the other surface is nearer, which would push
-    // the sphere out on the far side
+    // a plate with a thickness of a tenth of a diameter: beyond its middle, the other surface is nearer to the centre,
+    // and would push the sphere out on the far side
     let text = |speed: f64| {
         format!(
             r#"[domain]
@@ -348,7 +349,7 @@ duration = "1 s"
 "#
         )
     };
-    // δ_max = u sqrt(m/k); the centre is inside the plate from half a diameter on
+    // δ_max = u sqrt(m/k); the centre is inside the plate if the overlap exceeds half a diameter
     let limit = 0.5 * 406e-6 * (3.0 / small().mass()).sqrt();
     for (speed, through) in [(0.9 * limit, false), (1.1 * limit, true)] {
         let case = Case::from_text(Path::new("thin.toml"), Arc::from(text(speed)), &[]).unwrap();
@@ -360,7 +361,7 @@ duration = "1 s"
     }
 }
 
-/// The square of a speed may overflow although the speed does not. The failure then names the particle.
+/// The square of a speed may overflow although the speed does not. The failure then contains the particle.
 #[test]
 fn a_speed_that_cannot_be_squared_is_that_of_a_particle() {
     let scene = empty([1.0; 3], [true; 3], small(), surface(1.0, 0.0));
@@ -375,7 +376,7 @@ fn a_speed_that_cannot_be_squared_is_that_of_a_particle() {
 
 #[test]
 fn local_stepping_keeps_its_integrator_between_near_periods() {
-    // less than four diameters between the images of a sphere that bounces on an elastic floor
+    // the periodic images of a sphere that bounces on an elastic floor are less than four diameters apart
     let mut scene = empty([1.6e-3, 5e-3, 4e-3], [true, false, true], small(), surface(1.0, 0.0));
     scene.gravity = Vector3::new(0.0, -9.81, 0.0);
     scene.walls = vec![plane([0.0; 3], [0.0, 1.0, 0.0], surface(1.0, 0.0))];
@@ -388,8 +389,8 @@ fn local_stepping_keeps_its_integrator_between_near_periods() {
     let counters = simulation.counters();
     assert!(counters.steps > 0 && counters.uniform_steps == 0, "{counters:?}");
     let gained = simulation.record.ledger.residual(0.0, simulation.energy()).abs();
-    // The classical Runge-Kutta method has an error of x⁵/120 of the solution of x'' = -x in each of N_c = π/x steps,
-    // in both coordinates
+    // In each of the N_c = π/x steps, the classical Runge-Kutta method has an error of x⁵/120 of the solution of x'' =
+    // -x, in both coordinates
     let x = std::f64::consts::PI / 14.0; // N_c at the wall is 20 √2, since that of a pair never occurs; half of it for safety
     let bound = 2.0 * std::f64::consts::PI * x.powi(4) / 120.0 * energy * simulation.record.walls.count as f64;
     assert!(gained < bound, "{gained} against {bound}");
@@ -397,7 +398,7 @@ fn local_stepping_keeps_its_integrator_between_near_periods() {
 
 #[test]
 fn a_crowd_that_local_stepping_leaves_to_uniform_steps_is_no_failure() {
-    // so soft that most spheres are in contact at any time
+    // spheres so soft that most of them are in contact at any time
     let scene = empty([edge(300, 406e-6, 0.5); 3], [true; 3], small(), surface(1.0, 0.0));
     let mut experiment = experiment(scene, 300, [0.0; 3], 0.5, Model::Soft, 3);
     experiment.run.spheres = Spheres::Soft(ContactLaw::linear(100.0));

@@ -1,4 +1,4 @@
-//! Invented results that no engine has computed, for tests of documents.
+//! Invented results, which no engine has computed, for tests of documents.
 
 use diptych::domain::Domain;
 use diptych::engine::{Counters, Failure, Partner};
@@ -48,7 +48,7 @@ fn experiment(name: &str, model: Model) -> Experiment {
     Experiment { name: name.into(), run, statistics, ..base }
 }
 
-/// A result like that of a channel, with noise of the size of its errors.
+/// Invented outcome of a channel, with noise as large as its standard errors.
 pub fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let slices = 40;
@@ -60,7 +60,7 @@ pub fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
             Some(Estimate::new(value + error * z, error))
         };
         let mut estimates = [None; SLICE_QUANTITIES];
-        // density, U, V, W, uu, vv, ww, uv, uw, vw, and third moments
+        // number density, U, V, W, uu, vv, ww, uv, uw, vw, and third moments
         estimates[..10].copy_from_slice(&[
             noisy(0.9 + 0.35 * s * s, 0.012),
             noisy(12.0 - 1.6 * s, 0.05),
@@ -115,6 +115,7 @@ pub fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
         ..Ledger::default()
     };
     Outcome {
+        gas: None,
         stress: Stress::default(),
         pairs: record.pairs.clone(),
         walls: record.walls.clone(),
@@ -173,7 +174,7 @@ pub fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
     }
 }
 
-/// Three variants. The last has failed and still has results; its name needs escaping.
+/// Three variants. The last variant has failed and still has results; its name needs escaping.
 pub fn outcomes() -> Vec<Outcome> {
     let mut failed = outcome("soft, k < 300 N/m & \"$x$\"", Model::Soft, 3);
     failed.failure = Some(Failure::OverlapTooLarge {
@@ -201,7 +202,8 @@ pub fn provenance() -> Provenance {
     }
 }
 
-/// Comparison of "soft, k = 3000 N/m" with "hard": U differs by 0.3 m/s, the impact rate by no significant amount.
+/// Comparison of "soft, k = 3000 N/m" with "hard". U differs by 0.3 m/s, and the impact rate does not differ
+/// significantly.
 pub fn comparisons() -> Vec<Verdict> {
     let series = |value: f64| {
         let samples: Vec<f64> = (0..200).map(|k| value * (1.0 + 0.01 * f64::from(k * k % 17 - 8) / 8.0)).collect();

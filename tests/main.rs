@@ -1,5 +1,5 @@
-//! The integration tests: one program, one module per topic. "Oracle A" to "oracle H" name the sections of a catalogue
-//! of reference values that were computed independently of this library.
+//! Integration tests: one program with one module per topic. "Oracle A" to "oracle H" are sections of a catalogue of
+//! reference values that were computed independently of this library.
 
 #![allow(clippy::type_complexity, reason = "tables of an oracle's columns are read once, where they stand")]
 
@@ -7,87 +7,90 @@ mod made_up;
 mod support;
 
 mod added_mass; // inertia of the gas that spheres accelerate
-mod analytic; // closed forms: two bodies, walls, oblique impacts (oracle A, B)
-mod batches; // averages from blocks of time, and answers where they are known
-mod bodies; // walls that are not planes along an axis
+mod analytic; // closed-form solutions: two bodies, walls, oblique impacts (oracle A, B)
+mod batches; // averages over blocks of time, and comparisons with a known answer
+mod bodies; // walls other than planes along an axis
 mod bouncing; // spheres dropped on a floor, and squeezed between walls (oracle C)
-mod buoyancy; // buoyancy: falls of MFIX and in water, mixtures of densities, ledger, threads and processes
-mod calendar; // one event calendar for all particles: windows, ties, long runs, streams, threads
+mod buoyancy; // buoyancy: falling spheres of MFIX and in water, mixtures of densities, ledger, threads and processes
+mod calendar; // one event queue for all particles: windows, ties, long runs, streams, threads
 mod cases; // every case of the project, a few windows with each engine
-mod chart; // work against precision: one impact, orders, fronts, failures on the frame, floors
-mod cli; // the binary: exit codes, messages, files, silence
+mod chart; // work-precision chart: one impact, orders, Pareto fronts, failures, floors
+mod cli; // the program: exit codes, messages, files, output with --quiet
+mod coupling; // a gas that feels the particles: alone, uniform force, momentum, pressure drop, bits, messages
 mod crowd; // dense crowds: contact time, impacts during a change of stepping, a mixture in a gas
 mod dense; // dense soft scenes: against all pairs, and the same bits on any number of threads
-mod diameters; // kinds of particles whose diameters are spread: moments, laws of conservation, drag, messages
-mod discharge; // beads that run out of a vessel, compared with Beverloo's law
+mod diameters; // species with a distribution of diameters: moments, laws of conservation, drag, messages
+mod discharge; // beads that flow out of a vessel, compared with Beverloo's law
 mod dissipation; // restitution below one: cooling, collapse, coming to rest, cradles, the ledger (oracle E)
 mod docs; // imports between modules; documents name existing things; public numbers have units
-mod domains; // one run cut into domains; nothing depends on the order of the store
+mod domains; // one run divided into domains; no result depends on the order of the store
 mod drag; // drag laws against independent integrations; order of the splitting
-mod dsmc; // collisions by chance: rates, cooling, walls, what is conserved, bits, messages
+mod dsmc; // collisions by chance: rates, cooling, walls, conserved quantities, bits, messages
 mod endless; // surfaces of triangles through periodic sides
 mod everyday; // long names, folders in use or emptied, damaged files, large scenes, bad cases read by programs
 mod examples; // the programs of examples/ run
-mod files; // files of other programs: each oddity and each two of them
-mod first_answer; // README, picture, pages and stored runs say one thing
-mod fluid; // the folder of results: which command owns it, and which files are replaced in it
-mod folder; // the folder of results: whose it is, and what is replaced in it
+mod files; // files of other programs: each oddity, and each pair of oddities
+mod first_answer; // README, picture, pages and stored runs agree
+mod fluid; // gas profiles against independent solvers, tables, pipes
+mod folder; // the folder of results: which command owns it, and which files are replaced in it
 mod fuzz; // damaged and made-up inputs to every reader
 mod gas; // equilibrium: equation of state, collision rates, walls, overlaps, conservation, same bits (oracle D)
 mod groups; // variants that are compared or share a panel, and impacts that are counted
 mod hand; // commands without any file: built-in cases, a first case, completions, manual pages
-mod held; // spheres that walls hold from several sides, and by friction; passages that are caught
+mod held; // spheres at rest between several walls, and by friction; spheres that pass through walls
 mod hertz; // Hertzian contacts: single impacts, a gas, the case and its messages
 mod hybrid; // instantaneous collisions and lasting contacts: agreement with both engines, beds, cradle, ledgers, threads
-mod inputs; // case files, good and bad: what is refused, where, and with which words
+mod inputs; // case files, good and bad: refusals with their place and message
 mod instants; // windows end at the requested instants
-mod invariants; // results that must not depend on the view, and rules that hold in any scene
+mod invariants; // results in other frames of reference, and rules for all scenes
 mod islands; // islands against the classical algorithms
 mod judge; // files of any program: series, output of LAMMPS, tables with errors, messages
 mod keys; // the list of keys: complete, ranges as messages name them, the page up to date, numbers without units
-mod kick; // the tabulated drag kick against the law it is made of
+mod kick; // the tabulated drag kick against its drag law
 #[cfg(feature = "lab")]
 mod lab; // the lab: token, other hosts, limits, protocol, every scene in both panels, commands that reproduce, threads
 mod lift; // forces across the slip and torque of the gas
-mod limits; // failures that are typed, the TC model, and maps of where each method fails against theory
-mod maps; // where each method fails: the maps of `limits` against theory
+mod limits; // kinds of failures, the TC model, and maps of failures against theory
+mod maps; // the maps of `limits`, which show where each method fails, against theory
 mod meshes; // walls of triangles: seams, corners, vessels, damaged meshes
 mod mixtures; // pairs of kinds, spheres of very different sizes
+mod needs; // models that a scene needs, against closed forms
 mod numbers; // every number of the paper, and every claim with its words, in docs/paper.md
-mod observers; // what is measured while a simulation runs, and when
+mod observers; // measurements while a simulation runs, and their times
 mod order; // sums over particles: identical bits in any order of the store
 mod output;
 mod over_time; // series and paths: against theories, in tables and pictures
 mod own_law; // contact laws of the calling program
 mod paper; // Table 1 of the paper and its audit, recomputed (oracle H)
-mod parts; // starts and runs of which each process has a part from the beginning
-mod pieces; // trajectories of a run over threads in place of processes, each of which writes its part
-mod plan; // predictions against short runs, recommendations, the plan command
+mod parts; // starts and runs in which each process has a part from the beginning
+mod pieces; // trajectories in pieces, written by threads in place of processes
+mod plan; // predictions against short runs, recommendations, the command `plan`
 mod player; // recordings of particles: same bits, bounded, complete in the page
 mod restitution; // restitution by speed: every model, every soft law, gases, bits, messages
-mod resume; // runs that are killed or stopped go on with the same bits; damaged checkpoints; full disks
+mod resume; // killed or stopped runs continue with the same bits; damaged checkpoints; full disks
 mod rotation;
-mod schedule; // the windows that are chosen, against shorter ones
+mod schedule; // windows of the schedule against shorter windows
 mod schema; // the schema for editors: values that it refuses or accepts
-mod seams; // drag laws and wall shapes of the calling program, given by the required methods alone
-mod sensitivity; // factors with a large effect or none, that a scene does not have, or that are refused
+mod seams; // drag laws and wall shapes of the calling program, with the required methods alone
+mod sensitivity; // factors with a large effect, without effect, missing in a scene, or refused
 mod shapes; // walls of all kinds: closed forms, corners, the pressure of a gas on them (oracle D2)
+mod shear; // sheared boxes: across a side, translation, work of shear, engines, bits, kinetic theory
 mod size_and_power; // how often the verdict is wrong, on scenes of every kind and on known differences
 mod sizes; // the time for large inputs is proportional to their size
 mod snapshots; // state between windows, stored and restored with identical bits
-mod soak; // random crowds through every way of stepping: energy and momentum
-mod starts; // starts of a case and lengths of its run: saved states, tables, lengths
-mod stress; // stress, contacts per particle, filling, and the densest starts
+mod soak; // random dense gases in every way of stepping: energy and momentum
+mod starts; // starts of a case from saved states and tables
+mod stress; // stress, contacts per particle, volume fraction, and the densest starts
 mod suspensions; // drag in suspensions: published values, packed beds, hindered settling, local fractions, bits
-mod sweep; // sweeps: killed and gone on with, grids and replicas, what is refused, points that stop
+mod sweep; // sweeps: killed and continued, grids and replicas, refusals, points that stop
 mod terminal; // messages may be lost, results may not
 mod trajectory; // frames for other programs: bits, surfaces, failures
 mod trust; // the trust sheet of a run, and the halved step
-mod turbulence; // turbulence seen by particles: well mixed, Tchen, Hinze and Csanady, frozen limit, ledger, bits, messages
+mod turbulence; // turbulence along the paths of particles: well mixed, Tchen, Hinze and Csanady, frozen limit, ledger, bits, messages
 mod tutorial; // the commands of docs/tutorial.md, and its decision
-mod untrusted; // texts, files and links of others: legible, within their folder, within the memory
+mod untrusted; // texts, files and links of others: legible, within their folder, within memory limits
 mod validate; // the validation suite: rows, tables, changed references, unknown names
-mod verdict; // equivalent, different or unresolved: how often wrongly, and on which scenes
-mod verdict_scenes; // verdicts on scenes that are frozen, relax, stop, or are sampled at other times
+mod verdict; // equivalent, different or unresolved: rates of wrong answers, and answers for scenes
+mod verdict_scenes; // verdicts on scenes at rest, relaxing, stopped, or sampled at different times
 mod vessels; // vessels smaller than the box: random starts, regions, slabs, and the cost of islands in them
-mod words; // sentences of reports and summaries: true of the runs
+mod words; // sentences of reports and summaries must be true of the runs

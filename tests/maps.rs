@@ -14,10 +14,11 @@ fn run(name: &str) -> Map {
     map(name, &QUICK).expect("a map of that name").expect("scenes that can be made")
 }
 
-/// Map with a given name. It is run once, by the first test that needs it, and kept for the others.
+/// Map with a given name. The first test that needs a map runs it; later tests use the same result.
 fn of(name: &'static str) -> &'static Map {
     static KEPT: Mutex<Option<HashMap<&str, &'static OnceLock<Map>>>> = Mutex::new(None);
-    // the lock of the table is held only to look up the place of the map, so that different maps run at the same time
+    // the lock of the table is held only while the place of the map is found, so that different maps run at the same
+    // time
     let place = {
         let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
         *kept.get_or_insert_default().entry(name).or_insert_with(|| Box::leak(Box::default()))
@@ -30,7 +31,7 @@ fn column(map: &Map, name: &str) -> usize {
     map.columns.iter().position(|column| *column == name).expect("a column of that name")
 }
 
-/// Known numbers of a row, by the index of the column.
+/// Number in a column of a row; the number must be known.
 trait At {
     fn at(&self, column: usize) -> f64;
 }
@@ -51,7 +52,7 @@ fn damping(e: f64) -> f64 {
     -e.ln() / (std::f64::consts::PI.powi(2) + e.ln().powi(2)).sqrt()
 }
 
-/// The x at which |1 + λx + (λx)²/2| passes 1 for λ = -ζ + i sqrt(1-ζ²), the stability limit of Heun's method; 0
+/// Stability limit of Heun's method: x at which |1 + λx + (λx)²/2| exceeds 1 for λ = -ζ + i sqrt(1-ζ²). The limit is 0
 /// without damping.
 fn limit_of_heun(e: f64) -> f64 {
     let (a, b) = (-damping(e), (1.0 - damping(e).powi(2)).sqrt());
@@ -65,13 +66,13 @@ fn limit_of_heun(e: f64) -> f64 {
 #[test]
 fn stability_ends_where_the_amplification_factors_say() {
     let verlet = |e: f64| 2.0 * ((1.0 + damping(e).powi(2)).sqrt() - damping(e));
-    // amplification factors computed independently to three digits
+    // limits from the amplification factors, computed independently to three digits
     for (e, of_verlet, of_heun) in [(1.0, 2.0, 0.0), (0.94, 1.961, 0.566), (0.5, 1.615, 1.437), (0.1, 1.141, 2.104)] {
         assert!((verlet(e) - of_verlet).abs() < 1e-3 && (limit_of_heun(e) - of_heun).abs() < 2e-3, "e = {e}");
     }
     for (name, limit) in [("stability-verlet", verlet as fn(f64) -> f64), ("stability-heun", limit_of_heun)] {
         let map = of(name);
-        // tolerance: one cell of the quick grid
+        // the tolerance is one cell of the quick grid
         let cell = map.rows[1].at(0) - map.rows[0].at(0);
         assert!((cell - 0.2).abs() < 1e-12);
         for row in &map.rows {
@@ -85,7 +86,8 @@ fn stability_ends_where_the_amplification_factors_say() {
 
 #[test]
 fn restitution_is_that_of_the_linear_map() {
-    // mean, least, largest over 200 phases, computed independently; within 0.002 (N_c >= 10) and 0.01
+    // mean, smallest and largest over 200 phases, computed independently; the tolerance is 0.002 for N_c >= 10, else
+    // 0.01
     for (name, e, steps, mean, tolerance) in [
         ("restitution-heun", 1.0, 7.735, 1.0229, 0.002),
         ("restitution-heun", 1.0, 10.0, 1.01089, 0.002),
@@ -109,7 +111,7 @@ fn an_elastic_gas_heats_by_as_much_as_the_linear_map_says() {
     println!("{:?}", at.values);
     assert!((at.at(1) / 0.015 - 1.0).abs() < 0.1, "+1.5 % of T per collision suffered: {:?}", at.values);
     for row in &map.rows {
-        // three standard errors of three seeds, and oblique impacts, in which the gain is 1 % lower
+        // three standard errors over three seeds, plus an allowance for oblique impacts, in which the gain is 1 % lower
         let tolerance = 3.0 * row.at(2) + 0.03 * row.at(3);
         assert!((row.at(1) - row.at(3)).abs() < tolerance, "{:?}", row.values);
     }
@@ -121,10 +123,10 @@ fn overlaps_are_those_of_the_closed_form() {
     for row in &map.rows {
         let (overlap, predicted) = (row.at(2), row.at(3));
         assert_eq!(row.failure.is_some(), predicted > 0.5, "{row:?}");
-        // at 20 steps the deepest step is off the maximum by up to (π/40)²/2
+        // at 20 steps, the overlap at the ends of steps is smaller than the maximum by up to (π/40)²/2
         assert!(row.failure.is_some() || (overlap / predicted - 1.0).abs() < 0.01, "{row:?}");
     }
-    // a sphere passes the plate undetected only if one step moves its centre from outside to beyond the middle
+    // a sphere passes the plate undetected only if its centre moves in one step from outside to beyond the middle
     let map = of("tunnelling-plate");
     for row in &map.rows {
         let per_step = row.at(0) * std::f64::consts::PI / row.at(1);
@@ -138,8 +140,8 @@ fn overlaps_are_those_of_the_closed_form() {
 fn soft_spheres_touch_less_often_as_they_crowd_less() {
     let map = of("softness");
     for row in &map.rows {
-        // three standard errors; if contacts fill a tenth of the time, some particles collide with others in the
-        // meantime
+        // three standard errors, plus an allowance for collisions with other particles while contacts last a tenth of
+        // the time
         let tolerance = 3.0 * row.at(2) + 0.005;
         assert!((row.at(1) - row.at(3)).abs() < tolerance, "{:?}", row.values);
     }
@@ -152,7 +154,8 @@ fn soft_spheres_touch_less_often_as_they_crowd_less() {
 fn soft_spheres_even_out_more_slowly_as_their_collision_integral_says() {
     let map = of("anisotropy");
     for row in &map.rows {
-        // three standard errors, and the neighbours of a lasting contact, a share φ of the particles
+        // three standard errors, plus an allowance for the neighbours of a lasting contact, a fraction φ of the
+        // particles
         assert!((row.at(2) - row.at(4)).abs() < 3.0 * row.at(3) + 0.01, "{row:?}");
     }
     let softest = &map.rows[map.rows.len() - 1];
@@ -161,7 +164,7 @@ fn soft_spheres_even_out_more_slowly_as_their_collision_integral_says() {
 
 #[test]
 fn lines_collapse_below_the_thresholds() {
-    // 7 - 4 sqrt 3 for three on a line, 3 - 2 sqrt 2 for two at a wall
+    // thresholds: 7 - 4 sqrt 3 for three spheres on a line, 3 - 2 sqrt 2 for two spheres at a wall
     for (name, count, threshold) in [("collapse-line", 3.0, 0.0717967697), ("collapse-wall", 2.0, 0.1715729)] {
         let map = of(name);
         let of_count: Vec<&MapPoint> = map.rows.iter().filter(|row| row.at(0) == count).collect();
@@ -172,7 +175,7 @@ fn lines_collapse_below_the_thresholds() {
             assert!(share == 1.0 || e > threshold - cell, "{name}: e = {e}, {share}");
             assert!(share == 0.0 || e < threshold + cell, "{name}: e = {e}, {share}");
         }
-        // more spheres collapse at least as easily, and every collapse is a typed failure
+        // more spheres collapse at least as easily, and every collapse is reported as a failure
         for row in &map.rows {
             assert!(row.at(2) == 0.0 || row.failure.is_some());
             assert!(row.at(2) == 0.0 || row.at(1) < row.at(3) + 0.05, "{row:?}");
@@ -203,7 +206,7 @@ fn stepped_spheres_miss_more_the_longer_the_step() {
     assert!(missed[0] < 0.05 && missed[missed.len() - 1] > 0.1, "{missed:?}");
     let map = of("stepped-overlap");
     for row in &map.rows {
-        // the estimate is for head-on impacts at the full rate: an upper limit, which is approached for short steps
+        // the estimate for head-on impacts at the full rate is an upper limit; it is approached for short steps
         assert!(row.at(1) < row.at(4), "{row:?}");
     }
     let first = &map.rows[0];
@@ -212,7 +215,7 @@ fn stepped_spheres_miss_more_the_longer_the_step() {
 
 #[test]
 fn cradles_differ_as_they_should() {
-    // exact solutions of the springs; hard: ((1+e)/2)^(n-1)
+    // exact solutions for springs; for hard spheres ((1+e)/2)^(n-1)
     let map = of("cradle");
     for (n, e, soft) in
         [(3.0, 1.0, 0.98003213), (3.0, 0.94, 0.93606343), (5.0, 1.0, 0.94240173), (5.0, 0.94, 0.8805742)]
@@ -286,8 +289,7 @@ fn the_command_writes_a_table_and_a_picture_per_map() {
     assert!(read("maps/cradle.csv").starts_with("spheres,restitution,last_soft_m_s,"));
     let summary: serde_json::Value = serde_json::from_str(&read("summary.json")).unwrap();
     assert_eq!(summary["maps"].as_array().unwrap().len(), 2);
-    // a folder with results is not overwritten without a request; then no old result remains, but the user's own files
-    // do
+    // a folder with results is overwritten only on request; then only the user's own files remain of the old ones
     let own = folder.join("maps/my-own.csv");
     std::fs::write(&own, "steps,outcome of my own\n1,2\n").unwrap();
     assert_eq!(go(&["--quick", "--quiet", "--only", "cradle"]).status.code(), Some(2));
@@ -322,21 +324,22 @@ fn every_map_has_a_case_that_runs() {
     assert_eq!(of("cradle").case, std::fs::read_to_string(folder.join("cradle.toml")).unwrap());
 }
 
-/// With Hertz's law too, runs of an engine have the restitution of the method alone, at every number of steps.
+/// Runs of an engine with Hertz's law also have the restitution of the integration method alone, for any number of
+/// steps.
 #[test]
 fn hertzian_restitution_is_that_of_the_method() {
     let map = of("restitution-hertz");
     let (mean, predicted) = (column(map, "mean"), column(map, "predicted"));
     for row in &map.rows {
-        // 20 phases in the runs and 200 in the prediction: a quarter of the spread over phases
+        // the runs have 20 phases, the prediction 200: the tolerance is a quarter of the spread over phases
         let spread = row.at(column(map, "largest")) - row.at(column(map, "least"));
         let apart = (row.at(mean) - row.at(predicted)).abs();
         assert!(apart < 0.25 * spread + 1e-6, "{:?}", row.values);
     }
 }
 
-/// Largest error over all slips in per cent of the largest friction impulse, computed independently: 40,000 steps of
-/// the linear oscillator, e = 0.9.
+/// Largest error over all slips, in per cent of the largest friction impulse, at e = 0.9. The values were computed
+/// independently with 40,000 steps of the linear oscillator.
 #[test]
 fn walton_is_a_spring_with_equal_half_periods_and_none_without_dashpot() {
     let reference = [
@@ -352,7 +355,8 @@ fn walton_is_a_spring_with_equal_half_periods_and_none_without_dashpot() {
             let (worst, found) = errors().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
             println!("{name}: beta_0 {restitution}: {found:.4} % at {worst}, {wanted} %");
             assert!((found - wanted).abs() < 0.003, "{name}, {restitution}: {found} {wanted}");
-            // the worst slip is that at which the rule turns from sticking to sliding, unless rule and spring agree at all
+            // the slip with the largest error is that at which Walton's rule changes from sticking to sliding, unless
+            // rule and spring agree
             assert!(wanted < 0.2 || worst == 1.0, "{name}, {restitution}: {worst}");
         }
     }

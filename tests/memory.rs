@@ -1,5 +1,5 @@
-//! Memory of dense scenes: the largest number of bytes in use at once. It is a separate program, because its allocator
-//! counts the memory of all threads.
+//! Memory of dense scenes: the largest number of bytes in use at one time. This is a program of its own, because its
+//! allocator counts the memory of all threads.
 
 #[allow(dead_code)]
 mod support;
@@ -15,8 +15,8 @@ use support::*;
 #[global_allocator]
 static HEAP: PeakAlloc = PeakAlloc;
 
-/// Largest number of bytes in use, from a random start of `count` unit spheres at a volume fraction of 0.5 on. The run
-/// has four windows, in which each sphere collides about twenty times.
+/// Largest number of bytes in use in a run, including its random start of `count` unit spheres at a volume fraction of
+/// 0.5. The run has four windows, in which each sphere has about twenty collisions.
 fn most_in_use(count: usize, restitution: f64, engine: Box<dyn Engine>) -> usize {
     let before = HEAP.current_usage();
     HEAP.reset_peak_usage();
@@ -29,7 +29,7 @@ fn most_in_use(count: usize, restitution: f64, engine: Box<dyn Engine>) -> usize
     HEAP.peak_usage() - before
 }
 
-/// Bytes in use per particle: the difference between many and few particles, so that a constant amount does not count.
+/// Bytes in use per particle: from the difference between many and few particles, so that constant amounts cancel.
 fn per_particle(restitution: f64, engine: fn() -> Box<dyn Engine>) -> f64 {
     let [few, many] = [4_000, 40_000];
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
@@ -49,7 +49,7 @@ fn calendar() -> Box<dyn Engine> {
 
 #[test]
 fn a_particle_of_a_dense_scene_takes_few_bytes() {
-    // one test only, since the allocator counts for the whole program
+    // the program has a single test, because the allocator counts for the whole program
     let soft = per_particle(0.9, springs);
     let hard = per_particle(1.0, calendar);
     println!("bytes per particle: soft {soft:.0}, hard {hard:.0}");

@@ -1,4 +1,4 @@
-//! Walls of triangles: seams without effect, corners that are not missed, closed vessels that particles do not leave.
+//! Walls of triangles: seams have no effect, corners are detected, and particles do not leave closed vessels.
 
 mod gas;
 pub mod heaps;
@@ -31,13 +31,13 @@ fn random_vector(random: &mut Xoshiro256PlusPlus, half: f64) -> Vector3<f64> {
 
 #[test]
 fn a_plane_of_triangles_is_a_plane_to_every_engine() {
-    // a ball thrown along the floor, which touches it inside a triangle, on an edge and at a corner: the triangles must
-    // have no effect
+    // a ball thrown along the floor touches it inside a triangle, on an edge and at a corner; the floor must act as a
+    // plane
     let (size, e, mu, k) = (18.0, 0.8, 0.05, 1e4_f64);
     let dt = PI / k.sqrt() / 40.0;
     type Make<'a> = Box<dyn Fn() -> Box<dyn Engine> + 'a>;
-    // Local stepping has one coordinate for a plane and three for a mesh. Instants agree to the 1e-11 of a diameter to
-    // which they are searched, and these errors add up over at most ten bounces
+    // Local stepping has one coordinate for a plane and three for a mesh. Instants are found to 1e-11 of a diameter,
+    // and these errors add up over at most ten bounces
     let engines: [(&str, Make, f64); 6] = [
         ("hard", Box::new(hard), 1e-12),
         ("stepped", Box::new(|| stepped(0.02)), 1e-12),
@@ -47,12 +47,12 @@ fn a_plane_of_triangles_is_a_plane_to_every_engine() {
         ("local rk2", Box::new(|| local(k, dt, Rk2)), 1e-9),
     ];
     for (name, engine, tolerance) in engines {
-        // over the middle of triangles, along a row of edges, and from corner to corner
+        // paths over the middle of triangles, along a row of edges, and from corner to corner
         for (x, z, along) in [(2.13, 2.71, [1.0, 0.3]), (2.0, 2.0, [1.0, 0.0]), (2.0, 2.0, [1.0, 1.0])] {
             let end = |wall: Wall| {
                 let mut scene = empty([size; 3], [false; 3], unit(), surface(1.0, 0.0));
                 scene.gravity = Vector3::new(0.0, -1.0, 0.0);
-                // with a body, here out of reach, no engine uses velocities relative to the mean along planes
+                // with a body, even out of reach, no engine uses velocities relative to the mean velocity along planes
                 let body = WallGeometry::Obstacle(Obstacle::sphere(Vector3::repeat(17.0), 0.5));
                 scene.walls = vec![wall, Wall::new(body, surface(1.0, 0.0))];
                 let start = placed(&scene, &[([x, 1.2, z], [along[0], -0.3, along[1]])]);
@@ -74,8 +74,8 @@ fn a_plane_of_triangles_is_a_plane_to_every_engine() {
 
 #[test]
 fn a_ball_that_rolls_over_seams_feels_nothing() {
-    // The sphere overlaps the floor as its weight requires, and slides without friction over 100 seams: one contact all
-    // the time, and no force but the weight.
+    // The overlap of the sphere with the floor balances its weight, and the sphere slides without friction over 100
+    // seams. There must be one contact all the time, and no other force than the weight.
     let (size, k) = (18.0, 1e3);
     let mut scene = empty([size; 3], [false; 3], unit(), surface(1.0, 0.0));
     scene.gravity = Vector3::new(0.0, -1.0, 0.0);
@@ -88,7 +88,7 @@ fn a_ball_that_rolls_over_seams_feels_nothing() {
             let (x, v) = (end.particles.position[0], end.particles.velocity[0]);
             let off = (x - Vector3::new(14.13, height, 14.0)).norm() + (v - Vector3::new(2.0, 0.0, 2.0)).norm();
             println!("{name}: {off:.1e}");
-            // rounding of 6000 steps, which no damping reduces
+            // rounding errors of 6000 steps, without damping
             assert!(off < 1e-9, "{name}: {off:e}");
             assert_eq!(end.record.walls.count, 0, "{name}");
         }
@@ -115,7 +115,7 @@ fn overlaps_on_a_tilted_plane_of_triangles_are_those_of_the_plane() {
 
 #[test]
 fn a_block_of_triangles_is_hit_when_a_block_is() {
-    // faces, edges and corners, in straight flight and in falls, against the closed form of the solid
+    // impacts on faces, edges and corners, in straight flight and in falls, against the closed form of the solid block
     let (center, half, radius) = (Vector3::new(0.3, -0.2, 0.1), Vector3::new(1.0, 0.7, 1.2), 0.25);
     let body = Obstacle::cuboid(center, half);
     let mut random = Xoshiro256PlusPlus::seed_from_u64(11);
@@ -194,9 +194,9 @@ fn both_sides_of_a_thin_plate_are_one_contact() {
     let above = plate.contact(0, &Vector3::new(0.1, 0.45, 0.2), 0.5);
     assert!((above.distance - 0.4).abs() < 1e-15 && above.normal == Vector3::y());
     assert!(plate.contact(1, &Vector3::new(0.1, 0.45, 0.2), 0.5).distance > 0.5);
-    // within the plate the centre is behind its surface: an overlap of more than a radius
+    // within the plate, the centre is behind the surface: the overlap exceeds a radius
     assert!(plate.contact(0, &Vector3::new(0.1, 0.04, 0.2), 0.5).distance < 0.0);
-    // a sphere below the plate that flies up meets the lower side; one that flies away meets nothing
+    // a sphere below the plate meets the lower side if it flies up, and nothing if it flies down
     let flight = |y: f64, v: f64| Flight {
         position: Vector3::new(0.1, y, 0.2),
         velocity: Vector3::new(0.0, v, 0.0),
@@ -207,8 +207,8 @@ fn both_sides_of_a_thin_plate_are_one_contact() {
     assert_eq!(plate.touch_time(&flight(-0.55 + 1e-17, -1.0), 0.5, 9.0), None);
 }
 
-/// A body of triangles has periodic images, as the equal block does: in the middle of the box, in a side and in an edge
-/// of it.
+/// A body of triangles has the same periodic images as the solid block: in the middle of the box, in a side and in an
+/// edge.
 #[test]
 fn a_body_of_triangles_stands_again_across_periodic_sides() {
     let (size, half, k) = (6.0, Vector3::new(1.0, 1.5, 2.2), 1e4);
@@ -238,8 +238,8 @@ fn a_body_of_triangles_stands_again_across_periodic_sides() {
     }
 }
 
-/// For most positions bounds show that they are far from a surface, on its free side, without computing distances to
-/// triangles. This must be right.
+/// For most positions, bounds show that a sphere is far from a surface, on its free side. No distances to triangles are
+/// then computed. The test checks that this is right.
 #[test]
 fn what_is_clear_of_triangles_is_so() {
     let centre = Vector3::repeat(8.0);
@@ -266,8 +266,8 @@ fn what_is_clear_of_triangles_is_so() {
 
 #[test]
 fn fast_spheres_do_not_get_out_through_corners_and_edges() {
-    // Hard: no sphere leaves the vessel, at any speed. Soft: none leaves without a message; a sphere too fast for its
-    // stiffness is a typed failure.
+    // No hard sphere leaves the vessel, at any speed. No soft sphere leaves it without a message: a sphere too fast for
+    // its stiffness is a failure.
     let vessel = mesh(&block(Vector3::repeat(4.0), Vector3::repeat(3.0), 6), Some(Sides::Inside));
     let mut scene = empty([8.0; 3], [false; 3], unit(), surface(1.0, 0.0));
     scene.walls = vec![wall(vessel.clone(), 1.0, 0.0)];
@@ -276,7 +276,7 @@ fn fast_spheres_do_not_get_out_through_corners_and_edges() {
     let mut ends: BTreeMap<(&str, &str), u32> = BTreeMap::new();
     for (number, corner) in (0..8).cycle().take(80).enumerate() {
         let towards = Vector3::from_fn(|axis, _| if corner >> axis & 1 == 1 { 1.0 } else { -1.0 });
-        // towards corners, edges, and points near them
+        // directions to corners, to edges, and to points near them
         let mut aim = towards * 2.5 + Vector3::new(0.1, -0.05, 0.03) * (number / 8) as f64 * 0.3;
         if number % 3 == 0 {
             aim.x = 0.2;
@@ -310,7 +310,7 @@ fn fast_spheres_do_not_get_out_through_corners_and_edges() {
 fn what_is_wrong_with_triangles_is_counted_and_put_right_or_refused() {
     let cube = block(Vector3::zeros(), Vector3::repeat(1.0), 2);
     let (clean, found) = Mesh::new("cube", &cube, None).unwrap();
-    // the faces of `block` have mixed orientations: half of them have been turned when read
+    // half of the faces of `block` have the wrong orientation, and are turned around when read
     assert!(found.is_closed() && found.degenerate.0 == 0 && found.duplicate.0 == 0);
     assert_eq!((clean.sides(), found.turned.0 > 0), (Sides::Outside, true));
 
@@ -324,7 +324,7 @@ fn what_is_wrong_with_triangles_is_counted_and_put_right_or_refused() {
     let point = Vector3::new(1.5, 0.3, 0.2);
     assert_eq!(same.nearest(&point), clean.nearest(&point));
 
-    // all triangles turned inside out, and one triangle turned alone
+    // all triangles turned inside out, and a single triangle turned around
     let turned = |[a, b, c]: [Vector3<f64>; 3]| [a, c, b];
     let round = mesh(&ball(Vector3::zeros(), 1.0, 2), None);
     let (points, triangles) = round.triangles();
@@ -356,14 +356,14 @@ fn what_is_wrong_with_triangles_is_counted_and_put_right_or_refused() {
 #[test]
 #[ignore = "a measurement of time, for a quiet machine: cargo test --release -- --ignored --nocapture cost_of_triangles"]
 fn cost_of_triangles_is_at_most_twice_that_of_the_round_shape() {
-    // 50,000 spheres at a volume fraction of 0.01 in a ball: as a closed form, and as 20,480 triangles
+    // 50,000 spheres at a volume fraction of 0.01 in a ball, given as a closed form and as 20,480 triangles
     let (count, fraction) = (50_000, 0.01);
     let radius = 0.5 * (f64::from(count) / fraction).cbrt();
     let center = Vector3::repeat(radius + 1.0);
     let bowl = WallGeometry::Hollow(Hollow::new(Cavity::Sphere { center, radius }));
     let sphere = WallGeometry::Mesh(Arc::new(mesh(&ball(center, radius, 5), Some(Sides::Inside))));
     let mut scene = empty([2.0 * radius + 2.0; 3], [false; 3], unit(), surface(0.95, 0.1));
-    // the triangles lie within the ball
+    // a ball within the triangles
     let small = Hollow::new(Cavity::Sphere { center, radius: 0.99 * radius });
     scene.walls = vec![Wall::new(WallGeometry::Hollow(small), surface(0.9, 0.1))];
     let start = random(&scene, count as usize, 1.0, 4);

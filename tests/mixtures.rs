@@ -1,4 +1,4 @@
-//! Mixtures: pairs of kinds with separate contact properties, and spheres of very different sizes.
+//! Mixtures: pairs of species with their own contact properties, and spheres of very different sizes.
 
 mod moving_walls;
 
@@ -12,8 +12,8 @@ use diptych::simulation::{Simulation, soft_step};
 use diptych::statistics::Estimate;
 use diptych::study::execute;
 
-/// Case of two kinds of spheres and a floor. Each pair of kinds meets once, at 1 m/s and 45 degrees, far from the
-/// others.
+/// Case of two species of spheres and a floor. Each pair of kinds has one impact, at 1 m/s and 45 degrees, far from
+/// other spheres.
 const PAIRS: &str = r#"
 [domain]
 size = ["40 mm", "10 mm", "10 mm"]
@@ -76,8 +76,8 @@ model = "hard"
 duration = "0.3 ms"
 "#;
 
-/// Restitution and friction of the three impacts, computed from the velocities after them: glass on glass, glass on
-/// steel, steel on the floor.
+/// Restitution and friction of the three impacts, from the velocities after them: glass on glass, glass on steel, steel
+/// on the floor.
 fn met(experiment: &Experiment) -> [[f64; 2]; 3] {
     let start = initial_state(experiment).unwrap();
     let mut simulation = Simulation::new(experiment, start);
@@ -86,7 +86,7 @@ fn met(experiment: &Experiment) -> [[f64; 2]; 3] {
     let mut after = simulation.particles.clone();
     after.sort_by_id();
     let v = |k: usize| after.velocity[k];
-    // along the normal x; the slip is along y and does not end: J_t = μ (1 + e) M u
+    // the normal is x; the slip is along y and does not end, so that J_t = μ (1 + e) M u
     let pair = |a: usize, b: usize| {
         let mass = 1.0 / (1.0 / after.mass[a] + 1.0 / after.mass[b]);
         let e = v(b).x - v(a).x;
@@ -101,7 +101,7 @@ fn every_pair_has_its_own_restitution_and_friction() {
     let want = [[0.95, 0.05], [0.8, 0.2], [0.7, 0.1]];
     for (model, sets, tolerance) in [
         (Model::Hard, vec![], 1e-9),
-        // during a soft contact the two continue to slide, and the normal turns by a few thousandths
+        // during a soft contact the spheres continue to slide, and the normal turns by a few thousandths of a radian
         (Model::Soft, vec!["soft.stepping=local"], 5e-3),
         (Model::Soft, vec!["soft.stepping=uniform"], 5e-3),
     ] {
@@ -114,7 +114,7 @@ fn every_pair_has_its_own_restitution_and_friction() {
     }
 }
 
-/// A contact has the duration or the overlap that is given for its pair, and the stiffest pair determines the time
+/// A contact has the duration or the overlap that the case gives for its pair. The stiffest pair determines the time
 /// step.
 #[test]
 fn stiffness_of_a_pair_from_contact_time_or_overlap() {
@@ -126,14 +126,14 @@ fn stiffness_of_a_pair_from_contact_time_or_overlap() {
     let mut simulation = Simulation::new(&experiment, start);
     simulation.run(6, 5e-5).unwrap();
     let (pairs, walls) = (simulation.record.pairs.summary(), simulation.record.walls.summary());
-    // of the two pairs, that of glass and steel is much softer
+    // of the two pairs, glass and steel is much softer
     close("overlap", pairs.largest_overlap.unwrap() * 1e-3, 2e-6, 1e-3);
     close("contact time", walls.mean_duration.unwrap(), 2e-6, 1e-4);
-    // glass on glass is the stiffest here, 50 MN/m: its contact is the shortest
+    // glass on glass is the stiffest pair here, with 50 MN/m, and has the shortest contact
     let spring = LinearSpring { stiffness: 50e6 };
     let mass = 2500.0 * std::f64::consts::PI / 6.0 * 1e-9;
     close("time step", step, spring.contact_time(0.5 * mass, 0.95) / 50.0, 1e-9);
-    // unless another pair is made stiffer
+    // if another pair is made stiffer, it determines the time step
     let stiffer = case(PAIRS, Model::Soft, &[&sets[..], &["contact.pairs[1].contact_time=1e-7 s"]].concat()).unwrap();
     close("time step of the stiffest", soft_step(&stiffer, 5), 1e-7 / 50.0, 1e-9);
 }
@@ -165,7 +165,7 @@ fn pairs_that_cannot_be_are_refused() {
     assert!(message.contains("contact.pairs[0].between"), "{message}");
 }
 
-/// Case of a periodic box in which spheres of one size and of a tenth of it fill 0.15 each.
+/// Case of a periodic box with spheres of two sizes, in a ratio of ten; each size has a volume fraction of 0.15.
 const TEN_TO_ONE: &str = r#"
 [domain]
 size = ["12 mm", "10 mm", "9 mm"]
@@ -192,31 +192,31 @@ model = "hard"
 duration = "1 ms"
 "#;
 
-/// A start must place small spheres between large ones, and large ones that come last. Before each size had separate
-/// cells and the smaller sphere was moved aside, this took minutes.
+/// A start must place small spheres between large ones, and large ones after small ones. This takes seconds, because
+/// each size has its own cells and the smaller sphere of a pair is moved aside.
 #[test]
 fn ten_to_one_starts_without_overlap() {
     for share in ["0.15", "0.08"] {
-        // by pushing spheres apart, and by insertion
+        // volume fractions for which spheres are pushed apart, and for which they are inserted
         let sets = [format!("particles[0].volume_fraction={share}"), format!("particles[1].volume_fraction={share}")];
         let experiment = case(TEN_TO_ONE, Model::Hard, &[&sets[0], &sets[1]]).unwrap();
         let start = initial_state(&experiment).unwrap();
         assert!(smallest_gap(&experiment.scene, &start) > 0.0, "{share}");
-        // every particle keeps its kind at the start
+        // every particle has its species at the start
         let large = start.radius.iter().zip(&start.species).filter(|(r, species)| (**r == 2e-3) != (**species == 1));
         assert_eq!(large.count(), 0);
     }
 }
 
-/// Every pair nearer than the skin of the neighbour list is listed once, for all sizes, with periodic sides and open
-/// ones.
+/// Every pair nearer than the skin of the neighbour list is listed once, for all sizes, with and without periodic
+/// sides.
 #[test]
 fn lists_of_very_different_sizes_hold_every_pair_once() {
     for (periodic, seed) in [([true; 3], 1), ([false, true, false], 2)] {
         let species = small();
         let scene = empty([6e-3, 5e-3, 7e-3], periodic, species, surface(1.0, 0.0));
         let mut particles = random(&scene, 400, 0.1, seed);
-        // radii from 1 to 60, every size in between: seven levels
+        // radii from 1 to 1/60, with all sizes in between, which need seven levels of cells
         for (k, r) in particles.radius.iter_mut().enumerate() {
             *r = 1e-3 * 60f64.powf(-(k as f64 / 399.0).sqrt());
         }
@@ -238,8 +238,8 @@ fn lists_of_very_different_sizes_hold_every_pair_once() {
     }
 }
 
-/// The lasting calendar finds every touch among three sizes: no overlaps, and conserved energy, in a periodic box and
-/// between walls.
+/// The event queue of all particles finds every touch among three sizes. There are no overlaps, and energy is
+/// conserved, in a periodic box and between walls.
 #[test]
 fn one_calendar_misses_no_touch_of_unlike_spheres() {
     let middle = "name = \"middle\"\ndiameter = \"1.1 mm\"\ndensity = \"1000 kg/m^3\"\nvolume_fraction = 0.05\n\n[[particles]]\nname = \"large\"";
@@ -265,8 +265,8 @@ fn one_calendar_misses_no_touch_of_unlike_spheres() {
     }
 }
 
-/// Case of 1000 spheres and 100 three times as large, elastic, at a volume fraction of 0.2, with equal m v² at the
-/// start.
+/// Case of 1000 elastic spheres, and 100 spheres three times as large, at a volume fraction of 0.2. Both have equal m
+/// v² at the start.
 const THREE_TO_ONE: &str = r#"
 [domain]
 size = ["8.53 mm", "8.53 mm", "8.53 mm"]
@@ -314,23 +314,23 @@ fn bmcsl(eta: f64, z: f64) -> f64 {
     1.0 / left + 1.5 * eta * z / left.powi(2) + 0.5 * (eta * z).powi(2) / left.powi(3)
 }
 
-/// Contact value with one more power of z, chosen so that it is right at z = 2, where BMCSL is not. There a flat wall
-/// meets spheres of one size: the pressure on it is that of the gas, so the contact value is the compressibility factor
-/// 1 + 4 η g. (Santos, Yuste and López de Haro 2005, arXiv:cond-mat/0510102, propose a cubic in z from such conditions,
-/// in terms of the contact value g of one size.) Here g is that of Carnahan and Starling 1969.
+/// Contact value with one more power of z. It is exact at z = 2, where BMCSL is not: there a flat wall meets spheres of
+/// one size, and the pressure on the wall is that of the gas. The contact value is then the compressibility factor 1 +
+/// 4 η g, with g of Carnahan and Starling 1969. (Santos, Yuste and López de Haro 2005, arXiv:cond-mat/0510102, use such
+/// conditions for a cubic in z.)
 fn right_at_walls(eta: f64, z: f64) -> f64 {
     let left = 1.0 - eta;
     let alike = (1.0 - 0.5 * eta) / left.powi(3);
     let start = |z: f64| 1.0 / left + 1.5 * eta * z / left.powi(2);
-    // the terms a z² + b z³ at z = 1 and at z = 2
+    // the sum of the terms a z² + b z³, at z = 1 and at z = 2
     let (one, two) = (alike - start(1.0), 1.0 + 4.0 * eta * alike - start(2.0));
     let b = 0.25 * two - one;
     start(z) + (one - b) * z * z + b * z.powi(3)
 }
 
-/// [1/s] impact rate of two kinds of `counts` spheres with `diameters` [m] and `masses` [kg] in equilibrium at kT [J],
-/// by the kinetic theory of hard spheres (Chapman and Cowling 1970, section 5.21). The volume [m³] contains moments ξ_2
-/// [1/m] and ξ_3 [-] of all sizes.
+/// [1/s] impact rate of two species with `counts` spheres, `diameters` [m] and `masses` [kg] in equilibrium at kT [J].
+/// The source is the kinetic theory of hard spheres (Chapman and Cowling 1970, section 5.21). The volume [m³] has the
+/// moments ξ_2 [1/m] and ξ_3 [-] of all sizes.
 fn rate(
     counts: [f64; 2],
     diameters: [f64; 2],
@@ -347,8 +347,8 @@ fn rate(
     pairs / volume * sigma * sigma * contact * speed
 }
 
-/// Checks that both kinds have equal energies, and the rates of all three kinds of pairs, each within `tolerance` [-]
-/// or three standard errors.
+/// Checks that both species have equal energies, and checks the rates of the three kinds of pairs, each within
+/// `tolerance` [-] or three standard errors.
 fn equilibrium(experiment: &Experiment, contact: ContactValue, tolerance: f64) {
     let start = initial_state(experiment).unwrap();
     let kt = 2.0 * start.kinetic_energy() / (3.0 * start.len() as f64 - 3.0);
@@ -394,8 +394,8 @@ fn elastic_mixtures_share_energy_and_meet_as_theory_says() {
 #[test]
 #[ignore = "minutes: long enough for the rarest pairs"]
 fn elastic_mixtures_for_long() {
-    // at a volume fraction of 0.1 both contact values are equal within 0.1 %; measured numbers are in
-    // docs/validation.md, "Collision rates in mixtures"
+    // at a volume fraction of 0.1, both contact values are equal within 0.1 %; docs/validation.md, "Collision rates in
+    // mixtures", lists measured numbers
     let dilute = "domain.size=[\"10.747 mm\", \"10.747 mm\", \"10.747 mm\"]";
     for (model, duration) in [(Model::Hard, "run.duration=3 s"), (Model::Soft, "run.duration=0.6 s")] {
         equilibrium(&case(THREE_TO_ONE, model, &[duration, dilute]).unwrap(), bmcsl, 0.01);
@@ -403,8 +403,8 @@ fn elastic_mixtures_for_long() {
     }
 }
 
-/// Replicas of a mixture are pooled: means with errors that fall with the number of runs, and impacts of all runs. A
-/// pair that met in one run only has no error.
+/// Replicas of a mixture are pooled: means have errors that fall with the number of runs, and impacts of all runs are
+/// added. A pair with impacts in one run only has no error.
 #[test]
 fn replicas_pool_what_is_said_of_each_kind() {
     let species = |velocity: f64, error: Option<f64>| SpeciesAverages {

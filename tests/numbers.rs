@@ -1,8 +1,9 @@
-//! docs/paper.md answers the whole paper: it must contain every number of the paper's text, and every quoted word.
+//! docs/paper.md answers the whole paper: it must contain every number of the paper's text, and every claim with its
+//! words.
 
 use std::path::Path;
 
-/// Numbers of the paper's text by section, except those in Table 1, as docs/paper.md writes them.
+/// Numbers of the paper's text by section, without those in Table 1, as docs/paper.md writes them.
 const NUMBERS: [(&str, &[&str]); 8] = [
     (
         "2.1",
@@ -17,7 +18,7 @@ const NUMBERS: [(&str, &[&str]); 8] = [
     ("4", &["k_n = 300 N/m", "3000"]),
 ];
 
-/// Rows of Table 1 as printed, for cases B to G: the beginning of the row in docs/paper.md, and its printed values.
+/// Rows of Table 1 as printed, for cases B to G: the beginning of the row in docs/paper.md, and the printed values.
 const TABLE_1: [(&str, [&str; 6]); 10] = [
     ("d_p", ["406 µm", "406 µm", "406 µm", "1.5 µm", "1.5 mm", "1.5 mm"]),
     ("volume fraction", ["1.2e-3", "4e-3", "1e-2", "4.1e-3", "1.4e-2", "4.1e-2"]),
@@ -34,7 +35,7 @@ const TABLE_1: [(&str, [&str; 6]); 10] = [
 /// [-] CFL number of particles, which is equal in all rows of Table 1.
 const CFL_OF_PARTICLES: &str = "1.5";
 
-/// Quotations from the paper that docs/paper.md judges, with their sections.
+/// Quotations from the paper that docs/paper.md judges, each after its section.
 const WORDS: [(&str, &str); 27] = [
     ("4, Fig. 5 left", "the mean particle velocity profile is flatter than that of the fluid"),
     ("4, Fig. 5 left", "this is due to the strong influence of transverse particle dispersion"),
@@ -72,7 +73,7 @@ fn page() -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/paper.md")).unwrap()
 }
 
-/// Rows of the tables between two headings, as cells without the bars.
+/// Rows of the tables in a section of the page, as cells without bars.
 fn rows(page: &str, heading: &str) -> Vec<Vec<String>> {
     let (_, part) = page.split_once(&format!("\n## {heading}\n")).unwrap_or_else(|| panic!("no section {heading}"));
     let part = part.split("\n## ").next().unwrap_or_default();
@@ -81,7 +82,7 @@ fn rows(page: &str, heading: &str) -> Vec<Vec<String>> {
     part.lines().filter(row).map(|line| cells(line.trim_matches('|'))).collect()
 }
 
-/// True if a number occurs in a text alone, not as a part of a longer number.
+/// True if a number occurs in a text as a whole, and not as a part of a longer number.
 fn stands(text: &str, number: &str) -> bool {
     let part = |c: char| c.is_ascii_digit() || c == '.' || c == '/';
     text.match_indices(number).any(|(at, _)| {

@@ -1,4 +1,4 @@
-//! Observers are called at the times that they request, do not change the results, and can be stored.
+//! Observers are called at the times that they request, change no results, and can be stored.
 
 use crate::support::{empty, experiment, placed, plane, small, surface};
 use diptych::drag::{Drag, SchillerNaumann, Stokes};
@@ -30,7 +30,7 @@ fn simulation(experiment: &Experiment) -> Simulation {
     Simulation::new(experiment, initial_state(experiment).unwrap())
 }
 
-/// The gas with two spheres only.
+/// The gas with only two spheres.
 fn few() -> Experiment {
     let mut few = gas();
     let amount = placed(&few.scene, &[([0.0; 3], [1.0, 0.0, 0.0]), ([1e-3; 3], [0.0; 3])]);
@@ -63,7 +63,7 @@ impl Observer for Visitor {
 fn agree(seen: &[f64], expected: &[f64]) {
     assert_eq!(seen.len(), expected.len(), "{seen:?} {expected:?}");
     for (seen, expected) in seen.iter().zip(expected) {
-        // a sum of at most 200 windows
+        // rounding errors of a sum of at most 200 windows
         assert!((seen - expected).abs() < 200.0 * f64::EPSILON * 0.02, "{seen} {expected}");
     }
 }
@@ -74,7 +74,8 @@ fn each_observer_is_shown_the_simulation_at_its_own_times() {
     let schedule = Schedule::new(&gas);
     assert_eq!((schedule.windows(), schedule.windows_per_sample), (200, 10));
     let mut samples = Vec::new();
-    // requests at the end of a window, within a window, twice within one, and beyond the end, which is never reached
+    // requests at the end of a window, within a window, twice within one window, and beyond the end, which is never
+    // reached
     let mut visitor = Visitor { times: vec![0.0003, 0.000_55, 0.007_01, 0.007_05, 1.0], ..Visitor::default() };
     let mut sampler = |simulation: &Simulation| samples.push(simulation.time);
     let mut simulation = simulation(&gas);
@@ -91,7 +92,7 @@ fn samples_of_long_runs_stay_where_they_belong() {
         let schedule = Schedule::even(window, 7, 1 << 30);
         for done in [0u64, 1, 6, 7, 1000, 999_999, 123_456_789, 1_000_000_000] {
             let next = done as f64 * schedule.window + schedule.interval();
-            // the time is reached at the seventh window, and not before
+            // the time is reached at the seventh window, not at the sixth
             let reaches = |windows: u64| windows as f64 * window + schedule.rounding() >= next;
             assert!(reaches(done + 7) && !reaches(done + 6), "{window} s, {done}");
         }
@@ -109,7 +110,7 @@ fn who_observes_does_not_change_the_result() {
         run(&mut alone, &schedule, &mut []).unwrap();
         let mut observed = simulation(&gas);
         let mut often = Visitor { times: (0..200).map(|k| f64::from(k) * 1e-4).collect(), ..Visitor::default() };
-        // a kick that was not reversed would appear in the momentum given by drag
+        // a kick that is not reversed would appear in the momentum given by drag
         let mut momenta = vec![0.0];
         let mut drag = |simulation: &Simulation| momenta.push(simulation.record.ledger.drag_impulse.z);
         run(&mut observed, &schedule, &mut [&mut often, &mut drag]).unwrap();
@@ -117,12 +118,12 @@ fn who_observes_does_not_change_the_result() {
         assert!(alone.record.pairs.count > 100);
         assert!(alone.state() == observed.state() && alone.record.ledger == observed.record.ledger);
         assert_eq!(momenta.last(), Some(&alone.record.ledger.drag_impulse.z));
-        // the simulation was given no clock
+        // the simulation has no clock
         assert!(observed.spent.whole.is_zero() && observed.spent.engine.is_zero());
     }
 }
 
-/// The state between samples belongs to one instant, as at a sample: velocities contain the kicks up to that time.
+/// Between samples, as at samples, the state belongs to one instant: velocities contain the kicks up to this instant.
 #[test]
 fn looks_between_samples_see_what_samples_there_would() {
     let mut gas = gas();
@@ -139,7 +140,7 @@ fn looks_between_samples_see_what_samples_there_would() {
     };
     let (often, seldom) = (seen(1), seen(20));
     assert_eq!((often.len(), seldom.len()), (201, 201));
-    // differences are due to rounding: two half-kicks or a whole one
+    // two half-kicks and one whole kick differ by rounding
     assert!(often.iter().zip(&seldom).all(|(a, b)| (a - b).norm() < 1e-12));
 }
 
@@ -164,7 +165,7 @@ fn a_series_is_what_the_particles_say() {
     let (row, particles, record) = (series.rows.last().unwrap(), &simulation.particles, &simulation.record);
     assert_eq!((row.pair_impacts, row.wall_impacts), (record.pairs.count, record.walls.count));
     assert!(record.pairs.count > 100 && record.walls.count > 10);
-    // differences are due to rounding: sums of 100 in another order
+    // sums of 100 numbers in different orders differ by rounding
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-12 * b.abs();
     assert!(
         near(row.kinetic_energy, particles.kinetic_energy()) && (row.momentum - particles.momentum()).norm() < 1e-18
@@ -177,8 +178,8 @@ fn a_series_is_what_the_particles_say() {
     assert!(near(row.granular_temperature().unwrap(), components.sum() / 3.0) && components.min() > 0.0);
 }
 
-/// Two spheres pressed together, and one at a wall, from the first row on. The energy of each contact is half the
-/// stiffness times its overlap squared.
+/// Two spheres pressed together, and a sphere pressed against a wall, from the first row on. The energy of each contact
+/// is half the stiffness times the squared overlap.
 #[test]
 fn contacts_in_progress_are_in_the_series_and_in_the_paths() {
     let (d, stiffness) = (small().diameter, 3000.0);
@@ -209,7 +210,7 @@ fn contacts_in_progress_are_in_the_series_and_in_the_paths() {
             assert_eq!(row.coordination, ends / 3.0);
             touching += usize::from(ends == 3.0);
         }
-        // both contacts exist for a while, then end
+        // both contacts exist for some rows, and then end
         assert!(series.rows[0].coordination == 1.0 && (20..180).contains(&touching), "{stepping:?} {touching}");
     }
 }
@@ -223,13 +224,13 @@ fn series_are_short_for_long_runs_and_end_with_the_run() {
         let mut simulation = simulation(gas);
         let result = run(&mut simulation, &schedule, &mut [&mut series, &mut paths]);
         assert_eq!(series.rows.last().unwrap().time, simulation.time);
-        // 100 are too many for paths
+        // with 100 spheres there are no paths
         assert!(paths.points.is_empty());
         (series.rows.len(), result.is_err())
     };
     gas.statistics.sample_interval = Some(1e-4);
     gas.run.duration = 0.1001;
-    // 1001 samples give every second one, and the end
+    // of 1001 samples, every second one gives a row; the end gives another row
     assert_eq!(rows(&gas), (502, false));
     gas.run.duration = 0.02;
     gas.scene.domain.periodic = [false; 3];
@@ -277,9 +278,9 @@ fn what_observers_keep_can_be_stored_and_read_back() {
     same(&paths);
 }
 
-/// Two spheres that do not collide, in a gas at rest with Stokes drag of τ = 0.52 s: drag removes 2/τ of every second
-/// moment, and the other terms are zero. Then hard spheres of e = 0.9 without a gas: impacts remove the energy that the
-/// ledger records as dissipated.
+/// First two spheres that do not collide, in a gas at rest with Stokes drag, τ = 0.52 s. Drag reduces every second
+/// moment at the rate 2/τ, and the other terms are zero. Then hard spheres of e = 0.9 without gas: impacts remove the
+/// energy that the ledger counts as dissipated.
 #[test]
 fn budgets_of_second_moments_tell_drag_and_impacts() {
     let edge = 0.01;
@@ -289,11 +290,11 @@ fn budgets_of_second_moments_tell_drag_and_impacts() {
     free.run.duration = 0.02;
     free.run.window = Some(1e-4);
     free.statistics.sample_interval = Some(1e-3);
-    // both spheres fly in one column along z, and never meet
+    // the spheres fly in different columns along z, and never meet
     let state = placed(&free.scene, &[([2e-3, 5e-3, 2e-3], [0.0, 0.0, 0.4]), ([7e-3, 5e-3, 2e-3], [0.0, 0.0, -0.2])]);
     let (budgets, second) = budgets_of(&free, state);
-    // <u″u″> is (0.3 m/s)² at the start and falls by exp(-2t/τ). This is its mean over 20 ms, taken at the ends of
-    // windows, to (h/τ)²
+    // <u″u″> is (0.3 m/s)² at the start and falls by exp(-2t/τ). The expected value is its mean over 20 ms at the ends
+    // of windows, with an error of (h/τ)²
     let tau = free.scene.fluid.as_ref().unwrap().sphere(&small()).stokes_time;
     let mean = 0.09 * tau / (2.0 * 0.02) * -f64::exp_m1(-2.0 * 0.02 / tau);
     let uu = &second.whole[0];
@@ -306,12 +307,12 @@ fn budgets_of_second_moments_tell_drag_and_impacts() {
     let mass: f64 = simulation.particles.mass.iter().sum();
     let lost = 2.0 * simulation.record.ledger.dissipated() / (mass * cooling.run.duration);
     let impacts: f64 = second.whole[..3].iter().map(|terms| terms.impacts.value).sum();
-    // the mean over the slice does not change: momentum is conserved, and no particle leaves the slice
+    // the mean velocity of the slice does not change: momentum is conserved, and no particle leaves the slice
     assert!((impacts / -lost - 1.0).abs() < 1e-9, "{impacts} {lost}");
     assert!(second.whole.iter().all(|terms| terms.drag.value == 0.0));
 }
 
-/// A run with budgets in one slice of a box.
+/// Run of an experiment that measures budgets in a single slice of the box.
 fn budgets_of(experiment: &Experiment, start: Particles) -> (Simulation, Budgets) {
     let schedule = Schedule::new(experiment);
     let mut moments = SecondMoments::new(1, &schedule);

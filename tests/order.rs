@@ -1,4 +1,4 @@
-//! Sums over particles must not depend on the order of the particles in the store, to the last bit.
+//! Sums over particles must not depend on the order of the particles in the store, in any bit.
 
 use crate::support::{edge, empty, experiment, large, plane, small, surface};
 use diptych::drag::{Drag, Kick, SchillerNaumann};
@@ -19,7 +19,8 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// Experiment of two sizes between a floor and a lid in a gas, with more particles than are summed in one piece.
+/// Experiment with particles of two sizes between a floor and a lid in a gas. There are more particles than are summed
+/// in one piece.
 fn channel() -> Experiment {
     let size = [edge(9500, small().diameter, 0.02); 3];
     let mut channel = experiment(
@@ -41,7 +42,7 @@ fn channel() -> Experiment {
     channel
 }
 
-/// The particles in another order.
+/// Copy of the particles in another order of the store.
 fn shuffled(particles: &Particles, seed: u64) -> Particles {
     let mut order: Vec<u32> = (0..particles.len() as u32).collect();
     order.shuffle(&mut Xoshiro256PlusPlus::seed_from_u64(seed));
@@ -51,7 +52,7 @@ fn shuffled(particles: &Particles, seed: u64) -> Particles {
     shuffled
 }
 
-/// Changes the velocity of each particle in a different way.
+/// Changes the velocity of each particle by another amount.
 fn stir(simulation: &mut Simulation) {
     let Particles { velocity, id, .. } = &mut simulation.particles;
     for (velocity, id) in velocity.iter_mut().zip(id) {

@@ -1,4 +1,4 @@
-//! Output files from made-up results: their form is checked here, not the physics in them.
+//! Output files with made-up results. The tests check the form of the files, not the physics.
 
 use crate::made_up::{outcome, outcomes, provenance, with_study, write};
 use diptych::drag::{Drag, Stokes};
@@ -17,7 +17,7 @@ const HEADER: &str = "variant,slice,y_m,number_density_ratio,U,V,W,uu,vv,ww,uv,u
     number_density_ratio_se,U_se,V_se,W_se,uu_se,vv_se,ww_se,uv_se,uw_se,vw_se,\
     uuu_se,uuv_se,uuw_se,uvv_se,uvw_se,uww_se,vvv_se,vvw_se,vww_se,www_se,samples";
 
-/// A folder that stays under target/ so that the pages can be looked at.
+/// Folder under target/ that remains after the test, so that the pages can be viewed.
 fn lasting(name: &str) -> Folder {
     Folder::create(Path::new(env!("CARGO_TARGET_TMPDIR")).join(name), true).unwrap()
 }
@@ -26,7 +26,7 @@ fn read(folder: &Folder, name: &str) -> String {
     std::fs::read_to_string(folder.path().join(name)).unwrap()
 }
 
-/// Tags open and close in order, and no bare ampersand: what an XML reader would stumble over first.
+/// Checks that tags open and close in order, and that there is no bare ampersand.
 fn assert_well_formed(xml: &str) {
     let mut open: Vec<&str> = Vec::new();
     let mut rest = xml;
@@ -59,7 +59,7 @@ fn assert_no_network(html: &str) {
     for load in ["src=", "<link", "@import", "url(http", "fetch(", "XMLHttpRequest", "import("] {
         assert!(!html.contains(load), "{load} in a page that must open offline");
     }
-    // links lead to parts of the page, and to the tables beside it
+    // links lead to parts of the page, and to the tables in the same folder
     for link in html.split("href=\"").skip(1).map(|rest| rest.split('"').next().unwrap()) {
         assert!(link.starts_with('#') || link.ends_with(".csv") && !link.contains("//"), "{link}");
         assert!(!link.starts_with('#') || html.contains(&format!("id=\"{}\"", &link[1..])), "{link} leads nowhere");
@@ -97,7 +97,7 @@ fn a_comparison_leaves_tables_summary_pictures_and_page() {
     let overlaps = read(&folder, "overlaps.csv");
     let mut reader = ::csv::Reader::from_reader(overlaps.as_bytes());
     for row in reader.records().map(Result::unwrap) {
-        // depths are proportional to speeds here, and the integral over time is 0.64 of depth times duration
+        // here, depths are proportional to speeds, and the integral over time is 0.64 times depth and duration
         let kappa = f(&row[5]);
         assert!((f(&row[7]) / kappa - f(&row[9])).abs() < 1e-9 * f(&row[9]));
         assert!((f(&row[10]) / f(&row[7]) - if &row[1] == "pair" { 0.64 } else { 0.51 / 0.8 }).abs() < 1e-9);
@@ -154,7 +154,7 @@ fn results_are_never_replaced_unasked_and_leave_nothing_behind() {
     folder.write("profiles.csv", b"new").unwrap();
     let names = |path: &Path| -> Vec<String> {
         let names = std::fs::read_dir(path).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap());
-        // the lock file goes with the folder that holds it
+        // the lock file is removed with the folder value that owns it
         names.filter(|name| name != ".diptych-lock").collect()
     };
     let mut left = names(place.path());
@@ -162,14 +162,15 @@ fn results_are_never_replaced_unasked_and_leave_nothing_behind() {
     assert_eq!(left, ["figures", "profiles.csv"], "no old and no temporary file");
     assert!(names(&place.path().join(FIGURES)).is_empty());
 
-    // a comparison that stops between two variants leaves all but the summary, and no picture of fewer variants
+    // a comparison that stops between two variants writes all files except the summary, and removes pictures of fewer
+    // variants
     folder.write("figures/of-two-variants.svg", b"old").unwrap();
     with_study(&outcomes(), |study| drop(write_part(&folder, study).unwrap()));
     let mut left = names(place.path());
     left.sort();
     assert_eq!(left, ["figures", "impacts.csv", "overlaps.csv", "profiles.csv", "report.html", "series.csv"]);
     assert!(!names(&place.path().join(FIGURES)).contains(&"of-two-variants.svg".to_owned()));
-    // for as long as it is written into it is in use; then it is worth keeping
+    // the folder is in use until the value is dropped; then its results are protected
     drop(folder);
     assert!(matches!(Folder::create(place.path(), false), Err(OutputError::Occupied { .. })), "it is worth keeping");
 
@@ -285,7 +286,7 @@ fn numbers_show_the_digits_that_mean_something() {
     assert_eq!(significant(-1.5e-7, 2), "−1.5 × 10⁻⁷");
     assert_eq!(significant(99_999.0, 3), "1.00 × 10⁵");
     assert_eq!(significant(1234.5, 2), "1200");
-    // smaller than ten to the power of any negative number that a float holds
+    // numbers below ten to any negative power that a float can represent
     assert_eq!(significant(3e-324, 2), "4.9 × 10⁻³²⁴");
     assert_eq!(significant(-1.3e-310, 2), "−1.3 × 10⁻³¹⁰");
     assert_eq!(significant(f64::NAN, 3), "–");
@@ -321,13 +322,13 @@ fn an_outcome_is_data_for_other_programs() {
     assert_eq!(value["record"]["pairs"]["count"], 20_000);
     assert_eq!(value["record"]["ledger"]["drag_work"], 0.0123);
     assert_eq!(value["balance"]["weight"], outcome.balance.weight);
-    // A failure stands under the name of its kind.
+    // a failure is an entry under the name of its kind
     outcome.failure = Some(Failure::Escaped { time: 1.5, particle: 7, x: 0.1, y: -0.2, z: 0.3 });
     let failed = serde_json::to_value(&outcome).unwrap();
     assert_eq!(failed["failure"]["escaped"]["time"], 1.5);
 }
 
-/// The Python package names the unit of each column as the table of columns does.
+/// The Python package has the same units of columns as the table of columns.
 #[test]
 fn units_of_columns_are_those_of_the_python_package() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

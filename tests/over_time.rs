@@ -1,4 +1,4 @@
-//! Curves over time: theories against engines, tables and pictures against outcomes.
+//! Curves over time: theories against engines, and tables and pictures against outcomes.
 
 use crate::made_up::{outcomes, with_study};
 use crate::support::{edge, empty, experiment, hard, placed, plane, small, surface, try_run};
@@ -13,8 +13,8 @@ use diptych::simulation::Simulation;
 use diptych::study::execute;
 use nalgebra::Vector3;
 
-/// A sphere between a floor and a ceiling, thrown upwards so fast that its first flight reaches the ceiling, then more
-/// slowly.
+/// A sphere between a floor and a ceiling. It is thrown upwards so fast that its first flight reaches the ceiling, then
+/// more slowly.
 #[test]
 fn bounces_are_those_of_the_hard_engine() {
     let mut scene = empty([0.01, 0.03, 0.01], [true, false, true], small(), surface(0.9, 0.0));
@@ -31,13 +31,13 @@ fn bounces_are_those_of_the_hard_engine() {
         simulation.run(1, 1e-3).unwrap();
         let time = 1e-3 * f64::from(k);
         let Some([x, v]) = bouncing.at(time) else { panic!("{time} s") };
-        // the difference is due to rounding in about ten bounces
+        // rounding errors of about ten bounces
         assert!((x.y - simulation.particles.position[0].y).abs() < 1e-12, "{time} s");
         assert!((v.y - simulation.particles.velocity[0].y).abs() < 1e-9, "{time} s");
     }
     let before = bouncing.bounces().filter(|time| *time <= 0.3).count();
     assert!(before as u64 == simulation.record.walls.count && before >= 3, "{before}");
-    // flights from rest end with a geometric series of bounces; there is no prediction after the last visible one
+    // a flight from rest ends in a geometric series of bounces; there is no prediction after the last visible bounce
     let dropped = Bouncing::of(&scene, [start[0], Vector3::zeros()], 10.0).unwrap();
     assert!(dropped.at(9.0).is_none() && dropped.at(0.1).is_some());
     scene.walls[0] = plane([0.0; 3], [0.6, 0.8, 0.0], surface(0.8, 0.0));
@@ -49,7 +49,7 @@ fn rows_of_elastic_spheres_exchange_velocities_as_the_hard_engine_says() {
     let d = small().diameter;
     let scene = empty([0.02, 0.004, 0.004], [false; 3], small(), surface(1.0, 0.0));
     let at = |x: f64, v: f64| ([x, 2e-3, 2e-3], [v, 0.0, 0.0]);
-    // positions not in the order of the row; two spheres touch
+    // positions are not in the order of the row; two spheres touch
     let start = [at(6e-3, 0.0), at(4e-3, 1.0), at(6e-3 + d, 0.0), at(8e-3, -0.5), at(9.5e-3, -0.7)];
     let vectors = start.map(|(x, v)| [Vector3::from(x), Vector3::from(v)]);
     let chain = Chain::of(&scene, &vectors).unwrap();
@@ -68,15 +68,15 @@ fn rows_of_elastic_spheres_exchange_velocities_as_the_hard_engine_says() {
     assert!(Chain::of(&inelastic, &vectors).is_none());
 }
 
-/// The values are those in the heading of `cases/cooling-gas.toml`: T/T_0 = 0.206 after 20 ms at 1897 collisions per
+/// The values are those in the heading of `cases/cooling-gas.toml`: T/T_0 = 0.206 after 20 ms, with 1897 collisions per
 /// second.
 #[test]
 fn a_gas_cools_as_haff_says() {
     let mut scene = empty([edge(2000, 406e-6, 0.05); 3], [true; 3], small(), surface(0.9, 0.0));
     let gas = Cooling::of(&scene, 2000, 1.0).unwrap();
-    // lower by one in 2000, because a particle does not collide with itself
+    // lower by a factor of 1 - 1/2000, because a particle does not collide with itself
     assert!((gas.temperature(0.02) - 0.206).abs() < 1e-3, "{}", gas.temperature(0.02));
-    // half of the collisions of all particles, since each has two partners
+    // the rate of collisions is half of the sum over all particles, because each collision has two partners
     assert!((gas.pair_rate(0.0) / 1897.0 / 1000.0 - 1.0).abs() < 1e-3);
     assert!((gas.pair_rate(0.02) / gas.pair_rate(0.0) - gas.temperature(0.02).sqrt()).abs() < 1e-12);
     let mut run = experiment(scene.clone(), 2000, [0.0; 3], 1.0, Model::Hard, 1);
@@ -85,7 +85,8 @@ fn a_gas_cools_as_haff_says() {
     let (outcome, _) = execute(&run, start, &mut []);
     for row in &outcome.series.rows {
         let found = row.granular_temperature().unwrap();
-        // the energy of 2000 spheres scatters by sqrt(2/(3 N)) = 1.8 %, and so does its loss
+        // the energy of 2000 spheres has the relative standard deviation sqrt(2/(3 N)) = 1.8 %, and its loss has the
+        // same
         assert!((found / gas.temperature(row.time) - 1.0).abs() < 0.06, "{} s: {found}", row.time);
     }
     scene.contact = surface(0.9, 0.1);
@@ -98,7 +99,7 @@ fn a_sphere_settles_at_the_velocity_said() {
     scene.gravity = Vector3::new(0.0, 0.0, -9.81);
     let fluid = |profile| Fluid::new(1.2, 1.5e-5, profile, Some(Drag::Stokes(Stokes)));
     scene.fluid = Some(fluid(Profile::Uniform(2.0)));
-    // Stokes' response time, d² ρ_p/(18 ρ ν), computed by hand
+    // Stokes' response time, d² ρ_p/(18 ρ ν)
     let stokes = 406e-6_f64.powi(2) * 1038.0 / (18.0 * 1.2 * 1.5e-5);
     let expected = 2.0 - 9.81 * stokes;
     assert!((settling_velocity(&scene).unwrap().z - expected).abs() < 1e-9 * expected.abs());
@@ -142,7 +143,7 @@ fn tables_over_time_hold_the_rows_of_the_outcome() {
         assert_eq!(number("Tyy_m2_s2"), row.temperature.map(|parts| parts.y));
         assert_eq!(number("wall_impacts"), Some(row.wall_impacts as f64));
         assert_eq!(number("centre_of_mass_y_m"), row.centre[1]);
-        // an unknown value is an empty cell
+        // the cell of an unknown value is empty
         assert_eq!((cells[column("centre_of_mass_x_m")], row.centre[0]), ("", None));
     }
     let points = outcomes.iter().flat_map(|outcome| &outcome.paths.points);
@@ -157,7 +158,7 @@ fn tables_over_time_hold_the_rows_of_the_outcome() {
         assert_eq!((numbers[0], numbers[1] as u32, numbers[3]), (point.time, point.id, point.position.y));
         assert_eq!((numbers[6], numbers[8]), (point.velocity.y, point.overlap));
     }
-    // a fall is not steady: its curves are at the beginning of the page, before averages
+    // a fall is not steady: its curves are at the beginning of the page, before the averages
     let place = |words: &str| page.find(words).unwrap_or_else(|| panic!("{words}"));
     assert!(place("<h2 id=\"over-time\">Over time</h2>") < place("<h2>Cost and counts</h2>"));
     assert!(place("<h2>Profiles</h2>") < place("Number density"));
@@ -179,7 +180,7 @@ fn pictures_over_time_of_steady_runs_follow_the_averages() {
     assert!(!folder.path().join("paths.csv").exists());
 }
 
-/// A second run of zero length does not change the observers.
+/// A second run of zero duration does not change the observers.
 #[test]
 fn nothing_simulated_is_one_row() {
     let mut still =

@@ -6,7 +6,7 @@ use diptych::engine::Failure;
 use diptych::experiment::{Experiment, Model, SoftStepping, Spheres, TimeStep};
 use diptych::simulation::Simulation;
 
-/// An elastic force k δ (δ/δ_0 - 1), which attracts up to the overlap δ_0 and repels beyond, and a linear dashpot.
+/// Elastic force k δ (δ/δ_0 - 1), which attracts up to the overlap δ_0 and repels beyond it, with a linear dashpot.
 #[derive(Debug)]
 struct Sticky {
     /// [N/m] elastic constant k.
@@ -37,7 +37,7 @@ impl Law for Sticky {
     }
 }
 
-/// Two spheres of 406 µm that meet head-on at a relative speed [m/s].
+/// Two spheres of 406 µm in a head-on impact at a relative speed [m/s].
 fn meeting(law: ContactLaw, speed: f64, step: f64, stepping: SoftStepping) -> Simulation {
     let scene = empty([4e-3; 3], [false; 3], small(), surface(1.0, 0.0));
     let right = 2e-3 + 406e-6 + 1e-6;
@@ -73,22 +73,22 @@ fn slow_spheres_stick_at_the_bottom_of_the_well_and_fast_ones_part() {
         assert_eq!(pairs.count, 1, "{stepping:?}");
         let spring = law.between(&Bodies::alike(&small(), &surface(1.0, 0.0)));
         let asked = law.contact_time(&spring, 0.5);
-        // a uniform step is a thirtieth of the contact
+        // a uniform step is a thirtieth of the contact time
         assert!((pairs.mean_duration.unwrap() / asked - 1.0).abs() < 0.05, "{stepping:?}: {pairs:?}, {asked}");
         assert!((pairs.mean_restitution.unwrap() - 1.0).abs() < 2e-3, "{stepping:?}: {pairs:?}");
     }
 }
 
-/// A linear spring with a constant attraction [N], which begins at the touch with a jump.
+/// Linear spring with a constant attraction [N], which begins at the touch with a jump.
 #[derive(Debug)]
 struct Jump(f64);
-/// A linear spring whose stored energy is stated as twice the true value.
+/// Linear spring with a stored energy stated as twice the true value.
 #[derive(Debug)]
 struct Liar;
-/// A linear spring and a dashpot with the wrong sign.
+/// Linear spring, and a dashpot with the wrong sign.
 #[derive(Debug)]
 struct Driven;
-/// A constant force, which does not grow with the overlap.
+/// Constant force, which does not grow with the overlap.
 #[derive(Debug)]
 struct Flat;
 
@@ -140,13 +140,13 @@ fn laws_that_break_a_contract_are_refused_with_the_contract() {
     assert!(matches!(refused(ContactLaw::other(Flat)), BrokenContract::Bottomless { .. }));
 }
 
-/// The potential is k δ_0²/6 deep, and no contact can return an energy below zero.
+/// The potential has the depth k δ_0²/6, and the energy that a contact can return is counted from its lowest point.
 #[test]
 fn energy_that_a_contact_may_give_back_counts_from_the_bottom_of_the_well() {
     let law = ContactLaw::other(Sticky { stiffness: 300.0, range: 2e-6, dashpot: 0.0 });
     let spring = law.between(&Bodies::alike(&small(), &surface(1.0, 0.0)));
     let depth = 300.0 * 2e-6f64.powi(2) / 6.0;
-    // the minimum lies between two of 64 samples
+    // the minimum is between two of 64 samples
     assert!((law.well_depth(&spring) / depth - 1.0).abs() < 1e-3, "{}", law.well_depth(&spring));
     for k in 0..100 {
         let overlap = 5e-8 * f64::from(k);
@@ -156,7 +156,7 @@ fn energy_that_a_contact_may_give_back_counts_from_the_bottom_of_the_well() {
     assert!((linear / 1.5e-10 - 1.0).abs() < 1e-12, "{linear}");
 }
 
-/// Sticking spheres meet the requirements at every speed, also where the stored energy at the largest overlap is nearly
+/// Sticking spheres fulfil the requirements at every speed, even if the stored energy at the largest overlap is nearly
 /// zero.
 #[test]
 fn a_law_that_attracts_keeps_its_contracts_at_every_speed() {
@@ -168,8 +168,8 @@ fn a_law_that_attracts_keeps_its_contracts_at_every_speed() {
     }
 }
 
-/// A law whose contacts never end has no number of steps per contact. The run is refused instead of running without a
-/// check.
+/// A law whose contacts never end has no number of steps per contact. The run is refused, because its time step cannot
+/// be checked.
 #[test]
 fn a_law_whose_contacts_do_not_end_needs_a_time_step() {
     let law = ContactLaw::other(Sticky { stiffness: 300.0, range: 2e-6, dashpot: 1e-4 });

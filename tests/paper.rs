@@ -18,7 +18,7 @@ use diptych::scene::{Scene, Species};
 use std::f64::consts::PI;
 use std::path::Path;
 
-/// A row of Table 1 as printed, except for the diameter of case E.
+/// Row of Table 1 as printed, except for the diameter of case E.
 struct Row {
     case: &'static str,
     /// u_r [m/s], mean relative speed of impact
@@ -80,12 +80,12 @@ impl Computed {
         contact.predict(&self.law(), step, HEUN_ON_GRID)
     }
 
-    /// Largest overlap over the diameter of an impact at `factor` u_r.
+    /// Largest overlap over the diameter in an impact at `factor` times u_r.
     fn overlap(&self, contact: &ContactKind, factor: f64) -> f64 {
         contact.largest_overlap(&self.law(), factor * self.row.impact) / contact.diameter
     }
 
-    /// [N/m] stiffness for which an impact at `factor` u_r has an overlap of `overlap` diameters: the overlap is
+    /// [N/m] stiffness for which an impact at `factor` times u_r has an overlap of `overlap` diameters. The overlap is
     /// proportional to 1/sqrt(k).
     fn stiffness_for(&self, factor: f64, overlap: f64) -> f64 {
         self.stiffness() * (self.overlap(&self.pair, factor) / overlap).powi(2)
@@ -97,7 +97,7 @@ impl Computed {
     }
 }
 
-/// The contact with another restitution.
+/// Contact with another restitution.
 fn with_restitution(contact: &ContactKind, restitution: f64) -> ContactKind {
     let mut contact = contact.clone();
     contact.bodies.restitution = restitution;
@@ -113,14 +113,14 @@ fn compute(row: &'static Row) -> Computed {
     let (experiment, _) = variants.into_iter().find(|(experiment, _)| experiment.name == name).unwrap();
     let scene = &experiment.scene;
     let count = experiment.start[0].amount.count();
-    // the library's own u_r per sqrt(T), inverted
+    // variance from the printed u_r and the library's u_r per sqrt(T)
     let unit = ImpactSpeeds::isotropic(2.0).of_random_pairs();
     let variance = (row.impact / unit).powi(2);
     let speeds = || ImpactSpeeds::isotropic(2.0 * variance);
     let found = contacts(scene, &[count], |_, _| speeds(), |_| ImpactSpeeds::isotropic(variance));
     let [pair, wall] = <[ContactKind; 2]>::try_from(found).unwrap();
     let component = Component { count, diameter: pair.diameter, variance };
-    // Enskog's gas fills the whole box: the half diameter at walls that centres cannot enter is ignored
+    // Enskog's gas fills the whole box: the layers of half a diameter at walls, without centres, are ignored
     let open = Scene { walls: Vec::new(), ..scene.clone() };
     let gas = gas(&open, &[component], &AgitationSpread::even());
     let fluid = scene.fluid.as_ref().unwrap();
@@ -138,19 +138,19 @@ fn of(case: &str) -> Computed {
     compute(TABLE.iter().find(|row| row.case == case).unwrap())
 }
 
-/// Checks that `found` is `wanted` to half a unit in its last digit, with `decimals` decimals.
+/// Checks that `found` agrees with `wanted` to half a unit of the last of `decimals` decimals.
 #[track_caller]
 fn digits(found: f64, wanted: f64, decimals: i32) {
-    // a half may have been rounded either way: a thousandth of a unit more
+    // a half may have been rounded up or down, so that a thousandth of a unit is added
     let half = 0.501 * 10f64.powi(-decimals);
     assert!((found - wanted).abs() < half, "{found} where {wanted} was computed independently");
 }
 
-/// Every column of Table 1 and its consequences.
+/// Every column of Table 1, and its consequences.
 #[test]
 fn table_1() {
-    // T_c pair and wall [s], N_c pair and wall at the corrected step, overlap at u_r and 2 u_r, at a wall at 2 u_r, and
-    // CFL_col at u_r
+    // T_c of pair and wall [s], N_c of pair and wall at the corrected step, overlap at u_r and at 2 u_r, overlap at a
+    // wall at 2 u_r, and CFL_col at u_r
     let contacts = [
         ([7.735, 10.939], [7.73, 10.94], [0.00637, 0.01274, 0.01801], 0.00259),
         ([7.735, 10.939], [7.73, 10.94], [0.00528, 0.01055, 0.01492], 0.00214),
@@ -196,7 +196,7 @@ fn table_1() {
         );
         digits(pair.contact_time * 1e6, times[0], 3);
         digits(wall.contact_time * 1e6, times[1], 3);
-        // 7.735 was cut to 7.73
+        // the value 7.735 was cut to 7.73
         digits(pair.steps, steps[0], if steps[0] < 10.0 { 1 } else { 2 });
         digits(wall.steps, steps[1], 2);
         digits(c.overlap(&c.pair, 1.0), overlaps[0], 5);
@@ -207,14 +207,15 @@ fn table_1() {
         digits(c.variance, variance, 3);
         digits(c.stiffness_for(1.0, c.row.overlap), printed, if printed < 100.0 { 1 } else { 0 });
         digits(c.stiffness_for(2.0, 0.01), one_percent, 0);
-        // for a finite number N the rate is lower by 1/N, since a particle does not meet itself
+        // for a finite number N the rate is lower by 1/N, because a particle does not meet itself
         let finite = 1.0 - 1.0 / c.experiment.start[0].amount.count() as f64;
         digits(c.gas.collision_rate / finite, rate, if rate < 150.0 { 1 } else { 0 });
         digits(c.gas.mean_free_path * 1e3 * finite, path, if path < 10.0 { 2 } else { 1 });
     }
 }
 
-/// Items 1 to 3 and 17: the spring pushes; δ starts at 0 with slope |u⁰|, ends at T_c, and Eq. 10 is its largest value.
+/// Items 1 to 3 and 17: the spring repels; δ starts at 0 with slope |u⁰|, ends at T_c, and has the largest value of Eq.
+/// 10.
 #[test]
 fn overlap_law() {
     const STEPS: usize = 100_000;
@@ -235,7 +236,7 @@ fn overlap_law() {
             assert!((overlap(step) / step / c.row.impact - 1.0).abs() < 1e-4); // slope u⁰, not value u⁰
             assert!(overlap(time).abs() < 1e-15 * c.row.impact);
             let most = (0..STEPS).map(|i| overlap(i as f64 * step)).fold(0.0, f64::max);
-            // the maximum is flat: an error of one step changes it by (π/STEPS)²/2
+            // at a flat maximum, an error of one step changes the value by (π/STEPS)²/2
             assert!((most / contact.largest_overlap(&c.law(), c.row.impact) - 1.0).abs() < 1e-9);
         }
     }
@@ -251,16 +252,16 @@ fn speeds() {
         assert!((speeds.of_random_pairs() - (8.0 / (3.0 * PI) * q2).sqrt()).abs() < 1e-12);
         assert!((speeds.of_random_pairs() - c.row.impact).abs() < 1e-12);
         assert!((speeds.mean() / speeds.of_random_pairs() - 0.5 * PI).abs() < 1e-12);
-        // "k <= 2" below Eq. 11: of the impacts in a gas the share exp(-4/π) = 28 % is faster than 2 u_r
+        // "k <= 2" below Eq. 11: in a gas, the fraction exp(-4/π) = 28 % of the impacts is faster than 2 u_r
         assert!((speeds.quantile(1.0 - (-4.0 / PI).exp()) / (2.0 * c.row.impact) - 1.0).abs() < 1e-9);
-        // as printed, sqrt(8/(3π)) q²: off by sqrt(q²), +14 % in B and −42 % in G, and in m²/s²
+        // Eq. 8 as printed, sqrt(8/(3π)) q², is in m²/s², and wrong by the factor sqrt(q²): +14 % in B, −42 % in G
         let printed = (8.0 / (3.0 * PI)).sqrt() * q2;
         println!("{}  q2 {q2:.4}  impacts {:.3} m/s  Eq. 8 as printed {printed:.3}", c.row.case, speeds.mean());
         assert!((printed / c.row.impact - q2.sqrt()).abs() < 1e-12 && (q2.sqrt() - 1.0).abs() > 0.05);
     }
 }
 
-/// Items 6 and 12, and the box: particles counted from volume fractions.
+/// Items 6 and 12, and the box: numbers of particles from volume fractions.
 #[test]
 fn counts() {
     for (c, (number, fraction)) in all().iter().zip([
@@ -275,7 +276,7 @@ fn counts() {
         let volume = c.experiment.scene.domain.volume();
         digits(fraction * volume / species.volume(), number, 1);
         assert_eq!(c.experiment.start[0].amount.count() as f64, f64::floor(number));
-        // "between 1e-3 and 1e-2" is not true of F and G
+        // "between 1e-3 and 1e-2" is wrong for F and G
         assert_eq!(fraction > 1e-2, ["f", "g"].contains(&c.row.case));
     }
     // 1.5 µm, as printed in row E, would require 7e11 particles
@@ -284,7 +285,7 @@ fn counts() {
     assert!(4.1e-3 * 3.072e-4 / tiny.volume() > 7e11);
 }
 
-/// Item 7: the step of cases E to G.
+/// Item 7: the time step of cases E to G.
 #[test]
 fn step_of_the_large_particles() {
     for case in ["e", "f", "g"] {
@@ -301,8 +302,8 @@ fn step_of_the_large_particles() {
     }
 }
 
-/// Item 8: two contact times; the printed N_c is that of walls for the small particles, and that of pairs for the
-/// large.
+/// Item 8: two contact times. The printed N_c is that of walls for the small particles, and that of pairs for the large
+/// particles.
 #[test]
 fn contact_times_of_walls() {
     for c in all() {
@@ -320,9 +321,9 @@ fn printed_overlaps_and_courant_numbers() {
     for c in all() {
         assert!(c.overlap(&c.wall, 2.0) < 0.61 * c.row.overlap, "even at a wall and 2 u_r");
         assert!(c.row.overlap > 0.01, "lambda of Eq. 11");
-        // 1 % at 2 u_r, to the two digits of Eq. 11's bound: D and G meet it
+        // 1 % at 2 u_r, to the two digits of the bound in Eq. 11: only D and G meet it
         assert_eq!(c.overlap(&c.pair, 2.0) <= 0.01, ["d", "g"].contains(&c.row.case));
-        // neither step and neither speed gives the printed number
+        // none of the two steps and two speeds gives the printed number
         for step in [c.row.step, c.row.corrected_step] {
             for factor in [1.0, 2.0] {
                 let ratio = factor * c.courant(step) / c.row.courant;
@@ -344,14 +345,14 @@ fn gas_and_particles() {
         let height = c.experiment.scene.domain.size.y;
         let velocity = diptych::predict::flow::bulk_velocity(fluid, height);
         digits(velocity, 15.9075, 4);
-        // u_tau of k-epsilon models in use: 0.755 to 0.806 m/s
+        // u_tau of common k-epsilon models: 0.755 to 0.806 m/s
         let of_friction = c.flow.stokes_friction.unwrap();
         println!("{case}: St {of_friction:.2} with u_tau, {:.1} with U_b; printed about {stated}", c.flow.stokes_bulk);
         assert!(friction[0] < of_friction && of_friction < friction[1]);
         digits(c.flow.stokes_bulk, bulk, if bulk < 1000.0 { 0 } else { -1 });
         digits(c.flow.response_time, response, 3);
         digits(stated * height / c.flow.stokes_time, fits, 1);
-        // density of the gas over that of the particles: the relative size of buoyancy
+        // density of the gas over that of the particles, which is the relative size of buoyancy
         digits(fluid.density / c.experiment.scene.species[0].density, 1.2e-3, 4);
         // dx for which CFL_p = 1.5, with the time steps of the particles and of the gas, at the bulk velocity
         digits(velocity * 1e-6 / 1.5 * 1e6, 10.6, 1);
@@ -362,8 +363,8 @@ fn gas_and_particles() {
     }
 }
 
-/// Item 16: friction is proportional to |f_n|, which includes the attraction at the end. It is more than the factor 1 +
-/// e of the hard rule.
+/// Item 16: friction is proportional to |f_n|, which includes the attraction at the end of a contact. Its impulse is
+/// larger than that of the hard-sphere rule with the factor 1 + e.
 #[test]
 fn impulse_of_friction() {
     const STEPS: usize = 200_000;
@@ -402,21 +403,20 @@ fn impulse_of_friction() {
     }
 }
 
-/// Item 18: Eq. 13. The mean of the largest overlaps is π/2 κ_n. The mean over the time of a contact is 2/π of that,
-/// κ_n.
+/// Item 18: Eq. 13. The mean of the largest overlaps is π/2 κ_n. The mean over the time of a contact is 2/π of this
+/// mean, κ_n.
 #[test]
 fn mean_overlap() {
     for c in all() {
         let pair = c.predict(&c.pair, c.row.corrected_step);
         assert!((pair.mean_overlap / pair.kappa - 0.5 * PI).abs() < 1e-12);
-        // mean of half a sine is 2/π of its top
+        // the mean of half a sine is 2/π of its maximum
         assert!((2.0 / PI * pair.mean_overlap / pair.kappa - 1.0).abs() < 1e-12);
         assert!(pair.mean_overlap > pair.kappa, "Eq. 13 as printed");
     }
 }
 
-/// The question of the integrator: the energy gain of RK2 in elastic contacts at the paper's steps, and the effect of
-/// finite stiffness.
+/// Energy gain of RK2 in elastic contacts at the paper's time steps, and effect of a finite stiffness.
 #[test]
 fn gain_of_the_integrator() {
     let gain = |contact: &ContactKind, c: &Computed, scheme: Scheme| {
@@ -442,21 +442,21 @@ fn gain_of_the_integrator() {
     }
 }
 
-/// An effect that the frozen gas leaves out: the mass of the particles over that of the gas.
+/// Effect that a frozen gas leaves out: the mass of the particles over that of the gas.
 #[test]
 fn mass_loading() {
     for (c, fraction) in all().iter().zip([1.2e-3, 4e-3, 1e-2, 4.1e-3, 1.4e-2, 4.1e-2]) {
         let fluid = c.experiment.scene.fluid.as_ref().unwrap();
         let wanted = fraction * c.experiment.scene.species[0].density / fluid.density;
         println!("{}: mass loading {:.2}", c.row.case, c.flow.mass_loading);
-        // rounding, since the number of particles is an integer
+        // the number of particles is rounded to an integer
         assert!((c.flow.mass_loading / wanted - 1.0).abs() < 1.0 / c.experiment.start[0].amount.count() as f64);
         assert!(c.flow.mass_loading > diptych::predict::effects::FROZEN);
     }
 }
 
-/// n/<n> of the first and the last slice of a published profile: their mean, its standard error, and the number of
-/// slices.
+/// n/<n> in the first and the last slice of a published profile: the mean of both, its standard error, and the number
+/// of slices.
 fn at_walls(profiles: &str, run: Option<&str>, variant: &str) -> (f64, f64, usize) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/results/paper").join(profiles);
     let mut reader = csv::Reader::from_path(path).unwrap();
@@ -470,9 +470,9 @@ fn at_walls(profiles: &str, run: Option<&str>, variant: &str) -> (f64, f64, usiz
     (0.5 * (first.0 + last.0), 0.5 * first.1.hypot(last.1), rows.len())
 }
 
-/// "Dwell at walls": soft spheres stay at a wall for a contact time, so the first slice contains (Γ_w/2) T_c more of
-/// all particles. Γ_w [1/s] is from the page's table. The tolerance is four standard errors of the difference, since
-/// the correlation of the two slices is not known.
+/// "Dwell at walls": soft spheres stay at a wall for a contact time, so that the first slice contains (Γ_w/2) T_c more
+/// of all particles. Γ_w [1/s] is from the table of the page. The correlation of the two slices is unknown; therefore
+/// the tolerance is four standard errors of the difference.
 #[test]
 fn soft_spheres_dwell_at_walls() {
     const CASES: &str = "soft-and-hard/profiles.csv";

@@ -1,4 +1,4 @@
-//! Starts that several processes make in parts, and runs that begin with such starts. Threads take the place of
+//! Starts that several processes make in parts, and runs from such starts. In the tests, threads take the place of
 //! processes.
 
 use crate::support::*;
@@ -14,7 +14,7 @@ use diptych::schedule::Schedule;
 use diptych::simulation::{Simulation, Snapshot};
 use std::sync::Arc;
 
-/// Results of some work in each of `size` processes.
+/// Results of `work` in each of `size` processes.
 fn over<T: Send>(size: usize, work: impl Fn(Arc<dyn Communicator>) -> T + Sync) -> Vec<T> {
     std::thread::scope(|scope| {
         let work = &work;
@@ -23,7 +23,7 @@ fn over<T: Send>(size: usize, work: impl Fn(Arc<dyn Communicator>) -> T + Sync) 
     })
 }
 
-/// All particles of some parts, in the order of their ids.
+/// All particles of several parts, in the order of their ids.
 fn together(parts: &[Particles]) -> Particles {
     let mut all = Particles::default();
     parts.iter().for_each(|part| all.copy_from(part, &(0..part.len() as u32).collect::<Vec<u32>>()));
@@ -40,7 +40,7 @@ fn two_kinds(model: Model) -> Experiment {
     case(include_str!("../cases/mixtures/binary-channel.toml"), model, &small).unwrap()
 }
 
-/// Experiment of a gas so dense that half of the particles overlap another when they are first drawn.
+/// Experiment of a gas so dense that half of the particles overlap another particle in their first random positions.
 fn crowded() -> Experiment {
     let edge = edge(3000, small().diameter, 0.19);
     let mut scene = empty([edge; 3], [true, false, true], small(), surface(0.9, 0.0));
@@ -86,7 +86,7 @@ fn a_start_that_needs_all_particles_is_made_whole_by_every_process() {
 #[test]
 fn too_many_particles_are_refused_by_all_processes_alike() {
     let mut full = crowded();
-    // three spheres, and less room than one of them needs
+    // three spheres in less room than a single sphere needs
     full.start[0].amount = Amount::Count(3);
     let height = 0.9 * full.scene.species[0].diameter;
     full.scene.walls.push(plane([0.0, height, 0.0], [0.0, -1.0, 0.0], surface(0.9, 0.0)));
@@ -160,7 +160,7 @@ fn runs_that_begin_in_parts_give_the_bits_of_one_process() {
     }
 }
 
-/// Experiment of a gas of soft spheres whose contacts last for many windows.
+/// Experiment of a gas of soft spheres with contacts that last for many windows.
 fn lingering() -> Experiment {
     let edge = edge(3000, small().diameter, 0.03);
     let mut scene = empty([edge; 3], [true, false, true], small(), surface(0.9, 0.2));
@@ -174,7 +174,7 @@ fn lingering() -> Experiment {
     experiment
 }
 
-/// State of a run in progress: its parts, and the rest.
+/// State of a run in progress: the parts of all processes, and the common rest.
 type Left = (Vec<Vec<u8>>, Snapshot);
 
 fn leave(simulation: &mut Simulation) -> Left {
@@ -192,7 +192,7 @@ fn go_on(simulation: &mut Simulation) -> (u64, u64, f64) {
     (hash, simulation.record.pairs.count, simulation.energy())
 }
 
-/// Runs a simulation that begins in parts, in `size` processes; returns the result of the lead.
+/// Runs a simulation that begins in parts, in `size` processes. Returns the result of the lead process.
 fn led<T: Send>(size: usize, experiment: &Experiment, dealt: bool, lead: impl Fn(Simulation) -> T + Sync) -> T {
     let work = |communicator: Arc<dyn Communicator>| {
         let start = Start::part(experiment, &*communicator).unwrap();
@@ -275,7 +275,7 @@ fn a_checkpoint_with_a_part_that_is_damaged_or_of_another_time_is_not_used() {
     };
     let (mut store, refused) = newest();
     assert!(refused.is_empty());
-    // instead of the first, a third was begun and not finished
+    // instead of the first state, a third state was begun but not finished
     write(&store);
     assert_eq!(newest().1, ["a-part-0"]);
     store.keep(&run, &kept).unwrap();

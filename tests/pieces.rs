@@ -1,5 +1,5 @@
 //! Trajectories of a run divided into domains, with threads in place of processes. Together, the pieces of a frame must
-//! be the frame of one process.
+//! equal the frame of a single process.
 
 use crate::support::*;
 use crate::trajectory::{array, numbers};
@@ -19,8 +19,8 @@ use std::path::{Path, PathBuf};
 
 const EVERY: Trajectories = Trajectories { every: 1e-4, format: TrajectoryFormat::Vtp };
 
-/// Experiment of a gas with islands that falls in air between two walls. Frames are at samples and between them, and
-/// one is at the end.
+/// Experiment of a gas with islands that falls in air between two walls. There are frames at samples, between samples,
+/// and at the end.
 fn gas(model: Model) -> Experiment {
     let size = edge(2000, small().diameter, 0.04);
     let mut scene = empty([size; 3], [true, false, true], small(), surface(0.9, 0.1));
@@ -42,8 +42,8 @@ fn gas(model: Model) -> Experiment {
     gas
 }
 
-/// Runs with trajectories into folders, one for each thread in place of a process; with one folder, in one process. The
-/// run begins at its start or at a stored state. Returns the result, and the state after `leave` windows.
+/// Runs with trajectories into folders, one for each thread in place of a process. A single folder means a single
+/// process. The run begins at its start or at a stored state. Returns the result, and the state after `leave` windows.
 fn run(
     experiment: &Experiment,
     folders: &[Folder],
@@ -93,24 +93,24 @@ fn run(
     })
 }
 
-/// Folder of a run in `size` processes, opened by each of them.
+/// Folder of a run, opened by each of `size` processes.
 fn folders(place: &Path, size: usize) -> Vec<Folder> {
     let own = Folder::create(place, true).unwrap();
     std::iter::once(own).chain((1..size).map(|_| Folder::of_another(place))).collect()
 }
 
-/// All numbers of every particle by id, the number of files of the frame, and the run.
+/// Data of one frame: all numbers of every particle by id, and the number of files.
 struct Frame {
     particles: BTreeMap<u32, Vec<u8>>,
     pieces: usize,
 }
 
-/// Files that a joining file names.
+/// Files that are named in a joining file.
 fn sources(text: &str) -> Vec<&str> {
     text.split("Source=\"").skip(1).map(|rest| rest.split('"').next().unwrap()).collect()
 }
 
-/// Reads all frames that the index lists.
+/// Reads all frames listed in the index.
 fn frames(place: &Path) -> Vec<(f64, Frame)> {
     let place = place.join("trajectory");
     let index = std::fs::read_to_string(place.join("some.pvd")).unwrap();
@@ -134,7 +134,7 @@ fn frames(place: &Path) -> Vec<(f64, Frame)> {
     listed.map(frame).collect()
 }
 
-/// Adds the particles in a file.
+/// Adds the particles of a file.
 fn add(file: &[u8], particles: &mut BTreeMap<u32, Vec<u8>>) {
     let ids = numbers(array(file, "id"), u32::from_le_bytes);
     assert!(ids.is_sorted());
@@ -149,7 +149,7 @@ fn add(file: &[u8], particles: &mut BTreeMap<u32, Vec<u8>>) {
     }
 }
 
-/// Checks that the file that joins pieces names the arrays of points in these pieces, and the time.
+/// Checks that the joining file has the time of the pieces, and names the same arrays of points.
 fn check_header(joined: &str, piece: &Path) {
     let piece = std::fs::read(piece).unwrap();
     let text = String::from_utf8_lossy(&piece);
@@ -164,7 +164,7 @@ fn check_header(joined: &str, piece: &Path) {
     assert_eq!(time(&text), time(joined));
 }
 
-/// Checks that the frames of both runs have identical bits; returns how many frames of the second are in pieces.
+/// Checks that the frames of both runs have identical bits. Returns the number of frames of the second run in pieces.
 fn same(name: &str, one: &[(f64, Frame)], other: &[(f64, Frame)]) -> usize {
     assert_eq!(one.len(), other.len(), "{name}");
     for ((time, one), (at, other)) in one.iter().zip(other) {
@@ -204,7 +204,7 @@ fn a_run_in_pieces_goes_on_with_its_frames_in_any_number_of_processes() {
     let (result, left) = run(&gas, &folders(place.path(), 3), None, 97);
     assert!(result.unwrap());
     for size in [2, 1, 4] {
-        // files of frames that another number of processes has written afterwards
+        // files of frames that a run with another number of processes wrote later
         let resume = |_| Folder::resume(place.path()).unwrap();
         let all = (0..1).map(resume).chain((1..size).map(|_| Folder::of_another(place.path())));
         run(&gas, &all.collect::<Vec<_>>(), left.clone(), 0).0.unwrap();
@@ -228,13 +228,13 @@ fn a_piece_that_cannot_be_written_stops_the_run_with_a_message() {
         [(elsewhere.path(), "process 1 has written it, but elsewhere"), (file.path(), "process 1: cannot write")]
     {
         let all = [Folder::create(place.path(), true).unwrap(), Folder::of_another(folder)];
-        // a piece of an earlier part of the run, which is about to be replaced
+        // a joining file of an earlier part of the run, which is about to be replaced
         std::fs::create_dir_all(place.path().join("trajectory/some")).unwrap();
         std::fs::write(place.path().join("trajectory/some/000001.pvtp"), "written by diptych").unwrap();
         let (result, _) = run(&gas, &all, None, 0);
         let why = result.unwrap_err();
         assert!(matches!(why, Failure::Unwritten { .. }) && why.to_string().contains(words), "{why}");
-        // the beginning is complete, and no joining file names missing pieces
+        // the first frame is complete, and no joining file names missing pieces
         assert_eq!(frames(place.path()).len(), 1);
         assert!(!place.path().join("trajectory/some/000001.pvtp").exists());
     }

@@ -1,4 +1,4 @@
-//! Predictions against short real runs, recommendations for the built-in cases, and the command itself.
+//! Predictions against short real runs, recommendations for the built-in cases, and the command `plan`.
 
 use crate::support::{empty, experiment, large, plane, surface};
 use diptych::case::Case;
@@ -33,8 +33,8 @@ fn diptych(arguments: &[&str]) -> Output {
     output
 }
 
-/// Kinetic theory promises 10 %. The effects that it leaves out (a shorter box, slices, a finite number) are a few per
-/// cent.
+/// The tolerance is the 10 % that the plan states for kinetic theory. The neglected effects (a shorter box, slices, a
+/// finite number) are a few per cent.
 #[test]
 fn collision_rates_of_runs() {
     for (name, sets) in [
@@ -57,7 +57,7 @@ fn collision_rates_of_runs() {
     }
 }
 
-/// Mean and 99 % quantile of the overlaps, here with about 30 000 contacts; the requirement is 15 %.
+/// Mean and 99 % quantile of the overlaps of about 30 000 contacts; the plan states an accuracy of 15 %.
 #[test]
 fn overlaps_of_a_gas() {
     let mut experiment = case("dense-gas", &["run.duration=3 ms", "run.average_from=0 s"]);
@@ -70,12 +70,12 @@ fn overlaps_of_a_gas() {
         (row.mean_overlap, measured.mean_maximum_overlap.unwrap()),
         (row.overlap_99, measured.p99_maximum_overlap.unwrap()),
     ] {
-        // at this density contacts of three bodies add a few per cent to the statistical error
+        // at this density, contacts of three bodies add a few per cent to the statistical error
         assert!((predicted / measured - 1.0).abs() < 0.08, "{predicted} against {measured}");
     }
 }
 
-/// The linear map predicts the engine: mean square of the restitution, weighted with energy, of an elastic gas with the
+/// The linear map predicts the restitution of the engine: mean square, weighted with energy, in an elastic gas with the
 /// paper's integrator and step.
 #[test]
 fn realised_restitution_of_the_engine() {
@@ -90,8 +90,8 @@ fn realised_restitution_of_the_engine() {
         let predicted = realised_restitution(scheme, &law, (&unit_spring(1.0), 1.0), steps).unwrap();
         let measured = run(&experiment).record.pairs.summary();
         assert!(measured.count > 1000, "{measured:?}");
-        // the phase of a contact scatters e by 0.01; oblique contacts turn by about the overlap, which reduces the gain
-        // by 1 %
+        // the phase of a contact changes e by about 0.01; oblique contacts turn by about the overlap, which reduces the
+        // gain by 1 %
         let error = 0.01 / (measured.count as f64).sqrt();
         let found = measured.mean_restitution.unwrap() - predicted.mean_square.sqrt();
         assert!(found.abs() < 4.0 * error + 1e-3, "{integrator:?}: {measured:?} against {predicted:?}");
@@ -102,7 +102,7 @@ fn realised_restitution_of_the_engine() {
 fn the_lowest_contact_and_the_deepest_bounce() {
     let column = case("column", &[]);
     let plan = planned(&column).plan;
-    // n m g/k: 3.56815e-6 m (statics), over 406 um
+    // static overlap n m g/k: 3.56815e-6 m, over 406 um
     assert!((plan.static_overlap.unwrap() / (3.56814984e-6 / 406e-6) - 1.0).abs() < 1e-6);
     let bouncing = case("bouncing-sphere", &["run.duration=0.1 s"]);
     let plan = planned(&bouncing).plan;
@@ -132,7 +132,7 @@ fn recommendations_for_the_ready_cases() {
         ("bouncing-sphere", EngineChoice::Hard),
         ("impact", EngineChoice::Hard),
         ("column", EngineChoice::SoftUniform),
-        // three time steps per window
+        // windows of three time steps
         ("cradle", EngineChoice::SoftUniform),
     ] {
         let found = planned(&case(name, &[])).recommendation;
@@ -147,11 +147,11 @@ fn recommendations_for_the_ready_cases() {
     let found = planned(&overlapping).recommendation;
     assert_eq!(found.engine, Some(EngineChoice::SoftLocal), "{found:?}");
     assert!(found.refused.iter().any(|why| why.contains("overlap")), "{found:?}");
-    // after its last bounce the sphere lies on the floor, which hard spheres cannot
+    // after its last bounce the sphere lies on the floor, which hard spheres cannot do
     let lying = planned(&case("bouncing-sphere", &["run.duration=4 s"])).recommendation;
     assert_eq!(lying.engine, Some(EngineChoice::SoftUniform), "{lying:?}");
     assert!(lying.refused.iter().any(|why| why.contains("come to rest")), "{lying:?}");
-    // with a contact time hard spheres hover there
+    // with a contact time, hard spheres keep bouncing slightly there
     let hovering = ["run.duration=4 s", "hard.contact_time=1e-5 s"];
     let hovering = planned(&case("bouncing-sphere", &hovering)).recommendation;
     assert!(!hovering.refused.iter().any(|why| why.starts_with("hard spheres")), "{hovering:?}");
@@ -170,10 +170,10 @@ fn there_may_be_no_adequate_model() {
 #[test]
 fn a_stricter_target_asks_for_more() {
     let mut beads = case("glass-beads", &[]);
-    // a case without a stiffness gets one
+    // a case without a stiffness gets a recommended stiffness
     beads.soft.law = None;
     let [loose, strict] = [0.1, 0.001].map(|target| plan_of(&beads, target, false).unwrap());
-    // the stiffness is proportional to the inverse square of the error, until overlaps require more
+    // the stiffness is proportional to the inverse square of the error, unless overlaps require a larger one
     let ratio =
         strict.recommendation.law.unwrap().parameter().value / loose.recommendation.law.unwrap().parameter().value;
     assert!(ratio > 100.0, "{ratio}");
@@ -182,7 +182,7 @@ fn a_stricter_target_asks_for_more() {
     assert!((strict.duration / loose.duration - 100.0).abs() < 1e-6, "{strict:?} {loose:?}");
 }
 
-/// Every key of a number in the JSON, with a unit or without.
+/// Adds the keys of numbers without a unit in the JSON to `found`.
 fn without_unit(value: &Value, key: &str, units: &Value, found: &mut Vec<String>) {
     match value {
         Value::Object(map) => map.iter().for_each(|(key, value)| without_unit(value, key, units, found)),
@@ -212,7 +212,7 @@ fn plans_do_not_depend_on_threads() {
     let [one, two] = ["1", "2"].map(|threads| {
         let output = diptych(&["plan", "cases/cooling-gas.toml", "--json", "--threads", threads]);
         let mut document: Value = serde_json::from_slice(&output.stdout).unwrap();
-        // measured times and memory are removed
+        // measured times and memory are left out
         document["plan"]["costs"] = Value::Null;
         document["threads"] = Value::Null;
         document
@@ -220,7 +220,7 @@ fn plans_do_not_depend_on_threads() {
     assert_eq!(one, two);
 }
 
-/// A ball that falls out of an open box. No model is recommended for this reason, but every timing run finds it.
+/// A ball that falls out of an open box. No model is recommended for this reason, although every timing run stops.
 #[test]
 fn a_run_that_every_model_stops_is_told_first() {
     let place = tempfile::tempdir().unwrap();
@@ -280,7 +280,7 @@ fn auto_follows_the_recommendation_and_says_so() {
             assert_eq!(summary["variants"][0]["parameters"]["soft"]["stepping"], "uniform");
         }
     }
-    // no model is adequate: refused, nothing written
+    // no model is adequate: the command is refused, and nothing is written
     let folder = temporary.path().join("none");
     let output = diptych(&[
         "run",
@@ -296,8 +296,8 @@ fn auto_follows_the_recommendation_and_says_so() {
     assert!(!folder.exists());
 }
 
-/// Spheres that start at random positions are no row through which an impulse passes, however near to each other two of
-/// them are by chance.
+/// Spheres at random positions are no row through which an impulse passes, even if two of them are very near to each
+/// other by chance.
 #[test]
 fn only_a_start_that_was_placed_has_neighbours_in_a_row() {
     let sets = ["particles[0].count=60", "domain.size=[\"2.4 mm\", \"2.4 mm\", \"2.4 mm\"]", "run.duration=1 ms"];
@@ -310,7 +310,7 @@ fn only_a_start_that_was_placed_has_neighbours_in_a_row() {
 }
 
 /// The cradle runs for 200 windows of three time steps each. Local stepping, which searches in every window, is slower
-/// there. Where the spheres fly for long, it is not.
+/// there. It is faster if spheres fly for long times.
 #[test]
 fn local_stepping_is_for_windows_of_many_steps() {
     let short = planned(&case("cradle", &[])).recommendation;
@@ -321,7 +321,7 @@ fn local_stepping_is_for_windows_of_many_steps() {
 }
 
 /// A window of this run contains about 10⁹ collisions. A part of the window is timed, and the cost is extrapolated to
-/// all of them.
+/// the whole run.
 #[test]
 fn a_plan_of_a_very_long_run_ends() {
     let sets = ["run.duration=1e8 s", "contact.restitution=1", "domain.size=[\"2 mm\", \"2 mm\", \"2 mm\"]"];
@@ -339,21 +339,21 @@ fn a_plan_of_a_very_long_run_ends() {
 }
 
 /// Haff's law with the collision rate at the start, against a run for the predicted time of half of the energy loss.
-/// Kinetic theory gives the rate to 4 %, and 2000 particles scatter by 2 %.
+/// Kinetic theory is accurate to 4 %, and the energy of 2000 particles has a standard deviation of 2 %.
 #[test]
 fn a_cooling_gas_is_asked_for_its_curve() {
     let mut gas = case("cooling-gas", &[]);
     let plan = planned(&gas).plan;
     assert!(plan.averaging.is_none(), "{:?}", plan.averaging);
     let transient = plan.transient.unwrap();
-    // sqrt(2/(3 · 1999)) over 1 %, squared
+    // number of replicas: sqrt(2/(3 · 1999)) over 1 %, squared
     assert_eq!((transient.replicas, transient.at_rest), (4, None));
     let half = &transient.losses[0];
     gas.run.duration = half.time;
     let outcome = run(&gas);
     let lost = 1.0 - outcome.energy_at_end / outcome.energy_at_start;
     assert!((lost / half.share - 1.0).abs() < 0.06, "{lost} lost where {} was predicted", half.share);
-    // nothing is lost in the first case, the gas drives the second, and walls that slide stir the third
+    // no steady cooling: the first case loses no energy, the gas drives the second, and sliding walls drive the third
     let driven = [
         ("dense-gas", &[][..]),
         ("channel-f", &["domain.size[0]=60 mm", "domain.size[2]=32 mm"]),
@@ -366,7 +366,7 @@ fn a_cooling_gas_is_asked_for_its_curve() {
     assert!(planned(&case("walls/sheared-cell", &still)).plan.transient.is_some());
 }
 
-/// Beads between floor and lid come to rest: no average, no local stepping, no hard spheres.
+/// Beads between floor and lid come to rest. The plan recommends no average, no local stepping and no hard spheres.
 #[test]
 fn a_bed_is_neither_averaged_nor_stepped_locally() {
     let mut scene = empty([0.02, 0.04, 0.02], [true, false, true], large(), surface(0.8, 0.0));
@@ -380,7 +380,7 @@ fn a_bed_is_neither_averaged_nor_stepped_locally() {
     assert_eq!(advice.engine, Some(EngineChoice::SoftUniform), "{advice:?}");
     assert!(plan.averaging.is_none() && plan.transient.as_ref().is_some_and(|found| found.at_rest.is_some()));
     let seconds = |model| plan.costs.iter().find(|cost| cost.model == model).and_then(|cost| cost.wall_seconds);
-    // the table has no time for unknown costs, and one for the recommended model
+    // the table has a time for the recommended model, and none for models with unknown cost
     assert!(
         seconds(EngineChoice::SoftLocal).is_none() && seconds(EngineChoice::SoftUniform).is_some(),
         "{:?}",
@@ -389,30 +389,30 @@ fn a_bed_is_neither_averaged_nor_stepped_locally() {
     assert!(advice.refused[0].starts_with("hard spheres: particles come to rest"), "{:?}", advice.refused);
 }
 
-/// The predicted fall of the gas above takes longer than the run. Only the bed itself rules out hard spheres.
+/// The predicted time until the gas comes to rest is longer than the run, so that only the bed rules out hard spheres.
 #[test]
 fn a_bed_in_a_start_from_a_file_is_seen() {
     let mut experiment = case("hybrid/gas-above-bed", &[]);
     let found = planned(&experiment);
-    // 375 were poured; some bounce too fast, or are held between two neighbours with gaps below the rounding of the
+    // 375 beads were poured; some bounce too fast, or are between two neighbours with gaps below the rounding of the
     // file
     assert!((250..=375).contains(&found.plan.lying), "{}", found.plan.lying);
     assert_eq!(found.recommendation.engine, Some(EngineChoice::SoftUniform));
     assert!(found.recommendation.refused[0].contains("lie on something"), "{:?}", found.recommendation.refused);
-    // if few particles lie and windows are long, only these are stepped
+    // if few particles lie and windows are long, only the particles that lie are stepped
     let found = planned(&case("hybrid/rain-on-a-bed", &[]));
     assert_eq!(found.recommendation.engine, Some(EngineChoice::Hybrid), "{:?}", found.recommendation);
-    // with springs softer than glass, as is usual
+    // with springs softer than glass, as is common
     let mut rain = case("hybrid/rain-on-a-bed", &["soft.linear_spring_dashpot.stiffness=10 kN/m"]);
     assert_eq!(planned(&rain).recommendation.engine, Some(EngineChoice::Hybrid));
     rain.run.duration *= 0.1;
     assert_eq!(planned(&rain).recommendation.engine, Some(EngineChoice::SoftUniform), "windows are too short for it");
-    // without weight no particle lies on another
+    // without weight, no particle lies on another
     experiment.scene.gravity *= 0.0;
     assert_eq!(planned(&experiment).plan.lying, 0);
 }
 
-/// For every built-in case, `check` and `plan` give equal statements on the start.
+/// For every built-in case, `check` and `plan` agree about the start.
 #[test]
 fn obstacles_of_the_start_are_those_of_the_plan() {
     let mut some = 0;
@@ -426,23 +426,23 @@ fn obstacles_of_the_start_are_those_of_the_plan() {
     assert!(some >= 2, "{some} cases have obstacles");
 }
 
-/// Softer spheres are in contact for longer. At a tenth of the time in contact, stepping only those in contact costs as
-/// much as stepping all.
+/// Softer spheres are in contact for a longer time. From a tenth of the time in contact on, stepping only the spheres
+/// in contact costs as much as stepping all.
 #[test]
 fn local_stepping_is_for_those_who_touch_rarely() {
     for (stiffness, engine) in [("30 kN/m", EngineChoice::SoftLocal), ("1 kN/m", EngineChoice::SoftUniform)] {
         let gas = case("dense-gas", &[&format!("soft.linear_spring_dashpot.stiffness={stiffness}"), "run.window=1 ms"]);
         let planned = plan_of(&gas, 0.5, false).unwrap();
         let mut plan = planned.plan;
-        // as if hard spheres were ruled out
+        // hard spheres are ruled out, as if by overlaps at the start
         plan.starts_overlapping = true;
         let found = recommend(&gas, &plan, &[], &[]);
         assert_eq!(found.engine, Some(engine), "{stiffness}: {:?}", plan.time_in_contact);
     }
 }
 
-/// Half the period of the tangential spring over a contact is sqrt((2/7)/κ) without damping, that of the rolling spring
-/// sqrt((2/5)/(2.25 μ_r²)).
+/// Half the period of a spring over the contact time: sqrt((2/7)/κ) for the tangential spring without damping,
+/// sqrt((2/5)/(2.25 μ_r²)) for the rolling spring.
 #[test]
 fn the_spring_that_limits_the_time_step_is_named() {
     let limits = |sets: &[&str]| {

@@ -1,4 +1,4 @@
-//! Recordings of particles, and the pages that play them as animations.
+//! Recordings of particles, and pages with their animations.
 
 use crate::support::{diptych, empty, experiment, small, surface, words};
 use diptych::engine::Failure;
@@ -29,13 +29,13 @@ fn a_recording_changes_nothing_and_is_bounded() {
         let (seen, _) = execute(&experiment, start(), &mut [&mut frames as &mut dyn Observer]);
         let (alone, _) = execute(&experiment, start(), &mut []);
         assert_eq!(seen.final_state_hash, alone.final_state_hash, "{model:?}");
-        // of 600 particles every second one is followed, since at most 500 are
+        // of 600 particles every second one is recorded, because at most 500 are
         assert_eq!(frames.radius.len(), if count == 600 { 300 } else { 20 });
         let recorded = &frames.frames;
         assert!((40..=241).contains(&recorded.len()), "{}", recorded.len());
         assert!(recorded.windows(2).all(|pair| pair[0].time < pair[1].time) && recorded[0].time == 0.0);
-        // few particles are followed to the end; with many in a long run frames are so close in time that particles fly
-        // about a radius in between
+        // few particles are recorded up to the end; with many particles in a long run, frames are so close in time that
+        // particles fly about a radius between them
         let last = recorded.last().unwrap().time;
         assert!(count == 600 || (last - 0.02).abs() < 1e-9, "{last}");
         for frame in recorded {
@@ -60,7 +60,7 @@ fn a_recording_goes_on_as_it_was_stored() {
     assert_eq!(again, frames);
 }
 
-/// The recording in a page: its variants, and the number of bytes of each.
+/// Recording in a page: its variants, and the number of bytes of each variant.
 fn recording(folder: &Path) -> serde_json::Value {
     let page = std::fs::read_to_string(folder.join("report.html")).unwrap();
     assert!(page.len() < 3_000_000, "{} bytes", page.len());
@@ -89,7 +89,7 @@ fn a_comparison_plays_its_variants_side_by_side() {
     let data = recording(place.path());
     assert_complete(&data, 5, &["soft", "hard"]);
     let deepest = |place: usize| data["variants"][place]["deepest"].as_f64().unwrap();
-    // two springs at once pass on half the relative speed: the overlap is about v sqrt(M/k) of a pair
+    // at first, two springs share half of the relative speed: the overlap is about v sqrt(M/k) of a pair
     assert!(deepest(0) > 1e-6 && deepest(0) < 1e-5 && deepest(1) < 1e-12, "{} {}", deepest(0), deepest(1));
     let page = std::fs::read_to_string(place.path().join("report.html")).unwrap();
     assert_eq!(page.matches("<figure class=\"panel\">").count(), 2, "a still picture each");
@@ -102,14 +102,14 @@ fn an_impact_plays_in_slow_motion() {
     assert_eq!(output.status.code(), Some(0), "{}", words(&output.stderr));
     let data = recording(place.path());
     assert_complete(&data, 2, &["hard", "soft, k = 3000 N/m", "soft, k = 300 N/m"]);
-    // the overlaps in the heading of the case, over a diameter of 406 um
+    // the overlaps in the heading of the case, for a diameter of 406 um
     for (place, share) in [(1, 0.0058), (2, 0.018)] {
         let deepest = data["variants"][place]["deepest"].as_f64().unwrap();
         assert!((deepest / 406e-6 / share - 1.0).abs() < 0.05, "{deepest}");
     }
 }
 
-/// A variant that stopped is reported as stopped, and is not called cheaper for that.
+/// A variant that stopped is reported as stopped, and is not called cheaper because of its short run.
 #[test]
 fn what_stopped_is_not_ranked() {
     let mut outcomes = crate::made_up::outcomes();
@@ -125,7 +125,7 @@ fn what_stopped_is_not_ranked() {
     assert!(cost.contains("not ranked") && cost.matches(" ×").count() == 2 && cost.contains(">1.0 ×"), "{cost}");
 }
 
-/// The spin of a ball that slides until it rolls is recorded with the speed u/R at which it rolls in the end.
+/// The recorded spin of a ball that slides until it rolls approaches the value u/R of rolling.
 #[test]
 fn spins_are_recorded_where_spheres_rotate() {
     let folder = tempfile::tempdir().unwrap();
@@ -137,7 +137,8 @@ fn spins_are_recorded_where_spheres_rotate() {
         serde_json::from_str(between(&page, "<script type=\"application/json\">", "</script>")).unwrap();
     let variants = data["variants"].as_array().unwrap();
     let spin = |place: usize| variants[place]["swiftest"].as_f64().unwrap();
-    // 5/7 of 0.1 m/s, over the radius of 0.5 mm; spring and weight make it swing about this value by some per cent
+    // the final spin is 5/7 of 0.1 m/s over the radius of 0.5 mm; spring and weight cause oscillations of a few per
+    // cent
     assert!((spin(0) / 142.86 - 1.0).abs() < 0.05 && (spin(1) / 142.86 - 1.0).abs() < 0.05, "{} {}", spin(0), spin(1));
     assert_eq!((variants[2]["name"].as_str(), spin(2)), (Some("soft, no rotation"), 0.0));
     for variant in variants {

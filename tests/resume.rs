@@ -1,4 +1,4 @@
-//! Runs that are killed or stopped can be resumed, with identical bits and without loss.
+//! Killed or stopped runs can be resumed, with identical bits and without loss.
 
 mod disk;
 
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-/// Every engine, with a length of the run that takes some tenths of a second.
+/// Every engine, with a duration for which a run takes some tenths of a second.
 const WAYS: [(&str, &[&str]); 12] = [
     ("hard", &["--model=hard", "--set=run.duration=4 s"]),
     ("hard, contact time", &["--model=hard", "--set=run.duration=4 s", "--set=hard.contact_time=1e-6 s"]),
@@ -73,13 +73,13 @@ const WAYS: [(&str, &[&str]); 12] = [
     ),
 ];
 
-/// Comparisons: a verified one, and a longer one with paths and trajectories.
+/// Comparisons: one with `--verify`, and a longer one with paths and trajectories.
 const COMPARED: [[&str; 4]; 2] = [
     ["--verify", "--set=run.duration=0.5 s", "--margin=1%", "--set=run.seed=1"],
     ["--set=run.duration=2 s", "--set=particles[0].count=30", "--every=20 ms", "--set=output.format=both"],
 ];
 
-/// Settings that all runs here have in common: several windows between samples, one thread, frequent checkpoints.
+/// Settings of all runs in this file: several windows between samples, one thread, frequent checkpoints.
 const ALL: [&str; 5] = [
     "--set=run.average_from=0.01 s",
     "--set=statistics.sample_interval=2 ms",
@@ -106,7 +106,7 @@ fn code(output: &Output) -> Option<i32> {
     output.status.code()
 }
 
-/// Waits for a while until a condition is true; returns false if it never was.
+/// Waits until a condition is true. Returns false if the condition is not true after a minute.
 fn wait_for(what: impl Fn() -> bool) -> bool {
     let began = Instant::now();
     while !what() && began.elapsed() < Duration::from_secs(60) {
@@ -115,7 +115,7 @@ fn wait_for(what: impl Fn() -> bool) -> bool {
     what()
 }
 
-/// Sends a signal to a process that is a child of this one.
+/// Sends a signal to a child process.
 fn signal(child: &Child, name: &str) {
     let sent = Command::new("kill").args([name, &child.id().to_string()]).stderr(Stdio::null()).status().unwrap();
     assert!(sent.success() || cfg!(not(unix)));
@@ -130,7 +130,7 @@ fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     for place in places.filter(|place: &PathBuf| place.is_dir()) {
         for entry in std::fs::read_dir(place).unwrap().map(Result::unwrap) {
             let name = entry.path().strip_prefix(folder).unwrap().display().to_string();
-            // costs are wall times, and a run that is killed at its very end leaves the lock file, unlocked
+            // the report and the cost contain wall times, and a run killed at its very end leaves an unlocked lock file
             let of_its_own = ["report.html", "figures/cost.svg", "summary.json", ".diptych-lock"];
             if entry.path().is_file() && !of_its_own.contains(&name.as_str()) {
                 results.insert(name, std::fs::read(entry.path()).unwrap());
@@ -167,7 +167,7 @@ fn timeless(value: Value) -> Value {
     }
 }
 
-/// Results of a command that is not interrupted, and its wall time.
+/// Results and wall time of a command that is not interrupted.
 fn undisturbed(what: &str, case: &str, more: &[&str]) -> (BTreeMap<String, Vec<u8>>, Duration) {
     let place = tempfile::tempdir().unwrap();
     let began = Instant::now();
@@ -178,7 +178,7 @@ fn undisturbed(what: &str, case: &str, more: &[&str]) -> (BTreeMap<String, Vec<u
     (results(place.path()), took)
 }
 
-/// Checks that two runs have written equal files, and names the file that differs.
+/// Checks that two runs have written equal files. The message names a file that differs.
 #[track_caller]
 fn same(name: &str, found: &BTreeMap<String, Vec<u8>>, expected: &BTreeMap<String, Vec<u8>>) {
     assert!(found.keys().eq(expected.keys()), "{name}: {:?} {:?}", found.keys(), expected.keys());
@@ -187,7 +187,7 @@ fn same(name: &str, found: &BTreeMap<String, Vec<u8>>, expected: &BTreeMap<Strin
     }
 }
 
-/// Kills a command at random times after its first stored state, and resumes it each time unless it is over. Returns
+/// Kills a command at random times after its first stored state, and resumes it after each kill, until it ends. Returns
 /// the number of kills.
 fn kill_and_resume(name: &str, what: &str, more: &[&str], random: &mut Xoshiro256PlusPlus) -> u32 {
     let (expected, took) = undisturbed(what, BASE, more);
@@ -200,13 +200,13 @@ fn kill_and_resume(name: &str, what: &str, more: &[&str], random: &mut Xoshiro25
         std::thread::sleep(took.mul_f64(random.random::<f64>()));
         child.kill().unwrap();
         let output = child.wait_with_output().unwrap();
-        // the command may have ended before the kill
+        // the command may have ended before the signal
         kills += u32::from(output.status.code().is_none());
-        // the command may have been killed after its results were complete, while it removed the checkpoint
+        // the command may have been killed while it removed the checkpoint, after its results were complete
         if !folder.join("checkpoint/command").exists() {
             break;
         }
-        // a second kill hits the resumed run
+        // a second kill interrupts the resumed run
         child = program().arg("resume").arg(&folder).spawn().unwrap();
         if kills >= 2 {
             let output = child.wait_with_output().unwrap();
@@ -231,7 +231,7 @@ fn killed_runs_go_on_with_the_same_bits() {
     let kills = kills + kill_and_resume("replicas", "compare", &replicas, &mut random);
     let factors = ["--factors=model,restitution,seed", "--set=run.duration=0.3 s", "--replicas=2"];
     let kills = kills + kill_and_resume("sensitivity", "sensitivity", &factors, &mut random);
-    // most commands are killed before the end, because the time is drawn from the whole length of the run
+    // most commands are killed before the end, because the time of the kill is within the duration of the run
     assert!(kills >= 5, "{kills}");
 }
 
@@ -274,12 +274,12 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// The newer and the older of the two stored states. Their number follows the line that names the program.
+/// The newer and the older one of two stored states. Their number follows the line with the name of the program.
 fn by_age(folder: &Path) -> [PathBuf; 2] {
     let generation = |path: &PathBuf| {
         let bytes = std::fs::read(path).unwrap();
         let end = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'\n').nth(1).unwrap().0;
-        // a varint of postcard: seven bits in every byte, the lowest first
+        // varint of postcard: seven bits in each byte, the lowest bits first
         let digits = bytes[end + 1..].iter().scan(true, |more, byte| {
             let now = *more;
             *more = *byte >= 128;
@@ -320,7 +320,7 @@ fn a_damaged_checkpoint_is_told_and_the_older_one_is_used() {
         assert!(told.contains(&path) && told.contains("the other one is used"), "{name}: {told}");
         same(name, &results(&folder), &expected);
     }
-    // if no state can be used, the run begins anew
+    // if no state can be used, the run starts from the beginning
     let both = place.path().join("both");
     copy(&killed, &both);
     by_age(&both).iter().for_each(|path| std::fs::write(path, "x").unwrap());
@@ -345,7 +345,8 @@ fn a_signal_stops_at_the_end_of_the_window_and_a_second_one_at_once() {
         let told = words(&output.stderr);
         assert_eq!(code(&output), Some(130), "{told}");
         assert!(told.contains("\"soft\" was stopped; `diptych resume") && told.contains("goes on from t = "), "{told}");
-        // a report of the completed part, marked as such, and no summary, which would mean that all is complete
+        // there is a report of the completed part, marked as such, but no summary, which would mean that all is
+        // complete
         let page = std::fs::read_to_string(folder.join("report.html")).unwrap();
         assert!(page.contains("stopped from outside") && !folder.join("summary.json").exists());
         let again = program().args(["run", BASE, "--quiet", "--out"]).arg(&folder).output().unwrap();
@@ -374,7 +375,7 @@ fn a_signal_stops_at_the_end_of_the_window_and_a_second_one_at_once() {
     assert!(began.elapsed() < Duration::from_secs(10));
 }
 
-/// Number of files of a checkpoint whose names begin with a text.
+/// Number of files of a checkpoint whose names begin with `begins`.
 fn stored(folder: &Path, begins: &str) -> usize {
     let Ok(entries) = std::fs::read_dir(folder.join("checkpoint")) else { return 0 };
     entries.flatten().filter(|entry| entry.file_name().to_string_lossy().starts_with(begins)).count()
@@ -382,13 +383,13 @@ fn stored(folder: &Path, begins: &str) -> usize {
 
 #[test]
 fn replicas_stop_at_a_signal_and_are_gone_on_with() {
-    // so long that even a slow test finds some of the runs over and others not
+    // runs so long that even a slow test finds some of them finished and others not
     let more = ["--model=hard", "--set=run.duration=4 s", "--replicas=5"];
     let (expected, _) = undisturbed("run", BASE, &more);
     let place = tempfile::tempdir().unwrap();
     let folder = place.path().join("results");
     let child = start("run", BASE, &more, &folder);
-    // the first run and a replica are over, another replica is in progress
+    // the first run and a replica are finished, and another replica is in progress
     assert!(wait_for(|| stored(&folder, "done-") >= 2 && stored(&folder, "a-") >= 1));
     signal(&child, "-INT");
     let output = child.wait_with_output().unwrap();
@@ -396,14 +397,14 @@ fn replicas_stop_at_a_signal_and_are_gone_on_with() {
     assert_eq!(code(&output), Some(130), "{told}");
     assert!(told.contains("\"hard\" was stopped; `diptych resume") && told.contains("does what is left"), "{told}");
     let over = stored(&folder, "done-");
-    // the state of the replica in progress is stored too, unless it was just over
+    // the state of the replica in progress is stored too, unless this replica has just ended
     assert!((2..5).contains(&over), "{over} are over");
     assert!(folder.join("report.html").exists() && !folder.join("summary.json").exists());
     let done: Vec<_> = std::fs::read_dir(folder.join("checkpoint")).unwrap().flatten().collect();
     let times = |file: &std::fs::DirEntry| std::fs::metadata(file.path()).and_then(|data| data.modified()).ok();
     let before: Vec<_> = done.iter().filter(|file| file.file_name().to_string_lossy().starts_with("done-")).collect();
     let written: Vec<_> = before.iter().map(|file| times(file)).collect();
-    // a second stop while runs are in progress: the completed ones are unchanged
+    // a second stop while runs are in progress does not change the finished runs
     let mut child = program().arg("resume").arg(&folder).spawn().unwrap();
     let _ = wait_for(|| stored(&folder, "done-") > over || !folder.join("checkpoint").exists());
     child.kill().unwrap();
@@ -445,7 +446,7 @@ fn another_program_or_a_changed_case_is_refused_by_name() {
     std::fs::write(models.join("own.toml"), set.replace("1038", "1039")).unwrap();
     refused("\"hard\" (scene) has been changed by a file");
     std::fs::write(models.join("own.toml"), set).unwrap();
-    // written by another version: the file with another name of the program, and a new checksum
+    // a file of another version: the name of the program in the file differs, and the checksum fits
     let command = folder.join("checkpoint/command");
     let own = std::fs::read(&command).unwrap();
     let mut other = own[..own.len() - 4].to_vec();
@@ -455,11 +456,11 @@ fn another_program_or_a_changed_case_is_refused_by_name() {
     other.extend_from_slice(&crc32fast::hash(&other).to_le_bytes());
     std::fs::write(&command, other).unwrap();
     refused("was written by diptych 9.");
-    // a damaged command file has a copy, which is used unless it is damaged too
+    // a damaged command file is replaced by its copy, unless the copy is damaged too
     let copy = folder.join("checkpoint/command-copy");
     [&command, &copy].iter().for_each(|path| std::fs::write(path, &own[..own.len() / 2]).unwrap());
     refused("is damaged");
-    // with the original file the command can be resumed
+    // with the original file, the command can be resumed
     std::fs::write(&command, own).unwrap();
     assert_eq!(code(&resume(&folder)), Some(0));
     refused("are complete");

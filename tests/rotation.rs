@@ -1,4 +1,4 @@
-//! Spheres that rotate: reference values computed independently (oracle, RA to RE), balances, and the same bits everywhere.
+//! Rotating spheres: reference values computed independently (oracle, sections RA to RE), balances, and equal bits.
 
 mod closed_forms;
 mod gases;
@@ -40,7 +40,7 @@ struct Surfaces {
     stiffness: f64,
     /// [-] c_t/(M ω_0).
     dashpot: f64,
-    /// [-] β_0 of Walton's rule beside it.
+    /// [-] β_0 of Walton's rule for comparison.
     walton: f64,
 }
 
@@ -79,7 +79,7 @@ fn ball() -> Species {
     Species { diameter: 2.0 * RADIUS, density: 4000.0, ..small() }
 }
 
-/// A ball that is thrown at a floor at an angle [°] from its normal, with a forward spin R ω/V [-].
+/// Ball thrown at a floor at an angle [°] from the normal, with a forward spin R ω/V [-].
 fn thrown(surfaces: &Surfaces, impact: ImpactRule, (angle, spin): (f64, f64)) -> (Scene, Particles) {
     let of = surface(surfaces.restitution, surfaces.friction);
     let mut scene = empty([0.1; 3], [true, false, true], ball(), of);
@@ -88,12 +88,12 @@ fn thrown(surfaces: &Surfaces, impact: ImpactRule, (angle, spin): (f64, f64)) ->
     let (sin, cos) = f64::to_radians(angle).sin_cos();
     let mut particles = placed(&scene, &[([0.05, RADIUS + 1e-6, 0.05], [SPEED * sin, -SPEED * cos, 0.0])]);
     scene.let_rotate(&mut particles);
-    // forward along x over a floor is a negative turn about z
+    // a forward spin along x over a floor is negative about z
     particles.spin.as_mut().unwrap()[0] = Vector3::new(0.0, 0.0, -spin * SPEED / RADIUS);
     (scene, particles)
 }
 
-/// (v_t'/V, R ω'/V, v_n'/V) after the bounce.
+/// (v_t'/V, R ω'/V, v_n'/V) [-] after the bounce.
 fn bounced(scene: Scene, particles: Particles, engine: Box<dyn Engine>) -> [f64; 3] {
     let mut simulation = Simulation::with_engine(scene, particles, engine);
     simulation.run(20, 1e-5).unwrap();
@@ -111,7 +111,8 @@ fn soft(restitution: f64, steps: f64, stepping: SoftStepping) -> Box<dyn Engine>
     Box::new(Soft::new(ContactLaw::linear(STIFFNESS), Integrator::VelocityVerlet, step, stepping))
 }
 
-/// RA: surfaces, angle [°], R ω_0/V, then v_t'/V and R ω'/V of the spring (limit μ max(f_n, 0)), and of Walton's rule.
+/// RA: surfaces, angle [°], R ω_0/V; then v_t'/V and R ω'/V of the spring (limit μ max(f_n, 0)), and the same of
+/// Walton's rule.
 const AT_WALL: &[(Surfaces, f64, f64, [f64; 2], [f64; 2])] = &[
     (W1, 2.0, 0.0, [0.030541524, 0.010894932], [0.021936826, 0.032406676]),
     (W1, 5.0, 0.0, [0.070284542, 0.042178002], [0.054783610, 0.080930333]),
@@ -198,7 +199,8 @@ fn hybrid_impacts_are_hard_ones() {
     assert!(worst(&[0.294285714, 0.514285714], &found) < 2e-9, "{found:?}");
 }
 
-/// RE: a ball dropped with spin, here (v_0, R ω_0, first impact speed, e, μ, β_0) and (v, R ω) after each bounce; all ends at (5 v_0 + 2 R ω_0)/7.
+/// RE: a ball dropped with spin; (v_0, R ω_0, first impact speed, e, μ, β_0), and (v, R ω) after each bounce. The final
+/// velocity is (5 v_0 + 2 R ω_0)/7.
 #[test]
 fn a_ball_dropped_with_spin_bounces_as_it_must() {
     let bounces = [
@@ -234,7 +236,8 @@ fn a_ball_dropped_with_spin_bounces_as_it_must() {
     }
 }
 
-/// RE: between an incline and gravity a soft ball rolls or slips; from rest without tangential dashpot it swings about the rolling motion.
+/// RE: a soft ball on an incline rolls or slips. From rest, without a tangential dashpot, it oscillates about the
+/// rolling motion.
 #[test]
 fn a_soft_ball_rolls_down_an_incline() {
     for (stepping, tolerance) in [(SoftStepping::Local, 1e-6), (SoftStepping::Uniform, 2e-3)] {
@@ -268,7 +271,7 @@ fn a_soft_ball_rolls_down_an_incline() {
     }
 }
 
-/// RG 2: without friction spins stay as they are to the last bit, and all else goes as without rotation.
+/// RG 2: without friction, spins do not change in any bit, and everything else is as without rotation.
 #[test]
 fn without_friction_rotation_changes_nothing() {
     for model in [Model::Soft, Model::Hard, Model::Hybrid, Model::Dsmc] {
@@ -308,7 +311,8 @@ fn rough_gas(
     gas
 }
 
-/// The state of a rough scene with walls, gravity and two kinds, by every engine; and again from the middle, and on three threads.
+/// State of a rough scene with walls, gravity and two species, computed by every engine, from a snapshot in the middle,
+/// and on three threads.
 #[test]
 fn rough_scenes_have_the_same_bits_from_a_snapshot_and_on_any_threads() {
     for (model, stepping) in [
@@ -324,7 +328,7 @@ fn rough_scenes_have_the_same_bits_from_a_snapshot_and_on_any_threads() {
             plane([0.0, 3e-3, 0.0], [0.0, -1.0, 0.0], surface(0.9, 0.3)),
         ];
         let mut rough = experiment(scene, 80, [0.0; 3], 0.5, model, 4);
-        // so that spheres settle on the floor, and roll and twist there
+        // gravity by which spheres settle on the floor, and roll and twist there
         rough.scene.gravity = Vector3::new(40.0, -800.0, 0.0);
         let rolling = Some(RollingLaw::Spring { friction: 0.1, stiffness: None, damping: 0.3 });
         let twisting = Some(TwistingLaw { damping: 0.1 });

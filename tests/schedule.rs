@@ -1,5 +1,5 @@
-//! Tests that the windows of the schedule are short enough for the promised accuracy. A window is the time between two
-//! drag kicks.
+//! The windows of the schedule must be short enough for the promised accuracy. A window is the time between two drag
+//! kicks.
 
 use crate::support::*;
 use diptych::case::Case;
@@ -19,7 +19,7 @@ use nalgebra::Vector3;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A tall box of gas at rest with gravity downwards, open along z.
+/// Tall box of gas at rest with gravity downwards. The box is not periodic along z.
 fn still_air(species: Species) -> Scene {
     let mut scene = empty([2.0, 2.0, 300.0], [true, true, false], species, surface(1.0, 0.0));
     scene.gravity = Vector3::new(0.0, 0.0, -9.81);
@@ -28,8 +28,7 @@ fn still_air(species: Species) -> Scene {
     scene
 }
 
-/// Experiment of a sphere that starts in the middle of the box with `velocity` [m/s] and is followed for `duration`
-/// [s].
+/// Experiment of a sphere that starts in the upper part of the box with `velocity` [m/s] and runs for `duration` [s].
 fn thrown(species: Species, velocity: [f64; 3], duration: f64) -> Experiment {
     let mut experiment = experiment(still_air(species), 1, [0.0; 3], 0.0, Model::Hard, 1);
     experiment.start[0].amount = Amount::Placed(placed(&experiment.scene, &[([1.0, 1.0, 250.0], velocity)]));
@@ -37,7 +36,7 @@ fn thrown(species: Species, velocity: [f64; 3], duration: f64) -> Experiment {
     experiment
 }
 
-/// [m/s] velocity at the end, with each window of the schedule divided into `parts`.
+/// [m/s] velocity at the end of a run in which each window of the schedule is divided into `parts`.
 fn velocity(experiment: &Experiment, parts: u64) -> Vector3<f64> {
     let schedule = Schedule::new(experiment);
     let mut simulation = Simulation::new(experiment, initial_state(experiment).unwrap());
@@ -47,9 +46,9 @@ fn velocity(experiment: &Experiment, parts: u64) -> Vector3<f64> {
 }
 
 /// Falls of spheres with terminal Reynolds numbers of 45, 297, 551 and 1730, stopped early, halfway and late. The
-/// reference has windows a twentieth as long, whose error is a four-hundredth. The drag coefficient jumps by 0.4 % at
-/// Re = 1000, which the largest sphere passes. There the wrong coefficient acts for half a window at most, on a
-/// deceleration below g.
+/// reference has windows a twentieth as long, with a four-hundredth of the error. The drag coefficient jumps by 0.4 %
+/// at Re = 1000, which the largest sphere passes. There, the wrong coefficient acts for half a window at most, and the
+/// deceleration is below g.
 #[test]
 fn windows_for_a_fall_from_rest() {
     let sphere = |diameter: f64| Species { diameter, ..large() };
@@ -62,14 +61,14 @@ fn windows_for_a_fall_from_rest() {
             let jump = if fine.norm() > 1000.0 * 1.515e-5 / species.diameter { 0.002 } else { 0.0 };
             let crossing = jump * 9.81 * Schedule::new(&fall).window / fine.norm();
             assert!(error < SPLITTING_ALONE + crossing, "{what}");
-            // the window must not be needlessly short: an error of at least a tenth of the limit, or a window of a
-            // third of the longest
+            // the window must not be too short: the error must be at least a tenth of the limit, or the window a third
+            // of the longest one
             assert!(error > 0.1 * SPLITTING_ALONE, "{what}: the window is too short");
         }
     }
 }
 
-/// A sphere thrown across the gas has the speed of all its components together, and falls at the same time.
+/// Drag on a sphere thrown across the gas depends on its total speed. The sphere falls at the same time.
 #[test]
 fn windows_for_a_throw_across() {
     for duration in [0.05, 1.0] {
@@ -80,7 +79,7 @@ fn windows_for_a_throw_across() {
     }
 }
 
-/// Many spheres that start at rest get no longer windows than one sphere; collisions require shorter ones.
+/// Many spheres that start at rest have no longer windows than one sphere, because collisions require shorter windows.
 #[test]
 fn windows_for_beads_at_rest() {
     let alone = Schedule::new(&thrown(large(), [0.0; 3], 0.5)).window;
@@ -90,12 +89,12 @@ fn windows_for_beads_at_rest() {
     beads.scene.domain.size = Vector3::new(0.02, 0.02, 0.02);
     let crowded = Schedule::new(&beads).window;
     assert!(crowded < 0.7 * alone, "{crowded} s in a crowd, {alone} s alone");
-    // a start nearly at rest is no reason for longer windows
+    // a start with very small velocities must not give longer windows
     beads.start[0].velocity_fluctuation = nalgebra::Vector3::repeat(1e-6);
     assert_eq!(Schedule::new(&beads).window, crowded);
 }
 
-/// Experiment of many spheres in gas at rest without gravity, which drag slows down a hundredfold.
+/// Experiment of many spheres in gas at rest without gravity. Drag slows them down by a factor of a hundred.
 fn slowing(model: Model) -> Experiment {
     let mut scene = still_air(small());
     scene.gravity = Vector3::zeros();
@@ -106,7 +105,7 @@ fn slowing(model: Model) -> Experiment {
     crowd
 }
 
-/// Windows grow while drag slows the particles down, equally for every model. They are never longer than those of a
+/// Windows grow while drag slows the particles down, equally for every model. They are at most as long as those of a
 /// case that begins with the present state.
 #[test]
 fn windows_grow_while_a_crowd_slows_down() {
@@ -124,7 +123,7 @@ fn windows_grow_while_a_crowd_slows_down() {
             let mut from_here = crowd.clone();
             from_here.start[0].amount = Amount::Placed(simulation.state());
             let own = Schedule::new(&from_here).window;
-            // between two samples there is a whole number of windows, so a separate case may have windows that are
+            // the number of windows between two samples is whole, so that the windows of a case of its own may be
             // shorter by one in this number
             assert!(window < 1.2 * own, "at sample {sample}: {window} s, from there {own} s");
         }
@@ -137,7 +136,7 @@ fn windows_grow_while_a_crowd_slows_down() {
     assert!((simulation.time - 1.0).abs() < 1e-9);
 }
 
-/// If the start moves with the gas, or the gas keeps driving the particles, windows have one length.
+/// Windows have one length if the particles start with the velocity of the gas, or if the gas keeps driving them.
 #[test]
 fn windows_stay_where_the_gas_keeps_particles_moving() {
     let mut crowd = slowing(Model::Hard);
@@ -148,14 +147,14 @@ fn windows_stay_where_the_gas_keeps_particles_moving() {
         fluid.profile = Profile::Uniform(10.0);
     }
     assert_eq!(Schedule::new(&crowd).longest(), Schedule::new(&crowd).window);
-    // gravity keeps the particles moving too
+    // gravity drives the particles too
     let mut crowd = slowing(Model::Hard);
     crowd.scene.gravity = Vector3::new(0.0, 0.0, -9.81);
     crowd.start[0].velocity_fluctuation = Vector3::repeat(0.5);
     assert_eq!(Schedule::new(&crowd).longest(), Schedule::new(&crowd).window);
 }
 
-/// A run that is stopped after every window and resumed has identical bits, and observers are called at their times.
+/// A run that is stopped after every window and resumed has identical bits. Its observers are called at their times.
 #[test]
 fn growing_windows_can_be_left_anywhere() {
     let crowd = slowing(Model::Soft);
@@ -174,13 +173,13 @@ fn growing_windows_can_be_left_anywhere() {
     }
     assert_eq!(simulation.state().fingerprint(), whole.state().fingerprint());
     assert_eq!(again.rows, series.rows);
-    // rows are as frequent at the end as at the start
+    // rows are about as frequent at the end as at the start
     let gaps: Vec<f64> = series.rows.windows(2).map(|rows| rows[1].time - rows[0].time).collect();
     assert!(gaps[..gaps.len() - 1].iter().all(|gap| *gap < 3.0 * gaps[0]), "{gaps:?}");
 }
 
-/// Within one long window every engine reports its progress, so that an observer of the clock finds times between start
-/// and end.
+/// Within one long window, every engine reports its progress, so that an observer finds times between its start and its
+/// end.
 #[test]
 fn a_long_window_tells_where_it_is() {
     let scene = empty([edge(600, 1.0, 0.05); 3], [true; 3], unit(), surface(0.9, 0.0));
@@ -216,7 +215,7 @@ fn a_long_window_tells_where_it_is() {
     }
 }
 
-/// Cases of the project that have hard spheres, each once, and their windows.
+/// Cases of the project with hard spheres, each once, and their windows.
 fn shipped() -> Vec<(String, Experiment)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let files = ["cases", "cases/paper"].map(|folder| std::fs::read_dir(root.join(folder)).unwrap());
@@ -234,7 +233,7 @@ fn shipped() -> Vec<(String, Experiment)> {
     paths.into_iter().map(hard).collect()
 }
 
-/// The experiment with `count` particles of random starts in the whole box.
+/// Experiment with `count` particles, from random starts in the whole box.
 fn with_particles(experiment: &Experiment, count: usize) -> Experiment {
     let mut fewer = experiment.clone();
     let all = experiment.count();
@@ -246,12 +245,12 @@ fn with_particles(experiment: &Experiment, count: usize) -> Experiment {
     fewer
 }
 
-/// The case in a box that is shorter along z, with about `count` particles, from another start.
+/// Case in a box that is shorter along z, with about `count` particles, from another random start.
 fn shortened(experiment: &Experiment, count: usize, seed: u64) -> Experiment {
     let mut short = with_particles(experiment, count);
     let mut size = experiment.scene.domain.size;
     size.z *= short.count() as f64 / experiment.count() as f64;
-    // if it would be too short along z, the box is made narrower instead
+    // a box that would be too short along z is made narrower instead
     let least = 10.0 * experiment.scene.species[0].diameter;
     (size.x, size.z) = (size.x * (size.z / least).min(1.0), size.z.max(least));
     short.scene.domain = Domain::new(size, experiment.scene.domain.periodic);
@@ -259,7 +258,7 @@ fn shortened(experiment: &Experiment, count: usize, seed: u64) -> Experiment {
     short
 }
 
-/// The simulation after `windows` windows of the experiment, each divided into `parts`.
+/// Simulation after `windows` windows of the experiment, each divided into `parts`.
 fn moved(experiment: &Experiment, windows: u64, parts: u64) -> Result<Simulation, Failure> {
     let mut simulation = Simulation::new(experiment, initial_state(experiment).unwrap());
     simulation.run(windows * parts, experiment.run.window.unwrap() / parts as f64)?;
@@ -267,15 +266,15 @@ fn moved(experiment: &Experiment, windows: u64, parts: u64) -> Result<Simulation
     Ok(simulation)
 }
 
-/// A few particles in the whole box of every case, which seldom meet. Half the window changes the paths of most of them
-/// by no more than promised for a single sphere. An impact on a wall occurs between two kicks; its error is of first
-/// order in the window for one sphere, and of second order on average.
+/// A few particles in the whole box of every case, which seldom collide. With half the window, the paths of most
+/// particles change by no more than promised for a single sphere. An impact on a wall is between two kicks. Its error
+/// is of first order in the window for one sphere, and of second order on average.
 #[test]
 fn half_the_window_changes_no_path() {
     let mut looked_at = 0;
     for (name, experiment) in shipped() {
         let few = with_particles(&experiment, 20);
-        // the time in which particles cross a third of a channel, so that few of the twenty meet
+        // the time in which particles cross a third of a channel, so that few of the twenty particles collide
         let agitation = experiment.start.iter().map(|population| population.mean_fluctuation()).fold(1e-9, f64::max);
         let across = 0.013 / (agitation * experiment.run.window.unwrap());
         let windows = Schedule::new(&experiment).windows().min(64).min(across as u64);
@@ -295,7 +294,7 @@ fn half_the_window_changes_no_path() {
         let mean = change.iter().sum::<Vector3<f64>>().norm() / change.len() as f64 / fastest;
         let [alone, together] = match &experiment.scene.fluid {
             Some(_) => [SPLITTING_ALONE, SPLITTING],
-            // without drag there is no splitting: only rounding, which an impact may amplify a thousandfold
+            // without drag there is no splitting, and only rounding errors, which an impact may amplify a thousandfold
             None => [1e-12, 1e-12],
         };
         assert!(median < alone && mean < together, "{name}: median {median:.1e}, worst {worst:.1e}, mean {mean:.1e}");
@@ -304,19 +303,19 @@ fn half_the_window_changes_no_path() {
     assert!(looked_at > 25, "{looked_at} cases");
 }
 
-/// Many particles, which meet and have chaotic paths: agitation and mean velocity over a piece of time, averaged over
-/// several starts. A change of the agitation by 2 to 4 % would be found. The splitting is of second order, so windows
-/// eight times as long change 64 times as much. If their change is not found, that of the present windows is below a
-/// thousandth.
+/// Many particles, which collide and have chaotic paths: agitation and mean velocity over an interval of time, averaged
+/// over several starts. A change of the agitation by 2 to 4 % would be found. The splitting is of second order, so that
+/// windows eight times as long have 64 times the error. If their error is not found, that of the present windows is
+/// below a thousandth.
 #[test]
 fn half_the_window_changes_no_average() {
     const STARTS: u64 = 16;
     const LONGER: u64 = 8;
-    // the error of the present windows is subtracted from that of the longer ones
+    // the error of the present windows is subtracted from that of the longer windows
     const TIMES: f64 = (LONGER * LONGER - 1) as f64;
     let mut done: Vec<usize> = Vec::new();
     for (name, experiment) in shipped() {
-        // one variant of each scene, and no beds, which hard spheres cannot compute
+        // one variant of each scene, and no beds at rest, which hard spheres cannot compute
         let start = initial_state(&experiment).unwrap();
         let bed = Obstacles::of(&experiment, &start).rest.is_some();
         if experiment.scene.fluid.is_none() || bed || done.contains(&experiment.count()) {
@@ -346,7 +345,7 @@ fn half_the_window_changes_no_average() {
         for (k, what) in ["agitation", "mean velocity"].into_iter().enumerate() {
             let mean = changes.iter().map(|change| change[k]).sum::<f64>() / STARTS as f64;
             let squares = changes.iter().map(|change| (change[k] - mean).powi(2)).sum::<f64>();
-            // Student's t of 15 degrees of freedom is beyond 4.1 once in a thousand times
+            // Student's t with 15 degrees of freedom exceeds 4.1 in one of a thousand cases
             let allowed = TIMES * SPLITTING + 4.1 * (squares / (STARTS * (STARTS - 1)) as f64).sqrt();
             println!("{name}: {what} {:.1e} of {:.1e}", mean / TIMES, allowed / TIMES);
             assert!(mean.abs() < allowed, "{name}: {what} changes by {mean:.1e}, allowed {allowed:.1e}");

@@ -1,4 +1,4 @@
-//! The schema for editors: values that it refuses. It must accept all that the reader accepts.
+//! The schema for editors refuses bad values. It must accept everything that the reader accepts.
 
 use diptych::case::built_in;
 use diptych::case::keys::schema;

@@ -1,4 +1,4 @@
-//! Drag laws and wall shapes of the calling program, which implement the required methods only.
+//! Drag laws and wall shapes of the calling program. They implement the required methods only.
 
 use crate::support::{empty, hard, large, placed, run, small, soft, surface, unit};
 use diptych::drag::{Drag, DragLaw, Kick, SchillerNaumann, Sphere, Stokes};
@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// A law of this library without its closed forms: only the response time remains.
+/// Law of this library without its closed forms: only the response time is given.
 #[derive(Debug)]
 struct Bare<L>(L);
 
@@ -27,7 +27,7 @@ impl<L: DragLaw> DragLaw for Bare<L> {
     }
 }
 
-/// Clift and Gauvin (1970): C_D = 24/Re (1 + 0.15 Re^0.687) + 0.42/(1 + 42500 Re^-1.16), which has no closed form.
+/// Law of Clift and Gauvin (1970): C_D = 24/Re (1 + 0.15 Re^0.687) + 0.42/(1 + 42500 Re^-1.16). It has no closed form.
 #[derive(Debug)]
 struct CliftGauvin;
 
@@ -57,8 +57,8 @@ fn spheres() -> [Sphere; 2] {
 
 #[test]
 fn a_law_is_integrated_as_well_as_its_closed_form() {
-    // The large sphere passes Re = 1000 at 10.1 m/s: the test has slip speeds below and above it, and kicks that cross
-    // the jump of the law.
+    // The large sphere passes Re = 1000 at 10.1 m/s. The slip speeds of the test are below and above this speed, and
+    // some kicks cross the jump of the law.
     let (mut worst, mut relaxation) = (0.0f64, 0.0f64);
     for sphere in spheres() {
         for slip in [0.0, 1e-9, 1e-3, 0.3, 5.0, 10.0, 10.2, 12.0, 18.0, 40.0, 400.0] {
@@ -69,14 +69,15 @@ fn a_law_is_integrated_as_well_as_its_closed_form() {
                 let stokes = Bare(Stokes).log_decay(&sphere, slip, duration);
                 worst = worst.max((stokes * sphere.stokes_time / duration + 1.0).abs());
             }
-            // the differences extend a thousandth of the slip speed to either side, which must not include the jump
+            // the differences extend by a thousandth of the slip speed to either side; this interval must not include
+            // the jump
             if (sphere.reynolds_per_speed * slip / 1000.0 - 1.0).abs() > 2e-3 {
                 let exact = SchillerNaumann.relaxation_time(&sphere, slip);
                 relaxation = relaxation.max((Bare(SchillerNaumann).relaxation_time(&sphere, slip) / exact - 1.0).abs());
             }
         }
     }
-    // accuracy that the trait promises
+    // the accuracy promised by the trait
     assert!(worst < 1e-12, "log decay off by {worst:.1e}");
     assert!(relaxation < 1e-10, "relaxation time off by {relaxation:.1e}");
 }
@@ -127,17 +128,17 @@ fn a_law_of_the_callers_runs_in_a_simulation() {
     for engine in [hard(), soft(3000.0, 1e-5, Integrator::VelocityVerlet)] {
         let end = run(&scene, placed(&scene, &[([0.05; 3], v)]), engine, 0.02, 10);
         let found = end.particles.velocity[0] - Vector3::new(0.0, 0.0, 8.0);
-        // ten kicks, each with an error of 1e-12
+        // ten kicks with an error of 1e-12 each
         assert!((found - want).norm() < 1e-11 * slip.norm(), "{found:?} against {want:?}");
     }
-    // the table for many particles is computed from this law too
+    // the table for many particles also follows from this law
     let (table, exact) = (Kick::tabulated(&drag, &[sphere], 1e-4), Kick::exact(&drag, &[sphere], 1e-4));
     for square in [1e-8, 1e-3, 0.7, 11.0, 300.0] {
         assert!((table.change(0, square) / exact.change(0, square) - 1.0).abs() < 1e-9);
     }
 }
 
-/// A shape of this library without its closed form for the time of touch: only the nearest point remains.
+/// Shape of this library without its closed form for the time of touch: only the nearest point is given.
 #[derive(Debug)]
 struct Nearby<G>(G);
 
@@ -147,7 +148,7 @@ impl<G: Geometry> Geometry for Nearby<G> {
     }
 }
 
-/// The inside of a hollow ball. It is not convex, and only its nearest point is given.
+/// Inside of a hollow ball. It is not convex, and only its nearest point is given.
 #[derive(Debug)]
 struct Hollow {
     center: Vector3<f64>,
@@ -162,7 +163,7 @@ impl Geometry for Hollow {
     }
 }
 
-/// Directions distributed evenly over the sphere (Fibonacci's lattice).
+/// Directions that are evenly distributed over the sphere (Fibonacci's lattice).
 fn directions(count: usize) -> impl Iterator<Item = Vector3<f64>> {
     (0..count).map(move |k| {
         let z = 1.0 - 2.0 * (k as f64 + 0.5) / count as f64;
@@ -192,18 +193,19 @@ fn a_shape_that_only_knows_its_nearest_point_is_touched_when_its_closed_form_say
                 if own.nearest(&position).distance < radius {
                     continue;
                 }
-                // flights aimed at points in and around the body: hits, grazing hits and misses
+                // flights to points in and around the body: hits, grazing hits and misses
                 let target = center + 1.3 * directions(7).nth(k % 7).unwrap();
                 let flight = Flight { position, velocity: (target - position).normalize(), gravity };
                 let (want, found) = (own.touch_time(&flight, radius, 6.0), bare.touch_time(&flight, radius, 6.0));
                 let (Some(want), Some(found)) = (want, found) else {
-                    // if rounding hides the normal speed of a touch, only one of the two methods may find it
+                    // if rounding hides the normal speed of a touch, one method may find the touch and the other one
+                    // not
                     assert_eq!(want.is_some(), found.is_some(), "{own:?} {flight:?}");
                     missed += 1;
                     continue;
                 };
                 touched += 1;
-                // both flights end within rounding of the surface; if the flight grazes, the time is known to the
+                // both flights end within rounding of the surface; in a grazing flight, the error of the time is the
                 // rounding of the gap over the normal speed
                 let along = flight.velocity_at(want).dot(&own.nearest(&flight.position_at(want)).normal).abs();
                 assert!((want - found).abs() < 1e-13 / along.max(1e-7) + 1e-13, "{want} {found} {own:?} {flight:?}");
@@ -216,14 +218,14 @@ fn a_shape_that_only_knows_its_nearest_point_is_touched_when_its_closed_form_say
 #[test]
 fn a_sphere_that_leaves_a_shape_is_free_and_one_that_presses_touches_at_once() {
     let hollow = Hollow { center: Vector3::zeros(), radius: 2.0 };
-    // at the bottom of the bowl, one rounding error inside or outside of it
+    // at the bottom of the bowl, and one rounding error inside or outside of it
     for off in [-1e-16, 0.0, 1e-16] {
         let position = Vector3::new(0.0, -1.5 + off, 0.0);
         let flight = |v: [f64; 3], g: f64| Flight { position, velocity: v.into(), gravity: Vector3::new(0.0, -g, 0.0) };
-        // straight up, over the diameter in which the centre can move
+        // straight up, across the diameter of the region of possible centres
         let across = hollow.touch_time(&flight([0.0, 1.0, 0.0], 0.0), 0.5, 5.0).unwrap();
         assert!((across - 3.0).abs() < 1e-12, "{across}");
-        // up and down again: the time 2 v/g
+        // up and down again, in the time 2 v/g
         let back = hollow.touch_time(&flight([0.0, 1.0, 0.0], 2.0), 0.5, 5.0).unwrap();
         assert!((back - 1.0).abs() < 1e-12, "{back}");
         let pressed = hollow.touch_time(&flight([0.0, -1.0, 0.0], 0.0), 0.5, 5.0).unwrap();
@@ -234,8 +236,8 @@ fn a_sphere_that_leaves_a_shape_is_free_and_one_that_presses_touches_at_once() {
 
 #[test]
 fn both_engines_keep_spheres_in_a_bowl_of_the_callers() {
-    // A chord of the hollow ball: by symmetry all flights between two impacts have one length and one angle to the
-    // normal, whatever the number of impacts.
+    // Chords of the hollow ball: by symmetry, all flights between two impacts have the same length and the same angle
+    // to the normal.
     let (center, reach) = (Vector3::repeat(5.0), 3.0);
     let mut scene = empty([10.0; 3], [false; 3], unit(), surface(1.0, 0.0));
     let hollow = Hollow { center, radius: reach + 0.5 };
@@ -253,13 +255,14 @@ fn both_engines_keep_spheres_in_a_bowl_of_the_callers() {
     let end = run(&scene, placed(&scene, &[(start.into(), v.into())]), hard(), duration, 9);
     assert_eq!(end.record.walls.count, 6);
     let place = end.particles.position[0] - center;
-    // in the middle of a chord the position vector is perpendicular to the velocity, and half a chord from the surface
+    // in the middle of a chord, the position vector from the centre is perpendicular to the velocity, and the surface
+    // is half a chord away
     assert!(place.dot(&end.particles.velocity[0]).abs() < 1e-11);
     assert!((place.norm() - (reach * reach - 0.25 * chord * chord).sqrt()).abs() < 1e-11);
     assert!((end.particles.velocity[0].norm() - 1.0).abs() < 1e-12);
 
-    // Soft: in each impact the sphere stays in contact for a contact time, with an overlap of less than u/ω. The next
-    // chord is off by the angle through which the sphere moves during the contact, v T_c/R = 1e-3 per impact.
+    // Soft spheres: each impact lasts a contact time, with an overlap of less than u/ω. The sphere moves during the
+    // contact, which turns the next chord by v T_c/R = 1e-3 per impact.
     let stiffness = 1e6_f64;
     let time = PI / stiffness.sqrt();
     let engine = soft(stiffness, time / 100.0, Integrator::VelocityVerlet);
@@ -267,15 +270,15 @@ fn both_engines_keep_spheres_in_a_bowl_of_the_callers() {
     assert_eq!(end.record.walls.count, 6);
     let place = end.particles.position[0] - center;
     assert!((place.norm() - (reach * reach - 0.25 * chord * chord).sqrt()).abs() < 6.0 * 2.0 * time);
-    // A step that begins before the touch misses the force of the spring over at most half of the step. The missing
-    // work is at most k (u Δt/2)²/2, which is (ω Δt)²/4 of the energy of the impact. The error at the end of a contact
-    // is equal, and there are six contacts.
+    // A step that begins before the touch misses the spring force over at most half of the step. The missing work is at
+    // most k (u Δt/2)²/2, which is (ω Δt)²/4 of the energy of the impact. The end of a contact has the same error, and
+    // there are six contacts.
     let most = 6.0 * 2.0 * (PI / 100.0).powi(2) / 4.0;
     let energy = end.particles.velocity[0].norm_squared();
     assert!((energy - 1.0).abs() < most, "{energy}");
 }
 
-/// Stokes drag with a factor of the calling program.
+/// Stokes drag with a factor that the calling program chooses.
 #[derive(Debug)]
 struct Scaled(f64);
 
@@ -293,7 +296,7 @@ impl DragLaw for Scaled {
     }
 }
 
-/// Two laws of one name with different parameters are different laws. Otherwise a sweep over the parameter would be a
+/// Laws with the same name and different parameters are different laws. Otherwise a sweep over the parameter would be a
 /// single run.
 #[test]
 fn laws_that_differ_in_a_parameter_are_two_laws() {

@@ -1,13 +1,14 @@
-//! The command `sensitivity`: factors that do much, factors that do nothing, and factors that a scene does not have.
+//! The command `sensitivity`: factors with a large effect, factors without effect, and factors that a scene does not
+//! have.
 
 use crate::support::{diptych, words};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// Case of a cooling gas of 308 spheres instead of 2000.
+/// Case of a cooling gas, with 308 spheres instead of 2000.
 const SMALL_GAS: [&str; 2] = ["cases/cooling-gas.toml", "--set=domain.size=[\"6 mm\", \"6 mm\", \"6 mm\"]"];
 
-/// Case of a channel of 71 particles.
+/// Case of a channel with 71 particles.
 const SMALL_CHANNEL: [&str; 5] = [
     "cases/channel-d.toml",
     "--set=domain.size=[\"4.2 mm\", \"40 mm\", \"6 mm\"]",
@@ -16,7 +17,7 @@ const SMALL_CHANNEL: [&str; 5] = [
     "--set=statistics.slices=10",
 ];
 
-/// Built-in factors of spheres that rotate.
+/// Built-in factors for spheres that rotate.
 const OF_ROTATION: [&str; 4] = ["rotation", "tangential-restitution", "tangential-stiffness", "rolling"];
 
 /// All other built-in factors.
@@ -35,7 +36,7 @@ const ALL: [&str; 12] = [
     "seed",
 ];
 
-/// Runs a study; returns the exit code, the printed text and the summary.
+/// Runs a study. Returns the exit code, the printed text and the summary.
 fn study(case: &[&str], arguments: &[&str]) -> (Option<i32>, String, Value) {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
@@ -53,20 +54,20 @@ fn study(case: &[&str], arguments: &[&str]) -> (Option<i32>, String, Value) {
     (output.status.code(), words(&output.stdout), summary)
 }
 
-/// The factors by name.
+/// Factors of a study by name.
 fn factors(summary: &Value) -> BTreeMap<String, Value> {
     let all = summary["factors"].as_array().unwrap();
     all.iter().map(|factor| (factor["name"].as_str().unwrap().to_owned(), factor.clone())).collect()
 }
 
-/// A number of a shift, over the scale of its observable.
+/// Number of a shift, divided by the scale of its observable.
 fn share(factor: &Value, observable: &str, of: &str) -> f64 {
     let all = factor["shifts"].as_array().unwrap();
     let shift = all.iter().find(|shift| shift["observable"] == observable).unwrap_or_else(|| panic!("{factor}"));
     shift[of].as_f64().unwrap() / shift["scale"].as_f64().unwrap()
 }
 
-/// Checks the message of a command that is refused.
+/// Checks that a command is refused, and the message.
 #[track_caller]
 fn refused(arguments: &[&str], what: &str) {
     let folder = tempfile::tempdir().unwrap();
@@ -79,8 +80,8 @@ fn refused(arguments: &[&str], what: &str) {
 
 #[test]
 fn restitution_comes_first_in_a_cooling_gas_and_chance_does_not_matter() {
-    // chance alone is called different for 1 of 45 seeds (20, 40, ... 900), about one in a hundred as it should be;
-    // seed 1 is another one
+    // chance alone is called different for 1 of 45 seeds (20, 40, ... 900), in agreement with the claimed 1 %; seed 1
+    // is another such seed
     let (code, said, summary) =
         study(&SMALL_GAS, &["--set=run.seed=100", "--factors", "model,seed,box,restitution=0.8"]);
     assert_eq!((code, summary["verdict"].as_str()), (Some(3), Some("different")), "{said}");
@@ -89,14 +90,14 @@ fn restitution_comes_first_in_a_cooling_gas_and_chance_does_not_matter() {
     assert!(first.starts_with(begin) && first.contains(" times the margin of 1 %"), "{first}");
     let factors = factors(&summary);
     assert_eq!(summary["factors"][0]["name"], "restitution");
-    // Haff's law: T/T0 = (1 + (1 - e²) G t/6)^-2 with G = 1897/s. Its mean over 20 ms is 0.45 for e = 0.9 and 0.31 for
+    // Haff's law: T/T0 = (1 + (1 - e²) G t/6)^-2 with G = 1897/s. The mean over 20 ms is 0.45 for e = 0.9 and 0.31 for
     // e = 0.8
     let [restitution, seed] = ["restitution", "seed"].map(|name| &factors[name]);
     let shift = share(restitution, "energy", "difference");
     assert!((-0.35..-0.05).contains(&shift), "{shift}");
     assert!(share(restitution, "energy", "error") < 0.05 && restitution["basis"] == "curves");
     assert_ne!(seed["verdict"], "different");
-    // half a box contains half the energy, which is converted to an equal number of particles
+    // half a box contains half the energy; the study converts it to the same number of particles
     assert!(share(&factors["box"], "energy", "difference").abs() < 0.1, "{}", factors["box"]);
     let left_out = summary["left_out"].as_array().unwrap();
     assert!(left_out.iter().all(|one| one["why"] == "not asked for") && left_out.len() == 12, "{left_out:?}");
@@ -111,12 +112,12 @@ fn the_contact_model_matters_in_a_cradle_and_the_stiffness_does_not() {
     assert_eq!(code, Some(3), "{said}");
     let factors = factors(&summary);
     let [model, stiffness, friction] = ["model", "stiffness", "friction"].map(|name| &factors[name]);
-    // touching spheres: with springs the fourth gets 0.2962 m/s of 1 m/s, and without springs nothing, however stiff
-    // the springs are
+    // touching spheres: with springs, the fourth sphere gets 0.2962 m/s of 1 m/s, for springs of any stiffness; without
+    // springs it gets nothing
     let velocity = |factor: &Value| share(factor, "velocity of one particle", "difference");
     assert!((velocity(model) - 0.2962).abs() < 1e-3 && velocity(stiffness) < 1e-3, "{model} {stiffness}");
     assert_eq!((model["verdict"].as_str(), model["basis"].as_str()), (Some("different"), Some("paths")));
-    // head-on impacts: friction has no effect at all
+    // friction has no effect on head-on impacts
     assert!(friction["verdict"] == "equivalent" && velocity(friction) < 1e-12, "{friction}");
     let why = |name: &str| {
         let all = summary["left_out"].as_array().unwrap();
@@ -172,7 +173,7 @@ fn every_factor_of_the_help_text_works() {
             "{factor}"
         );
     }
-    // the effect of softness is extrapolated from three runs, one of which is also that of the contact model
+    // the effect of softness is extrapolated from three runs, one of which also serves for the contact model
     assert_eq!(summary["runs"].as_array().unwrap().len(), 14, "{}", summary["runs"]);
     assert_eq!(factors["stiffness"]["runs"][0].as_array().unwrap().len(), 2);
     assert_eq!(factors["stiffness"]["runs"][1], factors["integrator"]["runs"][1]);
@@ -205,15 +206,15 @@ fn a_plan_says_what_would_run_and_runs_nothing() {
         .unwrap();
     let said = words(&output.stdout);
     assert_eq!(output.status.code(), Some(0), "{}", words(&output.stderr));
-    // 8 replicas of the case and of 9 more runs: soft, two softer, RK2, stepped, restitution, friction, half the box,
-    // another seed
+    // 8 replicas each of the case and of 9 further runs: soft, two softer ones, RK2, stepped, restitution, friction,
+    // half the box, another seed
     assert!(said.contains("8 factors, 80 runs (8 replicas of each) of 20.0 ms, 2 at once: about "), "{said}");
     assert!(said.contains("left out: gas, as no gas acts on the particles"), "{said}");
     assert!(said.contains("restitution  e: 0.9 → 0.88  (a measured restitution is known to ± 0.02"), "{said}");
     assert!(!out.exists());
 }
 
-/// Restitution and friction change for all pairs of kinds, and at walls for all kinds that touch them.
+/// Restitution and friction change for all pairs of species, and for all species at walls.
 #[test]
 fn pairs_of_kinds_move_with_the_others() {
     let folder = tempfile::tempdir().unwrap();
@@ -224,7 +225,7 @@ fn pairs_of_kinds_move_with_the_others() {
     let output = diptych(&[&case[..], &shorter, &factors].concat()).arg(&out).output().unwrap();
     let said = words(&output.stdout);
     assert_eq!(output.status.code(), Some(0), "{}", words(&output.stderr));
-    // contact, small with large, large with large; both plates, and large spheres at these
+    // the common contact, small with large, large with large; both plates, and large spheres at the plates
     assert!(said.contains("e: 0.94 → 0.92, 0.9 → 0.88, 0.94 → 0.92"), "{said}");
     assert!(said.contains("wall e: 1 → 0.94, 0.9 → 0.88"), "{said}");
     assert!(said.contains("μ: 0 → 0.092, 0.1 → 0.12, 0 → 0.092"), "{said}");
@@ -238,12 +239,12 @@ fn factors_of_rotation_change_the_motion_of_a_ball_on_a_floor() {
     let (_, said, summary) = study(&slide, &[&all]);
     let factors = factors(&summary);
     let shift = |name: &str| share(&factors[name], "velocity of one particle", "difference");
-    // in closed form after 30 ms: 60.94 mm/s as it is (sliding for 17.73 ms, then 5/7 μ_r g), 41.14 mm/s without
-    // rotation (μ g all the time), 71.43 mm/s without rolling friction; over the 0.1 m/s of the start
+    // closed-form velocities after 30 ms: 60.94 mm/s for the case (sliding for 17.73 ms, then 5/7 μ_r g), 41.14 mm/s
+    // without rotation (μ g all the time), 71.43 mm/s without rolling friction; all divided by the initial 0.1 m/s
     assert!((shift("rotation") - 0.198).abs() < 3e-3 && (shift("rolling") - 0.1049).abs() < 3e-3, "{said}");
     assert!(factors["tangential-stiffness"]["change"].as_str().unwrap().contains("0.285714 → 0.8235"), "{said}");
     let place = |name: &str| share(&factors[name], "place of one particle", "difference");
-    // a stiffer spring changes nothing, and more friction only where the ball is
+    // a stiffer spring has no effect, and more friction changes only the position of the ball
     assert!(place("tangential-stiffness") < 1e-5 && place("wall-friction") > 5e-3, "{said}");
     let hard = ["cases/rotation/rough-gas.toml", "--model", "hard", "--factors"];
     refused(&[&hard[..], &["rolling=0.1"]].concat(), "impacts leave rolling resistance out");

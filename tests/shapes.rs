@@ -1,5 +1,5 @@
-//! Walls of all kinds: closed forms compared with conservative advancement, corners, hollow bodies, and the pressure of
-//! a gas on walls.
+//! Walls of all shapes: closed forms compared with conservative advancement, corners, hollow bodies, and the pressure
+//! of a gas on walls.
 
 use crate::support::*;
 use diptych::scene::Scene;
@@ -11,7 +11,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// A shape with its nearest point only.
+/// Shape of this library with its nearest point only.
 #[derive(Debug)]
 struct Nearby<G>(G);
 
@@ -29,7 +29,7 @@ fn random_vector(random: &mut Xoshiro256PlusPlus, half: f64) -> Vector3<f64> {
     Vector3::from_fn(|_, _| half * (2.0 * random.random::<f64>() - 1.0))
 }
 
-/// Round shapes about an axis, with the given centre.
+/// Round shapes about an axis, with the given centre and the direction of the axis.
 fn round(center: Vector3<f64>, axis: usize) -> Vec<(&'static str, WallGeometry)> {
     let axle = RoundAxis { center, axis };
     let frustum = |radii, solid| Frustum { axle, radii, half_height: 1.5, solid };
@@ -79,7 +79,7 @@ fn closed_forms_of_round_walls_agree_with_advancement() {
     println!("{touched} touches");
 }
 
-/// A shape, for messages with its name.
+/// Shape whose name appears in messages.
 #[derive(Debug)]
 struct Shape<'a>(&'a WallGeometry);
 
@@ -99,7 +99,7 @@ fn nearest_points_of_round_walls_are_on_the_surface_and_nearest() {
                 let point = center + random_vector(&mut random, 3.0);
                 let here = shape.nearest(&point);
                 assert!((here.normal.norm() - 1.0).abs() < 1e-12, "{name}");
-                // a distance changes by at most the step, and along the normal by all of it
+                // a distance changes by at most the length of a step, and by the whole length along the normal
                 let step = random_vector(&mut random, 0.1);
                 let there = shape.nearest(&(point + step)).distance;
                 assert!((there - here.distance).abs() <= step.norm() + 1e-12, "{name}");
@@ -114,7 +114,7 @@ fn nearest_points_of_round_walls_are_on_the_surface_and_nearest() {
 
 #[test]
 fn a_sphere_in_a_corner_has_a_contact_with_every_side() {
-    // a hollow box gives the bits of three planes, with each engine: equal bounces in its corner
+    // a hollow box has the bits of three planes in every engine, for the same bounces in its corner
     let (size, e, mu) = (10.0, 0.8, 0.1);
     let planes: Vec<Wall> = (0..3)
         .flat_map(|axis| {
@@ -158,7 +158,7 @@ fn engines(k: f64, dt: f64) -> [(&'static str, Box<dyn Fn() -> Box<dyn diptych::
     ]
 }
 
-/// The faces of a cube from 0 to `edge`, each of 2 n² triangles.
+/// Faces of a cube from 0 to `edge`, each of 2 n² triangles.
 fn cube_of_triangles(edge: f64, n: u32) -> Vec<[Vector3<f64>; 3]> {
     let mut heap = Vec::new();
     let step = edge / f64::from(n);
@@ -182,9 +182,9 @@ fn cube_of_triangles(edge: f64, n: u32) -> Vec<[Vector3<f64>; 3]> {
     heap
 }
 
-/// Checks that a sphere of radius 0.5 that slides along the inner side of a room is found to touch it again. The sphere
-/// starts at a position with normal `normal` and moves fast in the direction `down`. It leaves the wall slowly or
-/// hardly at all; if it lies on the wall, it touches at once.
+/// Checks that a sphere of radius 0.5 touches the inner side of a room again when it slides along it. The sphere starts
+/// at a position with normal `normal` and moves fast in the direction `down`. It leaves the wall slowly, or not at all.
+/// A sphere that lies on the wall touches it at once.
 fn stays_on(wall: &dyn Geometry, place: Vector3<f64>, [normal, down]: [Vector3<f64>; 2], fastest: f64) {
     for (gap, sideways) in [(0.0, 0.0), (1e-15, 0.0), (1e-10, 0.3), (1e-5, 0.3)] {
         for leaves in [1.0, 1e-2, 1e-4, 1e-6, 0.0].map(|leaves| leaves * fastest) {
@@ -198,11 +198,11 @@ fn stays_on(wall: &dyn Geometry, place: Vector3<f64>, [normal, down]: [Vector3<f
                 assert!(gap_at(touch.time).abs() < 1e-14, "{:e} at {touch:?}", gap_at(touch.time));
                 let least = (1..200).map(|k| gap_at(touch.time * f64::from(k) / 200.0)).fold(f64::INFINITY, f64::min);
                 assert!(least > -1e-14, "gap {gap:e}, leaves with {leaves:e}: {least:e} before {touch:?}");
-                // not much later than a plane would be touched to which gravity pulls the sphere; curvature makes the
-                // touch earlier
+                // not much later than the touch of a plane to which gravity pulls the sphere; curvature makes the touch
+                // earlier
                 let pull = -gravity.dot(&normal);
                 let plane = (leaves + (leaves * leaves + 2.0 * pull * gap).sqrt()) / pull;
-                // gravity takes 1e-7 to close a gap of rounding, 1e-15
+                // gravity closes a gap of 1e-15, a rounding error, in 1e-7
                 assert!(touch.time <= plane * (1.0 + 1e-6) + 1e-7, "{touch:?}, {plane:e}");
             }
         }
@@ -217,13 +217,13 @@ fn a_sphere_that_slides_down_a_cone_stays_on_it() {
     let cone = Frustum { axle, radii: [2.0, 9.0], half_height: 11.0, solid: true };
     let place = Vector3::new(5.5, 0.0, 0.0);
     stays_on(&Hollow::new(Cavity::ClosedCylinder(cone)), place, [normal, down], 1.0);
-    // the shape as a thin shell, which has an end
+    // the same shape as a thin shell, which has an end
     stays_on(&Frustum { solid: false, ..cone }, place, [normal, down], 0.1);
 }
 
 #[test]
 fn a_sphere_that_slides_down_the_outside_of_a_thin_cone_stays_on_it() {
-    // along a line of the cone, as on a plane to which gravity pulls the sphere
+    // the sphere slides along a line of the cone, as on a plane to which gravity pulls it
     let (axle, slope) = (RoundAxis { center: Vector3::zeros(), axis: 2 }, 7.0 / 22.0_f64);
     let length = 1.0f64.hypot(slope);
     let (normal, down) = (Vector3::new(1.0, 0.0, slope) / length, Vector3::new(slope, 0.0, -1.0) / length);
@@ -236,7 +236,7 @@ fn a_sphere_that_slides_down_the_outside_of_a_thin_cone_stays_on_it() {
             let flight = Flight { position, velocity: down + normal * leaves, gravity };
             let want = (leaves + f64::sqrt(leaves * leaves + 2.0 * pull * gap)) / pull;
             let found = shell.touch_time(&flight, 0.5, 20.0).unwrap();
-            // tolerance: the square root of rounding
+            // the tolerance is the square root of the rounding error
             assert!(
                 (found - want).abs() < 1e-9 * want + 1e-7,
                 "gap {gap:e}, leaves with {leaves:e}: {found} for {want}"
@@ -249,7 +249,7 @@ fn a_sphere_that_slides_down_the_outside_of_a_thin_cone_stays_on_it() {
 
 #[test]
 fn the_roots_of_a_thin_shell_are_the_touches() {
-    // flights that are nearly parallel to the shell: inside, outside, past the rims, and straight at them
+    // flights nearly parallel to the shell: inside, outside, past the rims, and straight at the rims
     let mut random = Xoshiro256PlusPlus::seed_from_u64(21);
     let (radius, fall) = (0.2, Vector3::new(0.1, -0.9, 0.2));
     let axle = RoundAxis { center: Vector3::new(0.3, -0.2, 0.1), axis: 2 };
@@ -259,7 +259,7 @@ fn the_roots_of_a_thin_shell_are_the_touches() {
         for k in 0..3000 {
             let place = axle.center + random_vector(&mut random, 2.2);
             let here = shell.nearest(&place);
-            // from a gap of 1e-3 of the radius down to rounding
+            // gaps from 1e-3 of the radius down to rounding errors
             let gap = if k % 4 == 0 { 0.0 } else { 10f64.powf(-3.0 - 9.0 * random.random::<f64>()) };
             let position = place - here.normal * (here.distance - radius - gap);
             let now = shell.nearest(&position);
@@ -290,7 +290,7 @@ fn the_roots_of_a_thin_shell_are_the_touches() {
 
 #[test]
 fn a_sphere_bounces_along_the_bottom_of_a_thin_shell_as_in_a_pipe() {
-    // bounces of 1e-8 of a diameter, while the sphere slides by 2 diameters a second and rolls from side to side
+    // bounces of 1e-8 of a diameter, while the sphere slides by 2 diameters per second and rolls from side to side
     let (center, k) = (Vector3::new(4.0, 4.0, 6.0), 1.0);
     let axle = RoundAxis { center, axis: 2 };
     let shell = WallGeometry::Frustum(Frustum { axle, radii: [3.0, 3.0], half_height: 5.0, solid: false });
@@ -311,7 +311,7 @@ fn a_sphere_bounces_along_the_bottom_of_a_thin_shell_as_in_a_pipe() {
 
 #[test]
 fn a_sphere_that_slides_down_a_bowl_stays_on_it() {
-    // at the point where the bowl has a slope of 3 to 4
+    // at a point where the slope of the bowl is 3 to 4
     let (center, radius) = (Vector3::new(0.1, 0.2, 0.3), 7.0);
     let (normal, down) = (Vector3::new(-0.6, 0.0, 0.8), Vector3::new(-0.8, 0.0, -0.6));
     stays_on(&Hollow::new(Cavity::Sphere { center, radius }), center - normal * radius, [normal, down], 1.0);
@@ -319,9 +319,9 @@ fn a_sphere_that_slides_down_a_bowl_stays_on_it() {
 
 #[test]
 fn pressure_on_walls_is_that_of_the_gas() {
-    // Oracle D2: the pressure on a hard wall is n_b Z m T with the density n_b far from it. Z = 1.08493 at a volume
-    // fraction of 0.02 (Carnahan and Starling 1969). Near the edges of a box the density is higher, which is less than
-    // 0.5 % of the area here.
+    // Oracle D2: the pressure on a hard wall is n_b Z m T, with the density n_b far from the wall. Z = 1.08493 at a
+    // volume fraction of 0.02 (Carnahan and Starling 1969). The higher density near the edges of the box affects less
+    // than 0.5 % of the area.
     let (count, fraction) = (300, 0.02);
     let edge = edge(count, 1.0, fraction);
     let half = Vector3::repeat(0.5 * edge);
@@ -344,7 +344,7 @@ fn pressure_on_walls_is_that_of_the_gas() {
     }
 }
 
-/// Ratio P/(n_b Z m T) for a gas of hard spheres in a vessel, its standard error, and the number of impacts on walls.
+/// Ratio P/(n_b Z m T) of a gas of hard spheres in a vessel, its standard error, and the number of impacts on walls.
 fn pressure_ratio(scene: &Scene, count: usize, area: f64) -> (f64, f64, u64) {
     let particles = random(scene, count, 1.0, 9);
     let temperature = 2.0 * particles.kinetic_energy() / (3.0 * count as f64);
@@ -376,9 +376,9 @@ fn pressure_ratio(scene: &Scene, count: usize, area: f64) -> (f64, f64, u64) {
 
 #[test]
 fn a_surface_that_moves_is_one_at_rest_to_whoever_moves_with_it() {
-    // Motion must be equal in the frame of the moving surface: velocities differ by that of the surface, positions by
-    // its path. The ledger contains the energy that the surface adds, so the residual is rounding (hard) or due to the
-    // end of the last step (soft).
+    // The motion in the frame of the moving surface must be equal: velocities differ by that of the surface, and
+    // positions by its path. The ledger contains the energy from the surface. Its residual is rounding (hard spheres),
+    // or due to the end of the last step (soft spheres).
     let (size, e, mu, belt) = (40.0, 0.8, 0.2, Vector3::new(2.0, 0.0, 0.5));
     let corners = [[-99.0, -99.0], [-99.0, 99.0], [99.0, 99.0], [99.0, -99.0]].map(|[x, z]| Vector3::new(x, 0.0, z));
     let sheet = [[corners[0], corners[1], corners[2]], [corners[0], corners[2], corners[3]]];
@@ -392,7 +392,7 @@ fn a_surface_that_moves_is_one_at_rest_to_whoever_moves_with_it() {
                 let mut scene = empty([size; 3], [false; 3], unit(), surface(1.0, 0.0));
                 scene.gravity = Vector3::new(0.0, -1.0, 0.0);
                 scene.walls = vec![Wall { velocity, ..floor.clone() }];
-                // with a body in the scene no velocity is taken relative to the mean
+                // with a body in the scene, no velocities are relative to the mean velocity
                 let body = Cavity::Sphere { center: Vector3::repeat(20.0), radius: 20.0 * 3.0 };
                 scene.walls.push(wall(WallGeometry::Hollow(Hollow::new(body)), 1.0, 0.0));
                 run(&scene, placed(&scene, &[(start.into(), v.into())]), engine(), 4.0, 4)

@@ -1,7 +1,7 @@
-//! Rates of wrong verdicts, on pairs of equal runs of scenes of every kind, and on invented averages that differ by a
-//! known amount.
+//! Rates of wrong verdicts for pairs of equal runs of all kinds of scenes, and for invented averages with a known
+//! difference.
 //!
-//! The tables of docs/theory/statistics.md are printed by
+//! The following command prints the tables of docs/theory/statistics.md:
 //! `cargo test --release --test it -- --ignored --nocapture size_and_power`.
 
 use diptych::case::Case;
@@ -17,7 +17,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 use std::path::Path;
 
-/// A scene, and the numbers of replicas with which pairs of it are compared.
+/// Scene, and the numbers of replicas in comparisons of pairs of its runs.
 struct Scene {
     name: &'static str,
     case: &'static str,
@@ -61,7 +61,7 @@ const SCENES: [Scene; 6] = [
 ];
 
 impl Scene {
-    /// Outcome of a run with one seed.
+    /// Outcome of a run with the given seed.
     fn run(&self, seed: u64) -> Outcome {
         let sets: Vec<String> = self.sets.iter().map(|set| (*set).to_owned()).collect();
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(self.case);
@@ -102,7 +102,7 @@ impl Tally {
     }
 }
 
-/// Answers for pairs of equal runs with `replicas` replicas on either side, drawn from the given runs.
+/// Answers for pairs of equal runs with `replicas` replicas on both sides, drawn from the given runs.
 fn equal_pairs(runs: &[Outcome], replicas: usize, pairs: usize) -> (Tally, [usize; 4]) {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(replicas as u64);
     let mut order: Vec<usize> = Vec::new();
@@ -146,13 +146,13 @@ fn size_and_power_of_equal_pairs() {
                 Tally::share(tally.different, tally.all),
                 Tally::share(tally.equivalent, tally.all)
             );
-            // 1 % of 400 is 4, with a scatter of 2
+            // 1 % of 400 is 4, with a standard deviation of 2
             assert!(tally.different <= 10, "{}: {tally:?}", scene.name);
         }
     }
 }
 
-/// A series of unit variance with a relaxation time given in samples.
+/// Series of unit variance with a relaxation time given in samples.
 fn noise(count: usize, relaxation: f64, random: &mut Xoshiro256PlusPlus) -> Vec<f64> {
     let rho = (-1.0 / relaxation).exp();
     let mut slow: f64 = StandardNormal.sample(random);
@@ -164,7 +164,7 @@ fn noise(count: usize, relaxation: f64, random: &mut Xoshiro256PlusPlus) -> Vec<
     (0..count).map(|_| next()).collect()
 }
 
-/// Difference of two systems at a position -1 ..= 1; the second argument is the number of positions.
+/// Difference of two systems at a position from -1 to 1. The second argument is the number of positions.
 type Shape = fn(f64, usize) -> f64;
 
 const SHAPES: [(&str, Shape); 4] = [
@@ -174,7 +174,7 @@ const SHAPES: [(&str, Shape); 4] = [
     ("one slice", |y, count| f64::from(u8::from((y - 0.41).abs() < 0.99 / count as f64))),
 ];
 
-/// Six profiles and two numbers of an invented run; the first profile is shifted.
+/// Six profiles and two numbers of an invented run. The first profile is shifted.
 fn profiles(slices: usize, size: f64, shape: Shape, random: &mut Xoshiro256PlusPlus) -> Vec<Observable> {
     let y: Vec<f64> = (0..slices).map(|k| (2 * k + 1) as f64 / slices as f64 - 1.0).collect();
     let names = ["number_density_ratio", "U", "uu", "vv", "ww", "uv", "granular temperature", "pair impacts per time"];
@@ -199,7 +199,7 @@ fn observable(name: &'static str, places: Vec<f64>, parts: Vec<Option<Batches>>)
     Observable { name: name.into(), unit: "", places, parity, fixed_mean: false, scale: 10.0, scale_is: "10", parts }
 }
 
-/// Four curves of twenty instants from `replicas` replicas; the first is shifted.
+/// Four curves with twenty instants from `replicas` replicas. The first curve is shifted.
 fn curves(replicas: usize, size: f64, shape: Shape, random: &mut Xoshiro256PlusPlus) -> Vec<Observable> {
     let y: Vec<f64> = (0..20).map(|k| (2 * k + 1) as f64 / 20.0 - 1.0).collect();
     let mut one = |(place, name): (usize, &'static str)| {
@@ -213,7 +213,7 @@ fn curves(replicas: usize, size: f64, shape: Shape, random: &mut Xoshiro256PlusP
     ["granular temperature", "energy", "T along y", "impacts"].into_iter().enumerate().map(&mut one).collect()
 }
 
-/// Answers for the shifted observable alone, from `pairs` pairs.
+/// Answers for the shifted observable alone, in `pairs` pairs.
 fn shifted(pairs: u64, margin: f64, run: impl Fn(bool, &mut Xoshiro256PlusPlus) -> Vec<Observable> + Sync) -> Tally {
     let one = |pair: u64| -> Comparison {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(pair);
@@ -224,15 +224,15 @@ fn shifted(pairs: u64, margin: f64, run: impl Fn(bool, &mut Xoshiro256PlusPlus) 
     Tally::of(answers.into_iter())
 }
 
-/// True if at most 5 % of pairs are called equivalent, with three standard errors. This is required for differences of
-/// exactly the margin.
+/// True if at most 5 % of the pairs are called equivalent, within three standard errors. This is required for a
+/// difference of exactly the margin.
 fn is_rare(tally: Tally) -> bool {
     let all = tally.all as f64;
     tally.equivalent as f64 <= 0.05 * all + 3.0 * (0.05 * 0.95 * all).sqrt()
 }
 
-/// Answers if replicas are added in groups of four up to 32, with a test after each group that stops if it is decided.
-/// Also returns the mean number of replicas.
+/// Answers if replicas are added in groups of four, up to 32, until a test after a group gives an answer. Also returns
+/// the mean number of replicas.
 fn until_decided(pairs: u64, margin: f64, size: f64, shape: Shape) -> (Tally, f64) {
     let one = |pair: u64| -> (Answer, usize) {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(pair);
@@ -282,7 +282,7 @@ fn table(pairs: u64, sizes: &[f64]) {
     for slices in [15, 40] {
         for (name, shape) in SHAPES {
             for &size in sizes {
-                // in a slice the standard error is about 0.1, twice that of a difference
+                // the standard error in a slice is about 0.1, twice that of the difference of means
                 let margin = 0.08;
                 let run = |is_shifted: bool, random: &mut Xoshiro256PlusPlus| {
                     profiles(slices, if is_shifted { 10.0 * margin * size } else { 0.0 }, shape, random)
@@ -317,14 +317,14 @@ fn equivalence_at_the_margin_is_rare_wherever_the_difference_is() {
     sequential(100, &[0.0, 1.0]);
 }
 
-/// Recommendation of an unresolved comparison: a longer run, or more replicas.
+/// Recommendation of an unresolved comparison: a longer run, or a number of replicas.
 enum Advice {
     Longer,
     Replicas(usize),
 }
 
-/// Number of 15 pairs that are unresolved, and number of these that are decided if the recommendation is followed. Also
-/// returns the mean factor on the length or the number of replicas.
+/// Number of unresolved pairs among 15, and number of these that are decided if the recommendation is followed. Also
+/// returns the mean factor on the duration or on the number of replicas.
 fn advised(scene: &Scene, advice: &Advice, margin: f64) -> (usize, usize, f64) {
     let experiment = |seed: u64| {
         let sets: Vec<String> = scene.sets.iter().map(|set| (*set).to_owned()).collect();

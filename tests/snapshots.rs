@@ -1,5 +1,5 @@
-//! The state between windows is one value. A run that is stored in the middle and restored has the bits of an
-//! uninterrupted one.
+//! The state between two windows is one value. A run that is stored in the middle and restored has the same bits as an
+//! uninterrupted run.
 
 use crate::support::{edge, empty, experiment, plane, small, surface};
 use diptych::contact_law::{ContactLaw, Hertz};
@@ -20,14 +20,14 @@ use diptych::{Stored, Vector3};
 /// [s] length of a window: about 130 soft steps.
 const WINDOW: f64 = 5e-5;
 
-/// Experiment of spheres of 406 µm with friction in a periodic cube that they fill to `phi`.
+/// Experiment of spheres of 406 µm with friction in a periodic cube with the volume fraction `phi`.
 fn crowd(count: usize, phi: f64, fluctuation: f64) -> Experiment {
     let cube = [edge(count, small().diameter, phi); 3];
     let scene = empty(cube, [true; 3], small(), surface(0.8, 0.2));
     experiment(scene, count, [0.0; 3], fluctuation, Model::Hard, 5)
 }
 
-/// The crowd between a floor and a lid, under gravity that brings the spheres to the floor within some windows.
+/// The same spheres between a floor and a lid. Gravity brings them to the floor within some windows.
 fn falling() -> Experiment {
     let mut falling = crowd(150, 0.2, 0.3);
     let scene = &mut falling.scene;
@@ -41,7 +41,7 @@ fn falling() -> Experiment {
     falling
 }
 
-/// A mixture of two sizes, three to one.
+/// Mixture of two sizes with a ratio of three.
 fn mixture() -> Experiment {
     let mut mixture = crowd(200, 0.25, 0.4);
     mixture.scene.species.push(Species { name: "L".into(), diameter: 3.0 * small().diameter, ..small() });
@@ -49,7 +49,7 @@ fn mixture() -> Experiment {
     mixture
 }
 
-/// So many spheres that the drag law is tabulated, in a gas that carries them along.
+/// Enough spheres for a tabulated drag law, in a gas that carries them along.
 fn blown() -> Experiment {
     let mut blown = crowd(1100, 0.02, 0.5);
     let drag = Some(Drag::SchillerNaumann(SchillerNaumann));
@@ -57,6 +57,14 @@ fn blown() -> Experiment {
     blown.scene.fluid = Some(Fluid::new(1.205, 1.515e-5, profile, drag));
     blown.scene.gravity = Vector3::new(0.0, 0.0, -9.81);
     blown
+}
+
+/// A crowd in a sheared box, whose images slide by a tenth of the box in a window.
+fn sheared() -> Experiment {
+    let mut sheared = crowd(200, 0.2, 0.5);
+    let domain = sheared.scene.domain;
+    sheared.scene.domain = domain.sheared(0.1 / WINDOW, 0.0);
+    sheared
 }
 
 fn scenes() -> Vec<(&'static str, Experiment)> {
@@ -67,10 +75,11 @@ fn scenes() -> Vec<(&'static str, Experiment)> {
         ("mixture", mixture()),
         ("falling", falling()),
         ("blown", blown()),
+        ("sheared", sheared()),
     ]
 }
 
-/// All ways in which an experiment can be run.
+/// All ways of running an experiment.
 fn ways(of: &Experiment) -> Vec<(String, Experiment)> {
     let mut ways = Vec::new();
     for (name, stepping, contact_time) in [
@@ -83,7 +92,7 @@ fn ways(of: &Experiment) -> Vec<(String, Experiment)> {
         ways.push((name.to_owned(), way));
     }
     let mut way = of.clone();
-    // in the dilute scene two windows share a step, so that its half is stored too
+    // in the dilute scene two windows share a step of collisions by chance, so that a half-completed step is stored too
     (way.run.spheres, way.dsmc.step) = (Spheres::Dsmc, 0.02);
     ways.push(("dsmc".to_owned(), way));
     let elasticity = Elasticity { youngs_modulus: 2e6, poissons_ratio: 0.3 };
@@ -103,7 +112,7 @@ fn ways(of: &Experiment) -> Vec<(String, Experiment)> {
     ways
 }
 
-/// All bits of the state that lasts between windows.
+/// All bits of the state between two windows.
 fn bits(simulation: &Simulation) -> Stored {
     Stored::of(&simulation.snapshot().unwrap()).unwrap()
 }
@@ -115,7 +124,7 @@ fn a_run_stored_between_two_windows_goes_on_with_the_same_bits() {
         for (way, experiment) in ways(&experiment) {
             let name = format!("{scene}, {way}");
             let mut straight = Simulation::new(&experiment, start.clone());
-            // an odd number of windows, so that data that change every other window are stored in both states
+            // an odd number of windows, so that both states are stored of data that change every other window
             let mut stored = Vec::new();
             for windows in [0, 1, 2, 4] {
                 straight.run(windows, WINDOW).unwrap_or_else(|why| panic!("{name}: {why}"));
@@ -167,7 +176,7 @@ fn a_snapshot_whose_particles_do_not_fit_is_refused() {
     assert!(damaged(&|particles| particles.species[7] = 9), "a kind that is not in the scene");
 }
 
-/// All kinds of observers.
+/// Observers of every kind.
 fn observers(experiment: &Experiment, schedule: &Schedule) -> Vec<Box<dyn Observer>> {
     vec![
         Box::new(Accumulator::new(4, experiment.scene.domain.size.y)),
@@ -186,8 +195,9 @@ fn observers(experiment: &Experiment, schedule: &Schedule) -> Vec<Box<dyn Observ
 }
 
 /// Number of the storage layout, and checksum of the stored data of a run before its first window, with every model and
-/// observer. Only the types define the meaning of these bytes. If they change, older files would be misread.
-const LAYOUT: (&str, u32) = ("32", 2_115_259_003);
+/// observer. Only the types define the meaning of these bytes. If the types change without the number, older files are
+/// misread.
+const LAYOUT: (&str, u32) = ("33", 2_091_226_123);
 
 #[test]
 fn types_that_are_stored_change_with_the_number_of_the_layout_only() {
@@ -214,7 +224,7 @@ fn lent(observers: &mut [Box<dyn Observer>]) -> Vec<&mut dyn Observer> {
     observers.iter_mut().map(|observer| &mut **observer as &mut dyn Observer).collect()
 }
 
-/// All bits of a run and its observers at the end, if the run is stopped at every `every`th window, stored and resumed.
+/// All bits of a run and its observers at the end. The run is stopped after every `every` windows, stored and resumed.
 /// Also returns the number of stops.
 fn in_parts(experiment: &Experiment, every: u64) -> (Stored, u64) {
     let schedule = Schedule::new(experiment);
@@ -247,7 +257,7 @@ fn a_run_left_within_a_sample_goes_on_with_the_same_bits_and_so_do_its_observers
         for (name, way) in ways(&experiment).into_iter().filter(|(name, _)| !name.contains("Hertz") && !rests(name)) {
             let (whole, never) = in_parts(&way, 1 << 40);
             let (parts, left) = in_parts(&way, 3);
-            // after every 11 windows, unless the run is over
+            // stops after every 11 windows, unless the run is over
             assert_eq!((never, left), (0, 3), "{name}");
             assert!(whole == parts, "{name}");
         }

@@ -1,5 +1,5 @@
-//! Many random crowds in every way of stepping: energy and momentum compared with the errors that the schemes can
-//! explain.
+//! Many random dense gases (crowds) in every way of stepping: energy and momentum compared with the errors that the
+//! schemes can explain.
 
 use crate::support::*;
 use diptych::contact_law::ContactLaw;
@@ -15,11 +15,11 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::f64::consts::PI;
 
-/// Largest number of simultaneous contacts of a sphere in these crowds, as it affects squared frequencies. n springs at
-/// one sphere raise the largest ω_0² of the linear system at most n-fold (Gershgorin's theorem: its row sums).
+/// Largest number of simultaneous contacts of a sphere in these crowds, as a factor on squared frequencies. n springs
+/// at one sphere raise the largest ω_0² of the linear system at most n-fold (row sums of Gershgorin's theorem).
 pub const TOGETHER: f64 = 3.0;
 
-/// A crowd of spheres of at most unit mass, with stiffness and time step.
+/// Crowd of spheres of at most unit mass, with stiffness and time step.
 pub struct Crowd {
     pub scene: Scene,
     pub start: Particles,
@@ -33,9 +33,9 @@ pub struct Crowd {
     pub words: String,
 }
 
-/// Crowd of a seed: volume fraction 0.15 to 0.5, overlaps of 0.2 to 2 % of a diameter, 8 to 25 steps per contact,
-/// windows of 0.5 to 10 contacts. Every third has walls and gravity, every second is inelastic, every fourth has
-/// friction.
+/// Crowd with this seed: volume fraction 0.15 to 0.5, overlaps of 0.2 to 2 % of a diameter, 8 to 25 steps per contact,
+/// windows of 0.5 to 10 contact times. Every third crowd has walls and gravity, every second is inelastic, every fourth
+/// has friction.
 pub fn crowd(seed: u64) -> Crowd {
     let mut draw = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut log = |low: f64, high: f64| low * (high / low).powf(draw.random::<f64>());
@@ -54,7 +54,7 @@ pub fn crowd(seed: u64) -> Crowd {
             vec![plane([0.0; 3], [0.0, 1.0, 0.0], contact), plane([0.0, size, 0.0], [0.0, -1.0, 0.0], contact)];
     }
     let start = random(&scene, count, 1.0, seed);
-    // T_c² = π²M/k for e = 1; damping makes T_c a little longer
+    // T_c² = π²M/k for e = 1; damping makes T_c slightly longer
     let stiffness = PI * PI * 0.5 / (contact_time * contact_time);
     let window = windows * contact_time;
     Crowd {
@@ -70,7 +70,7 @@ pub fn crowd(seed: u64) -> Crowd {
     }
 }
 
-/// Unexplained energy [J] and momentum [kg m/s] at the worst window, and the errors there that the scheme and rounding
+/// Unexplained energy [J] and momentum [kg m/s] in the worst window, and the errors there that the scheme and rounding
 /// explain.
 pub struct Books {
     pub energy: f64,
@@ -79,14 +79,15 @@ pub struct Books {
     pub momentum_allowed: f64,
 }
 
-/// [J] sum of M u_n²/2 over all impacts of a simulation of spheres of at most unit mass: M/2 is at most 1/4 of a pair and
-/// 1/2 at a wall.
+/// [J] sum of M u_n²/2 over all impacts of a simulation with spheres of at most unit mass. M/2 is at most 1/4 for a
+/// pair and 1/2 at a wall.
 pub fn energy_of_impacts(simulation: &Simulation) -> f64 {
     let record = &simulation.record;
     0.25 * record.pairs.normal_speed.sum_of_squares() + 0.5 * record.walls.normal_speed.sum_of_squares()
 }
 
-/// Runs a crowd through its windows. `explained` returns the energy [J] that the scheme may have added or removed so far.
+/// Runs a crowd through its windows. `explained` returns the energy [J] that the scheme may have added or removed up to
+/// now.
 pub fn books(
     crowd: &Crowd,
     engine: Box<dyn Engine>,
@@ -101,8 +102,8 @@ pub fn books(
         let (record, counters) = (&simulation.record, simulation.counters());
         let (now, ledger) = (simulation.energy(), &record.ledger);
         let fastest = simulation.particles.largest_speed(Vector3::zeros());
-        // number of changes of a velocity so far: forces and impulses on two bodies, entering and leaving an island,
-        // gravity, frames
+        // number of changes of a velocity up to now: forces and impulses on two bodies, entering and leaving an island,
+        // gravity, changes of the frame of reference
         let bodies = simulation.windows * crowd.start.len() as u64 + counters.island_members;
         let changes = 2 * (counters.force_evaluations + counters.events) + 4 * bodies;
         let rounding = 2.0 * f64::EPSILON * changes as f64;
@@ -122,17 +123,17 @@ pub fn books(
     Ok((worst, simulation))
 }
 
-/// Ways of stepping by name, with the share of M u_n²/2 that the scheme may add or remove in an impact.
+/// Ways of stepping by name, with the fraction of M u_n²/2 that the scheme may add or remove in an impact.
 ///
-/// With x = ω_0 Δt of the stiffest motion ([`TOGETHER`]), the share is 1/(1 - x²/4) - 1 for Verlet's method in uniform
-/// steps (see `predict::energy::Bound`). The classical Runge-Kutta method has an error of x⁵/120 of the amplitude of
-/// x'' = -x in each of its π/x steps. So the error of the energy is twice π x⁴/120, and that of the recorded losses is
-/// equally large. Hard collisions are exact.
+/// With x = ω_0 Δt of the stiffest motion ([`TOGETHER`]), the fraction is 1/(1 - x²/4) - 1 for Verlet's method in
+/// uniform steps (see `predict::energy::Bound`). The classical Runge-Kutta method has an error of x⁵/120 of the
+/// amplitude of x'' = -x in each of its π/x steps. The error of the energy is therefore 2 π x⁴/120, and that of the
+/// recorded losses is as large. Hard collisions are exact.
 pub fn engines(crowd: &Crowd) -> Vec<(&'static str, Box<dyn Engine>, f64)> {
     let law = LinearSpring { stiffness: crowd.stiffness };
     let x = (TOGETHER * crowd.stiffness / 0.5).sqrt() * crowd.step;
     let (verlet, classical) = (1.0 / (1.0 - 0.25 * x * x) - 1.0, 4.0 * PI * x.powi(4) / 120.0);
-    // if islands would be too large, local stepping uses uniform steps too
+    // local stepping uses uniform steps too if islands become too large
     let either = verlet.max(classical);
     let soft = |stepping| -> Box<dyn Engine> {
         Box::new(Soft::new(ContactLaw::linear(law.stiffness), Integrator::VelocityVerlet, crowd.step, stepping))
@@ -146,7 +147,7 @@ pub fn engines(crowd: &Crowd) -> Vec<(&'static str, Box<dyn Engine>, f64)> {
     ]
 }
 
-/// Runs the crowds of these seeds; prints the worst case of each way of stepping and returns the faults.
+/// Runs the crowds with these seeds, prints the worst case of each way of stepping, and returns the faults.
 fn soak(seeds: std::ops::Range<u64>) -> Vec<String> {
     let mut faults = Vec::new();
     let mut summary: Vec<(&str, u64, u64, f64, f64)> = Vec::new();
@@ -157,7 +158,7 @@ fn soak(seeds: std::ops::Range<u64>) -> Vec<String> {
                 summary.push((name, 0, 0, 0.0, 0.0));
             }
             let line = &mut summary[index];
-            // the energy of contacts in progress is at most the total
+            // the energy of contacts in progress is at most the total energy
             let explained = |simulation: &Simulation| gain * (energy_of_impacts(simulation) + simulation.energy());
             match books(&crowd, engine, &explained) {
                 Ok((worst, simulation)) => {
@@ -184,7 +185,7 @@ fn soak(seeds: std::ops::Range<u64>) -> Vec<String> {
 
 #[test]
 fn books_balance_in_a_few_random_crowds() {
-    // seeds 53 and 59 failed when an event at the start of a step was searched for at its end
+    // seeds 53 and 59 contain an event at the start of a step, which must not be searched for at its end
     let faults = soak(50..62);
     assert!(faults.is_empty(), "{faults:#?}");
 }

@@ -1,4 +1,4 @@
-//! Starts of a case, and lengths of its run: saved states of runs, tables of the user, lengths of time.
+//! Starts of a case: saved states of runs, and tables of the user.
 
 use diptych::case::{Case, saved};
 use diptych::experiment::{Experiment, Model};
@@ -6,13 +6,13 @@ use std::path::Path;
 
 const HEADER: &str = "x,y,z,vx,vy,vz,diameter,species\n";
 
-/// Reads the small channel of the inputs without gas, with two kinds of spheres from the table `text`. Returns the
+/// Reads the small channel of the inputs without gas, with two species of spheres from the table `text`. Returns the
 /// experiment and its warnings.
 fn read(text: &str, sets: &[&str], model: Model) -> Result<(Experiment, String), String> {
     read_named("start.csv", text, sets, model)
 }
 
-/// Reads the small channel with a file of that name in place of the table.
+/// Reads the small channel with a file of another name in place of the table.
 fn read_named(name: &str, text: &str, sets: &[&str], model: Model) -> Result<(Experiment, String), String> {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join(name), text).unwrap();
@@ -52,7 +52,8 @@ fn refused_named(name: &str, text: &str, parts: &[&str]) {
     }
 }
 
-/// Table of two spheres of 0.4 mm with an overlap of a tenth of a diameter, and one with half of it in the floor.
+/// Table of two spheres of 0.4 mm with an overlap of a tenth of a diameter, and a sphere that overlaps the floor by
+/// half of this.
 fn deep() -> String {
     let rows = "2e-3,1e-3,1e-3,0,0,0,4e-4,a\n2.36e-3,1e-3,1e-3,0,0,0,4e-4,a\n5e-3,1.8e-4,3e-3,0,0,0,4e-4,a\n";
     format!("{HEADER}{rows}")
@@ -68,10 +69,10 @@ fn a_saved_state_starts_with_its_overlaps() {
         assert!(told.contains("1.000e-1 of a diameter") && told.contains("worst of 2"), "{told}");
     }
     refused(&state, &[], Model::Hard, &["particle 0", "particle 1", "1.000e-1 of a diameter", "worst of 2 overlaps"]);
-    // equal positions that a user has typed are taken for a mistake
+    // overlaps in a table of the user count as a mistake
     refused(&deep(), &[], Model::Soft, &["up to 0.01 of a diameter"]);
     refused(&deep(), &[steps], Model::Hard, &["1.000e-1 of a diameter"]);
-    // with an overlap at which a run stops, no run starts
+    // an overlap at which a run would stop is refused at the start
     let deeper = deep().replace("2.36e-3", "2.1e-3");
     refused(&saved::sign(&deeper, 3), &[], Model::Soft, &["7.500e-1 of a diameter"]);
 }
@@ -84,7 +85,7 @@ fn a_damaged_state_is_refused() {
     refused(&state.replace("2.36e-3", "2.37e-3"), &[], Model::Soft, &["start.csv:1", "checksum"]);
     refused(&state.replace(" particles, ", " "), &[], Model::Soft, &["start.csv:1", "damaged"]);
     refused(&state[..=state.find('\n').unwrap()], &[], Model::Soft, &["holds 0 particles"]);
-    // line ends of another system do not count as damage
+    // the line ends of another system are not damage
     read(&state.replace('\n', "\r\n"), &[], Model::Soft).unwrap_or_else(|error| panic!("{error}"));
 }
 
@@ -115,7 +116,7 @@ fn velocities_are_limited_however_they_are_given() {
 
 #[test]
 fn overlaps_of_unequal_pairs_name_their_diameter() {
-    // radii of 0.2 and 0.1 mm, 0.29 mm apart: a twentieth of 0.2 mm
+    // radii of 0.2 and 0.1 mm at a distance of 0.29 mm: an overlap of a twentieth of 0.2 mm
     let table = format!("{HEADER}2e-3,1e-3,1e-3,0,0,0,4e-4,a\n2.29e-3,1e-3,1e-3,0,0,0,2e-4,b\n");
     refused(&table, &[], Model::Hard, &["5.000e-2 of the smaller diameter"]);
     let failure = diptych::engine::Failure::OverlapTooLarge {
@@ -152,7 +153,7 @@ fn a_state_says_of_what_run_it_is_and_starts_another_case() {
     let diptych::experiment::Amount::Placed(read_back) = &again.start[0].amount else { panic!() };
     assert_eq!((read_back.position[0], read_back.velocity[0]), (particles.position[0], particles.velocity[0]));
     assert!(!told.contains("was saved with"), "{told}");
-    // another box gives a warning; a changed line above the table gives a changed state
+    // another box gives a warning; a changed line above the table means a changed state
     let (_, told) = read(&text, &["domain.size[0]=\"13 mm\""], Model::Soft).unwrap();
     assert!(told.contains("was saved with box_m 0.012 0.004 0.006, the case has 0.013 0.004 0.006"), "{told}");
     let (_, told) = read(&text, &["domain.periodic=[\"x\"]"], Model::Soft).unwrap();
@@ -160,7 +161,7 @@ fn a_state_says_of_what_run_it_is_and_starts_another_case() {
     refused(&text.replace("# time_s: 0.25", "# time_s: 0.26"), &[], Model::Soft, &["start.csv:1", "checksum"]);
 }
 
-/// Particles of the first kind, and the warnings.
+/// Particles of the first species, and the warnings.
 fn first(text: &str, name: &str) -> (diptych::Particles, String) {
     let (experiment, told) = read_named(name, text, &[], Model::Hard).unwrap_or_else(|error| panic!("{error}"));
     let diptych::experiment::Amount::Placed(particles) = &experiment.start[0].amount else { panic!("{told}") };
@@ -172,7 +173,7 @@ fn plain_tables_need_no_velocities_and_may_name_their_units() {
     let (particles, _) = first("x,y,z,species\n1e-3,1e-3,1e-3,a\n", "start.csv");
     assert_eq!((particles.position[0].x, particles.velocity[0].norm()), (1e-3, 0.0));
     let (particles, _) = first("x_mm,y_um,z,vx_mm_s,vy,vz,species\n1.1,1300,1e-3,2.3,0,0,a\n", "start.csv");
-    // rounded as in the case
+    // numbers are rounded as in the case
     assert_eq!((particles.position[0].x, particles.position[0].y, particles.velocity[0].x), (1.1e-3, 1.3e-3, 2.3e-3));
     refused("x_kg,y,z\n1,1,1\n", &[], Model::Hard, &["start.csv:1", "unknown column `x_kg`", "x"]);
     refused("x,x_mm,y,z\n1,1,1,1\n", &[], Model::Hard, &["start.csv:1", "`x` twice"]);
@@ -194,14 +195,14 @@ const XYZ: &str = "2\nLattice=\"0.012 0 0 0 0.004 0 0 0 0.006\" Properties=type:
 fn extended_xyz_is_a_start() {
     let (particles, told) = first(XYZ, "start.xyz");
     assert_eq!((particles.len(), particles.position[0].z, particles.velocity[0].y), (1, 2e-3, 0.2));
-    // in the case itself, whose numbers have no units
+    // the warnings are about the case itself, whose numbers have no units
     assert!(
         told.lines()
             .filter(|line| line.starts_with("warning: "))
             .all(|line| line.contains("has no unit") || line.contains("counted anew")),
         "{told}"
     );
-    // ASE: chemical symbols and positions only, two instants, no units, an origin
+    // a file of ASE: chemical symbols and positions only, two instants, no units, and an origin
     let ase = "1\nProperties=species:S:1:pos:R:3\na 9 9 9\n1\nOrigin=\"1.0 0 0\" Properties=species:S:1:pos:R:3 Lattice=\"0.012 0 0 0 0.005 0 0 0 0.006\"\na 1.001 1e-3 2e-3\n";
     let (particles, told) = first(ase, "start.xyz");
     assert!((particles.position[0].x - 1e-3).abs() < 1e-15 && particles.velocity[0].norm() == 0.0);
@@ -232,7 +233,7 @@ const LAMMPS: &str = "LAMMPS data file via write_data, version 29 Sep 2021, time
 fn a_lammps_data_file_is_a_start() {
     let (particles, told) = first(LAMMPS, "start.data");
     assert_eq!((particles.len(), particles.position[0].x, particles.velocity[0].z), (1, 1e-3, 0.3));
-    // in the case itself, whose numbers have no units
+    // the warnings are about the case itself, whose numbers have no units
     assert!(
         told.lines()
             .filter(|line| line.starts_with("warning: "))
@@ -258,7 +259,8 @@ fn a_lammps_data_file_is_a_start() {
 
 #[test]
 fn a_gas_is_placed_about_a_bed_whose_spheres_all_but_touch() {
-    // two layers on the floor, 1 nm apart: nearer than random positions may be, but given by the user
+    // two layers on the floor with a distance of 1 nm: too near for random positions, but allowed for positions of the
+    // user
     let at: Vec<String> = (0..72)
         .map(|k| {
             let (x, y, z) = (k % 6, k / 36, k / 6 % 6);

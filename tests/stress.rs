@@ -1,5 +1,5 @@
-//! Stress, contacts per particle and volume fraction: one impact in closed form, and a gas compared with its equation
-//! of state.
+//! Stress, contacts per particle and volume fraction: one impact in closed form, and a gas against its equation of
+//! state.
 
 use crate::support::*;
 use diptych::contact_law::ContactLaw;
@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 
 #[test]
 fn the_virial_of_one_impact() {
-    // unit spheres meet head on at u = 2 along x + y: M = 1/2, impulse 2 M u. The force of the spring acts over the
+    // unit spheres in a head-on impact at u = 2 along x + y: M = 1/2, impulse 2 M u. The spring force acts over the
     // distance 1 - δ, and k ∫ δ² dt = M u² π/(2 ω)
     let (u, k, mass) = (2.0f64, 1e4f64, 0.5f64);
     let scene = empty([10.0; 3], [true; 3], unit(), surface(1.0, 0.0));
@@ -39,7 +39,7 @@ fn the_virial_of_one_impact() {
     }
 }
 
-/// A gas of unit spheres at T = 1 in a periodic cube.
+/// Gas of unit spheres at T = 1 in a periodic cube.
 fn gas(phi: f64, spheres: Spheres, (duration, from): (f64, f64)) -> Outcome {
     let scene = empty([edge(1000, 1.0, phi); 3], [true; 3], unit(), surface(1.0, 0.0));
     let mut experiment = experiment(scene, 1000, [0.0; 3], 1.0, Model::Hard, 3);
@@ -53,7 +53,8 @@ fn gas(phi: f64, spheres: Spheres, (duration, from): (f64, f64)) -> Outcome {
 
 #[test]
 fn pressure_of_a_gas_is_that_of_its_equation_of_state() {
-    // oracle D1 (Kolafa, Labik & Malijevsky); N particles have (N-1)/N of the pair density; 3 standard errors + 0.5 %
+    // oracle D1 (Kolafa, Labik & Malijevsky); N particles have (N-1)/N of the pair density; the tolerance is 3 standard
+    // errors + 0.5 %
     for (phi, z) in [(0.01, 1.041019), (0.3, 3.983983), (0.45, 9.404114)] {
         let outcome = gas(phi, Spheres::Hard, (60.0, 5.0));
         let stress = &outcome.stress;
@@ -77,8 +78,8 @@ fn pressure_of_a_gas_is_that_of_its_equation_of_state() {
 
 #[test]
 fn pressure_and_contacts_of_soft_spheres() {
-    // the pressure is that of spheres of Barker and Henderson's diameter at the kinetic temperature, by Carnahan and
-    // Starling; 3 standard errors + 2 %
+    // the pressure is that of hard spheres with Barker and Henderson's diameter at the kinetic temperature (Carnahan
+    // and Starling); the tolerance is 3 standard errors + 2 %
     let (phi, k) = (0.3f64, 1e5f64);
     let outcome = gas(phi, Spheres::Soft(ContactLaw::linear(k)), (4.0, 1.0));
     let stress = &outcome.stress;
@@ -88,7 +89,7 @@ fn pressure_and_contacts_of_soft_spheres() {
     let got = stress.compressibility.unwrap();
     println!("Z {} +- {:?}, theory {z}", got.value, got.error);
     close("Z", got.value, z, 3.0 * got.error.unwrap() + 0.02 * z);
-    // each impact adds two to the contacts of particles for as long as it lasts
+    // during its contact time, each impact adds two to the contacts of particles
     let joined = 2.0 * outcome.pair_rate.unwrap().value * outcome.pairs.summary().mean_duration.unwrap() / 1000.0;
     let touching = stress.coordination.unwrap();
     println!("contacts per particle {} +- {:?}, by impacts {joined}", touching.value, touching.error);

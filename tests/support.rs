@@ -1,4 +1,4 @@
-//! Small scenes and functions for tests.
+//! Small scenes and common functions of the tests.
 
 use diptych::case::Case;
 use diptych::communicator::Communicator;
@@ -31,12 +31,12 @@ pub fn large() -> Species {
     Species::new("L", 1.5e-3, 1032.0)
 }
 
-/// A surface.
+/// Surface with the given restitution and friction.
 pub fn surface(restitution: f64, friction: f64) -> Surface {
     Surface::new(restitution, friction)
 }
 
-/// A box without gas, gravity or walls.
+/// Box without gas, gravity or walls.
 pub fn empty(size: [f64; 3], periodic: [bool; 3], species: Species, contact: Surface) -> Scene {
     Scene {
         domain: Domain::new(Vector3::from(size), periodic),
@@ -50,7 +50,7 @@ pub fn empty(size: [f64; 3], periodic: [bool; 3], species: Species, contact: Sur
     }
 }
 
-/// A plane wall that bounds a half-space.
+/// Plane wall that bounds a half-space.
 pub fn plane(point: [f64; 3], normal: [f64; 3], surface: Surface) -> Wall {
     Wall {
         geometry: WallGeometry::Plane(Plane { point: point.into(), normal: normal.into() }),
@@ -72,7 +72,7 @@ pub fn placed(scene: &Scene, list: &[([f64; 3], [f64; 3])]) -> Particles {
     particles
 }
 
-/// An experiment with a random start of `count` particles of species 0.
+/// Experiment with a random start of `count` particles of species 0.
 pub fn experiment(scene: Scene, count: usize, mean: [f64; 3], fluctuation: f64, model: Model, seed: u64) -> Experiment {
     let law = ContactLaw::linear(3000.0);
     let spheres = match model {
@@ -116,7 +116,7 @@ pub fn experiment(scene: Scene, count: usize, mean: [f64; 3], fluctuation: f64, 
     }
 }
 
-/// Experiment of a case that is written in a test, with changes, or the reason why it is refused.
+/// Experiment of a case in the text of a test, with changes; otherwise the reason why the case is refused.
 pub fn case(text: &str, model: Model, sets: &[&str]) -> Result<Experiment, String> {
     let sets: Vec<String> = sets.iter().map(|set| (*set).to_string()).collect();
     let case = Case::from_text(Path::new("tests/case.toml"), text.into(), &sets).map_err(|why| why.to_string())?;
@@ -128,39 +128,39 @@ pub fn random(scene: &Scene, count: usize, fluctuation: f64, seed: u64) -> Parti
     initial_state(&experiment(scene.clone(), count, [0.0; 3], fluctuation, Model::Hard, seed)).unwrap()
 }
 
-/// The soft engine with stiffness k [N/m] and time step dt [s].
+/// Soft engine with uniform stepping, stiffness k [N/m] and time step dt [s].
 pub fn soft(k: f64, dt: f64, integrator: Integrator) -> Box<dyn Engine> {
     Box::new(Soft::new(ContactLaw::linear(k), integrator, dt, SoftStepping::Uniform))
 }
 
-/// The soft engine with local stepping.
+/// Soft engine with local stepping, stiffness k [N/m] and time step dt [s].
 pub fn local(k: f64, dt: f64, integrator: Integrator) -> Box<dyn Engine> {
     Box::new(Soft::new(ContactLaw::linear(k), integrator, dt, SoftStepping::Local))
 }
 
-/// The event-driven engine.
+/// Event-driven engine of hard spheres.
 pub fn hard() -> Box<dyn Engine> {
     Box::new(Hard::new())
 }
 
-/// The event-driven engine, with islands wherever possible.
+/// Event-driven engine of hard spheres, with islands wherever possible.
 pub fn islands() -> Box<dyn Engine> {
     Box::new(Hard::with_islands())
 }
 
-/// Hard spheres in time steps.
+/// Engine of hard spheres in time steps, with the step criterion θ.
 pub fn stepped(theta: f64) -> Box<dyn Engine> {
     Box::new(SteppedHard::new(theta))
 }
 
-/// Runs for `duration` [s] in `windows` windows. At the end the particles are in the order of ids.
+/// Runs for `duration` [s] in `windows` windows. Returns the simulation with its particles in the order of ids.
 pub fn run(scene: &Scene, particles: Particles, engine: Box<dyn Engine>, duration: f64, windows: u64) -> Simulation {
     let (simulation, result) = try_run(scene, particles, engine, duration, windows);
     result.unwrap();
     simulation
 }
 
-/// Runs as `run` does, and also returns the failure if there is one.
+/// Runs in the way of [`run`], and also returns the failure if there is one.
 pub fn try_run(
     scene: &Scene,
     particles: Particles,
@@ -174,12 +174,12 @@ pub fn try_run(
     (simulation, result)
 }
 
-/// A species of diameter 1 m and mass 1 kg, for reduced units.
+/// Species with diameter 1 m and mass 1 kg, for reduced units.
 pub fn unit() -> Species {
     Species::new("unit", 1.0, 6.0 / std::f64::consts::PI)
 }
 
-/// Edge of the cube in which `count` spheres of diameter `d` [m] fill the fraction `phi`.
+/// Edge [m] of the cube in which `count` spheres of diameter `d` [m] have the volume fraction `phi`.
 pub fn edge(count: usize, d: f64, phi: f64) -> f64 {
     (count as f64 * std::f64::consts::PI / (6.0 * phi)).cbrt() * d
 }
@@ -190,7 +190,7 @@ pub fn close(what: &str, got: f64, want: f64, tolerance: f64) {
     assert!((got - want).abs() <= tolerance, "{what}: {got}, should be {want} +- {tolerance}");
 }
 
-/// The smallest gap between any two spheres [m], by brute force.
+/// Smallest gap between any two spheres [m], found by testing all pairs.
 pub fn smallest_gap(scene: &Scene, particles: &Particles) -> f64 {
     let n = particles.len();
     let mut least = f64::INFINITY;
@@ -205,7 +205,7 @@ pub fn smallest_gap(scene: &Scene, particles: &Particles) -> f64 {
     least
 }
 
-/// Temperature in energy units per mass: 2E/(3(N-1)m) for equal masses and no mean motion [m2/s2].
+/// Granular temperature [m²/s²]: 2E/(3(N-1)m), for equal masses and no mean motion.
 pub fn temperature(particles: &Particles) -> f64 {
     2.0 * particles.kinetic_energy() / (3.0 * (particles.len() as f64 - 1.0) * particles.mass[0])
 }
@@ -213,7 +213,7 @@ pub fn temperature(particles: &Particles) -> f64 {
 /// Both integrators of uniform stepping.
 pub const BOTH: [Integrator; 2] = [Integrator::VelocityVerlet, Integrator::Rk2];
 
-/// The linear spring and dashpot in closed form, computed here independently of the library.
+/// Linear spring and dashpot in closed form, computed independently of the library.
 #[derive(Clone, Copy)]
 pub struct LinearSpring {
     /// [N/m] stiffness k_n.
@@ -244,11 +244,11 @@ impl LinearSpring {
     }
 }
 
-/// [-] share of the energy M u²/2 that the scheme adds in an elastic impact on a linear spring, computed here
-/// independently of the library: mean and standard deviation over the phase between touch and step.
+/// [-] fraction of the energy M u²/2 that the scheme adds in an elastic impact on a linear spring: mean and standard
+/// deviation over the phase between touch and step. It is computed independently of the library.
 pub fn gain_of_an_impact(integrator: Integrator, steps_per_contact: f64) -> (f64, f64) {
     const PHASES: usize = 2000;
-    // unit mass and stiffness: the contact lasts π
+    // with unit mass and stiffness, the contact lasts π
     let dt = std::f64::consts::PI / steps_per_contact;
     let force = |gap: f64| (-gap).max(0.0);
     let step = |(x, v): (f64, f64)| match integrator {
@@ -278,11 +278,11 @@ pub fn gain_of_an_impact(integrator: Integrator, steps_per_contact: f64) -> (f64
 /// Energy [J] that the scheme has added to an elastic gas of equal spheres in its impacts so far, from the gain in
 /// head-on impacts, and its uncertainty [J].
 ///
-/// The speeds are those of the recorded impacts. Impacts have random phases, so the standard error is the deviation of
-/// one impact times the root of the sum of (M u²/2)². This sum is at most the largest value times the sum of values;
-/// four standard errors are allowed. The normal of an oblique impact turns by about the overlap over the diameter,
-/// which the head-on gain leaves out: 3 % of the gain. A contact in progress may contain as much energy as it gains or
-/// loses.
+/// The speeds are those of the recorded impacts, which have random phases. The standard error is therefore the
+/// deviation of one impact times the root of the sum of (M u²/2)². This sum is at most the largest value times the sum
+/// of values; four standard errors are allowed. The normal of an oblique impact turns by about the overlap over the
+/// diameter. The gain in head-on impacts neglects this, for which 3 % of the gain are allowed. The energy error of a
+/// contact in progress may be as large as that of a finished one.
 pub fn gain_of_a_gas(simulation: &Simulation, integrator: Integrator, steps_per_contact: f64) -> (f64, f64) {
     let (mean, deviation) = gain_of_an_impact(integrator, steps_per_contact);
     let (pairs, half) = (&simulation.record.pairs, 0.25 * simulation.particles.mass[0]);
@@ -295,33 +295,33 @@ pub fn gain_of_a_gas(simulation: &Simulation, integrator: Integrator, steps_per_
 /// Path of a small case for the program.
 pub const BASE: &str = "tests/inputs/good/base.toml";
 
-/// The program with these arguments, to be run from the root of the crate.
+/// Command that runs the program with these arguments in the root folder of the crate.
 pub fn diptych(arguments: &[&str]) -> std::process::Command {
     let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_diptych"));
     command.current_dir(env!("CARGO_MANIFEST_DIR")).args(arguments);
     command
 }
 
-/// Text that a program printed.
+/// Printed text of a program.
 pub fn words(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 
-/// Communicator of one of several threads, which take the place of processes that share a run.
+/// Communicator of one thread. Several threads take the place of the processes that share a run.
 pub struct Crew {
     rank: usize,
     room: Arc<Room>,
 }
 
-/// Memory that the threads share.
+/// Memory common to the threads.
 struct Room {
     barrier: std::sync::Barrier,
-    /// Messages of each thread to each other thread.
+    /// Messages of each thread to every other thread.
     post: std::sync::Mutex<Vec<Vec<Vec<u8>>>>,
 }
 
 impl Crew {
-    /// Communicators of `size` threads.
+    /// Communicators for `size` threads.
     pub fn of(size: usize) -> Vec<Arc<dyn Communicator>> {
         let post = std::sync::Mutex::new(vec![Vec::new(); size]);
         let room = Arc::new(Room { barrier: std::sync::Barrier::new(size), post });
@@ -368,7 +368,7 @@ impl Communicator for Crew {
     }
 }
 
-/// Runs a simulation that `size` threads share in place of processes; returns what `see` finds at its end.
+/// Runs a simulation that `size` threads share in place of processes. Returns the result of `see` at its end.
 pub fn shared<T>(
     size: usize,
     (scene, start): &(Scene, Particles),

@@ -1,4 +1,5 @@
-//! Drag in suspensions: laws against numbers computed apart, packed beds, hindered settling, local fractions, bits.
+//! Drag in suspensions: laws against independently computed values, packed beds, hindered settling, local fractions,
+//! bits.
 
 use crate::support::{case, close, empty, plane, random, shared, small, surface};
 use diptych::contact_law::ContactLaw;
@@ -15,10 +16,10 @@ use diptych::scene::Scene;
 use diptych::simulation::Simulation;
 use nalgebra::Vector3;
 
-/// Points (φ, Re) of the table below: dilute and dense, slow and fast, also beyond Re = 1000.
+/// Points (φ, Re) of the table below: dilute and dense, slow and fast, and beyond Re = 1000.
 const POINTS: [(f64, f64); 5] = [(0.05, 0.1), (0.1, 10.0), (0.3, 100.0), (0.5, 1.0), (0.6, 2000.0)];
 
-/// Dimensionless forces at `POINTS`, computed apart from the program, from the formulae as published.
+/// Dimensionless forces at `POINTS`, computed independently from the published formulas.
 const FORCES: [[f64; 5]; 5] = [
     [1.24308095, 2.54075759, 16.7223223, 14.4363474, 1039.3276],
     [1.24308095, 2.54075759, 24.9433107, 17.0555556, 1246.52778],
@@ -31,15 +32,15 @@ const FORCES: [[f64; 5]; 5] = [
 fn forces_have_the_published_values() {
     for (law, wanted) in SuspensionLaw::ALL.into_iter().zip(FORCES) {
         for ((phi, re), wanted) in POINTS.into_iter().zip(wanted) {
-            // nine printed digits
+            // the printed values have nine digits
             close(&format!("{law:?}, {phi}, {re}"), law.force(phi, re), wanted, 6e-9 * wanted);
         }
     }
 }
 
-/// A single sphere has the drag of Schiller and Naumann. The law of Beetstra et al. has its own fit, which differs by
-/// 6 % up to Re = 10, and Di Felice takes the drag coefficient of Dalla Valle, which differs by up to 13 % up to Re =
-/// 100 and by 4 % in creeping flow.
+/// A single sphere has the drag of Schiller and Naumann, except for two laws. The law of Beetstra et al. has its own
+/// fit, which differs by 6 % up to Re = 10. Di Felice uses the drag coefficient of Dalla Valle. It differs by up to 13
+/// % up to Re = 100, and by 4 % in creeping flow.
 #[test]
 fn laws_become_that_of_a_single_sphere() {
     for re in [0.0, 1e-6, 0.1, 1.0, 10.0, 100.0, 1500.0] {
@@ -54,7 +55,7 @@ fn laws_become_that_of_a_single_sphere() {
         if re <= 100.0 {
             close("Di Felice", SuspensionLaw::DiFelice.force(0.0, re) / alone, 1.04, 0.09);
         }
-        // the limit is approached, not jumped to: the term of slowest decay is that with the root of φ or its third root
+        // the limit is approached continuously; the slowest terms contain the square root or the third root of φ
         for law in SuspensionLaw::ALL {
             let (near, at) = (law.force(1e-9, re), law.force(0.0, re));
             assert!((near / at - 1.0).abs() < 1e-3, "{law:?}, {re}: {near} {at}");
@@ -62,15 +63,14 @@ fn laws_become_that_of_a_single_sphere() {
     }
 }
 
-/// [m/s] slip at which a sphere at a volume fraction `phi` stays where it is, in a gas that carries the weight.
+/// [m/s] slip at which a sphere at the volume fraction `phi` stays in place in an upward gas flow.
 fn slip(law: SuspensionLaw, single: &Sphere, phi: f64, gravity: f64) -> f64 {
     let drag = Drag::Suspension(SuspensionDrag { law, cells: [1; 3] });
     terminal_slip(&drag, &single.among(phi), gravity)
 }
 
-/// Minimum fluidisation: the pressure drop of Ergun's packed bed carries the weight of the bed,
-/// 150 φ/ε³ Re + 1.75/ε³ Re² = Ar, where Re contains the superficial velocity ε w. The law of Gidaspow gives the root of
-/// this equation.
+/// Minimum fluidisation: the pressure drop of Ergun's packed bed carries the weight of the bed. With the superficial
+/// velocity ε w in Re, 150 φ/ε³ Re + 1.75/ε³ Re² = Ar. The law of Gidaspow gives the root of this equation.
 #[test]
 fn a_packed_bed_begins_to_float_where_ergun_says() {
     let (phi, e) = (0.58_f64, 0.42_f64);
@@ -87,10 +87,10 @@ fn a_packed_bed_begins_to_float_where_ergun_says() {
     }
 }
 
-/// Hindered settling: U/U_t = ε^n for the superficial velocity U = ε w. The exponent n is 4.65 for slow and 2.4 for fast
-/// spheres (Richardson and Zaki 1954), and between them n = 4.4 Re_t^-0.03 for 0.2 < Re_t < 1 and 4.4 Re_t^-0.1 for
-/// 1 < Re_t < 500. The law of Di Felice was made to give these exponents. It gives 4.7 and 2.35 at the ends by its form,
-/// and its exponent χ differs from a fit that would give them exactly by some per cent between.
+/// Hindered settling: U/U_t = ε^n for the superficial velocity U = ε w. By Richardson and Zaki 1954, n is 4.65 for slow
+/// spheres and 2.4 for fast ones. In between, n = 4.4 Re_t^-0.03 for 0.2 < Re_t < 1, and 4.4 Re_t^-0.1 for 1 < Re_t <
+/// 500. The law of Di Felice is a fit to these exponents. Its form gives 4.7 and 2.35 at the ends. In between, its
+/// exponent χ differs by some per cent from the exact one.
 #[test]
 fn spheres_settle_with_the_exponent_of_richardson_and_zaki() {
     for (single_re, exponent, tolerance) in [
@@ -100,7 +100,7 @@ fn spheres_settle_with_the_exponent_of_richardson_and_zaki() {
         (100.0, 4.4 * 100.0_f64.powf(-0.1), 0.07),
         (1e5, 2.4, 0.02),
     ] {
-        // the gravity for which a single sphere falls with this Reynolds number, in units of d = ν = τ_S = 1
+        // gravity for which a single sphere falls with this Reynolds number, in units of d = ν = τ_S = 1
         let sphere = Sphere { stokes_time: 1.0, reynolds_per_speed: 1.0, fraction: 0.0 };
         let law = SuspensionLaw::DiFelice;
         let gravity = single_re * law.force(0.0, single_re);
@@ -111,14 +111,14 @@ fn spheres_settle_with_the_exponent_of_richardson_and_zaki() {
             close(&format!("n at Re_t {single_re}, φ {phi}"), n, exponent, tolerance * exponent);
         }
     }
-    // the law of Wen and Yu has the exponent 4.65 of slow spheres by its form: 2.65 of the friction, 1 of the pressure,
-    // and 1 of the superficial velocity
+    // the form of the law of Wen and Yu gives the exponent 4.65 for slow spheres: 2.65 from friction, 1 from pressure,
+    // and 1 from the superficial velocity
     let sphere = Sphere { stokes_time: 1.0, reynolds_per_speed: 1.0, fraction: 0.0 };
     let superficial = 0.7 * slip(SuspensionLaw::WenYu, &sphere, 0.3, 1e-9);
     close("Wen and Yu", (superficial / 1e-9).ln() / 0.7_f64.ln(), 4.65, 1e-5);
 }
 
-/// A gas of spheres in a suspension law.
+/// Gas of spheres with a suspension law.
 fn suspension(law: SuspensionLaw, cells: [u32; 3], count: usize, phi: f64) -> (Scene, Particles) {
     let edge = (count as f64 * small().volume() / phi).cbrt();
     let mut scene = empty([edge; 3], [true, false, true], small(), surface(0.9, 0.0));
@@ -157,7 +157,8 @@ fn local_fractions_give_the_same_bits_on_any_number_of_threads_and_processes() {
     }
 }
 
-/// The order of the particles in the store has no effect on fractions, and the mean over all cells is that of the box.
+/// The order of the particles in the store has no effect on the fractions. The mean over all cells is the fraction of
+/// the box.
 #[test]
 fn fractions_do_not_depend_on_the_order_of_the_store() {
     let (scene, start) = suspension(SuspensionLaw::WenYu, [3, 4, 2], 3000, 0.05);
@@ -170,12 +171,13 @@ fn fractions_do_not_depend_on_the_order_of_the_store() {
         assert_eq!(one.at(place, *radius).to_bits(), other.at(place, *radius).to_bits());
         mean += one.at(place, *radius) / start.len() as f64;
     }
-    // particles see more than the mean, by chance: the variance of the number of some 125 particles per cell
+    // the mean over particles exceeds the mean over cells by chance, by the variance of the number of about 125
+    // particles per cell
     assert!(mean > 0.05 && mean < 0.05 * 1.05, "{mean}");
 }
 
-/// The lower half of a box is ten times as crowded as the upper half. In the first moment the spheres in the middle of
-/// each half have the drag of the fraction there.
+/// The lower half of a box has ten times the number of spheres of the upper half. At first, the spheres in the middle
+/// of each half have the drag of the fraction in this half.
 #[test]
 fn each_layer_has_the_drag_of_its_own_fraction() {
     let law = SuspensionLaw::Tenneti;
@@ -202,13 +204,13 @@ fn each_layer_has_the_drag_of_its_own_fraction() {
         for (x, v) in state.position.iter().zip(&state.velocity) {
             let phi = if x.y < 0.02 { dense } else { 0.1 * dense };
             let force = law.force(phi, (1.0 - phi) * single.reynolds_per_speed * 2.0);
-            // the acceleration falls by the share h F/τ_S <= 1e-3 within the window
+            // the acceleration falls by a fraction h F/τ_S <= 1e-3 within the window
             close("velocity", v.z, 2.0 * h * force / single.stokes_time, 3e-3 * v.z);
         }
     }
 }
 
-/// A sphere of 406 µm in suspensions, as a case.
+/// Case of spheres of 406 µm in a suspension.
 const SETTLING: &str = r#"
 [domain]
 size = ["4 mm", "4 mm", "8 mm"]
@@ -235,8 +237,8 @@ stiffness = "1000 N/m"
 duration = "0.2 s"
 "#;
 
-/// Spheres in water that all have the same fraction fall together, with the slip at which drag carries the weight, in
-/// soft, hard and hybrid alike. `plan` predicts it.
+/// Spheres in water with equal volume fractions fall together, with the slip at which drag carries the weight. Soft,
+/// hard and hybrid spheres have the same velocity, and `plan` predicts it.
 #[test]
 fn a_suspension_settles_as_predicted() {
     for name in ["wen_yu", "gidaspow", "beetstra", "tenneti", "di_felice"] {
@@ -252,7 +254,7 @@ fn a_suspension_settles_as_predicted() {
             close("fraction", fractions.at(&Vector3::zeros(), 2e-4), 760.0 * 3.351032e-11 / 1.28e-7, 1e-7);
             println!("{name}, {model:?}: {predicted:.5} m/s");
             for velocity in &simulation.particles.velocity {
-                // the splitting in windows of h = 0.25 ms: (h/τ_l)²/24 with a relaxation time τ_l >= 3 ms
+                // error of the splitting in windows of h = 0.25 ms: (h/τ_l)²/24, with a relaxation time τ_l >= 3 ms
                 close("fall", -velocity.z, predicted, 3e-4 * predicted);
             }
         }

@@ -1,11 +1,11 @@
-//! Messages on the terminal may be lost; results may not.
+//! Messages on the terminal may be lost, but not results.
 
 use crate::support::{BASE, diptych, words};
 use std::io::Read;
 use std::path::Path;
 use std::process::{Child, Stdio};
 
-/// Every command that writes a folder, with the smallest input that it accepts.
+/// Every command that writes a folder, with the smallest accepted input.
 const WRITING: [&[&str]; 6] = [
     &["run", BASE],
     &["compare", BASE],
@@ -15,7 +15,7 @@ const WRITING: [&[&str]; 6] = [
     &["limits", "--quick", "--only", "softness"],
 ];
 
-/// Runs each writing command with the output streams set by `spawn`. The command must end well and write everything.
+/// Runs each writing command with the output streams set by `spawn`. The command must succeed and write all files.
 fn all_write(what: &str, spawn: impl Fn(&mut std::process::Command) -> Child) {
     let place = tempfile::tempdir().unwrap();
     for arguments in WRITING {
@@ -45,7 +45,7 @@ fn nobody_reads_what_is_said() {
     });
 }
 
-/// A device for which every write fails.
+/// Device for which every write fails.
 #[cfg(target_os = "linux")]
 fn full() -> Stdio {
     std::fs::File::options().write(true).open(Path::new("/dev/full")).unwrap().into()
@@ -55,17 +55,17 @@ fn full() -> Stdio {
 #[test]
 fn there_is_no_room_for_what_is_said() {
     all_write("both outputs full", |command| command.stdout(full()).stderr(full()).spawn().unwrap());
-    // a closed pipe gives no message; a full disk gives one
+    // a closed pipe gives no message; a full disk gives a message
     let place = tempfile::tempdir().unwrap();
     let output = diptych(&["impact", "--out"]).arg(place.path()).stdout(full()).output().unwrap();
     assert_eq!(output.status.code(), Some(0));
     assert_eq!(words(&output.stderr).matches("cannot write to standard output").count(), 1);
-    // bad input keeps its exit code, although the reason cannot be printed
+    // bad input has its own exit code, even if the reason cannot be printed
     let status = diptych(&["check", "no/such/case.toml"]).stderr(full()).status().unwrap();
     assert_eq!(status.code(), Some(2));
 }
 
-/// `check` and `plan` write no folder; they only print.
+/// The commands `check` and `plan` write no folder, and only print.
 #[test]
 fn a_text_that_cannot_be_printed_is_lost_only_if_nobody_wants_it() {
     for arguments in [&["check", BASE][..], &["plan", "cases/impact.toml"]] {

@@ -1,4 +1,4 @@
-//! Trajectories: files for other programs contain the particles bit by bit; files that cannot be written stop the run.
+//! Trajectories: files for other programs contain all bits of the particles. If files cannot be written, the run stops.
 
 use crate::support::{edge, empty, experiment, placed, plane, small, surface};
 use diptych::engine::Failure;
@@ -17,7 +17,8 @@ use std::process::Command;
 
 const BOTH: Trajectories = Trajectories { every: 1e-4, format: TrajectoryFormat::Both };
 
-/// State in the order of ids, number of contacts and largest overlap of each particle, and time.
+/// State at one instant: particles in the order of ids, number of contacts and largest overlap of each particle, and
+/// time.
 struct Seen {
     time: f64,
     state: Particles,
@@ -54,7 +55,7 @@ fn watched(experiment: &Experiment, folder: &Folder, asked: Trajectories) -> (di
     (outcome, notes.1)
 }
 
-/// Bytes of one array in a VTK file.
+/// Bytes of an array in a VTK file.
 pub fn array<'a>(file: &'a [u8], name: &str) -> &'a [u8] {
     let mark = b"<AppendedData encoding=\"raw\">\n_";
     let begin = file.windows(mark.len()).position(|window| window == mark).unwrap();
@@ -75,7 +76,7 @@ fn flat(vectors: &[Vector3<f64>]) -> Vec<f64> {
     vectors.iter().flatten().copied().collect()
 }
 
-/// Experiment of a crowd under gravity between walls, which has contacts at most instants.
+/// Experiment of a dense gas under gravity between walls, with contacts at most instants.
 fn crowd(model: Model, stepping: SoftStepping) -> Experiment {
     let size = edge(60, 406e-6, 0.25);
     let mut scene = empty([size; 3], [true, false, true], small(), surface(0.9, 0.1));
@@ -105,13 +106,13 @@ fn frames_hold_the_bits_of_the_state() {
         let place = tempfile::tempdir().unwrap();
         let folder = Folder::create(place.path(), true).unwrap();
         let (_, seen) = watched(&crowd, &folder, BOTH);
-        // 21 at whole tenths of a millisecond; the trajectory has one more at the end, which its index lists
+        // 21 frames at multiples of 0.1 ms; the trajectory also has a frame at the end, which its index lists
         assert_eq!(seen.len(), 21);
         let read = |name: &str| std::fs::read(place.path().join("trajectory").join(name)).unwrap();
         let index = String::from_utf8(read("some.pvd")).unwrap();
         let times: Vec<f64> =
             index.split("timestep=\"").skip(1).map(|rest| rest.split('"').next().unwrap().parse().unwrap()).collect();
-        // particles and walls
+        // each frame has an entry for the particles and an entry for the walls
         assert_eq!(times.len(), 2 * 22);
         let mut contacts = 0;
         for (number, seen) in seen.iter().enumerate() {
@@ -158,7 +159,7 @@ fn check_xyz(text: &str, seen: &Seen, crowd: &Experiment) {
     }
 }
 
-/// Particles that meet are members of an island; others fly straight.
+/// Particles that meet are in an island. Other particles fly straight.
 #[test]
 fn the_solver_of_each_particle_is_told() {
     let scene = empty([0.01; 3], [true; 3], small(), surface(1.0, 0.0));
@@ -173,7 +174,7 @@ fn the_solver_of_each_particle_is_told() {
     let (outcome, _) = watched(&three, &folder, Trajectories { every: 4e-4, ..BOTH });
     let file = std::fs::read(place.path().join("trajectory/some/000001.vtp")).unwrap();
     assert_eq!(outcome.record.pairs.count, 1);
-    // two islands or one calendar, according to the counters of the engine
+    // two islands or one event queue, according to the counters of the engine
     let expected = if outcome.counters.islands > 0 { [1, 1, 0] } else { [2, 2, 2] };
     assert_eq!(array(&file, "solver"), expected);
     assert!(outcome.counters.islands > 0);
@@ -205,7 +206,8 @@ fn walls_are_surfaces_within_the_box() {
     let ends = numbers(array(&file, "offsets"), i32::from_le_bytes);
     let walls = numbers(array(&file, "wall"), u32::from_le_bytes);
     assert_eq!(walls.len(), ends.len());
-    // floor and lid are whole, the slope, which touches a corner only, has no surface, and nothing outside is drawn
+    // floor and lid are whole; the slope touches only a corner of the box, and has no surface; nothing outside the box
+    // is drawn
     assert_eq!((ends[0], ends[1], &walls[..3]), (4, 8, &[0, 1, 4][..]));
     let area = |corners: &[Vector3<f64>]| {
         (1..corners.len() - 1)
@@ -217,7 +219,7 @@ fn walls_are_surfaces_within_the_box() {
     assert!((area(&corners[..4]) / (size.x * size.z) - 1.0).abs() < 1e-12);
     assert!(corners[4..8].iter().all(|corner| corner.y == size.y));
     let body = &corners[8..];
-    // points on the surface: at the radius about x, or on the ends
+    // points of the surface are at the radius about x, or on the ends
     assert!(body.len() > 100);
     for corner in body {
         let from = corner - middle;
@@ -230,7 +232,7 @@ fn walls_are_surfaces_within_the_box() {
     }
 }
 
-/// Case of a few spheres for the program.
+/// Case of a few spheres for the command line.
 const CASE: &str = r#"
 [domain]
 size = ["4 mm", "4 mm", "4 mm"]
@@ -266,7 +268,8 @@ fn a_comparison_writes_the_same_times_for_every_variant() {
         text.split("timestep=\"").skip(1).map(|rest| rest.split('"').next().unwrap().to_owned()).collect()
     };
     assert_eq!((times("soft.pvd"), times("soft.pvd").len()), (times("hard.pvd"), 11));
-    // replaced by a run without trajectories: no frame of the other run remains, but foreign files do
+    // results are replaced by a run without trajectories: frames of the earlier run are removed, and files of the user
+    // remain
     let own = place.path().join("out/trajectory/hard/own.vtp");
     std::fs::write(&own, "of the user").unwrap();
     assert_eq!(diptych(place.path(), &["run", "case.toml", "--out", "out", "--overwrite", "--quiet"]).0, 0);
@@ -277,7 +280,7 @@ fn a_comparison_writes_the_same_times_for_every_variant() {
 #[test]
 fn a_trajectory_that_cannot_be_written_stops_the_run_with_a_message() {
     let place = tempfile::tempdir().unwrap();
-    // a file has the name of the folder for frames
+    // a file has the name of the folder for frames, so that no frame can be written
     std::fs::create_dir_all(place.path().join("out/trajectory")).unwrap();
     std::fs::write(place.path().join("out/trajectory/soft"), "in the way").unwrap();
     let (code, told) =
@@ -287,7 +290,7 @@ fn a_trajectory_that_cannot_be_written_stops_the_run_with_a_message() {
     let page = std::fs::read_to_string(place.path().join("out/report.html")).unwrap();
     assert!(page.contains("stopped early"));
     assert_eq!(std::fs::read_to_string(place.path().join("out/trajectory/soft")).unwrap(), "in the way");
-    // as soon as the frames can be written, the comparison can be completed
+    // the comparison can be completed when frames can be written again
     assert!(told.contains("once it can be written, `diptych resume"), "{told}");
     assert!(!place.path().join("out/summary.json").exists());
     std::fs::remove_file(place.path().join("out/trajectory/soft")).unwrap();
@@ -303,8 +306,8 @@ fn a_trajectory_that_cannot_be_written_stops_the_run_with_a_message() {
     );
 }
 
-/// A disk with room for some of the frames. The run ends with a message, and the frames on the disk are complete and
-/// listed. As soon as there is room, the resumed run gives the files of an uninterrupted one.
+/// A disk with room for only some of the frames. The run ends with a message, and the frames on the disk are complete
+/// and listed. When there is room again, the resumed run gives the files of an uninterrupted run.
 #[cfg(target_os = "linux")]
 #[test]
 #[ignore = "needs a name space with a disk of its own: unshare must be allowed; cargo test --test it trajectory::a_disk_that -- --ignored"]
@@ -343,7 +346,7 @@ fn a_disk_that_is_full_leaves_whole_frames() {
     for name in full.iter().filter(|name| name.ends_with("vtp")) {
         assert!(read("full", &format!("hard/{name}")) == read("whole", &format!("hard/{name}")), "{name}");
     }
-    // the index lists existing files only
+    // the index lists only existing files
     assert!(index.split("file=\"hard/").skip(1).all(|rest| full.contains(&rest[..10].to_owned())), "{index}");
     assert_eq!(frames("resumed"), whole);
     for name in whole.iter().map(|name| format!("hard/{name}")).chain(["hard.pvd".to_owned()]) {
@@ -368,7 +371,7 @@ fn what_is_asked_for_is_checked() {
     assert!(code == 0 && told.contains("is not used"), "{told}");
 }
 
-/// A run that is stopped, stored and resumed writes the files of an uninterrupted one.
+/// A run that is stopped, stored and resumed writes the files of an uninterrupted run.
 #[test]
 fn a_run_that_goes_on_goes_on_with_its_frames() {
     let crowd = crowd(Model::Soft, SoftStepping::Local);
@@ -387,7 +390,7 @@ fn a_run_that_goes_on_goes_on_with_its_frames() {
         };
         assert!(!course.run(&mut simulation, &mut [&mut trajectory], &mut leave).unwrap());
         let pause = course.store(&simulation, &[&mut trajectory]).unwrap();
-        // all frames up to the stored state are written, even if the program ends now
+        // all frames up to the stored state are written, even if the program ends at this point
         assert!(parts.path().join("trajectory/some/000009.vtp").exists());
         pause
     });

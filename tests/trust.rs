@@ -1,4 +1,4 @@
-//! The trust sheet: every number with its expected value, and the effect of half the time step.
+//! Trust sheet: every number with its expected value, and the effect of half the time step.
 
 use crate::support::{empty, experiment, plane, random, small, surface};
 use diptych::contact_law::ContactLaw;
@@ -36,21 +36,21 @@ fn find<'a>(sheet: &'a TrustSheet, name: &str) -> &'a TrustCheck {
 fn a_sound_run_is_found_sound_and_missing_numbers_say_why() {
     for (model, pair, wall) in [(Model::Soft, 0.9, 0.8), (Model::Hard, 0.9, 0.8)] {
         let mut gas = gas(model, pair, wall);
-        // at N_c = 20 each damped impact has an energy error of 1e-3, which is too much here
+        // at N_c = 20, the energy error of each damped impact is 1e-3, which is too large here
         gas.soft.time_step = TimeStep::PerContact(60.0);
         let sheet = sheet(&gas, false);
         for (name, asked) in [("restitution, pairs", pair), ("restitution, walls", wall)] {
             let check = find(&sheet, name);
             assert_eq!((check.expected, check.judgement), (Expected::Equals(asked), Judgement::Good), "{check:?}");
-            // the phases of Verlet's method at N_c = 60 scatter the restitution by 0.2 % each
+            // at N_c = 60, the phase changes the restitution with Verlet's method by about 0.2 % in each impact
             assert!(check.found.unwrap().error.is_some_and(|error| error < 0.004), "{check:?}");
         }
         assert_eq!(find(&sheet, "escapes").judgement, Judgement::Good);
         assert_eq!(find(&sheet, "energy").judgement, Judgement::Good);
         assert_eq!(find(&sheet, "simulated").judgement, Judgement::Good);
-        // without drag and gravity there is no balance to check
+        // without drag and gravity, no balance can be checked
         assert_eq!(find(&sheet, "streamwise").judgement, Judgement::Unknown);
-        // the gas cools, so it is not steady
+        // the gas cools, and is therefore not steady
         assert_eq!(find(&sheet, "drift").judgement, Judgement::Suspect);
         assert!(find(&sheet, "threads").found.unwrap().value >= 1.0);
         for check in &sheet.checks {
@@ -66,8 +66,8 @@ fn a_sound_run_is_found_sound_and_missing_numbers_say_why() {
 
 #[test]
 fn what_is_not_as_asked_is_suspect() {
-    // Heun's method gains energy at N_c = 5 and e = 1: 1.0776 on average (tests/analytic.rs); with k_n = 30 N/m
-    // overlaps are large
+    // Heun's method gains energy at N_c = 5 and e = 1: the restitution is 1.0776 on average (tests/analytic.rs); with
+    // k_n = 30 N/m, overlaps are large
     let mut gains = gas(Model::Soft, 1.0, 1.0);
     gains.soft.integrator = Integrator::Rk2;
     gains.soft.time_step = TimeStep::PerContact(5.0);
@@ -84,7 +84,7 @@ fn what_is_not_as_asked_is_suspect() {
 
 #[test]
 fn half_the_step_is_half_the_step_and_costs_a_fifth() {
-    // restitution of Heun's method at N_c = 5 and 10 for e = 1: 1.0776 and 1.0109
+    // restitution of Heun's method at N_c = 5 and N_c = 10 for e = 1: 1.0776 and 1.0109
     let mut coarse = gas(Model::Soft, 1.0, 1.0);
     coarse.soft.integrator = Integrator::Rk2;
     coarse.soft.time_step = TimeStep::PerContact(5.0);
@@ -97,7 +97,7 @@ fn half_the_step_is_half_the_step_and_costs_a_fifth() {
     assert!((found.stretch - 2e-3).abs() < 1e-12, "{found:?}");
     let pairs = found.quantities.iter().find(|row| row.name == "restitution, pairs").unwrap();
     println!("{found:#?}");
-    // the normal motion in oblique impacts of a gas is that of the oscillator
+    // the normal motion in oblique impacts of a gas is that of the linear oscillator
     assert!((pairs.as_run.value - 1.0776).abs() < 0.01 + 3.0 * pairs.as_run.error.unwrap(), "{pairs:?}");
     assert!((pairs.halved.value - 1.0109).abs() < 0.01 + 3.0 * pairs.halved.error.unwrap(), "{pairs:?}");
     assert!(pairs.in_errors().is_some_and(|errors| errors < -3.0), "{pairs:?}");
@@ -109,7 +109,7 @@ fn half_the_step_is_half_the_step_and_costs_a_fifth() {
     let found = halved(&stepped);
     assert!(found.time_step.is_some_and(|step| step > 0.0) && found.quantities.len() >= 4, "{found:?}");
 
-    // there is no step to test, and the sheet says so
+    // without simulated time there is no step to be tested, and the sheet contains this reason
     let mut none = gas(Model::Hard, 1.0, 1.0);
     none.run.duration = 0.0;
     assert!(matches!(sheet(&none, true).halved_step, HalvedStep::Unknown(why) if why.contains("nothing")));
@@ -127,7 +127,7 @@ fn reports_and_summaries_end_with_the_sheet() {
     let place = |title: &str| html.find(&format!("<h2>{title}</h2>")).unwrap_or_else(|| panic!("{title}"));
     assert!(place("Profiles") < place("How far to trust this"), "the sheet follows the results");
     assert!(place("How far to trust this") < place("To get the same again"));
-    // one table contains the variants side by side
+    // one table contains all variants next to each other
     assert_eq!(html.matches("particles outside the box at a sample").count(), 1);
     let text = std::fs::read(out.join("summary.json")).unwrap();
     let summary: serde_json::Value = serde_json::from_slice(&text).unwrap();
@@ -142,8 +142,8 @@ fn reports_and_summaries_end_with_the_sheet() {
 
 #[test]
 fn the_ledger_closes_where_stepping_is_chosen_by_cost() {
-    // two spheres, 200 steps per contact, 210 windows: in each window islands are found to cost more, and uniform steps
-    // continue
+    // two spheres, 200 steps per contact, 210 windows: in each window, islands turn out to cost more, and uniform steps
+    // continue the motion
     let keep = tempfile::tempdir().unwrap();
     let out = keep.path().join("run");
     let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_diptych"));
@@ -151,7 +151,7 @@ fn the_ledger_closes_where_stepping_is_chosen_by_cost() {
     let output = command.current_dir(env!("CARGO_MANIFEST_DIR")).args(arguments).output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let summary: serde_json::Value = serde_json::from_slice(&std::fs::read(out.join("summary.json")).unwrap()).unwrap();
-    // the energy error of Verlet's method: 1.1e-5 at N_c = 200 over all phases, 1.5e-5 at most (docs/chart.md: order 2)
+    // energy error of Verlet's method: 1.1e-5 at N_c = 200 over all phases, 1.5e-5 at most (docs/chart.md: order 2)
     let residual = summary["variants"][0]["energy"]["residual_relative"].as_f64().unwrap();
     assert!(residual.abs() < 3e-5, "{residual}");
 }

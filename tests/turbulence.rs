@@ -1,5 +1,5 @@
-//! Turbulence that particles see: tracers stay mixed, response and dispersion in homogeneous turbulence after Tchen,
-//! Hinze and Csanady, frozen gas as a limit, ledger, same bits, messages.
+//! Turbulence along the paths of particles: tracers stay mixed; response and dispersion in homogeneous turbulence after
+//! Tchen, Hinze and Csanady; frozen gas as a limit; ledger, equal bits, messages.
 
 use crate::support::{case, close, empty, experiment, hard, plane, random, shared, soft, surface};
 use diptych::drag::{Drag, SchillerNaumann, Stokes};
@@ -15,11 +15,12 @@ use diptych::simulation::Simulation;
 use diptych::{ContactLaw, Engine};
 use nalgebra::Vector3;
 
-/// [s] response time of the particles of `homogeneous` is this number times the density in kg/m³.
+/// [s] response time of the particles of `homogeneous`, per density in kg/m³.
 const RESPONSE_PER_DENSITY: f64 = 1e-6 / (18.0 * 1.5e-5);
 
-/// Homogeneous turbulence with σ = 1 m/s and T_L = 1 s in a gas at rest. The particles have the response time `response`
-/// [s] and are too few to meet. `beta` is the ratio of the time scales T_L/T_E, and `gravity` [m/s²] acts along -z.
+/// Homogeneous turbulence with σ = 1 m/s and T_L = 1 s in a gas at rest. The particles have the response time
+/// `response` [s], and are too few to collide. `beta` is the ratio of the time scales T_L/T_E. `gravity` [m/s²] acts
+/// along -z.
 fn homogeneous(response: f64, beta: f64, gravity: f64) -> Scene {
     let species = Species::new("bead", 1e-3, response / RESPONSE_PER_DENSITY);
     let mut scene = empty([1000.0; 3], [true; 3], species, surface(1.0, 0.0));
@@ -32,7 +33,7 @@ fn homogeneous(response: f64, beta: f64, gravity: f64) -> Scene {
     scene
 }
 
-/// Runs `count` particles that start with velocities of the standard deviation `agitation` [m/s].
+/// Runs `count` particles with random initial velocities of the standard deviation `agitation` [m/s].
 fn run_homogeneous(scene: &Scene, count: usize, agitation: f64, windows: u64, window: f64) -> Simulation {
     let start = experiment(scene.clone(), count, [0.0; 3], agitation, Model::Hard, 3);
     let mut simulation = Simulation::new(&start, initial_state(&start).unwrap());
@@ -46,10 +47,11 @@ fn mean_product(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.dot(b)).sum::<f64>() / (3.0 * a.len() as f64)
 }
 
-/// Tchen 1947: with the correlation exp(-t/T) of the gas velocity, <v²> = <u v> = σ² T/(T + τ). The estimates from 3 N
-/// independent Gaussian numbers have standard errors of sqrt(2/(3 N)) relative to σ_1 σ_2 at most; four are allowed.
-/// Windows of twice T do not change this for heavy particles, because kicks use the mean of the fluctuation. Without the
-/// scatter of the mean between both ends, the variance at St = 20 would be a quarter too small.
+/// Tchen 1947: for the correlation exp(-t/T) of the gas velocity, <v²> = <u v> = σ² T/(T + τ). Estimates from 3 N
+/// independent Gaussian numbers have standard errors of at most sqrt(2/(3 N)), relative to σ_1 σ_2; four of them are
+/// allowed. Windows of 2 T are accurate enough for heavy particles, because kicks use the mean of the fluctuation over
+/// the window. This mean has a scatter between both ends; without it, the variance at St = 20 would be too small by a
+/// quarter.
 #[test]
 fn particles_take_the_share_of_tchen_of_the_agitation_of_the_gas() {
     let count = 6000;
@@ -57,7 +59,7 @@ fn particles_take_the_share_of_tchen_of_the_agitation_of_the_gas() {
         [(0.1, 0.02, 150), (1.0, 0.05, 100), (10.0, 0.5, 80), (20.0, 2.0, 40), (1000.0, 1.0, 100)]
     {
         let share: f64 = 1.0 / (1.0 + stokes);
-        // at St = 1000 the start must have the final agitation, since the run is short
+        // at St = 1000 the run is too short to reach the final agitation, so that the start has it
         let end = run_homogeneous(&homogeneous(stokes, 0.0, 0.0), count, share.sqrt(), windows, window).state();
         let eddies = end.eddies.as_ref().unwrap();
         let error = (2.0 / (3.0 * count as f64)).sqrt();
@@ -76,8 +78,8 @@ fn particles_take_the_share_of_tchen_of_the_agitation_of_the_gas() {
 }
 
 /// [m²] mean square displacement in a time `t` [s] of particles with the response time `tau` [s], in steady homogeneous
-/// turbulence with σ = 1 m/s and the correlation exp(-t/T) (Hinze 1975, section 5.7): twice the integral of
-/// (t - s) R(s), with R(s) = (T² exp(-s/T) - T τ exp(-s/τ))/(T² - τ²).
+/// turbulence with σ = 1 m/s and the correlation exp(-t/T). By Hinze 1975, section 5.7, it is twice the integral of (t
+/// - s) R(s), with R(s) = (T² exp(-s/T) - T τ exp(-s/τ))/(T² - τ²).
 fn dispersion(t: f64, time: f64, tau: f64) -> f64 {
     let part = |theta: f64| theta * t - theta * theta * (1.0 - (-t / theta).exp());
     2.0 * (time * time * part(time) - time * tau * part(tau)) / (time * time - tau * tau)
@@ -92,7 +94,7 @@ fn displacements(scene: &Scene, before: &Particles, after: &Particles) -> Vector
     moves.iter().map(|x| (x - mean).component_mul(&(x - mean))).sum::<Vector3<f64>>() / count
 }
 
-/// Runs until the motion is steady, then `time` [s] more, and returns the mean square displacements of this time.
+/// Runs until the motion is steady, then for `time` [s], and returns the mean square displacements in this time.
 fn spread(scene: &Scene, agitation: f64, [steady, time]: [f64; 2], window: f64) -> Vector3<f64> {
     let start = experiment(scene.clone(), 6000, [0.0; 3], agitation, Model::Hard, 4);
     let mut simulation = Simulation::new(&start, initial_state(&start).unwrap());
@@ -102,8 +104,9 @@ fn spread(scene: &Scene, agitation: f64, [steady, time]: [f64; 2], window: f64) 
     displacements(scene, &before, &simulation.state())
 }
 
-/// Particles of any inertia spread as in theory, at times shorter and longer than T. Squares of N Gaussian numbers have
-/// the relative standard error sqrt(2/N) per component; four of the mean of three are allowed.
+/// Particles of any inertia spread as in theory, for times shorter and longer than T. The mean square of N Gaussian
+/// numbers has the relative standard error sqrt(2/N) per component. Four standard errors of the mean of three
+/// components are allowed.
 #[test]
 fn particles_spread_as_in_homogeneous_turbulence() {
     let error = (2.0_f64 / 18_000.0).sqrt();
@@ -116,10 +119,10 @@ fn particles_spread_as_in_homogeneous_turbulence() {
     }
 }
 
-/// Csanady 1963: a fall at the slip w shortens the time along the fall to T/sqrt(1 + β² w²/σ²), and to
-/// T/sqrt(1 + 4 β² w²/σ²) across it, and with it the agitation and the dispersion. Here w = 8 σ and β = 1. Besides the
-/// statistical error the slip of the particles scatters: its variance is at most σ² St/(1 + St)² per component, which
-/// changes the mean of w² by 3/4 in 64 at most, and the times by 0.6 %.
+/// Csanady 1963: a fall at the slip w shortens the time scale to T/sqrt(1 + β² w²/σ²) along the fall, and to T/sqrt(1 +
+/// 4 β² w²/σ²) across it. Agitation and dispersion fall accordingly. Here w = 8 σ and β = 1. Besides the statistical
+/// error, the slip varies between particles, with a variance of at most σ² St/(1 + St)² per component. This changes the
+/// mean of w² by at most 3/4 in 64, and the time scales by 0.6 %.
 #[test]
 fn falling_particles_cross_eddies_as_csanady_says() {
     let (tau, fall) = (0.25, 8.0);
@@ -146,8 +149,8 @@ fn falling_particles_cross_eddies_as_csanady_says() {
     }
 }
 
-/// Without mean slip the agitation of the particles itself crosses eddies. The gas that they see keeps its variance,
-/// though the times then depend on the state of each particle.
+/// Without a mean slip, particles cross eddies by their own agitation. The gas velocity along their paths keeps its
+/// variance, although the time scales depend on the state of each particle.
 #[test]
 fn crossing_by_agitation_keeps_the_variance_of_the_gas() {
     for stokes in [0.3, 1.0, 5.0] {
@@ -160,7 +163,7 @@ fn crossing_by_agitation_keeps_the_variance_of_the_gas() {
     }
 }
 
-/// Channel of the paper with gas by a k-ε model, walls at both sides, and tracers of 1 µm with the response time 3 µs.
+/// Channel of the paper with a gas from a k-ε model, two walls, and tracers of 1 µm with the response time 3 µs.
 fn channel(model: TurbulenceModel) -> Scene {
     let (height, nu) = (0.04, 1.515e-5);
     let species = Species::new("tracer", 1e-6, 1000.0);
@@ -176,7 +179,7 @@ fn channel(model: TurbulenceModel) -> Scene {
     scene
 }
 
-/// Numbers of particles in ten slices of equal thickness between the walls, over their mean, from several states.
+/// Numbers of particles in ten slices of equal thickness between the walls, divided by their mean, from several states.
 fn slices(states: &[Particles], height: f64) -> [f64; 10] {
     let mut counts = [0.0; 10];
     for y in states.iter().flat_map(|state| &state.position).map(|x| x.y) {
@@ -186,12 +189,12 @@ fn slices(states: &[Particles], height: f64) -> [f64; 10] {
     counts.map(|count| 10.0 * count / all)
 }
 
-/// Thomson's condition: tracers that are uniformly mixed stay so, though k varies by a factor of three across the
-/// channel with wall functions, and falls to zero at the walls with the model of Launder and Sharma. Without the drift
-/// they would gather where the gas is calm, in proportion to 1/σ. States 20 ms apart, two times of mixing L²/(π² D), are
-/// independent, so the numbers have relative standard errors of sqrt(10/(N M)) for M states. Four are allowed, and 1 %
-/// more: St is up to 0.02 near the walls, and windows are up to a fifth of T_L, which changes squares by a twelfth of
-/// its square.
+/// Thomson's condition: uniformly mixed tracers stay mixed, although k varies across the channel. It varies by a factor
+/// of three with wall functions, and falls to zero at the walls with the model of Launder and Sharma. Without the
+/// drift, tracers would gather where the gas is calm, in proportion to 1/σ. States 20 ms apart, two mixing times L²/(π²
+/// D), are independent. The numbers from M states have relative standard errors of sqrt(10/(N M)). Four of them are
+/// allowed, and 1 % more: St is up to 0.02 near the walls. Windows are up to a fifth of T_L, which changes squares by a
+/// twelfth of the square of this ratio.
 #[test]
 fn tracers_stay_mixed_in_a_channel() {
     let (count, parts) = (2000, 12);
@@ -213,7 +216,7 @@ fn tracers_stay_mixed_in_a_channel() {
     }
 }
 
-/// Without fluctuations the turbulent kick is the kick of the frozen gas, bit for bit.
+/// Without fluctuations, the turbulent kick has the bits of the kick of a frozen gas.
 #[test]
 fn a_calm_gas_is_the_frozen_gas() {
     let mut scene = homogeneous(0.5, 1.0, 9.81);
@@ -226,7 +229,7 @@ fn a_calm_gas_is_the_frozen_gas() {
     assert_eq!(calm.record.ledger.to_array(), frozen.record.ledger.to_array());
 }
 
-/// A dense enough crowd in turbulence between walls, which collides.
+/// Gas of particles in turbulence between walls, dense enough for collisions.
 fn crowd() -> (Scene, Particles) {
     let mut scene = channel(TurbulenceModel::WallFunctions);
     scene.species[0] = crate::support::small();
@@ -263,7 +266,8 @@ fn eddies_give_the_same_bits_on_any_number_of_threads_and_processes() {
     }
 }
 
-/// Every engine draws the same eddies: without collisions the paths are equal, up to the rounding of their sums.
+/// Every engine draws the same random numbers for the turbulence. Without collisions, the paths are equal except for
+/// rounding of sums.
 #[test]
 fn every_engine_sees_the_same_eddies() {
     let scene = homogeneous(0.3, 0.7, 0.0);
@@ -276,17 +280,17 @@ fn every_engine_sees_the_same_eddies() {
     let [one, other] = [on(hard()), on(soft(3000.0, 1e-3, Integrator::VelocityVerlet))];
     assert_eq!(one.eddies.is_some(), other.eddies.is_some());
     for (a, b) in one.velocity.iter().zip(&other.velocity) {
-        // twenty steps of soft spheres per window add one rounding each
+        // twenty steps of soft spheres per window have one rounding each
         assert!((a - b).norm() < 1e-12, "{a} {b}");
     }
-    // another seed gives other eddies
+    // another seed gives other random numbers
     let mut simulation = Simulation::with_engine(scene.clone(), start.clone(), hard()).with_seed(5);
     simulation.run(50, 0.02).unwrap();
     assert!((simulation.state().velocity[0] - one.velocity[0]).norm() > 1e-3);
 }
 
-/// A look by an observer, an end at which velocities are complete, and a reversed store leave the eddies as they are; a
-/// snapshot continues with the same bits.
+/// The eddies do not change by a call of an observer, by completing the velocities at an end, or by reversing the
+/// store. A snapshot continues with the same bits.
 #[test]
 fn eddies_last() {
     let (scene, start) = crowd();
@@ -312,8 +316,8 @@ fn eddies_last() {
     assert_eq!(whole.state().eddies, resumed.state().eddies);
 }
 
-/// The work and the impulse of drag in a turbulent gas are in the ledger: without other forces they are the changes of
-/// energy and momentum, up to rounding of 2e4 terms of each window.
+/// The ledger contains the work and the impulse of drag in a turbulent gas. Without other forces, they equal the
+/// changes of energy and momentum, up to rounding of 2e4 terms per window.
 #[test]
 fn the_ledger_is_closed() {
     let scene = homogeneous(0.3, 1.0, 0.0);
@@ -327,7 +331,7 @@ fn the_ledger_is_closed() {
     assert!((end.momentum() - momentum - ledger.drag_impulse).norm() < 1e-12 * energy);
 }
 
-/// A bead in homogeneous turbulence, as a case.
+/// Case of a bead in homogeneous turbulence.
 const BEAD: &str = r#"
 [domain]
 size = ["0.1 m", "0.04 m", "0.1 m"]
@@ -373,7 +377,7 @@ fn cases_are_read_and_refused_with_a_remedy() {
     refused(uniform, &["[fluid.turbulence.langevin]\n"], &["fluid.turbulence.langevin"]);
     let channel = "[fluid.profile.k_epsilon_channel]\nreynolds_number = 42000";
     refused(channel, &[k], &["dissipation_rate", "uniform gas"]);
-    // a table with k and ε, and one without
+    // a table with k and ε, and a table without
     let folder = tempfile::tempdir().unwrap();
     let table = |name: &str, text: &str| {
         let path = folder.path().join(name);
@@ -386,7 +390,8 @@ fn cases_are_read_and_refused_with_a_remedy() {
     let with =
         table("with.csv", "y_m,U_m_s,k_m2_s2,epsilon_m2_s3\n0,0,0,5\n0.04,1,0.6,5\n").unwrap().scene.fluid.unwrap();
     let local = with.turbulence.as_ref().unwrap().at(&with.profile, &Vector3::new(0.0, 0.02, 0.0));
-    // σ is linear between two points: 0 and sqrt(0.4) m/s; k/ε is 6 sqrt(ν/ε) and 0.12 s at the points
+    // σ is linear between two points, from 0 to sqrt(0.4) m/s; k/ε is 6 sqrt(ν/ε) at the first point and 0.12 s at the
+    // second
     close("σ", local.deviation, 0.5 * 0.4_f64.sqrt(), 1e-15);
     assert!((local.gradient - Vector3::new(0.0, 0.4_f64.sqrt() / 0.04, 0.0)).norm() < 1e-12);
     close("T_L", local.time, 0.5 * (6.0 * (1.5e-5_f64 / 5.0).sqrt() + 0.12) / (0.5 + 0.75 * 2.1), 1e-15);

@@ -1,4 +1,4 @@
-//! The commands of docs/tutorial.md, run unchanged in a separate folder, except that those with many replicas get few.
+//! The commands of docs/tutorial.md, run unchanged in a separate folder, but with few replicas.
 
 use crate::support::words;
 use serde_json::Value;
@@ -6,8 +6,7 @@ use std::io::Write;
 use std::path::Path;
 use std::process::Command;
 
-/// Number of seeds of each variant, instead of the larger number on the page, which takes half a minute with a release
-/// build.
+/// Number of seeds of each variant. The larger number on the page takes half a minute with a release build.
 const FEW: &str = "4";
 
 /// Code blocks of the page in order: language and text.
@@ -31,7 +30,7 @@ fn stored() -> Vec<String> {
 #[test]
 fn every_command_of_the_tutorial_runs() {
     let folder = tempfile::tempdir().unwrap();
-    // output of the last command; none if the command was shortened
+    // output of the last command; `None` if the command was shortened
     let mut said = None;
     let (mut commands, mut compared) = (0, 0);
     for (language, block) in blocks(&text("docs/tutorial.md")) {

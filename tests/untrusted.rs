@@ -1,4 +1,4 @@
-//! Texts, files and links from others must not affect the terminal, the page, a spreadsheet, and the files of the user.
+//! Texts, files and links of others must not affect the terminal, the page, a spreadsheet, or files of the user.
 
 use crate::support::{diptych, words};
 use diptych::legible;
@@ -8,7 +8,7 @@ use std::path::Path;
 
 const BASE: &str = include_str!("inputs/good/base.toml");
 
-/// Characters that may affect a terminal, a browser or a reader of names.
+/// Characters that may affect a terminal or a browser, or deceive readers of names.
 const ACTING: [char; 12] = [
     '\u{1b}',
     '\u{7}',
@@ -29,7 +29,7 @@ fn is_legible(text: &str) -> bool {
     !text.contains(|c: char| legible::acts(c) && !matches!(c, '\n' | '\t'))
 }
 
-/// Output of the program on both streams, and its exit code.
+/// Exit code of the program, and its output on both streams.
 fn said(arguments: &[&str], place: &Path) -> (i32, String, String) {
     let output = diptych(arguments).current_dir(place).output().unwrap();
     let (out, err) = (words(&output.stdout), words(&output.stderr));
@@ -92,7 +92,7 @@ fn random_names_and_paths_are_legible_and_do_not_panic() {
         let typed = |text: &str| toml::Value::String(text.into()).to_string();
         let case = BASE.replace("count = 100", &format!("file = {}", typed(&file)));
         let case = case.replace("name = \"glass\"", &format!("name = {}", typed(&name)));
-        // half of the cases are refused for the key, the others for the file
+        // half of the cases are refused because of the key, the others because of the file
         let case = if number % 2 == 0 { case + &format!("\n{} = 1\n", typed(&key)) } else { case };
         let sets = [format!("{key}={name}"), format!("run.seed={key}")];
         for sets in [&sets[..0], &sets[..1], &sets[1..]] {
@@ -218,7 +218,7 @@ fn keys_without_end_are_refused() {
     }
 }
 
-/// The memory of the process is limited, as by `ulimit -v`: 600 MB are enough for the program, but not for the
+/// The memory of the process is limited, as by `ulimit -v`. 600 MB are sufficient for the program, but not for the
 /// requested run.
 #[cfg(target_os = "linux")]
 #[test]

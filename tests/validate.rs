@@ -1,4 +1,4 @@
-//! The validation suite: rows by name, tables that agree with each other, and references that are changed.
+//! The validation suite: rows by name, tables that agree with each other, and changed references.
 
 use crate::support::*;
 use diptych::output::{ValidationNumber, ValidationRow, ValidationRule};
@@ -6,7 +6,7 @@ use diptych::statistics::Answer;
 use diptych::study::validate::{judge_numbers, names, not_validated, row};
 use serde_json::Value;
 
-/// Rows that take less than a second, of every tier.
+/// Rows that take less than a second, from every kind of reference.
 const FAST: [&str; 4] = ["dem02", "cradle", "chung-ooi-4", "kharaz"];
 
 fn fast(name: &str) -> ValidationRow {
@@ -42,7 +42,7 @@ fn rows_with_closed_forms_agree() {
     }
 }
 
-/// A reference that is changed by three tolerances or margins gives "different", in every number of every tier.
+/// A reference that is changed by three tolerances or margins gives the answer "different", for every number.
 #[test]
 fn a_changed_reference_is_different() {
     for name in FAST {
@@ -50,7 +50,7 @@ fn a_changed_reference_is_different() {
         for (k, right) in row.numbers.iter().enumerate().filter(|(_, one)| one.answer == Answer::Equivalent) {
             let mut numbers: Vec<ValidationNumber> = row.numbers.clone();
             let error = right.difference().error.unwrap_or(0.0);
-            // beyond the allowance and beyond five standard errors, away from the result
+            // a reference beyond the tolerance and beyond five standard errors, on the other side of the result
             let away = (right.reference.value - right.ours.value).signum();
             numbers[k].reference.value += away * (3.0 * right.allowed + 5.0 * error);
             judge_numbers(&mut numbers, names().count());
@@ -91,7 +91,7 @@ fn table_and_summary_contain_the_same_numbers() {
     assert!(page.contains("does not show") && page.contains("Not validated"));
     let missing = summary["not_validated"].as_array().unwrap();
     assert_eq!(missing.len(), not_validated().len());
-    // an existing folder is kept
+    // an existing folder is not overwritten
     let again = diptych(&arguments).output().unwrap();
     assert_eq!(again.status.code(), Some(2), "{}", words(&again.stderr));
 }

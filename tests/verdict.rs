@@ -1,5 +1,5 @@
-//! The verdict of a comparison: how often it is wrong, which differences it finds, and its answers for scenes of every
-//! kind.
+//! Verdict of a comparison: rates of wrong verdicts, smallest differences that are found, and answers for all kinds of
+//! scenes.
 
 use crate::support::{diptych, words};
 use diptych::case::Case;
@@ -22,7 +22,7 @@ const SLICES: usize = 20;
 /// Number of samples of a run: 24 blocks of 20.
 const SAMPLES: usize = 480;
 
-/// A series of unit variance with a relaxation time given in samples.
+/// Series of unit variance with a relaxation time given in samples.
 fn noise(relaxation: f64, random: &mut Xoshiro256PlusPlus) -> Vec<f64> {
     let rho = if relaxation > 0.0 { (-1.0 / relaxation).exp() } else { 0.0 };
     let mut slow: f64 = StandardNormal.sample(random);
@@ -34,15 +34,15 @@ fn noise(relaxation: f64, random: &mut Xoshiro256PlusPlus) -> Vec<f64> {
     (0..SAMPLES).map(|_| next()).collect()
 }
 
-/// A difference as a function of y in -1 ..= 1.
+/// Difference as a function of y, from -1 to 1.
 type Shape = fn(f64) -> f64;
 
 const NOTHING: Shape = |_| 0.0;
 const SHAPES: [(&str, Shape); 3] =
     [("uniform", |_| 1.0), ("slope", |y| 1.0 - 2.0 * y.abs()), ("wall", |y| f64::from(u8::from(y.abs() > 0.9)))];
 
-/// Six profiles about 10, and two numbers. The profiles fluctuate as a whole and, a third as slowly, slice by slice.
-/// The first profile is shifted.
+/// Six profiles about 10, and two numbers. The profiles fluctuate as a whole, and slice by slice at a third of the
+/// rate. The first profile is shifted.
 fn run(relaxation: f64, size: f64, shape: Shape, random: &mut Xoshiro256PlusPlus) -> Vec<Observable> {
     let y: Vec<f64> = (0..SLICES).map(|k| (2 * k + 1) as f64 / SLICES as f64 - 1.0).collect();
     let of = |name, places, parity, parts| Observable {
@@ -75,7 +75,7 @@ fn run(relaxation: f64, size: f64, shape: Shape, random: &mut Xoshiro256PlusPlus
     all
 }
 
-/// Comparisons of many pairs of runs, one of each pair shifted.
+/// Comparisons of many pairs of runs. One run of each pair is shifted.
 fn comparisons(pairs: u64, relaxation: f64, size: f64, shape: Shape) -> Vec<Comparison> {
     let one = |pair: u64| {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(1000 * pair + relaxation as u64);
@@ -93,7 +93,7 @@ fn found(comparison: &Comparison) -> bool {
     !comparison.detected().is_empty()
 }
 
-/// Standard errors in the first profile of equal systems: that of its mean, and that of its most significant slice.
+/// Standard errors in the first profile of equal systems: of its mean, and of its most significant slice.
 fn errors(equal: &[Comparison]) -> [f64; 2] {
     let mean = |of: &dyn Fn(&Comparison) -> f64| equal.iter().map(of).sum::<f64>() / equal.len() as f64;
     [mean(&|one| one.judged[0].tested.mean.unwrap().error), mean(&|one| one.judged[0].tested.largest.unwrap().error)]
@@ -109,20 +109,21 @@ fn equal_systems_are_seldom_called_different_and_a_shift_is_found() {
         wrong += false_findings * 300.0;
         let [mean, slice] = errors(&equal);
         for ((name, shape), unit) in SHAPES.into_iter().zip([mean, mean, slice]) {
-            // 6 standard errors; docs/theory/statistics.md has the differences that are found in 80 % of cases
+            // a shift of 6 standard errors; docs/theory/statistics.md lists the differences that are found in 80 % of
+            // cases
             let power = share(&comparisons(50, relaxation, 6.0 * unit, shape), found);
             println!("relaxation {relaxation}: {false_findings:.3} false; {name} of 6 SE found in {power:.2}");
             assert!(power >= 0.7, "{name}: {power}");
         }
     }
-    // 1 % of 900 is 9, with a scatter of 3
+    // 1 % of 900 is 9, with a standard deviation of 3
     assert!(wrong <= 18.0, "{wrong} of 900 equal pairs are called different");
 }
 
 #[test]
 fn equivalence_is_seldom_claimed_at_the_margin_and_often_of_equal_systems() {
-    // The margin of 1 % of 10 is 0.1. With white noise the mean of the channel has an error of 0.035, too large to be
-    // equivalent within 0.1 at every slice. A tenth of the noise would be equal to a margin of 10 %
+    // The margin of 1 % of 10 is 0.1. With white noise, the mean of the channel has the standard error 0.035, too large
+    // for equivalence within 0.1 in every slice. With a tenth of the noise, this corresponds to a margin of 10 %
     let claimed = |size: f64| {
         let one = |pair: u64| {
             let mut random = Xoshiro256PlusPlus::seed_from_u64(pair);
@@ -134,7 +135,7 @@ fn equivalence_is_seldom_claimed_at_the_margin_and_often_of_equal_systems() {
     };
     let [edge, none] = [0.6, 0.0].map(claimed);
     println!("equivalent: {edge} of 300 at the margin, {none} of 300 without a difference");
-    // 5 % of 300 is 15, with a scatter of 4
+    // 5 % of 300 is 15, with a standard deviation of 4
     assert!(edge <= 27 && none >= 200, "{edge} {none}");
 }
 
@@ -142,12 +143,12 @@ fn equivalence_is_seldom_claimed_at_the_margin_and_often_of_equal_systems() {
 fn holm_goes_from_the_smallest_chance_up() {
     assert_eq!(holm(&[0.004, 0.5, 0.002], 0.01), [true, false, true]);
     assert_eq!(holm(&[0.006, 0.5, 0.002], 0.01), [false, false, true]);
-    // the first probability that is not below its bound ends the procedure
+    // the first probability above its bound ends the procedure
     assert_eq!(holm(&[0.004, 0.004, 0.004], 0.01), [false; 3]);
     assert!(holm(&[], 0.01).is_empty());
 }
 
-/// Makes the table of docs/theory/statistics.md: smallest differences that are found in 80 % of cases.
+/// Prints the table of docs/theory/statistics.md: smallest differences that are found in 80 % of cases.
 #[test]
 #[ignore = "a minute of synthetic runs: cargo test -- --ignored --nocapture power_of_the_verdict"]
 fn power_of_the_verdict() {
@@ -167,7 +168,7 @@ fn power_of_the_verdict() {
     }
 }
 
-/// Outcome of a channel of 71 particles, with one seed.
+/// Outcome of a channel with 71 particles, for one seed.
 fn small_channel(seed: u64) -> Outcome {
     let sets = [
         "domain.size=[\"4.2 mm\", \"40 mm\", \"6 mm\"]",
@@ -185,7 +186,7 @@ fn small_channel(seed: u64) -> Outcome {
     outcome
 }
 
-/// Compares a case of the project; returns the exit code, the first line and the summary.
+/// Compares the variants of a case of the project. Returns the exit code, the first line and the summary.
 fn compared(name: &str, arguments: &[&str]) -> (Option<i32>, String, Value) {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
@@ -203,7 +204,7 @@ fn compared(name: &str, arguments: &[&str]) -> (Option<i32>, String, Value) {
 fn the_cradle_is_different_and_the_report_says_by_how_much() {
     let (code, first, summary) = compared("cases/cradle.toml", &[]);
     assert_eq!((code, summary["verdict"].as_str()), (Some(3), Some("different")), "{first}");
-    // touching spheres: the fourth gets 0.2962 m/s of 1 m/s
+    // touching spheres: the fourth sphere gets 0.2962 m/s of 1 m/s
     assert!(
         first.starts_with(
             "\"soft\" against \"hard\": different: the paths are apart by at most 0.296 m/s, 30 % of the largest speed"
@@ -214,14 +215,14 @@ fn the_cradle_is_different_and_the_report_says_by_how_much() {
     assert_eq!((comparison["basis"].as_str(), comparison["verdict"].as_str()), (Some("paths"), Some("different")));
     assert_eq!(summary["variants"][0]["verdict"].as_str(), Some("different"));
     assert_eq!(summary["variants"][1]["verdict"], Value::Null);
-    // statements on the effect of softness in a gas do not apply to five bodies
+    // statements about the effect of softness in a gas do not apply to five bodies
     let said = format!("{} {}", summary["verdicts"], summary["notes"]);
     assert!(!said.contains("press and crowd") && !said.contains("as if smaller"), "{said}");
 }
 
 #[test]
 fn what_is_not_steady_is_judged_by_curves_and_needs_replicas() {
-    // 2000 particles in the whole box, 308 in this smaller one
+    // 308 particles in a smaller box, instead of 2000 particles in the whole box
     let small = ["--set", "domain.size=[\"6 mm\", \"6 mm\", \"6 mm\"]"];
     let (code, first, _) = compared("tests/inputs/good/two_restitutions.toml", &small);
     assert_eq!(code, Some(4), "{first}");
@@ -231,15 +232,15 @@ fn what_is_not_steady_is_judged_by_curves_and_needs_replicas() {
     assert_eq!(code, Some(3), "{first}");
     let comparison = &summary["comparisons"][0];
     assert_eq!(comparison["basis"].as_str(), Some("curves"));
-    // Haff's law: T/T0 is 0.07 for e = 0.8 and 0.8 for e = 0.99 after 20 ms
+    // Haff's law: after 20 ms, T/T0 is 0.07 for e = 0.8 and 0.8 for e = 0.99
     let judged = comparison["comparison"]["judged"].as_array().unwrap();
     let energy = judged.iter().find(|one| one["name"] == "energy").unwrap();
     let share = energy["mean"]["difference"].as_f64().unwrap() / energy["scale"].as_f64().unwrap();
-    // the mean over 20 ms of (1 + a t)^-2 is 1/(1 + 20 ms a): 0.28 and 0.89 of the start
+    // the mean of (1 + a t)^-2 over 20 ms is 1/(1 + 20 ms a): 0.28 and 0.89 of the start
     assert!(energy["detected"] == true && (-0.75..-0.45).contains(&share), "{energy}");
     assert_eq!(summary["variants"][0]["averaging"]["replicas"]["count"], 4);
     assert!(summary["variants"][1]["set"].as_str().unwrap().contains("contact.restitution = 0.8"));
-    // large differences need no replicas in a large gas: 2000 particles count as 20 groups of a hundred
+    // large differences in a large gas need no replicas: 2000 particles count as 20 groups of a hundred
     let (code, first, _) = compared("tests/inputs/good/two_restitutions.toml", &[]);
     assert_eq!(code, Some(3), "{first}");
     assert!(first.contains("moved as one"), "{first}");
@@ -280,7 +281,7 @@ fn a_bed_of_three_particles_is_judged_by_paths() {
 fn paths_are_compared_in_velocity_and_place_where_nothing_touches() {
     const THREE: &str = "tests/inputs/good/three_particles.toml";
     let soft = ["--set", "soft.linear_spring_dashpot.stiffness=30 N/m"];
-    // two contacts of 77 µs each delay the last of three spheres by 2 % of its path; its velocity is equal
+    // two contacts of 77 µs each delay the last of three spheres by 2 % of its path; its final velocity is equal
     let (code, first, _) = compared(THREE, &soft);
     assert_eq!(code, Some(3), "{first}");
     assert!(first.contains("0.057 % of the largest speed") && first.contains("0.19 diameters in place"), "{first}");
@@ -288,7 +289,7 @@ fn paths_are_compared_in_velocity_and_place_where_nothing_touches() {
     let (code, first, _) = compared(THREE, &[&soft[..], &["--set", "run.duration=0.63 ms"]].concat());
     assert_eq!(code, Some(0), "{first}");
     assert!(first.contains("0 diameters in place"), "{first}");
-    // different starts have different paths
+    // different starts lead to different paths
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("starts.toml");
     let variants = "\n[[compare]]\nname = \"hard\"\nmodel = \"hard\"\n\n[[compare]]\nname = \"slower\"\nmodel = \"hard\"\n\
@@ -300,8 +301,8 @@ fn paths_are_compared_in_velocity_and_place_where_nothing_touches() {
     assert!(first.contains("do not start from the same state"), "{first}");
 }
 
-/// A ball that slides on a floor touches it at every instant: it was left out as if in an impact, and any two such runs
-/// were "equivalent".
+/// A ball that slides on a floor touches it at every instant. Its path must be compared all the same, and not left out
+/// as during an impact.
 #[test]
 fn paths_of_bodies_that_touch_all_the_time_are_compared() {
     let (code, first, summary) = compared("cases/rotation/slide-to-roll.toml", &[]);
@@ -314,12 +315,12 @@ fn paths_of_bodies_that_touch_all_the_time_are_compared() {
 #[test]
 fn paths_that_cannot_be_foretold_are_not_compared() {
     const GAS: &str = "cases/cooling-gas.toml";
-    // inelastic spheres are not steady, so only paths can be compared
+    // a gas of inelastic spheres is not steady, so that only paths can be compared
     let few = ["--set", "particles[0].count=20"];
     let (_, first, summary) = compared(GAS, &few);
     assert_eq!(summary["comparisons"][0]["basis"].as_str(), Some("paths"), "{first}");
     assert!(first.contains("up to t = 11.1 ms, the last instant before a disturbance of 10⁻⁶ has grown"), "{first}");
-    // elastic spheres are steady, so averages say more than paths, which soon cannot be predicted
+    // a gas of elastic spheres is steady; averages are compared, because paths soon become unpredictable
     let elastic = ["--set", "contact.restitution=1", "--set", "run.duration=200 ms"];
     let (_, first, summary) = compared(GAS, &[&few[..], &elastic].concat());
     assert_eq!(summary["comparisons"][0]["basis"].as_str(), Some("averages"), "{first}");
@@ -349,11 +350,12 @@ fn what_is_compared_depends_on_the_scene_and_ends_with_the_shorter_run() {
     let all = ["number_density_ratio", "U", "uu", "vv", "ww", "uv"];
     let numbers = ["granular temperature", "pair impacts per time", "wall impacts per time"];
     assert_eq!(names(&whole), [&all[..], &numbers].concat());
-    // the margin of n is a share of 1; that of U is a share of the mean slip speed, which is near the terminal velocity
-    // of 1.5 m/s, and larger near the walls
+    // the scale of n is 1; that of U is the mean slip speed, which is near the terminal velocity of 1.5 m/s, and larger
+    // near the walls
     assert_eq!(whole.judged[0].tested.scale, 1.0);
     assert!((1.0..3.0).contains(&whole.judged[1].tested.scale), "{}", whole.judged[1].tested.scale);
-    // the first is the reference; if one stops half-way, it is compared with the first half of the other
+    // the first variant is the reference; a variant that stops half-way is compared with the first half of the other
+    // variant
     pair[0].profiles.until = 1.7;
     let half = judge(&pair, &[], 0.01)[0].comparison.clone().unwrap();
     let temperature = |comparison: &Comparison| comparison.judged[6].tested.mean.unwrap().difference;
@@ -362,7 +364,7 @@ fn what_is_compared_depends_on_the_scene_and_ends_with_the_shorter_run() {
     assert!(temperature(&half) != temperature(&whole));
 }
 
-/// An observer that stops a run at a time [s].
+/// Observer that stops a run at a time [s].
 struct Stop(f64, bool);
 
 impl Observer for Stop {
@@ -375,7 +377,7 @@ impl Observer for Stop {
     }
 }
 
-/// Outcomes of a case for several seeds, each up to a time [s].
+/// Outcomes of a case for several seeds. Each run ends at the time `until` [s] at the latest.
 fn runs(case: &str, sets: &[&str], name: &str, seeds: std::ops::Range<u64>, until: f64) -> Vec<Outcome> {
     let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(case);
@@ -391,7 +393,7 @@ fn runs(case: &str, sets: &[&str], name: &str, seeds: std::ops::Range<u64>, unti
 
 #[test]
 fn a_variant_that_stopped_is_compared_over_the_common_time() {
-    // a cooling gas: if it is stopped half-way it is warmer than at the end, which is no difference
+    // a cooling gas that is stopped half-way is warmer than at its end, which must not count as a difference
     let small = "domain.size=[\"5 mm\", \"5 mm\", \"5 mm\"]";
     let case = "cases/cooling-gas.toml";
     let whole = runs(case, &[small], "whole", 1..6, 1.0);
@@ -444,7 +446,8 @@ fn replicas_of_a_steady_flow_have_smaller_errors_that_the_runs_agree_with() {
     };
     let (one, _) = errors("1");
     let (nine, summary) = errors("9");
-    // the error should be a third; but an error from 20 blocks is known to a fifth, and one from nine runs to a fourth
+    // the standard error should be a third; but an error from 20 blocks is uncertain by a fifth, and an error from nine
+    // runs by a quarter
     for (one, nine) in one.iter().zip(nine) {
         assert!((1.5..6.0).contains(&(one / nine)), "{one} {nine}");
     }
@@ -453,7 +456,7 @@ fn replicas_of_a_steady_flow_have_smaller_errors_that_the_runs_agree_with() {
     assert!(replicas["count"] == 9 && (0.5..2.0).contains(&ratio), "{replicas}");
 }
 
-/// Number of particles that move together, from the scatter between seeds. For independent particles the relative
+/// Number of particles that move together, from the variation between seeds. For independent particles, the relative
 /// variance of T is 2/(3 N).
 #[test]
 #[ignore = "runs from many seeds: cargo test -- --ignored --nocapture scatter_of_single_runs"]
@@ -485,7 +488,7 @@ fn scatter_of_single_runs_of_transients() {
             });
             let time = runs[0].series.rows[place].time;
             print!(" t = {:.0} ms: {:.1} in T, {:.1} in energy;", 1e3 * time, clump[0], clump[1]);
-            // the rule for a single run assumes 100
+            // the rule for a single run assumes 100 particles
             assert!(clump.iter().all(|clump| *clump < 50.0), "{name}: {clump:?}");
         }
         println!();

@@ -1,4 +1,4 @@
-//! Verdicts on scenes that are not steady and do not mix, that stop, or whose variants are sampled at different times.
+//! Verdicts on scenes that are not steady or do not mix, that stop, or whose variants are sampled at different times.
 
 use crate::support::{diptych, words};
 use diptych::case::Case;
@@ -23,7 +23,7 @@ fn run(case: &str, sets: &[&str], seed: u64) -> Outcome {
     execute(&experiment, initial_state(&experiment).unwrap(), &mut []).0
 }
 
-/// Compares a case with these variants; returns the exit code and the summary.
+/// Compares a case with these variants. Returns the exit code and the summary.
 fn compared(case: &str, variants: &str, arguments: &[&str]) -> (Option<i32>, Value) {
     let folder = tempfile::tempdir().unwrap();
     let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(case)).unwrap();
@@ -89,7 +89,7 @@ against = \"as light\"
 ";
     let (code, summary) = compared(MIXTURE, denser, &["--margin", "8%", "--set", "run.duration=400 ms"]);
     assert_eq!(code, Some(3), "{}", sentence(&summary));
-    // a heavy sphere is slow: it meets others less often by a factor of about sqrt(21/40), the ratio of mean relative
+    // a heavy sphere is slow: its impact rate is smaller by a factor of about sqrt(21/40), the ratio of mean relative
     // speeds
     assert!(sentence(&summary).contains("in impacts per time of heavy"), "{}", sentence(&summary));
     let judged = summary["comparisons"][0]["comparison"]["judged"].as_array().unwrap();
@@ -119,8 +119,8 @@ against = \"as it is\"
     let (_, summary) = compared(GAS, air, &sets);
     let judged = summary["comparisons"][0]["comparison"]["judged"].as_array().unwrap();
     let energy = judged.iter().find(|one| one["name"] == "energy").unwrap();
-    // both runs have one start, whose energy falls by exp(-2t/τ), with τ 3 % shorter in one: the difference is at most
-    // 0.37 * 3 % of its first value, when t = τ/2
+    // both runs have the same start, and their energy falls by exp(-2t/τ), with τ 3 % shorter in one run. The
+    // difference is at most 0.37 * 3 % of the initial energy, at t = τ/2
     let largest = &energy["largest"];
     let share = largest["difference"].as_f64().unwrap() / energy["scale"].as_f64().unwrap();
     assert!(share < 0.0 && share > -0.0115, "{share} at {}", largest["place"]);
@@ -138,12 +138,12 @@ fn replicas_that_stopped_are_left_out_and_what_stopped_is_never_equivalent() {
     let mean = |of: fn(&Outcome) -> f64| 0.5 * (of(&runs[0]) + of(&runs[2]));
     let temperature = |one: &Outcome| one.temperature.unwrap().value;
     assert!((temperature(&pooled) - mean(temperature)).abs() < 1e-12);
-    // the result does not depend on which run is the first
+    // the result does not depend on the order of the runs
     let (pooled, rest) = pool(stopped.clone(), vec![runs[0].clone(), runs[2].clone()]);
     assert!((temperature(&pooled) - mean(temperature)).abs() < 1e-12 && rest.len() == 1);
     let (alone, rest) = pool(stopped.clone(), Vec::new());
     assert!(alone.failure.is_some() && rest.is_empty());
-    // three runs against three, one of which stopped: two are left, which have no errors
+    // three runs against three runs, one of which stopped: the two remaining runs give no errors
     let side = |first: &Outcome, others: Vec<Outcome>| pool(first.clone(), others);
     let (a, others_a) = side(&runs[0], vec![stopped, runs[2].clone()]);
     let (b, others_b) = side(&runs[3], vec![runs[4].clone(), runs[5].clone()]);
@@ -155,7 +155,7 @@ fn replicas_that_stopped_are_left_out_and_what_stopped_is_never_equivalent() {
 
 #[test]
 fn paths_that_differ_on_the_way_are_different_even_if_they_meet_at_the_end() {
-    // a sphere between two walls: 17 impacts with a spring, 19 with instants, and an equal position at the end
+    // a sphere between two walls: 17 impacts with a spring, 19 instantaneous impacts, and the same final position
     let between = "
 [domain]
 size = [\"10 mm\", \"20 mm\", \"10 mm\"]
@@ -233,7 +233,7 @@ against = \"e9\"
     let looks =
         summary["verdicts"].as_array().unwrap().iter().find(|one| one.as_str().unwrap().starts_with("Judged with"));
     assert!(looks.unwrap().as_str().unwrap().contains("of at most 64 replicas of each"), "{}", summary["verdicts"]);
-    // the limit on replicas ends the comparison
+    // the limit on the number of replicas ends the comparison
     let tight = ["--set", "run.duration=20 ms", "--until-decided", "--replicas", "6", "--margin", "0.1%"];
     let (code, summary) = compared(GAS, SEEDS, &tight);
     assert_eq!(code, Some(4), "{}", summary["verdicts"]);

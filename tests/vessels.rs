@@ -10,7 +10,7 @@ use diptych::simulation::Simulation;
 use diptych::walls::{Cavity, Frustum, Hollow, RoundAxis, Wall, WallGeometry};
 use nalgebra::Vector3;
 
-/// Beginning of a case of spheres of 1 mm in a box of 20 mm, without walls and particles.
+/// Beginning of a case with spheres of 1 mm in a box of 20 mm, without walls and particles.
 const HEAD: &str = r#"
 [domain]
 size = ["20 mm", "20 mm", "20 mm"]
@@ -27,12 +27,12 @@ fn with(rest: &str) -> Experiment {
     case(&format!("{HEAD}{rest}"), Model::Hard, &[]).unwrap_or_else(|why| panic!("{why}"))
 }
 
-/// A kind of spheres of 1 mm with these keys.
+/// Text of a species of spheres of 1 mm with these keys.
 fn kind(keys: &str) -> String {
     format!("[[particles]]\ndiameter = \"1 mm\"\ndensity = \"2500 kg/m^3\"\n{keys}\n")
 }
 
-/// A wall with this shape.
+/// Text of a wall with this shape.
 fn wall(shape: &str) -> String {
     format!("[[walls]]\n{shape}\nrestitution = 0.9\n")
 }
@@ -55,7 +55,7 @@ fn overlaps_nothing(experiment: &Experiment, particles: &Particles, what: &str) 
 
 #[test]
 fn a_vessel_is_filled_by_what_it_holds_and_not_by_what_the_box_does() {
-    // 33 spheres fill 0.27 of the vessel, or 0.002 of the box
+    // 33 spheres have a volume fraction of 0.27 in the vessel, and of 0.002 in the box
     let small =
         r#"box = { center = ["4 mm", "4 mm", "4 mm"], half_extents = ["2 mm", "2 mm", "2 mm"], inside = true }"#;
     let round = r#"sphere = { center = ["10 mm", "10 mm", "10 mm"], radius = "4 mm", inside = true }"#;
@@ -71,17 +71,17 @@ fn a_vessel_is_filled_by_what_it_holds_and_not_by_what_the_box_does() {
 fn what_a_vessel_cannot_hold_is_refused_with_the_room_it_has() {
     let shape =
         r#"box = { center = ["4 mm", "4 mm", "4 mm"], half_extents = ["2 mm", "2 mm", "2 mm"], inside = true }"#;
-    // 80 spheres fill 0.65 of the vessel
+    // 80 spheres would have a volume fraction of 0.65 in the vessel
     let text = format!("{HEAD}{}{}", kind("count = 80"), wall(shape));
     let why = case(&text, Model::Hard, &[]).unwrap_err();
     assert!(why.contains("80 particles fill 0.6545 of the room that they have"), "{why}");
-    // bodies in the box are measured: they leave no room for so many spheres
+    // the volume of bodies in the box is measured: this body leaves no room for so many spheres
     let filled = r#"sphere = { center = ["10 mm", "10 mm", "10 mm"], radius = "9.5 mm" }"#;
     let sides =
         r#"box = { center = ["10 mm", "10 mm", "10 mm"], half_extents = ["10 mm", "10 mm", "10 mm"], inside = true }"#;
     let experiment = with(&(kind("count = 6000") + &wall(filled) + &wall(sides)));
     let why = initial_state(&experiment).unwrap_err();
-    // 8000 minus 4/3 π 9.5³ mm³, to the error of the measured volume
+    // 8000 minus 4/3 π 9.5³ mm³, within the error of the measured volume
     assert!((why.room / 4.4086e-6 - 1.0).abs() < 0.02, "{why}");
     assert!(why.to_string().contains("a larger box around a vessel is of no use"), "{why}");
 }
@@ -113,7 +113,7 @@ cone = { center = ["10 mm", "10 mm", "8 mm"], axis = "z", lower_radius = "1 mm",
         };
         assert!(inside, "one of kind {species} starts at {x:?} mm");
     }
-    // 0.3 of the volume of 18 by 18 by 4 mm³
+    // a volume fraction of 0.3 in 18 by 18 by 4 mm³
     assert_eq!(counts, [150, (0.3 * 18.0 * 18.0 * 4.0 / (std::f64::consts::PI / 6.0)) as usize, 20, 50]);
 }
 
@@ -162,7 +162,7 @@ fn a_slab_as_thick_as_a_sphere_is_filled_in_its_middle() {
     }
 }
 
-/// Islands in round vessels, with windows of any length: the work per impact must not depend on the length of windows.
+/// Islands in round vessels, with windows of different durations. The work per impact must not depend on the duration.
 #[test]
 fn islands_in_round_vessels_cost_no_more_in_long_windows() {
     let axle = RoundAxis { center: Vector3::repeat(0.01), axis: 2 };
@@ -188,7 +188,8 @@ fn islands_in_round_vessels_cost_no_more_in_long_windows() {
                 let mut simulation = Simulation::new(&experiment, initial_state(&experiment).unwrap());
                 simulation.run((0.02 / window) as u64, window).unwrap();
                 let counters = simulation.counters();
-                // before, islands had up to 129 members in a window of 1 ms, and each step examined 8,000 pairs
+                // islands must be small; larger islands, such as 129 members, would examine thousands of pairs in each
+                // step
                 assert!(counters.largest_island <= 48, "{room:?}, {model:?}, {window} s: {counters:?}");
                 work.push(counters.force_evaluations + counters.pair_checks);
             }
@@ -206,7 +207,7 @@ fn check_refuses_what_run_refuses() {
         r#"box = { center = ["10 mm", "10 mm", "10 mm"], half_extents = ["10 mm", "10 mm", "10 mm"], inside = true }"#,
     );
     let crowded = folder.path().join("crowded.toml");
-    // spheres of 8 mm do not fit between the ball and the corners
+    // spheres of 7.5 mm do not fit between the ball and the corners
     let spheres = kind("count = 1").replace("1 mm", "7.5 mm");
     std::fs::write(&crowded, format!("# crowded\n{HEAD}{spheres}{filled}{sides}")).unwrap();
     let case = crowded.to_str().unwrap();

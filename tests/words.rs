@@ -6,7 +6,7 @@ use diptych::experiment::Model;
 use diptych::study::judge;
 use std::path::Path;
 
-/// Runs the program, which must end well; returns its output.
+/// Runs the program, which must succeed. Returns its output.
 fn said(arguments: &[&str], folder: &Path) -> String {
     let output = diptych(arguments).arg("--out").arg(folder).output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", words(&output.stderr));
@@ -17,7 +17,7 @@ fn page(folder: &Path) -> String {
     std::fs::read_to_string(folder.join("report.html")).unwrap()
 }
 
-/// The small case with a list of variants.
+/// Path of the small case with a list of variants.
 fn with_variants(place: &Path, variants: &str) -> String {
     let base = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(BASE)).unwrap();
     let path = place.join("variants.toml");
@@ -51,22 +51,22 @@ set = { "contact.restitution" = 0.75, "run.duration" = "50 ms" }
         "{}",
         line("second")
     );
-    // properties that both variants share are written once, and properties of one variant are not attributed to all
+    // properties of all variants are written once, and properties of one variant are not attributed to all
     assert_eq!(page.matches("<li>Box: ").count(), 1);
     assert_eq!(page.matches("<li>Together they fill").count() + page.matches("<li>Run: ").count(), 0);
-    // the heading of the file describes the file
+    // the title describes the file and its change
     assert!(page.contains("<title>A small channel: the other inputs differ from it by a line or two. [with particles[0].diameter=300 um]</title>"));
 }
 
 #[test]
 fn names_of_columns_stay_in_the_tables() {
     let place = tempfile::tempdir().unwrap();
-    // too short for error bars: the largest difference is named
+    // the run is too short for error bars, so that the largest difference is named
     let told = said(&["compare", BASE, "--set", "run.duration=1 ms", "--set", "run.average_from=0 s"], place.path());
     assert!(told.contains("granular temperature") && !told.contains("number_density_ratio"), "{told}");
 }
 
-/// The times are invented, so that the test does not depend on the machine.
+/// The times are invented, so that the test does not depend on the speed of the machine.
 #[test]
 fn runs_of_a_blink_say_nothing_of_cost() {
     let said = |seconds: f64| {
@@ -119,7 +119,7 @@ fn the_gas_names_its_pictures() {
     assert!(pictures > 1);
 }
 
-/// A body that fills the box leaves no room for few particles either.
+/// A body that fills the box leaves no room for even a few particles.
 #[test]
 fn a_box_without_room_is_not_blamed_on_the_particles() {
     let place = tempfile::tempdir().unwrap();
@@ -136,7 +136,7 @@ restitution = 0.9
     assert!(told.contains("bodies in the box") && told.contains("2.520e-3"), "{told}");
 }
 
-/// A path is stored and written point by point.
+/// Paths are stored and written point by point, so that a path with too many points is refused.
 #[test]
 fn a_path_of_too_many_points_is_refused() {
     let place = tempfile::tempdir().unwrap();

@@ -1,7 +1,7 @@
 //! Finds numbers without a unit as values of keys that require a unit.
 //!
-//! A number without a unit is taken as SI, with a warning: the number 406, meant as micrometres, makes a sphere of 406
-//! metres. Numbers of keys without a unit are correct, and so is 0, which is equal in every unit.
+//! A number without a unit is read as SI, with a warning: a diameter of 406 that was meant in micrometres is read as
+//! 406 m. There is no warning for keys without a unit, or for the number 0, which is equal in every unit.
 
 use super::diagnostic::Diagnostic;
 use super::keys::{inner, root, unit};

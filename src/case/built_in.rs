@@ -1,5 +1,5 @@
-//! Cases, and sets of values for use in cases, that are compiled into the program. The program therefore needs no
-//! folder on the disk.
+//! Cases that are compiled into the program, and sets of values that cases can use. So the program requires no folder
+//! on the disk.
 
 use include_dir::{Dir, include_dir};
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ pub struct BuiltIn {
     pub text: &'static str,
 }
 
-/// Text of the file `name` in a folder; `kind` is the name of the folder in messages.
+/// Finds the text of the file `name` in a folder; `kind` is the name of the folder in messages.
 fn find(folder: &'static Dir, kind: &str, name: &str) -> Option<BuiltIn> {
     let text = folder.get_file(format!("{name}.toml"))?.contents_utf8()?;
     let path = PathBuf::from(format!("{kind}/{name}.toml (built in)"));

@@ -22,7 +22,7 @@ use std::marker::PhantomData;
 /// Text that separates the message from the remedy in a custom error.
 pub(in crate::case) const HELP_MARK: &str = "\u{1}help: ";
 
-/// Reason why a value does not fit; its source position is added while the error is passed on.
+/// Reason why a value does not fit its type. The source position of the value is added while the error is passed on.
 #[derive(Clone, Debug)]
 pub struct Error {
     kind: EnumVisitor,
@@ -42,8 +42,8 @@ impl Error {
         Self { kind, at: None }
     }
 
-    /// Adds the source position and the key path. An error that already has a position keeps it: this is the position
-    /// of the innermost value.
+    /// Adds the source position and the key path. If the error already has a position, this is that of the innermost
+    /// value and is kept.
     fn at(mut self, origin: &Origin, path: &str) -> Self {
         self.at.get_or_insert_with(|| Box::new((origin.clone(), path.to_string())));
         self
@@ -169,7 +169,7 @@ impl de::Error for Error {
     }
 }
 
-/// Value with its source position and its key path, which later checks use in messages.
+/// Value with its source position and its key path, for messages of later checks.
 #[derive(Clone, Debug)]
 pub struct Located<T> {
     /// Value that was read from the case.

@@ -17,9 +17,9 @@ pub fn describe(experiment: &Experiment) -> String {
     format!("{}{}\n{}", scene_in_words(experiment), model_in_words(experiment), run_in_words(experiment))
 }
 
-/// Describes all variants, with one statement per line. Statements about the scene that hold for all variants come
-/// first; such statements about the run come last. Between them is one line per variant with its name, its model, and
-/// its other statements.
+/// Describes all variants, with one statement per line. First are the statements about the scene that hold for all
+/// variants. Then follows one line per variant, with its name, its model and its other statements. Last are the
+/// statements about the run that hold for all variants.
 pub fn describe_variants<'a>(variants: impl IntoIterator<Item = &'a Experiment>) -> String {
     let variants: Vec<&Experiment> = variants.into_iter().collect();
     let words = |part: fn(&Experiment) -> String| variants.iter().map(|one| part(one)).collect::<Vec<String>>();
@@ -32,7 +32,7 @@ pub fn describe_variants<'a>(variants: impl IntoIterator<Item = &'a Experiment>)
         let own = own.chain(own_run.lines().filter(|line| !run.contains(line)));
         let line = std::iter::once(model.trim_start_matches("Model ")).chain(own).collect::<Vec<_>>().join(" ");
         let line = format!("\"{}\": {line}\n", experiment.name);
-        // at several points of a sweep a variant may have equal settings: its line is written once
+        // at several points of a sweep, a variant may have the same settings, and its line is then written once
         if !text.contains(&line) {
             text += &line;
         }
@@ -85,6 +85,15 @@ pub(crate) fn scene_in_words(experiment: &Experiment) -> String {
         length(size.y),
         length(size.z)
     );
+    if let Some(shear) = &scene.domain.shear {
+        let speed = scene.domain.sliding();
+        let _ = writeln!(
+            text,
+            "Shear: {} 1/s along z, growing along y; images across y slide at {} m/s.",
+            short(shear.rate, 4),
+            short(speed, 4)
+        );
+    }
     for (index, wall) in scene.walls.iter().enumerate() {
         let shape = match wall.geometry.plane() {
             Some(plane) => {
@@ -114,7 +123,8 @@ pub(crate) fn scene_in_words(experiment: &Experiment) -> String {
     text
 }
 
-/// Motion of the surface of a wall, and its own friction of rolling and twisting; empty without these.
+/// Describes the motion of the surface of a wall, and the wall's own rolling and twisting friction. The text is empty
+/// if the wall has neither.
 fn motion_in_words(wall: &Wall) -> String {
     let mut text = String::new();
     let vector = |v: &Vector3<f64>| format!("({}, {}, {})", short(v.x, 4), short(v.y, 4), short(v.z, 4));
@@ -236,7 +246,7 @@ fn gas_in_words(text: &mut String, scene: &Scene) {
     }
 }
 
-/// Describes the turbulence that particles see, and how they should respond to it.
+/// Describes the turbulence that particles see, and the expected response of the particles.
 fn turbulence_in_words(text: &mut String, (scene, fluid): (&Scene, &Fluid), turbulence: &Turbulence) {
     let (profile, height) = (&fluid.profile, scene.domain.size.y);
     let mean = |of: fn(&LocalTurbulence) -> f64| -> f64 {

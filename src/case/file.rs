@@ -1,33 +1,39 @@
 //! All keys that may be typed in a case, with their descriptions.
 //!
-//! Every key is optional in these types, so that one message can name all missing keys. Choices are tables named after
-//! the law (`[drag.schiller_naumann]`), so that a misspelt law is an error at its line.
+//! Every key is optional in these types, so that one message can name all missing keys. A choice, such as that of a
+//! drag law, is a table named after the law (`[drag.schiller_naumann]`), so that a misspelt law is an error at its
+//! line.
 //!
 //! These types are the only list of keys. serde reads a case into them. schemars makes from them the reference of
-//! `diptych keys`, the page `docs/keys.md` and the schema for editors. The comment of a field becomes the description
-//! of the key. Attributes of the field add an example and, where needed, `default` (or `x-default` in words) and rules,
-//! which the reader of a case applies (`case/rules.rs`):
+//! `diptych keys`, the page `docs/keys.md` and the schema for editors. The comment of a field is the description of its
+//! key. Attributes of the field contain an example and, where needed, the `default` (or `x-default` in words) and these
+//! rules, which the reader of a case applies (`case/rules.rs`):
 //! - `x-range`: the range of a number, in the words of the message about a number out of range;
-//! - `x-required`: when the key is required: `always`, `or` with the keys that would do as well, or other words, which
-//!   the code that resolves the key applies;
-//! - `x-one-of`: the name of a group, of which a table has one key at most; a later source replaces the key of an
-//!   earlier one.
+//! - `x-required`: the condition under which the key is required. It is `always`, or `or` with the keys that can
+//!   replace it. Other conditions are applied by the code that resolves the key;
+//! - `x-one-of`: the name of a group of keys, of which a table may contain only one. A key from a later source
+//!   replaces the key of its group from an earlier source.
 //!
-//! An example that is a list is given by `extend("examples" = [[…]])`, because schemars cannot read it by `example`.
+//! An example that is a list is given by `extend("examples" = [[…]])`, because the attribute `example` of schemars
+//! cannot contain a list.
 
 mod contact;
 mod gas;
 mod region;
 mod restitution;
 mod rotation;
+mod shear;
 mod sizes;
 mod walls;
 
 pub use contact::{ContactFile, PairFile};
-pub use gas::{DragFile, FluidFile, LangevinFile, ProfileFile, SeenTurbulenceFile, TurbulenceFile};
+pub use gas::{
+    CouplingFile, DragFile, FluidFile, LangevinFile, ModulationFile, ProfileFile, SeenTurbulenceFile, TurbulenceFile,
+};
 pub use region::{BlockRegionFile, CylinderRegionFile, RegionFile};
 pub use restitution::{RestitutionFile, RestitutionLawFile};
 pub use rotation::{HistoryFile, ImpactRuleFile, RollingFile, TangentialFile, TwistingFile};
+pub use shear::ShearFile;
 pub use sizes::{ByFile, SizesFile};
 pub use walls::{BoxFile, ConeFile, CuboidFile, CylinderFile, MeshFile, PlaneFile, SphereFile, WallFile};
 
@@ -59,8 +65,8 @@ pub struct CaseFile {
     pub fluid: Option<Located<FluidFile>>,
     /// The drag law. Without this table the gas exerts no drag.
     pub drag: Option<Located<DragFile>>,
-    /// One kind of particles. Exactly one of `count`, `volume_fraction`, `file` and `at` sets how many particles there
-    /// are.
+    /// One kind of particles. Exactly one of `count`, `volume_fraction`, `file` and `at` determines the number of
+    /// particles.
     #[schemars(extend("x-required" = "always"))]
     pub particles: Option<Vec<Located<ParticlesFile>>>,
     /// One wall, of exactly one shape.
@@ -80,7 +86,7 @@ pub struct CaseFile {
     /// Duration, drag window, seed and model of a run.
     #[schemars(extend("x-required" = "always"))]
     pub run: Option<Located<RunFile>>,
-    /// Slices and sampling of the averages.
+    /// Settings of the averages: slices and time between samples.
     pub statistics: Option<Located<StatisticsFile>>,
     /// Settings of the trajectory files, which are written in addition to the results of every variant. Without this
     /// table no trajectories are written.
@@ -102,6 +108,8 @@ pub struct DomainFile {
     /// Axes along which the box is periodic.
     #[schemars(extend("examples" = [["x", "z"]], "default" = []))]
     pub periodic: Option<Vec<Located<Axis>>>,
+    /// Uniform shear, by which images across y slide along z.
+    pub shear: Option<Located<ShearFile>>,
 }
 
 /// Axis of space, given by its name.
@@ -155,7 +163,7 @@ pub struct ParticlesFile {
     #[schemars(example = 100, extend("x-range" = "0 ..= 50000000"))]
     #[schemars(extend("x-required" = "or `volume_fraction`, `file`, `at`", "x-one-of" = "amount"))]
     pub count: Option<Located<i64>>,
-    /// Share of the volume that the particles fill, at random positions without overlap. The volume is the whole box,
+    /// Fraction of a volume that the particles fill, at random positions without overlap. The volume is the whole box,
     /// or the `box` or `cylinder` of `in`.
     #[schemars(example = 0.014, extend("x-range" = "0 ..= 0.64", "x-one-of" = "amount"))]
     pub volume_fraction: Option<Located<Ratio>>,
@@ -163,10 +171,10 @@ pub struct ParticlesFile {
     /// `inside`.
     #[serde(rename = "in")]
     pub region: Option<Located<RegionFile>>,
-    /// Name of a file with the positions, relative to the file that names it. It may be the `state.csv` of a run; a CSV
-    /// table with the columns `x,y,z`; an extended XYZ file; or a LAMMPS or LIGGGHTS data file or text dump in SI. A
-    /// CSV table may also have `vx,vy,vz,diameter,species,id`. Its columns are in SI, or in a unit given as in `x_mm`.
-    /// The format is recognized from the content or the name of the file.
+    /// Name of a file with the positions, relative to the folder of the file that contains this key. Formats: the
+    /// `state.csv` of a run; a CSV table with the columns `x,y,z`; extended XYZ; a data file or text dump of LAMMPS or
+    /// LIGGGHTS in SI. A CSV table may also have `vx,vy,vz,diameter,species,id`. Its columns are in SI, or in a unit
+    /// given as in `x_mm`. The format is recognized from the content or the name of the file.
     #[schemars(example = &"state.csv", extend("x-one-of" = "amount"))]
     pub file: Option<Located<String>>,
     /// List of particles, each with its position.
@@ -318,7 +326,7 @@ pub struct DsmcFile {
     #[schemars(example = false, extend("default" = true))]
     pub enskog: Option<Located<bool>>,
     /// Numbers of cells along x, y and z, in which pairs are drawn. A cell is at least as wide as the largest particle.
-    /// Cells divide the places that centres can reach between flat walls.
+    /// Between flat walls, the cells divide only the region that particle centres can reach.
     #[schemars(extend("examples" = [[20, 30, 10]], "x-range" = "1 ..= 10000"))]
     #[schemars(extend("x-default" = "chosen from the mean free path and the number of particles"))]
     pub cells: Option<Located<[Located<i64>; 3]>>,
@@ -341,7 +349,7 @@ pub enum HardSteppingFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RunFile {
-    /// Collision model; `--model` overrides it. A case that is only used with `compare` need not have one.
+    /// Collision model; `--model` overrides it. A case that is used only with `compare` may lack this key.
     #[schemars(example = &"hard", extend("x-required" = "by `run` without `--model`"))]
     pub model: Option<Located<Model>>,
     /// Simulated time. With 0 s only the initial state is written.
@@ -359,8 +367,8 @@ pub struct RunFile {
     /// True: allows a run with very many windows or steps, which would take extremely long.
     #[schemars(example = true, extend("default" = false))]
     pub allow_long: Option<Located<bool>>,
-    /// True: placed particles that overlap other particles or walls are pushed apart before the start, if the overlap
-    /// is at most half a diameter. The option `--relax` does this too.
+    /// True: placed particles that overlap other particles or walls are pushed apart before the start. Each overlap may
+    /// be at most half a diameter. The option `--relax` does this too.
     #[schemars(example = true, extend("default" = false))]
     pub relax: Option<Located<bool>>,
 }
@@ -382,8 +390,7 @@ pub struct StatisticsFile {
 #[serde(deny_unknown_fields)]
 pub struct OutputFile {
     /// Time between two frames with all particles, counted from the start and equal in every variant. Drag windows also
-    /// end at these times. So results may differ in their last digits from a run without frames, unless windows end at
-    /// these times anyway.
+    /// end at these times. This may change the last digits of results, unless windows end at these times anyway.
     #[schemars(example = &"1 ms", extend("x-default" = "none are written", "x-range" = "greater than 0 s"))]
     pub every: Option<Located<Time>>,
     /// File format of the trajectories.
@@ -417,11 +424,11 @@ pub struct CompareFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SweepFile {
-    /// Full name of the key.
+    /// Full path of the key that is varied.
     #[schemars(example = &"soft.linear_spring_dashpot.stiffness", extend("x-required" = "always"))]
     pub key: Option<Located<String>>,
     // the values are taken from the tree of the case, which contains the source positions
-    /// Values of the key, one after the other.
+    /// Values of the key, in the order of the runs.
     #[schemars(with = "Vec<serde_json::Value>")]
     #[schemars(extend("examples" = [["300 N/m", "1 kN/m", "3 kN/m"]], "x-required" = "always"))]
     pub values: Option<Located<Vec<IgnoredAny>>>,

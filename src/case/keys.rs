@@ -62,11 +62,11 @@ static SCHEMA: LazyLock<Value> = LazyLock::new(|| {
     generator.into_root_schema_for::<CaseFile>().to_value()
 });
 
-/// All tables of a case in the order of their types; each comes before the tables within it.
+/// All tables of a case in the order of their types. Each table comes before the tables within it.
 static TABLES: LazyLock<Vec<KeyTable>> = LazyLock::new(|| {
     let mut tables = Vec::new();
     collect(&SCHEMA, &SCHEMA, "", false, &mut tables);
-    // the case as a whole has only tables as keys, and these have descriptions of their own
+    // the whole case has only tables as keys, and each table has its own description
     tables.retain(|table| !table.name.is_empty());
     tables
 });
@@ -94,7 +94,7 @@ fn without_null(schema: &mut Schema) {
     }
 }
 
-/// Descriptions of all tables of a case; each comes before the tables within it.
+/// Descriptions of all tables of a case. Each table comes before the tables within it.
 pub fn tables() -> &'static [KeyTable] {
     &TABLES
 }
@@ -110,8 +110,7 @@ pub fn schema() -> Value {
     schema
 }
 
-/// Changes a schema so that a choice between tables also accepts the name of a table without keys, as in `drag =
-/// "stokes"`.
+/// Changes a schema so that a choice of a law also accepts the name of a law without keys, as in `drag = "stokes"`.
 fn allow_names(schema: &mut Value) {
     if let Some(Value::Object(properties)) = schema.get_mut("properties") {
         properties.values_mut().for_each(allow_names);
@@ -210,7 +209,7 @@ fn collect(schema: &Value, about: &Value, name: &str, is_list: bool, tables: &mu
     }
     for (key, value) in inner {
         let name = super::tree::child_place(name, key);
-        // in a choice of laws, the description belongs to the branch that contains the table
+        // for a choice of a law, the description is that of the branch with the table of the law
         let law = branches(schema)
             .iter()
             .find(|branch| schema.get("oneOf").is_some() && branch["properties"].get(key).is_some());

@@ -122,7 +122,7 @@ impl Case {
             return Err(Diagnostic::about(path.display().to_string(), message)
                 .help("it needs at least [domain], [[particles]], [contact] and [run]; `cases/quick.toml` is one"));
         }
-        // the heading describes the file, so changes by the command line are added
+        // the title describes the file alone, so the changes by the command line are added to it
         let typed: Vec<&str> = sources.set_arguments().collect();
         let changes = if typed.is_empty() { String::new() } else { format!(" [with {}]", typed.join(", ")) };
         let heading = heading(&text);
@@ -141,7 +141,7 @@ impl Case {
         })
     }
 
-    /// Makes the experiment of the command `run`. `model` and `seed` replace those of the case.
+    /// Makes the experiment of the command `run`. If `model` and `seed` are given, they replace those of the case.
     ///
     /// # Errors
     /// The first error of the case, or all keys that are missing.
@@ -166,8 +166,8 @@ impl Case {
         self.merged_with(sources, self.tree.clone(), &changes)?.resolve(&choice)
     }
 
-    /// Makes the experiments of the command `compare`: those of the `[[compare]]` list, or soft and hard without a
-    /// list. `seed` replaces that of the case.
+    /// Makes the experiments of the command `compare`: those of the `[[compare]]` list or, without a list, one with
+    /// soft and one with hard spheres. If `seed` is given, it replaces that of the case.
     ///
     /// # Errors
     /// Errors of [`experiment`](Self::experiment), for any variant. Also an error if two variants have one name.
@@ -186,8 +186,8 @@ impl Case {
             Some(Value::Array(items)) => items.as_slice(),
             _ => &[],
         };
-        // variants are made from the case without its `[[compare]]` list, so that the list is not read again for each
-        // variant
+        // variants are made from the case without its `[[compare]]` list, because otherwise the list would be read
+        // again for each variant
         let mut case = self.tree.clone();
         case.remove("compare");
         let of_the_case = |setting: &&Setting| setting.path.first().is_none_or(|first| !first.is_key("compare"));
@@ -232,7 +232,7 @@ impl Case {
         resolve::trajectories(&merged.file, merged.sources)
     }
 
-    /// Keys that each variant sets in addition to its model, as typed in the case, in the order of
+    /// Keys that each variant sets in addition to its model, as typed in the case. The order is that of
     /// [`variants`](Self::variants). The text is empty for a variant that sets no key. The list is empty without a
     /// `[[compare]]` list.
     pub fn overrides(&self) -> Vec<String> {
@@ -295,7 +295,7 @@ impl Case {
     }
 }
 
-/// Case after all changes: the tree of values, the typed values, and the source texts.
+/// Case after all changes: as a tree of values, as a [`CaseFile`], and its source texts.
 struct Merged {
     tree: CaseNode,
     file: CaseFile,
@@ -311,7 +311,8 @@ impl Merged {
     }
 }
 
-/// Error about a case that cannot be read. The remedy names the built-in case that was probably meant.
+/// Error for a case that cannot be read. If the name is similar to that of a built-in case, the remedy contains this
+/// name.
 fn unreadable(name: &str, why: &str) -> Diagnostic {
     let known: Vec<String> = built_in::cases().into_iter().map(|case| case.name).collect();
     let stem = name.trim_end_matches(".toml");
@@ -346,7 +347,8 @@ fn key_of(text: &str, source: usize, sources: &Sources) -> Result<(Vec<KeyPart>,
     Ok((path, origin, end + 1))
 }
 
-/// Value that begins at position `start` of an argument. A text that is not a TOML value counts as a string.
+/// Reads the value of an argument from the byte position `start` on. A text that is not a TOML value is read as a
+/// string.
 fn value_of(text: &str, start: usize, source: usize, sources: &Sources) -> Result<CaseNode, Diagnostic> {
     let start = start + text.len() - text.trim_start().len();
     let text = text.trim();

@@ -13,8 +13,8 @@ use std::sync::Arc;
 /// Largest depth to which one set of values may use further sets.
 const DEEPEST: usize = 8;
 
-/// Folders in which sets of values are searched: `models/` next to the folder of the case and next to its ancestors,
-/// then `models/` in the current folder. Built-in sets come last.
+/// Folders in which sets of values are searched for: `models/` next to the folder of the case and next to each folder
+/// above it, then `models/` in the current folder. Built-in sets are searched last.
 pub struct Library {
     folders: Vec<PathBuf>,
 }
@@ -63,14 +63,14 @@ impl Library {
             set.remove("source");
             self.expand_at(&mut set, place, depth + 1, sources)?;
             let own = std::mem::replace(node, set);
-            // keep the source position of the table that uses the set
+            // the node keeps the source position of the table that uses the set
             node.origin = own.origin.clone();
             node.overlay(own, place);
         }
         match &mut node.value {
             Value::Table(entries) => {
-                // the list `[[compare]]` is left out: the changes of a variant are first applied to the case, then sets
-                // are read
+                // the list `[[compare]]` is left out, because the changes of a variant must be applied to the case
+                // before its sets are read
                 for entry in entries.iter_mut().filter(|entry| !(place.is_empty() && entry.key == "compare")) {
                     self.expand_at(&mut entry.node, &child_place(place, &entry.key), depth, sources)?;
                 }

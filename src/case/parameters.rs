@@ -15,8 +15,12 @@ const PROFILE_POINTS: usize = 41;
 /// All parameters of an experiment in SI units, by the names of the case format.
 pub fn parameters(experiment: &Experiment) -> Value {
     let scene = &experiment.scene;
+    let mut domain = json!({ "size": three(&scene.domain.size), "periodic": scene.domain.periodic });
+    if let Some(shear) = &scene.domain.shear {
+        domain["shear"] = json!({ "rate": shear.rate, "offset": shear.start });
+    }
     json!({
-        "domain": { "size": three(&scene.domain.size), "periodic": scene.domain.periodic },
+        "domain": domain,
         "gravity": { "acceleration": three(&scene.gravity_alone()) },
         "fluid": scene.fluid.as_ref().map(|fluid| fluid_parameters(fluid, scene.domain.size.y)),
         "particles": particles(experiment),
@@ -89,7 +93,7 @@ fn surface(surface: &Surface) -> Value {
     value
 }
 
-/// Adds rolling and twisting friction that differ from those of the law.
+/// Adds the coefficients of rolling and twisting friction that differ from those of the law.
 fn add_resistance(value: &mut Value, own: &ResistanceFriction) {
     for (key, friction) in [("rolling_friction", own.rolling), ("twisting_friction", own.twisting)] {
         if let Some(friction) = friction {

@@ -2,7 +2,7 @@
 //!
 //! A quantity is a number and a product of units. Its dimension is checked against that of the key, and its value is
 //! converted to SI. A plain number (without quotes) is already in SI. The power of ten of a prefix is added to the
-//! decimal exponent before the number is read. Thus `"406 um"` is exactly the double nearest to 4.06e-4.
+//! decimal exponent of the text before the number is parsed. So `"406 um"` is exactly the double nearest to 4.06e-4.
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Deserialize, Deserializer, Error, Visitor};
@@ -50,6 +50,9 @@ pub type Stiffness = Quantity<0, 1, -2>;
 /// [Pa] pressure or elastic modulus.
 pub type Pressure = Quantity<-1, 1, -2>;
 
+/// [Pa/m] pressure drop per length.
+pub type PressureGradient = Quantity<-2, 1, -2>;
+
 /// Names of the common dimensions, each with its SI unit and an example.
 const DIMENSIONS: &[(Exponents, &str, &str, &str)] = &[
     ([0, 0, 0], "a plain number", "", "0.5"),
@@ -71,6 +74,7 @@ const DIMENSIONS: &[(Exponents, &str, &str, &str)] = &[
     ([1, 1, -2], "a force", "N", "\"1 mN\""),
     ([-1, 1, -2], "a pressure", "Pa", "\"101 kPa\""),
     ([2, 1, -2], "an energy", "J", "\"1 uJ\""),
+    ([-2, 1, -2], "a pressure gradient", "Pa/m", "\"12 Pa/m\""),
 ];
 
 /// Units that take no prefix: name, exponents of the dimension, power of ten, factor.
@@ -216,13 +220,13 @@ pub fn unit(text: &str) -> Result<(Exponents, f64), QuantityError> {
     }
 }
 
-/// [SI] value of a text that is a quantity of any dimension with a name; `None` for other texts.
+/// [SI] value of a text that is a quantity of one of the named dimensions; `None` for other texts.
 pub fn value(text: &str) -> Option<f64> {
     DIMENSIONS.iter().find_map(|(dimension, ..)| parse(text, *dimension).ok())
 }
 
-/// Splits a text into the mantissa and the decimal exponent of its leading number, and the remaining text. Returns
-/// `None` if the text does not begin with a number.
+/// Splits a text into the mantissa and the decimal exponent of its leading number, and the rest of the text. `None` if
+/// the text does not begin with a number.
 fn split_number(text: &str) -> Option<(String, i64, &str)> {
     let mut mantissa = String::new();
     let mut digits = 0;

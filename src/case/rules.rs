@@ -35,8 +35,8 @@ pub(super) struct MissingKey<'a> {
     pub table: Option<&'a Origin>,
 }
 
-/// Groups of exclusive keys in the table with this schema: either laws to choose from, or keys with a common group
-/// name.
+/// Groups of keys that exclude each other in the table with this schema. They are either the laws of a choice, or the
+/// keys with a common group name.
 pub(super) fn groups(table: &Schema) -> Vec<KeyGroup<'_>> {
     if is_choice(table) {
         return vec![KeyGroup { keys: properties(table).map(|(key, _)| key.as_str()).collect(), required: false }];
@@ -54,8 +54,8 @@ pub(super) fn groups(table: &Schema) -> Vec<KeyGroup<'_>> {
     found.into_iter().map(|(_, group)| group).collect()
 }
 
-/// Keys of the group of `key`, of which only one may be in the table at `place`. The list is empty if `key` excludes no
-/// other key. In `place`, `[]` means any element of a list.
+/// Keys of the group that contains `key`; only one of them may be in the table at `place`. The list is empty if `key`
+/// excludes no other key. In `place`, `[]` means any element of a list.
 pub(super) fn alternatives(place: &str, key: &str) -> Vec<&'static str> {
     let groups = schema_at(place).map(groups).unwrap_or_default();
     groups.into_iter().find(|group| group.keys.contains(&key)).map_or(Vec::new(), |group| group.keys)
@@ -157,8 +157,8 @@ fn is_required(schema: &Schema) -> bool {
     words(schema, REQUIRED) == Some("always")
 }
 
-/// Keys that a table requires and that are absent in the case. If the table requires no key, the table itself is named
-/// as absent.
+/// Required keys of the absent table at `path`. If the absent key is not a table, or requires no keys, the result is
+/// `path` itself.
 fn absent<'a>(schema: &'static Schema, path: String, table: Option<&'a Origin>) -> Vec<MissingKey<'a>> {
     let required = properties(schema).filter(|(_, inner)| is_required(inner));
     let keys: Vec<_> = required.flat_map(|(key, inner)| absent(inner, child_place(&path, key), table)).collect();

@@ -1,7 +1,7 @@
 //! Header lines of a saved state (`state.csv`), by which a changed file is recognized.
 //!
-//! The first line contains the number of particles and a checksum of the rest. A table that was cut short or changed is
-//! therefore not accepted as a saved state. The other lines describe the run.
+//! The first line contains the number of particles and a checksum of the rest. So a table that was cut short or changed
+//! is not accepted as a saved state. The other lines describe the run.
 
 use crate::domain::Domain;
 
@@ -34,18 +34,20 @@ pub fn verify(text: &str) -> Result<bool, String> {
     Ok(true)
 }
 
-/// Entries of the lines `# key: value` above the table of a saved state. Files of older versions and tables made by the
-/// user have no such lines.
+/// Pairs of key and value in the lines `# key: value` above the table of a saved state. Files of older versions and
+/// tables made by the user have no such lines.
 pub fn head(text: &str) -> impl Iterator<Item = (&str, &str)> {
     let lines = text.lines().skip(1).map_while(|line| line.strip_prefix("# "));
     lines.filter_map(|line| line.split_once(": ")).map(|(key, value)| (key, value.trim_end()))
 }
 
-/// Entries about the box of a saved state: edges [m] and periodic axes, as text.
-pub fn box_lines(domain: &Domain) -> [(&'static str, String); 2] {
+/// Entries about the box of a saved state: edges [m] and periodic axes, as text. For a sheared box also the displacement
+/// [m] of the image one period above.
+pub fn box_lines(domain: &Domain) -> Vec<(&'static str, String)> {
     let axes = ["x", "y", "z"].into_iter().zip(domain.periodic).filter(|(_, periodic)| *periodic).map(|(axis, _)| axis);
     let edges: Vec<String> = domain.size.iter().map(|edge| format!("{edge:?}")).collect();
-    [("box_m", edges.join(" ")), ("periodic", axes.collect::<Vec<_>>().join(" "))]
+    let lines = [("box_m", edges.join(" ")), ("periodic", axes.collect::<Vec<_>>().join(" "))].into_iter();
+    lines.chain(domain.offset().map(|offset| ("image_offset_m", format!("{offset:?}")))).collect()
 }
 
 /// Checksum of the text of a case, by which different cases are distinguished.

@@ -1,8 +1,8 @@
 //! Limits for the JSON schema that editors use: ranges of numbers, units of quantities, and keys that exclude each
 //! other.
 //!
-//! A schema can check a number, but cannot compute the dimension of a product of units. The schema therefore refuses
-//! only single units of another dimension, and words that are not units. The reader of the case checks all quantities.
+//! A schema can check a number, but cannot compute the dimension of a product of units. So the schema refuses only
+//! single units of a wrong dimension, and words that are not units. The reader of the case checks all quantities.
 
 use super::keys::is_choice;
 use super::quantity::{Exponents, PREFIXES, UNITS, WHOLE_UNITS};
@@ -35,8 +35,8 @@ pub fn add_limits(schema: &mut Value) {
     add_exclusions(schema);
 }
 
-/// Adds to every table the condition that no two keys of a group are present. A choice between laws contains this
-/// condition already.
+/// Adds to every table the condition that at most one key of a group is present. The schema of a choice between laws
+/// already contains this condition.
 fn add_exclusions(schema: &mut Value) {
     let groups = if is_choice(schema) { Vec::new() } else { groups(schema) };
     let groups: Vec<Vec<String>> =
@@ -51,7 +51,7 @@ fn add_exclusions(schema: &mut Value) {
     }
 }
 
-/// Adds to a table the condition that no two of these keys are present.
+/// Adds to a table the condition that at most one of these keys is present.
 fn exclude(table: &mut Map<String, Value>, keys: &[String]) {
     let pairs = keys.iter().enumerate().flat_map(|(k, one)| keys[k + 1..].iter().map(move |other| [one, other]));
     let refused: Vec<Value> = pairs.map(|pair| json!({ "not": { "required": pair } })).collect();
@@ -61,14 +61,14 @@ fn exclude(table: &mut Map<String, Value>, keys: &[String]) {
     }
 }
 
-/// Adds ranges given in words as numbers, at every level. Numbers that exist already are kept.
+/// Adds ranges given in words as numbers, at every level. Numbers that the schema already has are kept.
 fn add_ranges(schema: &mut Value) {
     match schema {
         Value::Array(items) => items.iter_mut().for_each(add_ranges),
         Value::Object(map) => {
             if let Some(Value::String(words)) = map.get("x-range") {
                 let limits = limits(words);
-                // the limits of a list hold for each element; if a number or a list is allowed, they hold for both
+                // the limits of a list apply to each element; if a number or a list is allowed, they apply to both
                 if let Some(Value::Object(items)) = map.get_mut("items") {
                     limit(items, &limits);
                 }

@@ -53,7 +53,7 @@ fn number(value: &CaseNode) -> Option<f64> {
 }
 
 impl Case {
-    /// Keys that a sweep varies: first those of the case, then those of `arguments` (each `key=a,b,c`). If a key is in
+    /// Keys that a sweep varies: first those of the case, then those of `arguments` (each `key=a,b,c`). For a key in
     /// both, the values in `arguments` replace those of the case.
     ///
     /// # Errors
@@ -111,8 +111,8 @@ impl Case {
         Ok(axes)
     }
 
-    /// Variants of the case at one point of a sweep. For every axis, `at` contains the index of the value. `seed`
-    /// replaces that of the case.
+    /// Variants of the case at one point of a sweep. `at` contains, for each axis, the index of the value. If `seed` is
+    /// given, it replaces that of the case.
     ///
     /// # Errors
     /// Errors of [`variants`](Self::variants).

@@ -1,7 +1,7 @@
 //! A case as a tree of values, each with its source position.
 //!
-//! A case file, the sets of `models/` that it uses, the `set` of a variant and the `--set` arguments all become such
-//! trees. They are merged by one function, [`CaseNode::overlay`].
+//! A case file, the sets of `models/` that it uses, the `set` of a variant and the `--set` arguments are all read into
+//! such trees. One function, [`CaseNode::overlay`], merges them.
 
 use super::diagnostic::Diagnostic;
 use super::source::{Origin, Sources};
@@ -61,7 +61,7 @@ pub struct Entry {
     pub node: CaseNode,
 }
 
-/// Path of a key of the table at the path `place`: `place.key`, or only `key` if the table is the case itself.
+/// Path of a key in the table at the path `place`: `place.key`, or only `key` if the table is the case itself.
 pub fn child_place(place: &str, key: &str) -> String {
     if place.is_empty() { key.to_string() } else { format!("{place}.{key}") }
 }
@@ -183,7 +183,7 @@ pub fn parse(text: &str, source: usize, sources: &Sources) -> Result<CaseNode, D
     }
 }
 
-/// Reads one TOML value; `None` if the text is not TOML, so that the caller may take it as a string.
+/// Reads one TOML value; `None` if the text is not TOML, so that the caller can read it as a string.
 pub fn parse_value(
     text: &str,
     offset: usize,

@@ -18,7 +18,7 @@ pub struct Variant<'a> {
 
 impl Case {
     /// Text of the case with the changes of the command line, below a heading. Reading this text gives an equal case.
-    /// `variants` replace the `[[compare]]` list. Sets of values are named in the text, not copied.
+    /// `variants` replace the `[[compare]]` list. The text names sets of values instead of copying them.
     ///
     /// # Errors
     /// A change that does not fit the case.

@@ -23,12 +23,12 @@ pub struct StoredCommand {
 pub struct RunIdentity {
     /// Name of the variant, or a hash of all data that determine the run.
     pub name: String,
-    /// Names of the parts of the experiment, such as `scene`, with a checksum of each part.
+    /// Checksum of each part of the experiment, with the name of the part, such as `scene`.
     parts: Vec<(String, u32)>,
 }
 
 impl RunIdentity {
-    /// Creates the identity of the run of an experiment; `start` is a checksum of the initial state.
+    /// Creates the identity of the run of an experiment; `start` is a checksum of the initial state of the particles.
     ///
     /// # Errors
     /// If the experiment cannot be written as JSON.
@@ -61,7 +61,7 @@ impl RunIdentity {
         self.parts.iter().zip(&other.parts).find(differs).map(|(own, _)| own.0.as_str())
     }
 
-    /// Part of the names of files by which the run is identified: the given hash, or a checksum of the parts.
+    /// Text by which the names of files identify the run: the given hash, or the checksum of its name and parts.
     pub fn file_name(&self) -> String {
         if self.parts.is_empty() { self.name.clone() } else { format!("{:08x}", self.checksum()) }
     }

@@ -9,7 +9,7 @@ const MAGIC: &[u8] = b"diptych checkpoint\n";
 
 /// Version of the layout of the data. This number must be raised whenever a stored type or the arithmetic changes,
 /// because the file does not describe its types.
-const LAYOUT: u32 = 32;
+const LAYOUT: u32 = 33;
 
 /// Length of the checksum at the end of a file, in bytes.
 const CHECKSUM: usize = size_of::<u32>();
@@ -39,13 +39,13 @@ pub enum Unreadable {
     Unfit(#[from] StoreError),
 }
 
-/// Version of this program, its system and its layout, as written in files.
+/// Text that identifies this version of the program, its system and its layout of data in every checkpoint file.
 fn program() -> String {
     let (version, system, machine) = (env!("CARGO_PKG_VERSION"), std::env::consts::OS, std::env::consts::ARCH);
     format!("diptych {version} on {system} {machine}, layout {LAYOUT}")
 }
 
-/// Bytes of a checkpoint file that contains the data of `value`.
+/// Makes the bytes of a checkpoint file that contains the data of `value`.
 ///
 /// # Errors
 /// Errors of [`Stored::of`].

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// same time, `-` and a checksum of the run follow each name.
 const GENERATIONS: [&str; 2] = ["a", "b"];
 
-/// Beginning of the names of files that hold finished runs.
+/// Prefix of the names of files that contain finished runs.
 const DONE: &str = "done-";
 
 /// Stored data of one run.
@@ -23,11 +23,11 @@ const DONE: &str = "done-";
 pub struct StoredRun {
     /// State of the run, from which the run continues.
     pub pause: Pause,
-    /// `None` if the run is not over, `Some(None)` if the run is complete, else the failure that stopped it.
+    /// End of the run: `None` if the run is not over, `Some(None)` if it is complete, else the failure that stopped it.
     pub over: Option<Option<Failure>>,
 }
 
-/// Checkpoint in a folder of results, with the path of its subfolder.
+/// Reads and writes the files of a checkpoint, which are in a subfolder of a folder of results.
 pub struct Store {
     place: PathBuf,
     /// Names of the files in which the two generations of the state are stored in turn.
@@ -37,7 +37,7 @@ pub struct Store {
     next: u64,
 }
 
-/// Newest stored state of the present run, found in its two files.
+/// Newest stored state of the present run, and the files of states that cannot be used.
 pub struct Newest {
     /// Identity of the run and its newest usable state; `None` if no file can be used.
     pub found: Option<(RunIdentity, StoredRun)>,
@@ -46,13 +46,13 @@ pub struct Newest {
 }
 
 impl Store {
-    /// Checkpoint in the given folder of results.
+    /// Creates the store for the checkpoint in the given folder of results.
     pub fn of(folder: &Path) -> Self {
         Self { place: folder.join(CHECKPOINT), generations: GENERATIONS.map(String::from), next: 0 }
     }
 
-    /// Checkpoint in the same subfolder for one of several runs done at the same time. Its generations have separate
-    /// files.
+    /// Creates the store for one of several runs that are done at the same time. Its states have separate files in the
+    /// same subfolder.
     pub fn for_run(&self, run: &RunIdentity) -> Self {
         let generations = GENERATIONS.map(|name| format!("{name}-{}", run.file_name()));
         Self { place: self.place.clone(), generations, next: 0 }
@@ -120,7 +120,7 @@ impl Store {
         if (found, &whose) == (age, run) { Ok(part) } else { Err(Unreadable::Damaged) }
     }
 
-    /// Checks that the data of all processes of a state can be read, one file after the other.
+    /// Checks that the part of the state from each process is stored and can be read.
     fn has_parts(&self, of: &str, whose: (u64, &RunIdentity), kept: &StoredRun) -> Result<(), (PathBuf, Unreadable)> {
         (0..kept.pause.snapshot.parts).try_for_each(|number| {
             let read = self.read_part(of, whose, number).map(drop);
@@ -157,14 +157,14 @@ impl Store {
         Newest { found: newest.map(|(_, run, kept)| (run, kept)), refused }
     }
 
-    /// Stores the final state of a run with the data of its observers, or the result computed from these.
+    /// Stores the final state of a run with the data of its observers, or the result that was computed from them.
     ///
     /// # Errors
     /// If a file cannot be written.
     pub fn finish<T: Serialize>(&self, run: &RunIdentity, end: &T) -> Result<(), OutputError> {
         self.write(&done(run), &(run, end))?;
-        // generations of one among several runs have separate files, which are no longer needed and which no other run
-        // would replace
+        // if several runs are done at the same time, each has separate files for its states: these are no longer
+        // needed, and no other run would replace them
         for name in self.generations.iter().filter(|name| !GENERATIONS.contains(&name.as_str())) {
             let _ = std::fs::remove_file(self.place.join(name));
         }
@@ -186,7 +186,7 @@ impl Store {
         }
     }
 
-    /// Reads the result of a run, if it is stored in place of the final state.
+    /// Reads the result of a run; `None` if no result is stored in place of its final state.
     pub fn result(&self, run: &RunIdentity) -> Option<Vec<u8>> {
         let (of, result) = self.read::<(RunIdentity, Vec<u8>)>(&done(run)).ok()?;
         (of == *run).then_some(result)
@@ -223,7 +223,7 @@ impl Store {
                     .map_err(|why| OutputError::io("remove the old", &entry.path(), why))?;
             }
         }
-        // this fails, as intended, if other files remain in the subfolder
+        // removing the folder fails, as intended, if it contains other files
         let _ = std::fs::remove_dir(&self.place);
         Ok(())
     }

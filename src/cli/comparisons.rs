@@ -9,8 +9,8 @@ use std::path::PathBuf;
 pub struct Compare {
     /// The case file, or the name of a built-in case.
     pub case: PathBuf,
-    /// Continues the run twice by a fifteenth of its length, with the same settings and with half the step and window,
-    /// and reports the difference; costs about a fifth of the run.
+    /// Continues the run twice by a fifteenth of its length: once with the same settings, once with half the time step
+    /// and half the window. Reports the difference; costs about a fifth of the run.
     #[arg(long)]
     pub verify: bool,
     /// Writes the particles at regular intervals for ParaView, OVITO and ASE (trajectory/), such as --every "1 ms";
@@ -23,7 +23,7 @@ pub struct Compare {
     pub margin: f64,
     /// Runs replicas of every variant in batches of four and tests the answers after each batch. Stops when every
     /// answer is "equivalent" or "different", or when --replicas of each (64 if it is not given) are used up. The
-    /// chances of wrong answers hold for all tests together.
+    /// probabilities of wrong answers apply to all tests together.
     #[arg(long)]
     pub until_decided: bool,
     /// Also gives the answer by the exit code: 0 if all are equivalent, 3 if some are different, 4 if some are

@@ -1,4 +1,4 @@
-//! Properties of two touching bodies on which a contact law depends, and the constants of the law between them.
+//! Properties of two touching bodies on which a contact law depends, and constants of the law between two bodies.
 
 use crate::particles::Particles;
 use crate::restitution::RestitutionBySpeed;
@@ -20,8 +20,7 @@ pub struct Bodies {
     /// Elasticity of each body; `None` for a body with the elasticity of the contact law.
     #[serde(skip)]
     pub elasticity: [Option<Elasticity>; 2],
-    /// [-] factor by which the stiffness between these bodies exceeds that of the contact law, from
-    /// [`Meeting`](crate::scene::Meeting).
+    /// [-] stiffness between these bodies over that of the contact law, from [`Meeting`](crate::scene::Meeting).
     #[serde(skip)]
     pub stiffness_ratio: f64,
 }
@@ -66,7 +65,7 @@ impl Bodies {
         }
     }
 
-    /// Properties of two spheres, one of each species.
+    /// Properties of two spheres, one of each species, with the stiffness of the contact law.
     pub fn of(one: &Species, other: &Species, surface: &Surface) -> Self {
         Self {
             effective_mass: 1.0 / (1.0 / one.mass() + 1.0 / other.mass()),
@@ -107,8 +106,8 @@ impl Bodies {
         }
     }
 
-    /// Properties of a sphere of a species, and of a wall with the surface `surface`. With `None` the wall has the
-    /// elasticity of the contact law.
+    /// Properties of a sphere of a species, and of a wall with the surface `surface` and the given elasticity. `None`:
+    /// the elasticity of the contact law.
     pub fn of_wall(species: &Species, surface: &Surface, elasticity: Option<Elasticity>) -> Self {
         Self {
             effective_mass: species.mass(),

@@ -1,15 +1,15 @@
-//! Contracts of a contact law, which engines require. They are checked for laws of the calling program when a
+//! Contracts: conditions that engines require of every contact law. Laws of the calling program are checked when a
 //! simulation is made.
 
 use super::{ContactLaw, Spring};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// A contract that a contact law violates between two bodies.
+/// Contract that a contact law violates between two bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum BrokenContract {
-    /// The elastic force at touch is not zero. A contact that is detected a part of a step after touch would then gain
-    /// or lose energy.
+    /// The elastic force at touch is not zero. A contact detected a part of a step after touch would then gain or lose
+    /// energy.
     ForceAtTouch {
         /// [-] elastic force at touch over the largest elastic force in an impact.
         share: f64,
@@ -25,12 +25,12 @@ pub enum BrokenContract {
     },
     /// The viscous force accelerates the motion instead of slowing it down.
     Drives {
-        /// [m] overlap at which the viscous force has the wrong sign.
+        /// [m/s] normal velocity at which the viscous force has the wrong sign; positive while the bodies separate.
         overlap: f64,
         /// [m/s] normal velocity at which the viscous force has the wrong sign; positive: separating.
         velocity: f64,
     },
-    /// The law cannot stop an impact, since at no overlap is its kinetic energy stored.
+    /// The law cannot stop an impact: at no overlap does the stored energy reach the kinetic energy of the impact.
     Bottomless {
         /// [m/s] normal speed of the impact.
         speed: f64,
@@ -57,15 +57,15 @@ impl fmt::Display for BrokenContract {
     }
 }
 
-/// [-] largest relative error that passes the check. It is the error of a quadrature over `POINTS` intervals for a
-/// force with an infinite slope at touch.
+/// [-] largest relative error that passes the check. It is the quadrature error with `POINTS` intervals, for a force
+/// with an infinite slope at touch.
 const TOLERANCE: f64 = 1e-3;
 /// Number of intervals of the quadrature of the force over the overlap.
 const POINTS: u32 = 1000;
 
 impl ContactLaw {
-    /// Checks the contracts of [`Law`](super::Law) for impacts at normal speeds up to `speed` [m/s]. The laws of this
-    /// library are not checked, since they satisfy the contracts.
+    /// Checks the contracts of [`Law`](super::Law) for impacts at normal speeds up to `speed` [m/s]. Laws of this
+    /// library satisfy the contracts and are not checked.
     ///
     /// # Errors
     /// The first contract that the law violates.
@@ -83,7 +83,7 @@ impl ContactLaw {
         if share.is_nan() || share > TOLERANCE {
             return Err(BrokenContract::ForceAtTouch { share });
         }
-        // the largest magnitude is used, since the energy of a law that attracts passes through zero
+        // the largest magnitude is the reference, because the energy of an attractive law passes through zero
         let whole = largest(&|overlap| law.stored_energy(spring, overlap));
         let mut work = 0.0;
         for k in 0..POINTS {

@@ -3,8 +3,8 @@
 
 use nalgebra::Vector3;
 
-/// [N] magnitude of the Coulomb force against a slip of magnitude `slip` >= 0 [m/s]. It is μ|f_n|, with the `friction`
-/// μ [-], but at most the force that stops the slip within `time_step` [s].
+/// [N] magnitude of the Coulomb force: μ |f_n|, but at most the force that stops the slip within `time_step` [s].
+/// `friction` is μ [-], `normal_force` f_n [N], and `slip` >= 0 [m/s] the magnitude of the slip.
 #[inline]
 pub fn coulomb_limit(friction: f64, normal_force: f64, slip: f64, effective_mass: f64, time_step: f64) -> f64 {
     (friction * normal_force.abs()).min(effective_mass * slip / time_step)
@@ -15,7 +15,7 @@ pub fn coulomb_limit(friction: f64, normal_force: f64, slip: f64, effective_mass
 pub struct Slip {
     /// [m/s] velocity of particle i relative to the surface of the other body, along the surface.
     pub velocity: Vector3<f64>,
-    /// [m/s²] relative acceleration of the two surfaces along the surface, by known forces other than friction.
+    /// [m/s²] relative acceleration of the two surfaces, along the surface, by all forces other than friction.
     pub acceleration: Vector3<f64>,
 }
 
@@ -24,13 +24,13 @@ pub struct Slip {
 pub struct Friction {
     /// [N] friction force on the other body; the force on particle i is its negative.
     pub force: Vector3<f64>,
-    /// [W] power by which friction reduces the kinetic energy, at the time `to_middle` after the instant of the slip.
+    /// [W] power at which friction reduces the kinetic energy, at the time `to_middle` after the instant of the slip.
     pub power: f64,
 }
 
-/// Friction force against the slip that is predicted, without friction, for the end of a step of `time_step` [s]. A
-/// force against the present slip would act one step late, and bodies at rest on a slope would creep. `to_middle` [s]
-/// is the time from the present to the instant at which the power is computed. `None` if there is no friction force.
+/// Friction force against the slip that the bodies would have without friction at the end of a step of `time_step` [s].
+/// A force against the present slip would act one step late, and bodies would creep down a slope. `to_middle` [s] is
+/// the time from now to the instant for which the power is computed. `None` if there is no friction force.
 #[inline(always)]
 pub fn coulomb(
     friction: f64,

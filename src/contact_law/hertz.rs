@@ -11,38 +11,37 @@ use std::f64::consts::PI;
 /// The elastic constant is k_H = 4/3 E sqrt(R), with the effective modulus 1/E = (1-ν_p²)/E_p + (1-ν_q²)/E_q and the
 /// effective radius R.
 ///
-/// With the variable w = δ^(5/4) an impact follows the path of a linear spring and dashpot in the plane of w and speed.
-/// The frequency of this oscillator is ω_0² = 4 k_H/(5 M), and its damping ratio is c/sqrt(5 M k_H) (Antypov and
-/// Elliott 2011, EPL 94, 50004). So c = ζ sqrt(5 M k_H), with the ζ of a linear dashpot, gives exactly the required
-/// restitution at every speed, if the contact ends at δ = 0. The force is not limited to repulsion, and attracts a
-/// little at the end. Time differs from that of the linear oscillator: dt = 4/5 w^(-1/5) ds, where s is the time of the
-/// oscillator.
+/// In the plane of w = δ^(5/4) and speed, an impact follows the path of a linear spring and dashpot. The frequency of
+/// this oscillator is ω_0² = 4 k_H/(5 M), and its damping ratio is c/sqrt(5 M k_H) (Antypov and Elliott 2011, EPL 94,
+/// 50004). The constant c = ζ sqrt(5 M k_H), with the ζ of a linear dashpot, therefore gives exactly the required
+/// restitution at every speed, if the contact ends at δ = 0. The force is slightly attractive at the end. Time is dt =
+/// 4/5 w^(-1/5) ds, where s is the time of the oscillator.
 ///
-/// The constants between two bodies are k_H [N/m^1.5] and c [N s/m^1.25]. Walls count as flat. The law is valid while δ
-/// is small compared with the radius, and while the impact is slow compared with the speed of sound.
+/// The constants between two bodies are k_H [N/m^1.5] and c [N s/m^1.25]. Walls count as flat. The law is valid if δ is
+/// small compared with the radius, and the impact is slow compared with the speed of sound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hertz {
-    /// Elasticity of every body for which a case gives no elasticity.
+    /// Elasticity of all bodies without an elasticity of their own.
     pub elasticity: Elasticity,
 }
 
 /// Number of quadrature points for the duration of an impact. The error is proportional to the power -2.4 of this
-/// number, and is 1e-8 here.
+/// number: 1e-8 here.
 const POINTS: usize = 2000;
 
-/// [1/s] undamped frequency ω_0 of the linear oscillator in w = δ^(5/4), per unit of the oscillator's time s.
+/// [1/s] undamped frequency ω_0 of the linear oscillator in w = δ^(5/4), with respect to its time s.
 fn undamped(spring: &Spring) -> f64 {
     (0.8 * spring.stiffness / spring.effective_mass).sqrt() // 4/5, Antypov and Elliott
 }
 
-/// Time [s], overlap [m] and rate of the overlap [m/s] along an impact at a normal speed [m/s]. The rate equals dw/ds.
-/// The points are the ends of `POINTS` intervals of the oscillator's phase. Intervals are short at both ends, because
-/// time is singular there as a function of the phase.
+/// Points of an impact at a normal speed [m/s]: time [s], overlap [m] and rate of the overlap [m/s], which equals
+/// dw/ds. The points are the ends of `POINTS` intervals of the oscillator's phase. Intervals are short at both ends of
+/// the impact, where time is a singular function of the phase.
 fn path(spring: &Spring, speed: f64) -> Vec<[f64; 3]> {
     let ratio = damping_ratio(spring.restitution);
     let damped = undamped(spring) * (1.0 - ratio * ratio).sqrt();
     let at = |x: f64| {
-        let phase = PI * x * x * x * (10.0 - 15.0 * x + 6.0 * x * x); // smoothstep: its slope is zero at 0 and 1
+        let phase = PI * x * x * x * (10.0 - 15.0 * x + 6.0 * x * x); // smootherstep: its slope is zero at 0 and 1
         let envelope = speed * (-ratio * undamped(spring) * phase / damped).exp();
         let w = (envelope * phase.sin() / damped).max(0.0);
         (w, envelope * phase.cos() - ratio * undamped(spring) * w)
@@ -59,7 +58,7 @@ fn path(spring: &Spring, speed: f64) -> Vec<[f64; 3]> {
     points
 }
 
-/// Dashpot constant in units of sqrt(M k_H). In these units it depends only on the restitution.
+/// [-] dashpot constant in units of sqrt(M k_H), which depends only on the restitution.
 fn unit_dashpot(restitution: f64) -> f64 {
     5.0f64.sqrt() * damping_ratio(restitution) // sqrt(5) ζ: Antypov and Elliott 2011
 }
@@ -126,8 +125,7 @@ impl Law for Hertz {
         (reduced_overlap(spring.restitution) * speed / undamped(spring)).powf(0.8)
     }
 
-    /// Returns sqrt(3/2 k_H sqrt(δ)/M) at the largest overlap δ without damping. No damped impact has a higher
-    /// frequency.
+    /// Returns sqrt(3/2 k_H sqrt(δ)/M) at the largest overlap δ without damping. Damped impacts have lower frequencies.
     fn frequency(&self, spring: &Spring, speed: f64) -> f64 {
         let deepest = (speed / undamped(spring)).powf(0.8);
         (1.5 * spring.stiffness * deepest.sqrt() / spring.effective_mass).sqrt()

@@ -1,13 +1,13 @@
 //! Contact laws of soft spheres. A contact law gives the force with which two touching bodies push each other apart.
 //!
-//! A law is one file of this folder and one variant of [`ContactLaw`], or a type of the calling program as
-//! [`ContactLaw::Other`]. Four functions are required: the constants between two bodies, the force, the stored energy,
-//! and the parameters. All other quantities follow by numerical integration ([`numerical`]). A law with closed forms
-//! returns these instead.
+//! A law is one file of this folder with a variant of [`ContactLaw`], or a type of the calling program as
+//! [`ContactLaw::Other`]. A law must define four functions: the constants between two bodies, the force, the stored
+//! energy, and the parameters. All other quantities are computed by numerical integration ([`numerical`]), unless the
+//! law has closed forms.
 //!
 //! Sign convention: the overlap δ [m] is positive while the bodies touch. Its rate is minus the normal velocity u_n
-//! [m/s], which is negative while the bodies approach. A contact ends when δ = 0 (the paper's convention). So the force
-//! attracts a little at the end, and the restitution is exactly the required one.
+//! [m/s], which is negative while the bodies approach. A contact ends when δ = 0 (the paper's convention). The force is
+//! therefore slightly attractive at the end, and the restitution is exactly the required one.
 
 mod bodies;
 mod contract;
@@ -29,11 +29,11 @@ use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// A contact law for the normal force. Four functions are required; the others are computed from these.
+/// Contact law for the normal force. It must define four functions, from which all others can be computed.
 ///
-/// Contracts, checked when a simulation is made ([`ContactLaw::check`]): The elastic force is zero at touch. Its work
-/// from touch to an overlap is the stored energy at that overlap. The energy of every impact is stored at some overlap.
-/// The viscous force never accelerates the motion.
+/// Contracts, checked when a simulation is made ([`ContactLaw::check`]). The elastic force is zero at touch. The stored
+/// energy at an overlap is the work of the elastic force from touch to this overlap. The energy of every impact is
+/// stored at some overlap. The viscous force never accelerates the motion.
 ///
 /// ```
 /// use diptych::contact_law::{Bodies, ContactLaw, Law, Parameter, Spring};
@@ -71,20 +71,20 @@ use std::f64::consts::PI;
 /// assert!((law.greatest_overlap(&spring, 1.0) / deepest - 1.0).abs() < 1e-6);
 /// ```
 pub trait Law: std::fmt::Debug + Send + Sync {
-    /// Constants of the law between two bodies. The elastic force between them is
-    /// [`stiffness_ratio`](Bodies::stiffness_ratio) times that of the law.
+    /// Constants of the law between two bodies. Their elastic force is that of the law times
+    /// [`stiffness_ratio`](Bodies::stiffness_ratio).
     fn between(&self, bodies: &Bodies) -> Spring;
 
-    /// [N] elastic and viscous parts of the normal force at the overlap δ [m] and the normal velocity u_n [m/s]. At the
-    /// end of a contact a step may use a small negative overlap, so the function must be smooth at δ = 0. The elastic
-    /// force at negative overlap attracts.
+    /// [N] elastic and viscous parts of the normal force at the overlap δ [m] and the normal velocity u_n [m/s]. A step
+    /// at the end of a contact may use a small negative overlap, so the function must be smooth at δ = 0. The elastic
+    /// force at a negative overlap is attractive.
     fn force(&self, spring: &Spring, overlap: f64, normal_velocity: f64) -> (f64, f64);
 
     /// [J] energy stored at overlap δ [m]: the work of the elastic force since touch.
     fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64;
 
-    /// All numbers in which two laws of one type can differ. The first is the elastic constant that a user increases
-    /// for a stiffer contact. By these numbers laws are compared, and stored runs are recognised.
+    /// All numbers in which two laws of one type can differ. They are used to compare laws and to recognise stored
+    /// runs. The first is the elastic constant that a user increases for a stiffer contact.
     fn parameters(&self) -> Vec<Parameter>;
 
     /// Name of the law, for use in a sentence.
@@ -92,14 +92,14 @@ pub trait Law: std::fmt::Debug + Send + Sync {
         self.parameters().first().map_or("contact law", |parameter| parameter.law)
     }
 
-    /// [N/m^1.5] tangential stiffness of two elastic spheres that do not slip, divided by the square root of the
-    /// overlap. It is 0 for a law without elastic constants.
+    /// [N/m^1.5] tangential stiffness of two elastic spheres without sliding, divided by the square root of the
+    /// overlap. 0 for a law without elastic constants.
     fn shear_stiffness(&self, _bodies: &Bodies) -> f64 {
         0.0
     }
 
-    /// [-] exponent n of the overlap, to which the elastic force is about proportional. It is used to estimate the
-    /// stiffness that a run needs.
+    /// [-] exponent n: the elastic force is roughly proportional to δ^n. It is used to estimate the stiffness that a
+    /// run needs.
     fn exponent(&self) -> f64 {
         1.0
     }
@@ -114,45 +114,44 @@ pub trait Law: std::fmt::Debug + Send + Sync {
         numerical::greatest_overlap(self, spring, speed)
     }
 
-    /// [1/s] highest angular frequency sqrt(f'(δ)/M) during an impact at normal speed `speed` [m/s], with f' the slope
-    /// of the elastic force. A time step must be stable for this frequency.
+    /// [1/s] highest angular frequency sqrt(f'(δ)/M) during an impact at normal speed `speed` [m/s], where f' is the
+    /// slope of the elastic force. The time step must be stable for this frequency.
     fn frequency(&self, spring: &Spring, speed: f64) -> f64 {
         numerical::frequency(self, spring, speed)
     }
 
-    /// [-] largest viscous constant during impacts at normal speed `speed` [m/s], divided by the critical constant 2 M
-    /// ω, with ω the [`frequency`](Self::frequency). A time step must be stable for both.
+    /// [-] largest viscous constant during impacts at normal speed `speed` [m/s], over the critical constant 2 M ω with
+    /// ω = [`frequency`](Self::frequency). The time step must be stable for both.
     fn damping_ratio(&self, spring: &Spring, speed: f64) -> f64 {
         numerical::damping_ratio(self, spring, speed)
     }
 
-    /// [m] ∫ exp(-V(δ)/E) dδ over all overlaps δ, with V the stored energy and E = `energy` [J] the energy scale of the
-    /// relative motion. Spheres that move with this energy act on one another as if their diameter were smaller by this
+    /// [m] ∫ exp(-V(δ)/E) dδ over all overlaps δ, with the stored energy V and the energy scale E = `energy` [J] of the
+    /// relative motion. Soft spheres with this energy collide like hard spheres whose diameter is smaller by this
     /// length (Barker and Henderson 1967, J. Chem. Phys. 47, 4714).
     fn thermal_overlap(&self, spring: &Spring, energy: f64) -> f64 {
         numerical::thermal_overlap(self, spring, energy)
     }
 
-    /// Returns a function of the time [s] after touch, for an impact at normal speed `speed` [m/s]. Its values are the
-    /// overlap [m] and the rate of the overlap [m/s], up to the end of the impact.
+    /// Returns a function of the time [s] since touch, for an impact at normal speed `speed` [m/s]. The function
+    /// returns the overlap [m] and the rate of the overlap [m/s], up to the end of the impact.
     fn course(&self, spring: &Spring, speed: f64) -> Box<dyn Fn(f64) -> (f64, f64)> {
         let impact = numerical::IntegratedImpact::new(self, spring, speed);
         Box::new(move |time| impact.as_ref().map_or((f64::NAN, f64::NAN), |impact| impact.at(time)))
     }
 
-    /// [m] overlap of a contact at rest that carries the normal force `force` [N].
+    /// [m] overlap of a contact at rest with the normal force `force` [N].
     fn static_overlap(&self, spring: &Spring, force: f64) -> f64 {
         numerical::static_overlap(self, spring, force)
     }
 
-    /// [J] depth of the minimum of the stored energy, relative to the energy at touch. It is 0 for a law that does not
-    /// attract.
+    /// [J] depth of the minimum of the stored energy below the energy at touch; 0 for a law without attraction.
     fn well_depth(&self, spring: &Spring) -> f64 {
         numerical::well_depth(self, spring)
     }
 
-    /// [-] factor by which the elastic force must increase, so that impacts of equal energy have 1/`ratio` times the
-    /// overlap. The energy at overlap δ is taken as k δ^(n+1)/(n+1).
+    /// [-] factor of the elastic force at which impacts of equal energy have 1/`ratio` times the overlap. The energy at
+    /// overlap δ is assumed to be k δ^(n+1)/(n+1).
     fn stiffening(&self, ratio: f64) -> f64 {
         ratio.powf(self.exponent() + 1.0)
     }
@@ -161,7 +160,7 @@ pub trait Law: std::fmt::Debug + Send + Sync {
 /// A parameter of a contact law, for tables and messages.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Parameter {
-    /// Name of the law, which is also that of its table below `[soft]` in a case.
+    /// Name of the law, and of its table below `[soft]` in a case.
     pub law: &'static str,
     /// Key of the parameter in the table of the law.
     pub key: &'static str,
@@ -184,7 +183,7 @@ impl Parameter {
 
 impl std::fmt::Display for Parameter {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        // large values, such as moduli, have too many digits and are written with an exponent
+        // large values, such as moduli, are written with an exponent, because they have many digits
         if self.value < 1e6 {
             write!(f, "{} {} {}", self.name, self.value, self.unit)
         } else {
@@ -193,7 +192,7 @@ impl std::fmt::Display for Parameter {
     }
 }
 
-/// The contact law of a scene of soft spheres, for pairs of particles and for walls.
+/// Contact law of all pairs of particles and of all walls in a scene of soft spheres.
 ///
 /// ```
 /// use diptych::contact_law::{Bodies, ContactLaw};
@@ -214,11 +213,11 @@ pub enum ContactLaw {
     Hertz(Hertz),
     /// Hertz's law for viscoelastic spheres.
     KuwabaraKono(KuwabaraKono),
-    /// A law of the calling program; a case cannot name it.
+    /// A law of the calling program, which a case cannot contain.
     Other(&'static dyn Law),
 }
 
-/// Evaluates an expression with the chosen law. No other code lists all laws.
+/// Evaluates an expression with the chosen law. The laws are listed nowhere else.
 macro_rules! with_law {
     ($chosen:expr, $law:ident => $value:expr) => {
         match $chosen {
@@ -241,26 +240,25 @@ impl ContactLaw {
         Self::LinearSpringDashpot(LinearSpringDashpot { stiffness })
     }
 
-    /// Makes a law from a type of the calling program. Its memory is never freed, so that a law can be copied as
-    /// cheaply as a number.
+    /// Makes a law from a type of the calling program. The memory of the law is never freed, so that copies are cheap.
     pub fn other(law: impl Law + 'static) -> Self {
         Self::Other(Box::leak(Box::new(law)))
     }
 
-    /// Returns the elastic and the viscous force [N], as [`Law::force`]. It is called in every time step, so a virtual
-    /// call is avoided.
+    /// Returns the elastic and the viscous force [N], as [`Law::force`] defines them. A virtual call is avoided,
+    /// because every time step calls this method.
     #[inline]
     pub fn force(&self, spring: &Spring, overlap: f64, normal_velocity: f64) -> (f64, f64) {
         with_law!(self, law => law.force(spring, overlap, normal_velocity))
     }
 
-    /// Returns the stored energy [J], as [`Law::stored_energy`], without a virtual call.
+    /// Returns the stored energy [J], as [`Law::stored_energy`] defines it, without a virtual call.
     #[inline]
     pub fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64 {
         with_law!(self, law => law.stored_energy(spring, overlap))
     }
 
-    /// [J] largest energy that a contact at overlap δ [m] may give back to the motion; never negative.
+    /// [J] largest energy that a contact at overlap δ [m] can return to the motion; never negative.
     #[inline]
     pub fn available_energy(&self, spring: &Spring, overlap: f64) -> f64 {
         with_law!(self, law => law.stored_energy(spring, overlap) + law.well_depth(spring))
@@ -276,14 +274,13 @@ impl ContactLaw {
         }
     }
 
-    /// The elastic parameter that a user chooses. For a law without parameters, a parameter with the value 1 is
-    /// returned.
+    /// The elastic parameter that a user sets. For a law without parameters, returns a parameter with the value 1.
     pub fn parameter(&self) -> Parameter {
         let none = Parameter { law: self.title(), key: "", name: "stiffness", symbol: "k", value: 1.0, unit: "" };
         self.parameters().first().copied().unwrap_or(none)
     }
 
-    /// Constants of the normal contact of two bodies on which a tangential law depends.
+    /// Constants of the normal contact of two bodies that a tangential law uses.
     pub fn normal_spring(&self, bodies: &Bodies, spring: &Spring) -> NormalSpring {
         let Spring { stiffness, dashpot, .. } = *spring;
         let contact_time = if self.is_linear() { self.contact_time(spring, 1.0) } else { f64::INFINITY };
@@ -293,7 +290,7 @@ impl ContactLaw {
     }
 
     /// [-] ratio of Mindlin's tangential stiffness to the elastic constant of Hertz's law, for two bodies with these
-    /// elasticities. It is 0 for other laws.
+    /// elasticities. 0 for laws without elastic constants.
     pub fn shear_ratio(&self, elasticity: [Option<Elasticity>; 2]) -> f64 {
         let (effective_mass, effective_radius, restitution, stiffness_ratio) = (1.0, 1.0, 1.0, 1.0);
         let by_speed = None;
@@ -347,7 +344,7 @@ impl std::ops::Deref for ContactLaw {
 #[derive(Debug)]
 struct Stiffened {
     law: &'static dyn Law,
-    /// [-] factor by which the elastic force is larger than that of `law`.
+    /// [-] ratio of the elastic force to that of `law`.
     factor: f64,
 }
 

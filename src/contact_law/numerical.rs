@@ -1,17 +1,16 @@
-//! Properties of impacts for contact laws without closed forms, computed from the force and the stored energy of the
-//! law.
+//! Properties of impacts, computed from force and stored energy. They are used for contact laws without closed forms.
 
 use super::{Law, Spring};
 
-/// Number of time steps in the time that the approach at constant speed would take from touch to the largest overlap.
-/// The fourth-order error is then below 1e-10.
+/// Number of time steps in the time that an approach at constant speed takes from touch to the largest overlap. The
+/// fourth-order error is below 1e-10.
 const STEPS: f64 = 1000.0;
-/// Largest duration of an impact, over the time that the approach at constant speed would take to the largest overlap.
-/// Longer impacts count as endless.
+/// Largest duration of an impact, over the time that an approach at constant speed takes to the largest overlap. Longer
+/// impacts count as endless.
 const ENDLESS: f64 = 100.0;
-/// Number of overlaps at which the slope of a force or the energy is computed.
+/// Number of overlaps at which a slope or an energy is evaluated.
 const SAMPLES: u32 = 64;
-/// [-] step of central differences over the overlap. It balances the errors of rounding and of curvature.
+/// [-] step of central differences over the overlap, chosen for small errors of both rounding and curvature.
 const DIFFERENCE: f64 = 1e-5;
 
 /// Zero of a function that changes from negative to positive. The search begins at `guess` > 0, which may be far from
@@ -115,7 +114,7 @@ impl IntegratedImpact {
     }
 }
 
-/// Numerical [`Law::greatest_overlap`]. If the impact does not end, it is the overlap without damping.
+/// Numerical [`Law::greatest_overlap`]. For an impact that does not end, it is the overlap without damping.
 pub fn greatest_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -> f64 {
     match IntegratedImpact::new(law, spring, speed) {
         Some(impact) => impact.greatest_overlap(),
@@ -123,7 +122,7 @@ pub fn greatest_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -
     }
 }
 
-/// Overlaps [m] at equal distances, up to the largest that impacts at the normal speed `speed` [m/s] reach.
+/// Overlaps [m] at equal intervals, up to the largest overlap of impacts at the normal speed `speed` [m/s].
 fn overlaps<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -> impl Iterator<Item = f64> {
     let deepest = undamped_overlap(law, spring, speed).unwrap_or(f64::INFINITY);
     (1..=SAMPLES).map(move |k| deepest * f64::from(k) / f64::from(SAMPLES))
@@ -226,7 +225,7 @@ mod tests {
                 "{law:?}, {restitution}: {name} {found} of {exact}"
             );
         };
-        // Hertz's damping has an infinite slope at touch, which reduces the order of the method
+        // Hertz's damping has an infinite slope at touch, which reduces the order of the integration method
         near("time", law.contact_time(&spring, speed), bare.contact_time(&spring, speed), 2e-4);
         near("overlap", law.greatest_overlap(&spring, speed), bare.greatest_overlap(&spring, speed), 1e-5);
         near("frequency", law.frequency(&spring, speed), bare.frequency(&spring, speed), 1e-6);

@@ -12,9 +12,9 @@ pub struct Blocks {
 }
 
 impl Blocks {
-    /// Cuts the box into one block per process, with nearly equal numbers of particles in the slices along each axis.
-    /// If the box has periodic axes, only these are cut; otherwise all axes may be. The axis with the longest pieces is
-    /// cut first.
+    /// Cuts the box into one block per process. Along each axis the slices contain nearly equal numbers of particles.
+    /// If the box has periodic axes, only these axes are cut; otherwise all axes may be cut. The axis with the longest
+    /// pieces is cut first.
     pub fn of(positions: &[Vector3<f64>], processes: usize, domain: &Domain) -> Self {
         let blocks = along_axes(processes, domain);
         let ends = std::array::from_fn(|axis| {

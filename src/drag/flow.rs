@@ -1,23 +1,23 @@
-//! Slip speed under a drag law that has no closed-form solution, by numerical integration.
+//! Numerical integration of the slip speed under drag, for laws without a closed-form solution.
 //!
-//! Let w be the slip speed [m/s], w_0 its value at the start, τ the response time [s], and L = ln(w/w_0). The equation
-//! dw/dt = -w/τ(w) becomes dL/dt = -1/τ(w_0 e^L). Its right-hand side stays smooth and does not grow as the slip speed
-//! decays, so an explicit method with adaptive steps is enough. The method is Gragg's modified midpoint rule,
-//! extrapolated to step zero after Bulirsch and Stoer (Hairer, Nørsett and Wanner 1993, Solving Ordinary Differential
-//! Equations I, section II.9).
+//! Let w be the slip speed [m/s], w_0 its initial value, τ the response time [s], and L = ln(w/w_0). The equation dw/dt
+//! = -w/τ(w) becomes dL/dt = -1/τ(w_0 e^L). Its right-hand side is smooth and does not grow as the slip speed decays,
+//! so an explicit method with adaptive steps suffices. The method is Gragg's modified midpoint rule, extrapolated to
+//! step zero as by Bulirsch and Stoer (Hairer, Nørsett and Wanner 1993, Solving Ordinary Differential Equations I,
+//! section II.9).
 
 /// Number of midpoint sequences, which have 2, 4, ..., 12 substeps. Extrapolation from six sequences is of twelfth
 /// order in the step.
 const SEQUENCES: usize = 6;
-/// [-] error allowed in one step, divided by |L| at the end of the step. It is ten times smaller than the documented
-/// accuracy of 1e-12, because the errors of several steps add up.
+/// [-] allowed error of one step, divided by |L| at its end. It is a tenth of the documented accuracy of 1e-12, because
+/// the errors of several steps add up.
 const TOLERANCE: f64 = 1e-13;
-/// [-] shortest step, divided by the time integrated so far. A shorter step would be lost in rounding. Where the
-/// response time jumps, steps become this short, and the error is the jump times this ratio.
+/// [-] shortest step, divided by the time integrated so far; rounding would swallow a shorter step. Where the response
+/// time jumps, steps become this short, and the error is the jump times this ratio.
 const SHORTEST: f64 = 8.0 * f64::EPSILON;
 
 /// [-] solution L after `duration` [s] of dL/dt = `rate`(L), with L = 0 at the start and the rate in 1/s. The relative
-/// error is 1e-12. Returns not-a-number if `rate` does.
+/// error is 1e-12. If `rate` returns not-a-number, so does this function.
 pub(super) fn integrate(rate: &dyn Fn(f64) -> f64, duration: f64) -> f64 {
     let (mut time, mut log) = (0.0, 0.0);
     let mut step = duration.min(1.0 / rate(0.0).abs());
@@ -35,18 +35,18 @@ pub(super) fn integrate(rate: &dyn Fn(f64) -> f64, duration: f64) -> f64 {
             log += change;
             time = if last { duration } else { time + step };
         }
-        // the error of a step is proportional to its length to the power 2 SEQUENCES - 1; the factor 0.9 makes it
-        // unlikely that the next step must be repeated
+        // the error of a step is proportional to the step to the power 2 SEQUENCES - 1; the factor 0.9 makes a
+        // repetition of the next step unlikely
         let factor = 0.9 * (allowed / error).powf(1.0 / (2 * SEQUENCES - 1) as f64);
-        // an error of 0 gives the largest factor, 4; so does 0/0, which occurs if L does not change
+        // without an error (or for 0/0, if L does not change) the step grows by the largest factor, 4
         step *= if factor.is_nan() { 4.0 } else { factor.clamp(0.1, 4.0) };
     }
     log
 }
 
-/// [-] change of L in one step from `start`, and the error of this change. The error is the difference from the
-/// extrapolation without the last sequence. The last row of the scheme alone does not give a safe error, because its
-/// entries may agree by chance where the law jumps.
+/// [-] change of L in one step from `start`, and the estimated error of this change. The estimate is the difference
+/// from the extrapolation without the last sequence. The entries of the last row alone give no safe estimate, because
+/// they may agree by chance where the law jumps.
 fn extrapolate(rate: &dyn Fn(f64) -> f64, start: f64, step: f64) -> (f64, f64) {
     let first = rate(start);
     // one row of the scheme of Aitken and Neville, which extrapolates in the square of the substep

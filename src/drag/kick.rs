@@ -1,33 +1,34 @@
 //! Drag kick of many particles: the change of the slip velocity in a given time, tabulated over the slip speed.
 //!
 //! The slip velocity is the velocity of a particle relative to the gas. For one sphere and one duration, its relative
-//! change depends on the slip speed w alone. The change is `ratio - 1`, where `ratio` is the slip speed after the kick
-//! divided by that before. Evaluating the law costs a power and three exponentials per particle; with the table, a
-//! polynomial suffices. The table is made of pieces. The index of a piece consists of the leading bits of w² as a
-//! floating-point number, beginning with the exponent. So every octave of w² has an equal number of pieces, and the
-//! table resolves w^0.687 near rest as well as in fast flow. No root and no logarithm is needed.
+//! change depends only on the slip speed w. The change is `ratio - 1`, where `ratio` is the slip speed after the kick
+//! over that before. The law needs a power and three exponentials per particle, the table only a polynomial.
+//!
+//! The table consists of pieces. The index of a piece is the exponent and the leading bits of w² as a floating-point
+//! number. Every octave of w² therefore has an equal number of pieces, which resolve w^0.687 at any speed. No root and
+//! no logarithm is needed.
 
 use super::{Drag, Sphere};
 use nalgebra::{SMatrix, SVector};
 
 /// Number of leading bits of the fraction of w² that determine the piece: 16 pieces per octave of w².
 const PIECE_BITS: u32 = 4;
-/// Number of remaining bits of w², which determine the position within the piece.
+/// Number of remaining bits of w², which give the position within the piece.
 const REST_BITS: u32 = f64::MANTISSA_DIGITS - 1 - PIECE_BITS;
 /// [m²/s²] lower end of the table in w², a power of 2. It corresponds to w = 1e-6 m/s.
 const LOWEST: f64 = 1.0 / (1_u64 << 40) as f64;
 /// [m²/s²] upper end of the table in w², a power of 2. It corresponds to w = 64 m/s.
 const HIGHEST: f64 = 4096.0;
-/// [-] relative error of a piece above which the law itself is evaluated. For a smooth law the error is at most 2e-10.
-/// In a piece in which a law switches between two formulas, it is about 1e-3.
+/// [-] relative error of a piece above which the law itself is evaluated. The error is at most 2e-10 for a smooth law,
+/// and about 1e-3 in a piece in which a law switches between two formulas.
 const TOLERANCE: f64 = 5e-10;
 
 /// Number of coefficients of the polynomial of a piece.
 const TERMS: usize = 5;
-/// Positions in a piece, from 0 to 1, at which the polynomial equals the law. They are Chebyshev points and both ends,
-/// so a switch of the law anywhere in the piece lies between two of them.
+/// Positions in a piece, from 0 to 1, at which the polynomial equals the law: Chebyshev points and both ends. A switch
+/// of the law anywhere in the piece lies between two of these positions.
 const NODES: [f64; TERMS] = [0.0, 0.146_446_609_406_726_24, 0.5, 0.853_553_390_593_273_8, 1.0];
-/// Positions in a piece, from 0 to 1, at which the interpolation error is largest and is therefore checked.
+/// Positions in a piece, from 0 to 1, at which the interpolation error is largest. The error is checked there.
 const CHECKS: [f64; TERMS - 1] = [0.05, 0.32, 0.68, 0.95];
 
 /// Coefficients [-] of the polynomial of a piece, constant term first. The variable is the position within the piece,
@@ -40,12 +41,12 @@ pub struct Kick {
     law: Drag,
     duration: f64,
     species: Vec<SpeciesTable>,
-    /// [m] diameter of the sphere in `SpeciesTable` of each species whose particles differ in size; `None` for other
-    /// species. The list is empty if no species has particles of different sizes.
+    /// [m] diameter of the sphere in `SpeciesTable`, for each species whose particles differ in size; `None` for other
+    /// species. The list is empty if all species have particles of one size.
     spread: Vec<Option<f64>>,
 }
 
-/// Sphere of one species, and the table made for it. An empty table means that the law itself is evaluated.
+/// Sphere of one species, and its table. If the table is empty, the law itself is evaluated.
 #[derive(Clone, Debug)]
 struct SpeciesTable {
     sphere: Sphere,
@@ -53,35 +54,34 @@ struct SpeciesTable {
 }
 
 impl Kick {
-    /// Makes a kick over `duration` [s] that evaluates the law itself. It is used for few particles, or as the
+    /// Makes a kick over `duration` [s] that evaluates the law itself. It is used for few particles, and as a
     /// reference.
     pub fn exact(law: &Drag, spheres: &[Sphere], duration: f64) -> Self {
         let species = spheres.iter().map(|&sphere| SpeciesTable { sphere, pieces: Vec::new() }).collect();
         Self { law: law.clone(), duration, species, spread: Vec::new() }
     }
 
-    /// Adds the sizes of species whose particles differ in diameter. For each such species `diameters` contains the
-    /// diameter [m] of its `Sphere`. A table is valid for one size only, so the law itself is evaluated for particles
+    /// Adds the sizes of species whose particles differ in diameter. `diameters` contains the diameter [m] of the
+    /// `Sphere` of each such species. A table is valid for one size only, so the law itself is evaluated for particles
     /// of these species.
     pub fn with_sizes(mut self, diameters: Vec<Option<f64>>) -> Self {
         self.spread = diameters;
         self
     }
 
-    /// True if the change depends on the size of each particle, not on its species alone.
+    /// True if the change depends on the size of each particle and not only on its species.
     pub fn asks_sizes(&self) -> bool {
         self.spread.iter().any(Option::is_some)
     }
 
     /// Makes a kick with a table of the law, accurate to 5e-10 of the change. A law that depends on the volume fraction
-    /// of the particles is evaluated itself. Making the table takes as long as
-    /// evaluating the law for about 10⁴ particles.
+    /// of the particles is not tabulated. The table costs as much time as about 10⁴ evaluations of the law.
     pub fn tabulated(law: &Drag, spheres: &[Sphere], duration: f64) -> Self {
         let mut kick = Self::exact(law, spheres, duration);
         if kick.cells().is_some() {
             return kick;
         }
-        // the matrix is invertible, since it is a Vandermonde matrix of distinct nodes
+        // the matrix is invertible, because it is a Vandermonde matrix of distinct nodes
         let vandermonde = SMatrix::<f64, TERMS, TERMS>::from_fn(|i, j| NODES[i].powi(j as i32));
         let Some(inverse) = vandermonde.try_inverse() else { return kick };
         for species in &mut kick.species {
@@ -98,7 +98,8 @@ impl Kick {
         kick
     }
 
-    /// Numbers of cells in which the volume fraction of the particles is needed; `None` if it is not needed.
+    /// Numbers of cells along x, y and z for the volume fraction of the particles; `None` if the law does not depend on
+    /// it.
     pub fn cells(&self) -> Option<[u32; 3]> {
         self.law.law().cells()
     }
@@ -115,7 +116,7 @@ impl Kick {
         let species = &self.species[species as usize];
         let place = leading(square).wrapping_sub(leading(LOWEST));
         if let Some(piece) = species.pieces.get(place as usize) {
-            // the remaining bits of the fraction become the fraction of a number in [1, 2)
+            // the remaining bits of w² become the fraction of a number in [1, 2)
             let rest = (square.to_bits() << PIECE_BITS) & ((1 << (f64::MANTISSA_DIGITS - 1)) - 1);
             let change = value(piece, f64::from_bits(rest | 1.0_f64.to_bits()) - 1.0);
             if !change.is_nan() {
@@ -125,8 +126,8 @@ impl Kick {
         self.by_law(species, square)
     }
 
-    /// [-] change of the slip velocity divided by the slip velocity, for a sphere of `radius` [m]. The function is
-    /// needed for species whose particles differ in size; for other species the result equals [`change`](Self::change).
+    /// [-] change of the slip velocity divided by the slip velocity, for a sphere of `radius` [m]. `square` [m²/s²] is
+    /// the square of the slip speed. For species of one size the result equals [`change`](Self::change).
     #[inline]
     pub fn change_of(&self, species: u16, radius: f64, square: f64) -> f64 {
         match self.spread.get(usize::from(species)) {
@@ -157,7 +158,7 @@ impl Kick {
     }
 }
 
-/// Exponent and leading bits of the fraction of `square` as an integer, which determines the piece.
+/// Exponent and leading bits of the fraction of `square`, as an integer that determines the piece.
 #[inline]
 fn leading(square: f64) -> u64 {
     square.to_bits() >> REST_BITS

@@ -1,10 +1,9 @@
-//! Drag: the force with which the gas pushes a sphere.
+//! Drag: force of the gas on a sphere along the slip velocity.
 //!
-//! Between two collisions drag is the only force that changes a particle's velocity relative to the gas. During one
-//! kick the gas velocity is taken as constant. The slip velocity then keeps its direction. Its magnitude w [m/s] obeys
-//! one scalar equation, dw/dt = -w/τ(w), with τ the response time [s]. The exact solution is stable for any length of
-//! the kick, and two successive half-kicks equal one whole kick. A law with a closed form of the solution returns it;
-//! otherwise the equation is integrated numerically to 1e-12.
+//! During one kick the gas velocity is taken as constant, and drag alone changes the slip velocity. The slip velocity
+//! then keeps its direction. Its magnitude w [m/s] obeys the scalar equation dw/dt = -w/τ(w), with the response time τ
+//! [s]. The exact solution is stable for kicks of any length, and two successive half-kicks equal one whole kick. A law
+//! may have the solution in closed form; otherwise the equation is integrated numerically to 1e-12.
 //!
 //! To add a law, write one file with `impl DragLaw`. Then add a `mod` line, a variant of [`Drag`] and an arm of `law`.
 
@@ -53,7 +52,7 @@ impl Sphere {
 }
 
 /// A drag law for a sphere. An implementation must define name, parameters and response time. By default all other
-/// quantities are computed from these.
+/// quantities are computed from the response time.
 ///
 /// ```
 /// use diptych::drag::{DragLaw, Sphere, Stokes};
@@ -84,12 +83,12 @@ pub trait DragLaw: std::fmt::Debug + Send + Sync {
     /// Name of the law in cases and in results.
     fn name(&self) -> &'static str;
 
-    /// Names and values [SI] of all parameters of the law; empty if there are none. Laws are compared, and stored runs
-    /// are recognised, by name and parameters. So all parameters must be listed in which two laws of one name may
-    /// differ.
+    /// Names and values [SI] of all parameters of the law; empty if there are none. Name and parameters are used to
+    /// compare laws and to recognise stored runs. The list must therefore contain every parameter in which two laws of
+    /// one name can differ.
     fn parameters(&self) -> Vec<(&'static str, f64)>;
 
-    /// [s] response time τ(w) > 0: slip speed over deceleration, at slip speed `slip` >= 0 [m/s].
+    /// [s] response time τ(w) > 0: slip speed divided by deceleration, at the slip speed w = `slip` >= 0 [m/s].
     fn response_time(&self, sphere: &Sphere, slip: f64) -> f64;
 
     /// Title of the law for use in a sentence.
@@ -98,31 +97,30 @@ pub trait DragLaw: std::fmt::Debug + Send + Sync {
     }
 
     /// Numbers of cells along x, y and z in which the volume fraction of the particles is computed. `None` if the law
-    /// does not depend on this fraction, so that it is not computed.
+    /// does not depend on this fraction.
     fn cells(&self) -> Option<[u32; 3]> {
         None
     }
 
-    /// [-] slip Reynolds number above which a warning is given, because the law is far outside its fitted range; also
-    /// the text of the warning. `None` if no such number is known.
+    /// [-] slip Reynolds number above which a warning is given, and the text of the warning. At larger numbers the law
+    /// is far outside its fitted range. `None` if no such number is known.
     fn far(&self) -> Option<(f64, &'static str)> {
         None
     }
 
-    /// [-] natural logarithm of the ratio of slip speeds, after over before `duration` [s] of drag alone; <= 0. The gas
-    /// velocity is constant, and `slip` >= 0 [m/s] is the initial slip speed w. The logarithm is -∫dt/τ, the exact
-    /// solution of dw/dt = -w/τ(w).
+    /// [-] natural logarithm of the slip speed after `duration` [s] of drag alone, divided by the initial slip speed w
+    /// = `slip` >= 0 [m/s]; <= 0. The gas velocity is constant. The logarithm is -∫dt/τ, the exact solution of dw/dt =
+    /// -w/τ(w).
     ///
-    /// The logarithm is returned because a kick needs 1 - ratio, for which the ratio itself is not precise enough. A
-    /// law with a closed form overrides this method. By default the equation is integrated to a relative error of
-    /// 1e-12.
+    /// A kick needs 1 - ratio, which is more precise from the logarithm than from the ratio. A law with a closed form
+    /// overrides this method. By default the equation is integrated to a relative error of 1e-12.
     fn log_decay(&self, sphere: &Sphere, slip: f64, duration: f64) -> f64 {
         flow::integrate(&|log| -1.0 / self.response_time(sphere, slip * log.exp()), duration)
     }
 
-    /// [s] relaxation time τ_l(w) = 1/(d(w/τ)/dw), with which a small change of the slip speed decays, at slip speed w
-    /// = `slip` >= 0 [m/s]. The default method uses central differences of fourth order over a thousandth of the slip.
-    /// It is accurate to 1e-10 where the law is smooth.
+    /// [s] relaxation time τ_l(w) = 1/(d(w/τ)/dw) of a small change of the slip speed, at the slip speed w = `slip` >=
+    /// 0 [m/s]. The default method uses central differences of fourth order over a thousandth of the slip. It is
+    /// accurate to 1e-10 where the law is smooth.
     fn relaxation_time(&self, sphere: &Sphere, slip: f64) -> f64 {
         if slip == 0.0 {
             return self.response_time(sphere, slip);
@@ -133,19 +131,19 @@ pub trait DragLaw: std::fmt::Debug + Send + Sync {
         3.0 / (4.0 * slope(5e-4 * slip) - slope(1e-3 * slip))
     }
 
-    /// [-] ratio of the slip speeds after and before `duration` [s] of drag alone; in [0, 1].
+    /// [-] slip speed after `duration` [s] of drag alone over the initial slip speed; in [0, 1].
     fn decay(&self, sphere: &Sphere, slip: f64, duration: f64) -> f64 {
         self.log_decay(sphere, slip, duration).exp()
     }
 
-    /// [-] change of the slip velocity in `duration` [s] divided by the slip velocity. It is ratio - 1 to full
-    /// precision, and lies in [-1, 0].
+    /// [-] change of the slip velocity in `duration` [s] divided by the slip velocity; in [-1, 0]. It is ratio - 1,
+    /// computed without loss of precision.
     fn change(&self, sphere: &Sphere, slip: f64, duration: f64) -> f64 {
         self.log_decay(sphere, slip, duration).exp_m1()
     }
 }
 
-/// The drag law of a gas: one that a case can contain, or one that the calling program defines.
+/// Drag law of a gas, either of a type that a case can contain or defined by the calling program.
 #[derive(Clone, Debug)]
 pub enum Drag {
     /// The law of Schiller and Naumann (1935), which the paper uses.

@@ -16,23 +16,23 @@ const STOKES: f64 = 24.0;
 /// [-] slip Reynolds number above which a warning is given: ten times the upper end of the formula.
 const FAR: f64 = 10.0 * SWITCH;
 
-/// Drag law of Schiller and Naumann (1935): C_D = 24/Re (1 + 0.15 Re^0.687) up to Re = 1000, and C_D = 0.44 above. Eq.
-/// 2 of the paper refers to this correlation; the constants are those of the literature.
+/// Drag law of Schiller and Naumann (1935): C_D = 24/Re (1 + 0.15 Re^0.687) up to Re = 1000, and C_D = 0.44 above. The
+/// paper's Eq. 2 refers to this correlation; the constants are those of the literature.
 ///
 /// At Re = 1000 C_D jumps by 0.4 % (from 0.4383 to 0.44). The law is valid for a single rigid sphere in steady motion
 /// at Re < 2e5. It neglects neighbours, lift, added mass and history force.
 ///
-/// With s = 0.15 Re^p, p = 0.687 and τ_S the Stokes response time, two equations apply. Up to Re = 1000, dw/dt = -(1 +
-/// s) w/τ_S is a Bernoulli equation, linear in w^-p. Above, dw/dt = -C_D Re/24 w/τ_S with C_D = 0.44 is linear in 1/w.
-/// Both are solved in closed form. If the sphere starts above Re = 1000 and ends below, the second solution is followed
-/// by the first.
+/// Two equations apply, with s = 0.15 Re^p, p = 0.687 and the Stokes response time τ_S. Up to Re = 1000, dw/dt = -(1 +
+/// s) w/τ_S is a Bernoulli equation, which is linear in w^-p. Above, dw/dt = -C_D Re/24 w/τ_S with C_D = 0.44 is linear
+/// in 1/w. Both have closed solutions. If the sphere starts above Re = 1000 and ends below, the solutions are used one
+/// after the other.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SchillerNaumann;
 
 impl SchillerNaumann {
-    /// Logarithm of the ratio w/w0 of slip speeds for Re <= 1000. The ratio is w/w0 = [1 + (1 + s) (e^a - 1)]^(-1/p)
-    /// with a = p t/τ_S. The logarithm is computed as -t/τ_S - ln[1 + s (1 - e^-a)]/p, which neither overflows for a
-    /// long time nor loses digits for a short one.
+    /// [-] logarithm of the ratio w/w0 of slip speeds for Re <= 1000. The ratio is w/w0 = [1 + (1 + s) (e^a -
+    /// 1)]^(-1/p) with a = p t/τ_S. The logarithm is computed as -t/τ_S - ln[1 + s (1 - e^-a)]/p. This form does not
+    /// overflow for long times, and is precise for short times.
     fn log_decay_below(stokes_time: f64, reynolds: f64, duration: f64) -> f64 {
         let time = duration / stokes_time;
         let correction = FACTOR * reynolds.powf(EXPONENT);

@@ -1,21 +1,21 @@
 //! Drag of a sphere among other spheres, which depends on the volume fraction of particles around it.
 //!
-//! Let w be the slip velocity, the velocity of the gas between the particles relative to the sphere, and ε = 1 - φ the
-//! share of the volume that the gas fills. The gas acts on a sphere in a suspension in two ways: by friction, and by
-//! the pressure gradient that its flow past all particles causes. Together the two forces are 1/ε times the friction.
-//! In this program the gas is given, so that no other part of the program computes this pressure gradient. Therefore
-//! the force of a law here is the sum of the two. It is 3π μ d w F, where μ is the dynamic viscosity. F is the usual
-//! dimensionless drag force: the friction divided by 3π μ d ε w. The Reynolds number is Re = ε w d/ν.
+//! Let w be the slip velocity: the velocity of the gas between the particles relative to the sphere. Let ε = 1 - φ be
+//! the volume fraction of the gas. Two forces of the gas act on a sphere in a suspension: friction, and the pressure
+//! gradient of the flow past all particles. Their sum is the friction divided by ε. The gas is given in this program,
+//! so no other part of the program computes this pressure gradient. The force of a law here is therefore the sum, 3π μ
+//! d w F, with the dynamic viscosity μ. F is the usual dimensionless drag force: the friction divided by 3π μ d ε w.
+//! The Reynolds number is Re = ε w d/ν.
 
 use super::{DragLaw, SchillerNaumann, Sphere, flow};
 
-/// [-] largest volume fraction to which a law is applied: that of the densest packing of equal spheres, π/√18. In a
-/// small cell the computed fraction can be larger.
+/// [-] largest volume fraction to which a law is applied: that of the densest packing of equal spheres, π/√18. In small
+/// cells the computed fraction can be larger.
 const DENSEST: f64 = 0.740_480_489_693_061_1;
-/// [-] share of the response time that one step of the integration of a kick covers. The Runge-Kutta method of fourth
-/// order has a relative error of at most 0.02⁴/120 = 1.3e-9 then.
+/// [-] step of the integration of a kick over the response time. The Runge-Kutta method of fourth order then has a
+/// relative error of at most 0.02⁴/120 = 1.3e-9.
 const STEP: f64 = 0.02;
-/// Largest number of such steps. Longer kicks are integrated with adaptive steps.
+/// Largest number of such steps in a kick. Longer kicks are integrated with adaptive steps.
 const MOST_STEPS: f64 = 10.0;
 
 /// Law for the drag of spheres in a suspension, from experiments or from simulations that resolve the flow between the
@@ -71,7 +71,8 @@ impl SuspensionLaw {
                     / (1.0 + 10.0_f64.powf(3.0 * phi) * re.powf(-0.5 * (1.0 + 4.0 * phi)));
                 creeping + 0.413 * re / (24.0 * e * e) * inertia
             }
-            // constants of OpenFOAM, Tenneti.C. That force contains the mean pressure gradient, so that it is ε F here
+            // constants of OpenFOAM, Tenneti.C; the force there contains the mean pressure gradient, so F is ε times
+            // that force
             Self::Tenneti => {
                 let still = 5.81 * phi / e.powi(3) + 0.48 * phi.cbrt() / e.powi(4);
                 let inertia = phi.powi(3) * re * (0.95 + 0.61 * phi.powi(3) / (e * e));

@@ -37,6 +37,22 @@ pub struct Work<'a, C> {
     pub record: &'a mut Record,
 }
 
+impl<C> Work<'_, C> {
+    /// The same data with a scene of another instant.
+    pub fn in_scene<'b>(&'b mut self, scene: &'b Scene) -> Work<'b, C> {
+        let Self { particles, lasting, log, record, .. } = self;
+        Work { particles, scene, lasting, log, record }
+    }
+
+    /// Wraps the particles into the box, and books what crossing its sheared sides changes.
+    pub fn wrap(&mut self) {
+        let crossings = self.particles.wrap(&self.scene.domain);
+        if self.scene.domain.shear.is_some() {
+            self.record.ledger += crossings;
+        }
+    }
+}
+
 /// State that a solver of type `S` carries from one time window to the next, such as a contact.
 pub type Lasting<S> = <<S as Solver>::Islands as Solve>::Carried;
 
@@ -56,7 +72,7 @@ pub trait Solver {
     /// Type that solves a single island (group of particles that may meet); several threads use it at the same time.
     type Islands: Solve;
 
-    /// State other than carried contacts or collisions that the solver keeps from one time window to the next.
+    /// State, other than carried contacts or collisions, that the solver stores from one time window to the next.
     type State: Serialize + DeserializeOwned;
 
     /// Returns the solver of islands.
@@ -66,7 +82,7 @@ pub trait Solver {
     fn begin(&mut self, _work: &mut Work<Lasting<Self>>, _window: Window) {}
 
     /// Largest cost at which islands are used in this time window, per particle and simulated time [ns/s]. With `None`
-    /// islands are not tried. With infinity they are used whenever possible.
+    /// islands are not tried. With infinity islands are used whenever possible.
     fn fallback_cost(
         &mut self,
         population: &PopulationSummary,
@@ -78,9 +94,9 @@ pub trait Solver {
     /// Decides, from the result of a trial of islands, for how long islands are not tried again.
     fn judge(&mut self, _population: &PopulationSummary, _scene: &Scene, _trial: &Trial) {}
 
-    /// Moves the carried state (such as contacts) that the classical algorithm (all particles at once) has stored to
-    /// `lasting`. The driver calls this function only when islands or other processes need the state, because a copy
-    /// would double its memory.
+    /// Moves to `lasting` the carried state (such as contacts) that the classical algorithm (all particles at once) has
+    /// stored. The driver calls this function only when islands or other processes need the state, because a copy would
+    /// double the memory.
     fn hand_over(&mut self, lasting: &mut Vec<Lasting<Self>>);
 
     /// Calls `visit` with each item of state that [`hand_over`](Self::hand_over) would move.
@@ -111,7 +127,8 @@ pub trait Solver {
     /// Returns `spent` plus the time of the classical algorithm (all particles at once) so far.
     fn spent(&self, spent: EngineTimes) -> EngineTimes;
 
-    /// Returns the state that the solver keeps from one time window to the next, except carried contacts or collisions.
+    /// Returns the state that the solver stores from one time window to the next, except carried contacts or
+    /// collisions.
     fn state(&self) -> Self::State;
 
     /// Continues from a stored state of the solver.
@@ -129,7 +146,7 @@ struct DriverState<C, S> {
     islands: IslandCounters,
     /// Wall-clock time spent on islands.
     spent: EngineTimes,
-    /// State that the solver keeps.
+    /// State that the solver stores.
     solver: S,
 }
 
@@ -195,7 +212,7 @@ impl<S: DistributedSolver> Driver<S> {
         self.solver.for_each_kept(visit);
     }
 
-    /// Exact sum [J] of an energy over all carried state, of all processes.
+    /// Exact sum [J] of an energy over all items of carried state, in all processes.
     fn sum_of_lasting(&self, energy: impl Fn(&Lasting<S>) -> f64) -> f64 {
         let mut sum = ExactSum::default();
         self.for_each_lasting(&mut |carried| sum.add(energy(&carried)));
@@ -224,6 +241,11 @@ impl<S: DistributedSolver> Engine for Driver<S> {
         let result = done.and_then(|done| {
             self.everyone_last = done < window.duration;
             let rest = Window { start: window.start + done, duration: window.duration - done };
+            let scene = scene.at(rest.start);
+            let mut work = work.in_scene(&scene);
+            if scene.domain.shear.is_some() {
+                work.wrap();
+            }
             if self.everyone_last { self.by_all(&mut work, rest) } else { Ok(()) }
         });
         self.lasting = lasting;

@@ -142,8 +142,8 @@ impl EngineTimes {
 /// Amounts of work done, as counts that do not depend on the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Counters {
-    /// Number of time steps. In soft uniform steps and in stepped hard spheres, these are steps of all particles. In
-    /// soft local steps, these are steps of islands in contact. In collisions by chance, they are steps of all particles.
+    /// Number of time steps. A step of all particles counts as one (soft uniform steps, stepped hard spheres,
+    /// collisions by chance), and so does a local step of an island in contact (soft spheres).
     pub steps: u64,
     /// Number of steps in which all particles were moved (soft spheres), included in `steps`. Local stepping uses such
     /// steps if too many particles touch.
@@ -272,7 +272,7 @@ pub enum Failure {
         time: f64,
         /// Id of the particle that collides too often.
         particle: u32,
-        /// The particle or wall with which `particle` keeps colliding.
+        /// The particle or wall with which `particle` collides repeatedly.
         partner: Partner,
         /// Number of impacts of that particle within the time window.
         impacts: u64,
@@ -289,7 +289,8 @@ pub enum Failure {
         /// Coordinate z [m] of the particle.
         z: f64,
     },
-    /// A particle has infinitely many impacts on a wall in a model that knows no rest.
+    /// A particle has infinitely many impacts on a wall in a model in which particles cannot rest (collisions by
+    /// chance).
     #[error(
         "at t = {time} s particle {particle} comes to rest on {partner}, or slides along it, at ({x:.6e}, {y:.6e}, {z:.6e}) m: {impacts} impacts in one step, the last after {interval:.1e} s; a gas that collides by chance knows no rest, use the hybrid or the soft model",
         time = nine(time)
@@ -299,9 +300,9 @@ pub enum Failure {
         time: f64,
         /// Id of the particle.
         particle: u32,
-        /// The wall on which it rests.
+        /// The wall on which the particle rests.
         partner: Partner,
-        /// Number of its impacts within the step.
+        /// Number of impacts of the particle within the step.
         impacts: u32,
         /// Time [s] between the last two impacts.
         interval: f64,
@@ -325,6 +326,14 @@ pub enum Failure {
         y: f64,
         /// Coordinate z [m] of the particle.
         z: f64,
+    },
+    /// The flow of a gas that feels the particles has no finite solution.
+    #[error("at t = {time} s the flow of the gas broke down ({why}): use a shorter `run.window`, or a larger pressure gradient", time = nine(time))]
+    Gas {
+        /// Time [s] of the failure.
+        time: f64,
+        /// Reason, in words.
+        why: String,
     },
     /// A signal from outside stopped the run; no error occurred.
     #[error("at t = {time} s it was stopped from outside (Ctrl-C or a signal to end); this is a part of the run", time = nine(time))]
@@ -369,6 +378,7 @@ impl Failure {
             Self::InelasticCollapse { .. } => "inelastic_collapse",
             Self::RestOnWall { .. } => "rest_on_wall",
             Self::Escaped { .. } => "escaped",
+            Self::Gas { .. } => "gas",
             Self::NotANumber { .. } => "not_a_number",
             Self::Stopped { .. } => "stopped",
             Self::Unwritten { .. } => "unwritten",
@@ -386,6 +396,7 @@ impl Failure {
             | Self::InelasticCollapse { time, .. }
             | Self::RestOnWall { time, .. }
             | Self::Escaped { time, .. }
+            | Self::Gas { time, .. }
             | Self::Stopped { time }
             | Self::Unwritten { time, .. }
             | Self::NotANumber { time, .. } => *time,
@@ -399,7 +410,7 @@ fn speed(particles: &Particles, place: usize) -> f64 {
 }
 
 /// Makes the failure for the first particle, in the order of the particle store, whose position or velocity is not a
-/// finite number. If there is none, the failure names the fastest particle.
+/// finite number. If there is no such particle, the failure is that of the fastest particle.
 fn not_a_number(particles: &Particles, time: f64) -> Failure {
     let bad = particles
         .position

@@ -47,7 +47,7 @@ pub struct ExactSum {
     words: [i64; WORDS],
     /// Bit k is set if `words[k]` may differ from 0.
     used: u128,
-    /// Bound on the magnitude of the digits: they are at most as large as after this many additions to an empty sum.
+    /// Bound on the digits: no digit is larger than it could be after this number of additions to an empty sum.
     added: u32,
 }
 
@@ -106,7 +106,8 @@ impl ExactSum {
     pub fn less(&self, other: &Self) -> Self {
         let mut other = other.clone();
         other.words[..DIGITS].iter_mut().for_each(|word| *word = -*word);
-        // terms of `other` that were not finite do not belong to the difference
+        // these counts are subtracted too, so that terms of `other` that were not finite do not belong to the
+        // difference
         other.words[DIGITS..].iter_mut().for_each(|word| *word = -*word);
         other.merge(self);
         other
@@ -126,8 +127,8 @@ impl ExactSum {
         self.added = 1;
     }
 
-    /// The 64-bit words in which the sum is stored, for adding up the sums of several processes. Word k of up to 2^20
-    /// sums may be added to word k of this one. The result is the sum of all of them, also if terms were not finite.
+    /// The 64-bit words in which the sum is stored. To add the sums of several processes, word k of each sum may be
+    /// added to word k of this one, for up to 2^20 sums. The result is the exact total, also if terms were not finite.
     pub fn words(&mut self) -> &mut [i64; WORDS] {
         self.carry();
         // all words count as used, since the caller may change any of them
@@ -135,8 +136,8 @@ impl ExactSum {
         &mut self.words
     }
 
-    /// The sum, correctly rounded; 0 without terms. If terms were not finite, the result is that of a plain sum:
-    /// infinite or NaN.
+    /// Value of the sum, correctly rounded; 0 without terms. If terms were not finite, the result is infinite or NaN,
+    /// as for a plain sum.
     pub fn value(&self) -> f64 {
         let special = &self.words[DIGITS..];
         if special.iter().any(|&count| count != 0) {
@@ -186,8 +187,8 @@ fn places(mut bits: u128) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Number with the given digits, none of which is negative; `first` is the position of the lowest one. The result is
-/// rounded to the nearest number, ties to even.
+/// Number with the given digits, none of which is negative, rounded to the nearest number (ties to even). `first` is
+/// the position of the lowest digit.
 fn round(digits: &[i64], first: i32) -> f64 {
     let Some(top) = digits.iter().rposition(|&digit| digit != 0) else { return 0.0 };
     // the three leading digits, and a flag that is true if lower digits differ from 0
@@ -218,7 +219,7 @@ impl PartialEq for ExactSum {
     }
 }
 
-/// Stores the index and the value of each word in use. In formats for people, the rounded value is stored.
+/// Stores the index and the value of each word in use. Formats that are readable for humans contain the rounded value.
 impl Serialize for ExactSum {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         if serializer.is_human_readable() {

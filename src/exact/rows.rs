@@ -1,11 +1,11 @@
 //! Exact sums of many numbers at a time.
 //!
-//! Adding a large number σ to a number and subtracting it again cuts off the number's lower bits. The remaining leading
-//! bits of all numbers of a block are multiples of one power of two, so their floating-point sum is exact. A second,
-//! smaller σ yields the next bits. This is the "error-free vector transformation" of S. M. Rump, T. Ogita and S. Oishi,
-//! "Accurate floating-point summation part I", SIAM J. Sci. Comput. 31, 189 (2008), algorithm 3.2. Then only two
-//! numbers per block are added to the exact sum. If bits remain, as in blocks whose numbers differ by more than ten
-//! orders of magnitude, the numbers are added one by one.
+//! This is the "error-free vector transformation" of S. M. Rump, T. Ogita and S. Oishi, "Accurate floating-point
+//! summation part I", SIAM J. Sci. Comput. 31, 189 (2008), algorithm 3.2. Adding a large number σ to a number and
+//! subtracting σ again cuts off the lower bits of the number. The remaining leading bits of all numbers of a block are
+//! multiples of one power of two, so their floating-point sum is exact. A second, smaller σ yields the next bits. Then
+//! only two numbers per block are added to the exact sum. If bits remain, as in blocks whose numbers differ by more
+//! than ten orders of magnitude, the numbers are added one by one.
 
 use super::ExactSum;
 use crate::work_sharing;
@@ -21,21 +21,22 @@ const NEXT: f64 = ROOM * f64::EPSILON / 2.0;
 const SAFE: std::ops::Range<f64> = 1e-250..1e290;
 /// Number of partial sums into which one sum is split, so that a processor can add to all of them at the same time.
 const LANES: usize = 4;
-/// Number of terms in one piece of work of a thread. With fewer terms a second thread does not pay.
+/// Number of terms in one piece of work of a thread. For fewer terms a second thread takes longer than it saves.
 const CHUNK: usize = 8192;
 
-/// Two partial sums for each of K columns of a block: that of the leading bits, and that of the next bits.
+/// Partial sums of the K columns of a block: for each column the sum of the leading bits, and that of the next bits.
 struct Parts<const K: usize> {
     high: [f64; K],
     low: [f64; K],
-    /// Bits of all rows that neither partial sum contains, combined by OR. The sign bit of a zero may be set, which
-    /// changes no sum.
+    /// Bits that neither partial sum contains, of all rows, combined by bitwise OR. The sign bit of a zero may be set,
+    /// which changes no sum.
     left: [u64; K],
     /// Largest magnitude of the numbers in each column.
     largest: [f64; K],
 }
 
-/// Computes the partial sums of the T columns that begin with column `at`. The registers of a processor limit T.
+/// Computes the partial sums of T columns, beginning with column `at`. The sums must fit into the registers of a
+/// processor.
 #[inline(always)]
 fn columns<const T: usize, const K: usize>(rows: &[[f64; K]], at: usize, parts: &mut Parts<K>) {
     let of = |row: &[f64; K]| -> [f64; T] { from_fn(|k| row[at + k]) };
@@ -71,7 +72,8 @@ fn columns<const T: usize, const K: usize>(rows: &[[f64; K]], at: usize, parts: 
 fn parts<const K: usize>(rows: &[[f64; K]]) -> Parts<K> {
     let mut parts = Parts { high: [0.0; K], low: [0.0; K], left: [0; K], largest: [0.0; K] };
     let mut at = 0;
-    // each addition depends on the previous one of its column: twelve columns at a time keep a processor busy
+    // each addition waits for the previous one of its column, so twelve columns at a time are needed to use a processor
+    // fully
     while at + 12 <= K {
         columns::<12, K>(rows, at, &mut parts);
         at += 12;
@@ -117,7 +119,7 @@ fn all_columns<const K: usize>(rows: impl Iterator<Item = [f64; K]> + Clone) -> 
     Parts { high, low, left, largest }
 }
 
-/// Runs code with wide vector instructions, if the processor has them. Exact sums are equal without these instructions.
+/// Runs code with wide vector instructions, if the processor has them. The sums are equal with and without them.
 #[inline(always)]
 fn at_once<R>(make: impl FnOnce() -> R) -> R {
     #[cfg(target_arch = "x86_64")]
@@ -139,7 +141,8 @@ fn add_block<const K: usize>(sums: [&mut ExactSum; K], rows: &[[f64; K]]) {
     );
 }
 
-/// Adds the partial sums of a block. If these leave out bits, every row of the block is added instead.
+/// Adds the partial sums of a block to the exact sums. If bits remain that they lack, adds every row of the block
+/// instead.
 fn add_parts<const K: usize>(sums: [&mut ExactSum; K], parts: Parts<K>, rows: impl Iterator<Item = [f64; K]> + Clone) {
     let Parts { high, low, left, largest } = parts;
     for (k, sum) in sums.into_iter().enumerate() {
@@ -164,8 +167,8 @@ pub fn add_rows<const K: usize>(mut sums: [&mut ExactSum; K], rows: &[[f64; K]])
     rows.chunks(BLOCK).for_each(|block| add_block(sums.each_mut().map(|sum| &mut **sum), block));
 }
 
-/// Replaces at most [`BLOCK`] rows by two rows with equal exact sums, if this is possible. The resulting rows are
-/// appended to `few`, and `rows` is emptied.
+/// Replaces at most [`BLOCK`] rows by two rows with equal exact sums, if two rows can represent these sums. The
+/// resulting rows are appended to `few`, and `rows` is emptied.
 pub fn condense<const K: usize>(rows: &mut Vec<[f64; K]>, few: &mut Vec<[f64; K]>) {
     if rows.len() > 2 {
         let Parts { high, low, left, largest } = at_once(
@@ -231,8 +234,8 @@ pub fn sum<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> ExactSum {
     sum_and_largest(items, of).0
 }
 
-/// Exact sum of the numbers that `of` returns for the items, and the largest of them: at least 0, and infinite if a
-/// number is NaN.
+/// Exact sum of the numbers that `of` returns for the items, and the largest number. The largest number is at least 0,
+/// and infinite if a number is NaN.
 pub fn sum_and_largest<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> (ExactSum, f64) {
     let piece = |items: &[T]| {
         let (mut sums, mut numbers) = (none::<LANES>(), [0.0; BLOCK * LANES]);
@@ -247,7 +250,7 @@ pub fn sum_and_largest<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> (
             let mut last = [0.0; LANES];
             last[..rest.len()].copy_from_slice(rest);
             for row in rows.iter().chain([&last]) {
-                // a sum with a NaN is NaN, but comparisons with NaN are false and would not show it
+                // a comparison with NaN is false, but the sum of numbers with a NaN is NaN and shows it
                 most = from_fn(|k| if row[k] > most[k] { row[k] } else { most[k] });
                 rounded = from_fn(|k| rounded[k] + row[k]);
             }
@@ -270,8 +273,8 @@ pub fn sum_and_largest<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> (
     (all, most)
 }
 
-/// Sums of the K numbers that `of` computes from every N consecutive items. If fewer than N items remain at the end,
-/// the group is filled with `T::default()`. For such items `of` must return zeros.
+/// Sums of the K numbers that `of` computes from each group of N consecutive items. If fewer than N items remain at the
+/// end, the last group is filled with `T::default()`, for which `of` must return zeros.
 pub fn side_by_side<T: Copy + Default + Sync, const N: usize, const K: usize>(
     items: &[T],
     of: impl Fn(&[T; N]) -> [f64; K] + Sync,

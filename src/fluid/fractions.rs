@@ -1,9 +1,9 @@
 //! Local volume fraction of particles, in a grid of equal cells.
 //!
-//! The volume of a sphere is divided among cells. Along each axis the share of a cell is the part of the sphere between
-//! the two planes that bound the cell. A cell receives the product of the shares along the three axes. These products
-//! add up to one. The division is exact where planes of one axis cut the sphere. The fraction at a particle is the mean
-//! of those of its cells with the same weights, so it changes continuously as particles move.
+//! The volume of a sphere is divided among cells. Along each axis, the share of a cell is the part of the sphere
+//! between the two planes that bound the cell. A cell gets the product of its shares along the three axes. All products
+//! add up to one. The division is exact if planes of only one axis cut the sphere. The fraction at a particle is the
+//! mean over its cells with the same products as weights, so it changes continuously as particles move.
 //!
 //! Volumes are added as integers, so that sums do not depend on the order of the particles, on threads or on processes.
 
@@ -13,8 +13,8 @@ use crate::particles::{CHUNK, Particles};
 use crate::work_sharing;
 use nalgebra::Vector3;
 
-/// Units of a volume: 1/UNIT of the volume of a cell. Sums up to 128 cell volumes fit into 64 bits, and a particle of
-/// 1e-9 of a cell is counted with seven digits.
+/// Number of integer units in the volume of a cell. Sums of up to 128 cell volumes fit into 64 bits. A particle with
+/// 1e-9 of the volume of a cell has 7e7 units, so its volume has seven digits.
 const UNIT: f64 = (1_u64 << 56) as f64;
 
 /// Volume fractions of particles in all cells of the box.
@@ -22,19 +22,19 @@ const UNIT: f64 = (1_u64 << 56) as f64;
 pub struct LocalFractions {
     cells: [usize; 3],
     periodic: [bool; 3],
-    /// [m] edges of a cell.
+    /// [m] edge lengths of a cell.
     edges: Vector3<f64>,
     /// [-] volume fraction in each cell; the index along x varies fastest.
     values: Vec<f64>,
 }
 
-/// Index and share [-] of the two cells among which a sphere is divided along one axis.
+/// The two cells among which a sphere is divided along one axis: index and share [-] of each.
 type Portions = [(usize, f64); 2];
 
 impl LocalFractions {
-    /// Volume fractions of particles in `cells` equal cells along x, y and z. With a communicator, each process gives
-    /// its own particles, and all processes get the fractions of all particles. A cell must be at least as wide as a
-    /// sphere.
+    /// Volume fractions of particles in `cells` equal cells along x, y and z. With a communicator, each process passes
+    /// its own particles, and all processes receive the fractions of all particles. A cell must be at least as wide as
+    /// a sphere.
     pub fn of(
         particles: &Particles,
         domain: &Domain,
@@ -66,14 +66,14 @@ impl LocalFractions {
         fractions
     }
 
-    /// [-] volume fraction of particles around a sphere at `place` [m] with this radius [m].
+    /// [-] volume fraction of particles around a sphere at `place` [m] with the radius `radius` [m].
     pub fn at(&self, place: &Vector3<f64>, radius: f64) -> f64 {
         let mut fraction = 0.0;
         self.for_each_cell(place, radius, |cell, weight| fraction += weight * self.values[cell]);
         fraction
     }
 
-    /// Calls `visit` with the index of each cell among which a sphere is divided, and the share [-] of the cell.
+    /// Calls `visit` for each cell among which a sphere is divided, with its index and its share [-] of the volume.
     #[inline]
     fn for_each_cell(&self, place: &Vector3<f64>, radius: f64, mut visit: impl FnMut(usize, f64)) {
         let [x, y, z] = [0, 1, 2].map(|axis| self.portions(axis, place[axis], radius));
@@ -86,12 +86,12 @@ impl LocalFractions {
         }
     }
 
-    /// Cells among which a sphere with its centre at the coordinate `x` [m] is divided along an axis.
+    /// The two cells among which a sphere with its centre at the coordinate `x` [m] is divided along an axis.
     #[inline]
     fn portions(&self, axis: usize, x: f64, radius: f64) -> Portions {
         let edge = self.edges[axis];
         let lower = ((x - radius) / edge).floor();
-        // height of the part of the sphere beyond the next plane, which is a spherical cap
+        // height of the spherical cap beyond the next plane
         let beyond = (x + radius - (lower + 1.0) * edge).clamp(0.0, 2.0 * radius);
         let cap = beyond * beyond * (3.0 * radius - beyond) / (4.0 * radius.powi(3));
         let index = |cell: f64| {
@@ -127,7 +127,7 @@ mod tests {
         }
         let around = fractions.at(&one.position[0], 0.5);
         assert!((around - (27.0_f64.powi(2) + 25.0) / 1024.0 * volume / 12.0).abs() < 1e-15);
-        // across the period along x and z, and flush with a wall: nothing is lost
+        // across the period along x and z, and in contact with a wall: no volume is lost
         let edge = spheres(&[([3.9, 0.5, 2.9], 0.5), ([-0.2, 1.5, 0.1], 0.5)]);
         for cells in [[1, 1, 1], [4, 2, 3], [2, 1, 3]] {
             let fractions = LocalFractions::of(&edge, &domain, cells, None);

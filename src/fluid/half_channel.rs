@@ -3,17 +3,18 @@
 
 use super::k_epsilon::{C_MU, GridNode, KBudget, Section, TurbulenceModel};
 use super::{launder_sharma, wall_functions};
+use serde::{Deserialize, Serialize};
 
-/// Flow in one half of a channel, in wall units: lengths are in units of ν/u_τ, velocities in units of u_τ. So the
-/// viscosity ν is 1, the wall stress τ_w is 1, and the half height h is Re_τ.
+/// Flow in one half of a channel, in wall units: lengths are in units of ν/u_τ, velocities in units of u_τ. The
+/// viscosity ν and the wall stress τ_w are then 1, and the half height h is Re_τ.
 ///
-/// The flow may also be that in a pipe of radius h, since its stress falls linearly to the axis too. In a pipe the area
-/// of a face is proportional to its distance r from the axis. The equation of a quantity φ is then (1/r) d/dr(r D
+/// The flow may also be that in a pipe of radius h, because its stress also falls linearly to the axis. In a pipe the
+/// area of a face is proportional to its distance r from the axis. The equation of a quantity φ is then (1/r) d/dr(r D
 /// dφ/dr) = sink φ - source.
 ///
 /// Values are given at cell centres. Face number `i` is between cells `i - 1` and `i`. Face 0 is the wall. The last
-/// face is the centre plane, through which there is no flux.
-#[derive(Clone, Debug)]
+/// face is the centre plane, which has no flux.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct HalfChannel {
     /// Cross-section of the flow: channel or pipe.
     pub section: Section,
@@ -27,18 +28,30 @@ pub(super) struct HalfChannel {
     pub u: Vec<f64>,
     /// [-] turbulent kinetic energy k⁺ = k/u_τ².
     pub k: Vec<f64>,
-    /// [-] dissipation rate divided by u_τ⁴/ν. For the Launder-Sharma model it is that of ε̃ = ε - 2ν (d√k/dy)²,
-    /// otherwise ε.
+    /// [-] dissipation rate in units of u_τ⁴/ν. For the Launder-Sharma model it is ε̃ = ε - 2ν (d√k/dy)², otherwise ε.
     pub epsilon: Vec<f64>,
     /// [-] eddy viscosity ν_t over ν.
     pub nu_t: Vec<f64>,
+    /// [-] shear stress (1 + ν_t) dU/dy at the faces of a gas that particles brake or drive. `None` for a gas alone, whose
+    /// stress is 1 - y/h.
+    pub face_stress: Option<Vec<f64>>,
+}
+
+/// Rates of change of k and ε in one sweep of their equations.
+pub(super) struct SweepStep<'a> {
+    /// [-] weight of the newly computed values in the next iterate; the previous values have the remaining weight.
+    pub relaxation: f64,
+    /// Inverse of the time step, by the implicit Euler scheme; 0 for the steady equations.
+    pub rate: f64,
+    /// Rate at which particles damp k in each cell, and the factor of this rate in the equation of ε.
+    pub damping: (&'a [f64], f64),
 }
 
 /// Steady diffusion-reaction equation of one quantity φ: -(D φ')' + sink φ = source in every cell, with D = 1 + ν_t/σ.
 pub(super) struct Equation<'a> {
     /// [-] turbulent Prandtl number σ.
     pub prandtl: f64,
-    /// Coefficient of φ in the sink term, per volume; not negative.
+    /// Coefficient of φ in the sink term, per volume; >= 0.
     pub sink: &'a [f64],
     /// Source term of φ, per volume.
     pub source: &'a [f64],
@@ -51,15 +64,15 @@ pub(super) struct Equation<'a> {
 pub(super) enum WallCondition {
     /// φ = 0 at the wall itself.
     Zero,
-    /// There is no flux of φ through the wall.
+    /// No flux of φ through the wall.
     Insulated,
-    /// φ has this value in the cell at the wall.
+    /// The cell at the wall has this value of φ.
     FirstCell(f64),
 }
 
 impl HalfChannel {
-    /// Makes a half channel with given faces, as fractions of h (the first is 0, the last 1). `reynolds_tau` is a first
-    /// guess of Re_τ.
+    /// Makes a half channel with given faces, as fractions of h from 0 to 1. `reynolds_tau` is the first estimate of
+    /// Re_τ.
     pub fn new(section: Section, faces: &[f64], reynolds_tau: f64) -> Self {
         let mut channel = Self {
             section,
@@ -70,11 +83,12 @@ impl HalfChannel {
             k: Vec::new(),
             epsilon: Vec::new(),
             nu_t: Vec::new(),
+            face_stress: None,
         };
         channel.stretch(reynolds_tau);
-        // The iteration converges from any positive start. This start has the right size: the mixing length of the
-        // logarithmic layer with van Driest's damping (1956, A+ = 26), k+ = 1/sqrt(C_mu), and both reduced towards the
-        // centre.
+        // The iteration converges from any positive start. The start here has the right size: the mixing length of the
+        // logarithmic layer with van Driest's damping (1956, A+ = 26), and k+ = 1/sqrt(C_mu). Both are reduced towards
+        // the centre.
         for &y in &channel.y {
             let damping = 1.0 - (-y / 26.0).exp();
             let nu_t = wall_functions::KAPPA * y * damping * damping * (1.0 - 0.5 * y / reynolds_tau);
@@ -86,15 +100,15 @@ impl HalfChannel {
         channel
     }
 
-    /// Changes Re_τ, and scales all distances so that the grid in y/h stays the same.
+    /// Changes Re_τ. All distances are scaled, so that the grid in y/h does not change.
     pub fn stretch(&mut self, reynolds_tau: f64) {
         let factor = reynolds_tau / self.reynolds_tau;
         self.face.iter_mut().chain(&mut self.y).for_each(|y| *y *= factor);
         self.reynolds_tau = reynolds_tau;
     }
 
-    /// [-] area of a surface at a distance `y` from the wall, over the area of the wall. It is 1 in a channel and r/R
-    /// in a pipe.
+    /// [-] area of a surface at the distance `y` from the wall, over the area of the wall: 1 in a channel, r/R in a
+    /// pipe.
     pub fn area(&self, y: f64) -> f64 {
         match self.section {
             Section::Channel => 1.0,
@@ -108,34 +122,48 @@ impl HalfChannel {
         (end - start) * self.area(0.5 * (start + end))
     }
 
-    /// Total shear stress 1 - y/h at the distance `y` from the wall, in units of the wall stress.
+    /// [-] total shear stress 1 - y/h of a gas alone at the distance `y` from the wall, in units of the wall stress.
     pub fn stress(&self, y: f64) -> f64 {
         1.0 - y / self.reynolds_tau
     }
 
-    /// Eddy viscosity at an inner face, interpolated linearly between the two cell centres.
+    /// [-] shear stress at a face.
+    pub fn stress_at_face(&self, face: usize) -> f64 {
+        self.face_stress.as_ref().map_or_else(|| self.stress(self.face[face]), |stress| stress[face])
+    }
+
+    /// [-] shear stress at the wall; 1 in a gas alone.
+    pub fn wall_stress(&self) -> f64 {
+        self.face_stress.as_ref().map_or(1.0, |stress| stress[0])
+    }
+
+    /// [-] eddy viscosity over ν at an inner face, interpolated linearly between the two cell centres.
     pub fn face_nu_t(&self, face: usize) -> f64 {
         let weight = (self.face[face] - self.y[face - 1]) / (self.y[face] - self.y[face - 1]);
         self.nu_t[face - 1] + weight * (self.nu_t[face] - self.nu_t[face - 1])
     }
 
-    /// Integrates (1 + ν_t) dU/dy = 1 - y/h from the wall to the centre, beginning with the velocity in the first cell.
-    /// The discrete stress balance is then satisfied at every face, except for rounding.
+    /// Integrates (1 + ν_t) dU/dy = 1 - y/h from the wall to the centre, starting with the velocity `first` in the
+    /// first cell. The discrete stress balance then holds at every face, up to rounding.
     pub fn integrate_momentum(&mut self, first: f64) {
         self.u[0] = first;
         for i in 1..self.u.len() {
-            let gradient = self.stress(self.face[i]) / (1.0 + self.face_nu_t(i));
+            let gradient = self.stress_at_face(i) / (1.0 + self.face_nu_t(i));
             self.u[i] = self.u[i - 1] + gradient * (self.y[i] - self.y[i - 1]);
         }
     }
 
-    /// Velocity gradient dU/dy in a cell, computed from the stress balance.
+    /// [-] velocity gradient dU/dy in a cell, computed from the shear stress at its centre.
     pub fn shear(&self, cell: usize) -> f64 {
-        self.stress(self.y[cell]) / (1.0 + self.nu_t[cell])
+        let stress = match &self.face_stress {
+            Some(stress) => 0.5 * (stress[cell] + stress[cell + 1]),
+            None => self.stress(self.y[cell]),
+        };
+        stress / (1.0 + self.nu_t[cell])
     }
 
-    /// Solves one equation for all cells by Thomas' algorithm, and writes the solution to `phi`. Returns the largest
-    /// relative change of `phi`.
+    /// Solves one equation for all cells by Thomas' algorithm, and moves `phi` towards the solution by the share
+    /// `relaxation` [-]. Returns the largest relative difference between the solution and the previous `phi`.
     pub fn solve(&self, equation: &Equation, relaxation: f64, phi: &mut [f64]) -> f64 {
         let count = phi.len();
         let conductance = |face: usize| {
@@ -170,12 +198,12 @@ impl HalfChannel {
             change = change.max((difference / phi[i]).abs());
             phi[i] += relaxation * difference;
         }
-        // max() ignores not-a-number, but the sum does not.
+        // max() ignores not-a-number, but the sum does not
         if phi.iter().sum::<f64>().is_finite() { change } else { f64::NAN }
     }
 
-    /// Velocity on the centre plane, or on the axis. It is that of a parabola through the last two cells with zero
-    /// slope on the plane.
+    /// [-] velocity on the centre plane or on the axis. It is that of a parabola through the last two cells, with zero
+    /// slope at the centre.
     pub fn centre_velocity(&self) -> f64 {
         let last = self.u.len() - 1;
         let near = (self.reynolds_tau - self.y[last]).powi(2);
@@ -203,7 +231,7 @@ impl HalfChannel {
             .collect()
     }
 
-    /// Terms of the k equation, integrated over the half channel.
+    /// Terms of the k equation, integrated over the half channel, in units of u_τ³.
     pub fn k_budget(&self, model: TurbulenceModel) -> KBudget {
         let mut budget = KBudget::default();
         for i in 0..self.u.len() {
@@ -249,9 +277,9 @@ mod tests {
         }
     }
 
-    /// Checks the profile in a pipe without turbulence against that of Hagen and Poiseuille: U+ = R+/2 (1 - r²/R²),
-    /// U_b+ = R+/4. On even cells, whose faces are midway between their centres, the profile and the friction factor
-    /// 64/Re are exact except for rounding.
+    /// Checks the profile in a pipe without turbulence against Hagen and Poiseuille: U+ = R+/2 (1 - r²/R²), U_b+ =
+    /// R+/4. On equal cells, whose faces are midway between the centres, the profile and the friction factor 64/Re are
+    /// exact up to rounding.
     #[test]
     fn laminar_flow_in_a_pipe_is_hagen_and_poiseuille() {
         let radius = 25.0;
@@ -260,8 +288,8 @@ mod tests {
             let mut pipe = HalfChannel::new(Section::Pipe, &faces, radius);
             pipe.nu_t.fill(0.0);
             let exact = |y: f64| 0.5 * radius * (1.0 - (1.0 - y / radius).powi(2));
-            // the velocity of the first cell follows from the resting wall and the stress midway between wall and cell
-            // centre
+            // the velocity of the first cell follows from zero velocity at the wall and the stress midway between wall
+            // and cell centre
             pipe.integrate_momentum(pipe.y[0] * pipe.stress(0.5 * pipe.y[0]));
             for (y, u) in pipe.y.iter().zip(&pipe.u) {
                 assert!((u - exact(*y)).abs() < 1e-12 * radius, "{cells} cells, y = {y}: {u}");

@@ -1,15 +1,14 @@
-//! Fully developed turbulent channel flow by the k-epsilon model: computes the velocity profile for a given bulk
-//! velocity.
+//! Fully developed turbulent channel flow by the k-epsilon model: the velocity profile for a given bulk velocity.
 //!
-//! In a steady, fully developed channel of half width h the pressure gradient alone determines the total shear stress,
-//! (ν + ν_t) dU/dy = u_τ² (1 - y/h). So the momentum equation is integrated directly, and only k and ε are iterated.
-//! All equations are solved in wall units (lengths in ν/u_τ, velocities in u_τ), on a finite-volume grid of a half
-//! channel. The friction Reynolds number is adjusted until the flow has the required bulk velocity.
+//! In a steady, fully developed channel of half width h, the pressure gradient alone determines the total shear stress,
+//! (ν + ν_t) dU/dy = u_τ² (1 - y/h). The momentum equation is therefore integrated directly, and only k and ε are
+//! iterated. All equations are solved in wall units (lengths in ν/u_τ, velocities in u_τ), on a finite-volume grid of a
+//! half channel. The friction Reynolds number is adjusted until the flow has the required bulk velocity.
 
-use super::half_channel::HalfChannel;
+use super::half_channel::{HalfChannel, SweepStep};
 use super::table::VelocityTable;
 use super::{launder_sharma, wall_functions};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// [-] constant C_μ in ν_t = C_μ k²/ε: Launder and Spalding 1974.
 pub(super) const C_MU: f64 = 0.09;
@@ -24,20 +23,20 @@ pub(super) const SIGMA_EPSILON: f64 = 1.3;
 
 /// [-] bulk Reynolds number U_b 2h/ν below which a channel is not fully turbulent: lower end of Dean's data (1978).
 const TURBULENT: f64 = 6000.0;
-/// [-] relative accuracy of the bulk velocity, much better than the 1e-4 that is stated for the studies.
+/// [-] relative accuracy of the bulk velocity; the studies state an accuracy of 1e-4.
 const BULK_TOLERANCE: f64 = 1e-10;
-/// [-] largest relative change of k, ε and ν_t in a sweep at which the iteration ends.
+/// [-] largest relative change of k, ε and ν_t in a sweep, below which the iteration ends.
 const SWEEP_TOLERANCE: f64 = 1e-11;
-/// Largest number of sweeps over k and ε. Some hundreds are usually enough.
+/// Largest number of sweeps over k and ε. Some hundreds are usually sufficient.
 const SWEEPS: usize = 20_000;
-/// Largest number of corrections of the friction Reynolds number. About ten are usually enough.
+/// Largest number of corrections of the friction Reynolds number. About ten are usually sufficient.
 const CORRECTIONS: usize = 60;
-/// [-] exponent in Re_τ ~ Re^0.875 of Dean's correlation (1978), by which Re_τ is corrected until the bulk velocity is
-/// right.
+/// [-] exponent of Re_τ ~ Re^0.875 in Dean's correlation (1978), with which Re_τ is corrected for the required bulk
+/// velocity.
 const DEAN_EXPONENT: f64 = 0.875;
 
 /// Cross-section of the gas flow: channel or pipe.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Section {
     /// Gas between two parallel walls.
@@ -47,12 +46,12 @@ pub enum Section {
 }
 
 /// Turbulence model, which determines how the flow near the wall is computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TurbulenceModel {
     /// Standard k-ε model with equilibrium wall functions (Launder and Spalding 1974), which the paper uses. The first
-    /// node lies in the logarithmic layer, and the law of the wall replaces the flow below it. The model requires Re >=
-    /// 10 000.
+    /// node lies in the logarithmic layer, and the law of the wall replaces the equations below it. The model requires
+    /// Re >= 10 000.
     WallFunctions,
     /// Low-Reynolds-number k-ε model (Launder and Sharma 1974), resolved down to the wall. The model requires Re >=
     /// 6000.
@@ -60,6 +59,22 @@ pub enum TurbulenceModel {
 }
 
 impl TurbulenceModel {
+    /// Updates k, ε and ν_t of a flow by one step; returns the largest relative change [-].
+    pub(super) fn sweep_turbulence(self, channel: &mut HalfChannel, step: &SweepStep) -> f64 {
+        match self {
+            Self::WallFunctions => wall_functions::sweep_turbulence(channel, step),
+            Self::LaunderSharma => launder_sharma::sweep_turbulence(channel, step),
+        }
+    }
+
+    /// U/τ_w of the first cell, in wall units.
+    pub(super) fn first_velocity_per_stress(self, channel: &HalfChannel) -> f64 {
+        match self {
+            Self::WallFunctions => wall_functions::velocity_per_stress(channel, channel.y[0]),
+            Self::LaunderSharma => channel.y[0],
+        }
+    }
+
     /// True if the equations of k and ε are solved down to the wall, where k is 0.
     pub(super) fn reaches_the_wall(self) -> bool {
         match self {
@@ -68,7 +83,7 @@ impl TurbulenceModel {
         }
     }
 
-    /// [-] lowest bulk Reynolds number U_b L_y/ν for which the model is valid, with L_y the width of the channel.
+    /// [-] lowest bulk Reynolds number U_b L_y/ν of the model, where L_y is the width of the channel.
     pub fn lowest_reynolds(self) -> f64 {
         match self {
             Self::WallFunctions => wall_functions::LOWEST_REYNOLDS,
@@ -87,7 +102,7 @@ impl std::fmt::Display for TurbulenceModel {
 }
 
 /// State of the gas at one distance from the nearer wall.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GridNode {
     /// [m] distance y from the wall.
     pub y: f64,
@@ -101,8 +116,8 @@ pub struct GridNode {
     pub nu_t: f64,
 }
 
-/// One half of a symmetric channel flow, from the wall to the centre plane; or a pipe flow, from the wall to the axis.
-/// For a pipe, the width of the channel stands for the diameter, and the half width h for the radius.
+/// One half of a symmetric channel flow, from the wall to the centre plane, or of a pipe flow, from the wall to the
+/// axis. For a pipe, the width of the channel means the diameter, and the half width h the radius.
 #[derive(Clone, Debug, Serialize)]
 pub struct ChannelFlow {
     /// Cross-section of the flow: channel or pipe.
@@ -113,7 +128,7 @@ pub struct ChannelFlow {
     pub height: f64,
     /// [m²/s] kinematic viscosity ν.
     pub kinematic_viscosity: f64,
-    /// [m/s] bulk velocity of the profile, including the law of the wall.
+    /// [m/s] bulk velocity of the profile, which includes the law of the wall.
     pub bulk_velocity: f64,
     /// [m/s] velocity on the centre plane, or on the axis of a pipe.
     pub centre_velocity: f64,
@@ -123,15 +138,19 @@ pub struct ChannelFlow {
     pub reynolds_tau: f64,
     /// State of the gas at the cell centres, from the wall to the centre plane.
     pub nodes: Vec<GridNode>,
-    /// Velocity profile U(y) from the wall (0, 0) to the centre plane, as (y [m], U [m/s]). It contains the nodes. With
-    /// wall functions it also contains the law of the wall below the first node, and interpolated points between nodes.
+    /// Velocity profile U(y) from the wall (0, 0) to the centre plane, as points (y [m], U [m/s]) that include the
+    /// nodes. With wall functions it also has points of the law of the wall below the first node, and interpolated
+    /// points between nodes.
     pub profile: Vec<(f64, f64)>,
-    /// Number of sweeps over k and ε, summed over all corrections of Re_τ.
+    /// Number of sweeps over k and ε for all corrections of Re_τ together.
     pub iterations: usize,
     /// [-] largest relative change of k, ε and ν_t in the last sweep.
     pub residual: f64,
     /// [u_τ³] terms of the balance of turbulent kinetic energy k, integrated over the half channel.
     pub k_budget: KBudget,
+    /// Flow in wall units, on the grid of the solver.
+    #[serde(skip)]
+    half: HalfChannel,
 }
 
 /// Balance of turbulent kinetic energy k, integrated over the half channel, in units of u_τ³. Production equals
@@ -142,7 +161,7 @@ pub struct KBudget {
     pub production: f64,
     /// [-] ∫ ε dy, with the full dissipation rate ε.
     pub dissipation: f64,
-    /// [-] ν dk/dy at the wall, which is the flux of k into the wall; 0 with wall functions.
+    /// [-] ν dk/dy at the wall, the flux of k into the wall; 0 with wall functions.
     pub wall_flux: f64,
 }
 
@@ -169,8 +188,8 @@ impl ChannelFlow {
         Self::solve_with_cells(bulk_velocity, height, kinematic_viscosity, model, cells)
     }
 
-    /// Solves the flow as [`ChannelFlow::solve`] with a given number of cells over the half channel, to measure the
-    /// error of the grid.
+    /// Solves the flow as [`ChannelFlow::solve`] does, with a given number of cells over the half channel. It is used
+    /// to measure the error of the grid.
     ///
     /// # Errors
     ///
@@ -186,8 +205,8 @@ impl ChannelFlow {
     }
 
     /// Solves the flow with `bulk_velocity` [m/s] through a pipe of `diameter` [m] with kinematic viscosity
-    /// `kinematic_viscosity` [m²/s]. It uses the low-Reynolds-number model of Launder and Sharma on `cells` cells
-    /// along the radius, by default as many as for a half channel.
+    /// `kinematic_viscosity` [m²/s]. The model is that of Launder and Sharma, on `cells` cells along the radius;
+    /// `None`: the default number of a half channel.
     ///
     /// # Errors
     ///
@@ -223,10 +242,7 @@ impl ChannelFlow {
         let mut iterations = 0;
         for _ in 0..CORRECTIONS {
             let residual = converge(&mut channel, model, &mut iterations)?;
-            let profile = match model {
-                TurbulenceModel::WallFunctions => wall_functions::profile(&channel)?,
-                TurbulenceModel::LaunderSharma => launder_sharma::profile(&channel),
-            };
+            let profile = profile(&channel, model)?;
             let table = half_table(&profile)?;
             let carried = match section {
                 Section::Channel => table.integral(), // U_b h/ν is the integral in wall units
@@ -234,27 +250,56 @@ impl ChannelFlow {
             };
             let excess = carried / target;
             if (excess - 1.0).abs() < BULK_TOLERANCE {
-                let friction_velocity = channel.reynolds_tau * kinematic_viscosity / (0.5 * height);
-                let wall_unit = kinematic_viscosity / friction_velocity;
-                return Ok(Self {
-                    section,
-                    model,
-                    height,
-                    kinematic_viscosity,
-                    bulk_velocity: carried * kinematic_viscosity / (0.5 * height),
-                    centre_velocity: channel.centre_velocity() * friction_velocity,
-                    friction_velocity,
-                    reynolds_tau: channel.reynolds_tau,
-                    nodes: channel.nodes(model, wall_unit, friction_velocity),
-                    profile: profile.into_iter().map(|(y, u)| (y * wall_unit, u * friction_velocity)).collect(),
-                    iterations,
-                    residual,
-                    k_budget: channel.k_budget(model),
-                });
+                let bulk_velocity = carried * kinematic_viscosity / (0.5 * height);
+                let flow = Self::of(&channel, model, [height, kinematic_viscosity, bulk_velocity])?;
+                return Ok(Self { iterations, residual, ..flow });
             }
             channel.stretch(channel.reynolds_tau * excess.powf(-DEAN_EXPONENT));
         }
         Err(format!("k-epsilon channel: no friction velocity for {bulk_velocity} m/s in {CORRECTIONS} corrections"))
+    }
+
+    /// Converts a flow from wall units to SI units, given the width of the channel [m], the kinematic viscosity [m²/s] and
+    /// the bulk velocity [m/s].
+    pub(super) fn of(
+        channel: &HalfChannel,
+        model: TurbulenceModel,
+        [height, kinematic_viscosity, bulk_velocity]: [f64; 3],
+    ) -> Result<Self, String> {
+        let unit_velocity = channel.reynolds_tau * kinematic_viscosity / (0.5 * height);
+        let wall_unit = kinematic_viscosity / unit_velocity;
+        let friction = channel.wall_stress().abs().sqrt();
+        let profile = profile(channel, model)?;
+        Ok(Self {
+            section: channel.section,
+            model,
+            height,
+            kinematic_viscosity,
+            bulk_velocity,
+            centre_velocity: channel.centre_velocity() * unit_velocity,
+            friction_velocity: friction * unit_velocity,
+            reynolds_tau: friction * channel.reynolds_tau,
+            nodes: channel.nodes(model, wall_unit, unit_velocity),
+            profile: profile.into_iter().map(|(y, u)| (y * wall_unit, u * unit_velocity)).collect(),
+            iterations: 0,
+            residual: 0.0,
+            k_budget: channel.k_budget(model),
+            half: channel.clone(),
+        })
+    }
+
+    /// Flow in wall units, on the grid of the solver.
+    pub(super) fn half_channel(&self) -> &HalfChannel {
+        &self.half
+    }
+
+    /// [Pa/m] pressure drop per length that keeps the gas alone steady, in a gas of this density [kg/m³].
+    pub fn pressure_gradient(&self, density: f64) -> f64 {
+        let walls_over_width = match self.section {
+            Section::Channel => 2.0,
+            Section::Pipe => 4.0,
+        };
+        walls_over_width * density * self.friction_velocity.powi(2) / self.height
     }
 
     /// Velocity U(y) for y from 0 to h, as a monotone cubic through the profile with zero slope on the centre plane.
@@ -267,7 +312,7 @@ impl ChannelFlow {
     }
 }
 
-/// [-] bulk Reynolds number U_b L_y/ν, which is checked to be high enough for the model.
+/// [-] bulk Reynolds number U_b L_y/ν, if it is high enough for the model.
 ///
 /// # Errors
 /// A number that is not positive, or a Reynolds number that is too low for the model.
@@ -287,11 +332,22 @@ fn bulk_reynolds(velocity: f64, height: f64, kinematic_viscosity: f64, model: Tu
     Ok(reynolds)
 }
 
+/// Velocity profile U(y) as points in wall units.
+///
+/// # Errors
+/// Those of [`VelocityTable::new`]: none unless the solution is not finite.
+fn profile(channel: &HalfChannel, model: TurbulenceModel) -> Result<Vec<(f64, f64)>, String> {
+    match model {
+        TurbulenceModel::WallFunctions => wall_functions::profile(channel),
+        TurbulenceModel::LaunderSharma => Ok(launder_sharma::profile(channel)),
+    }
+}
+
 fn half_table(profile: &[(f64, f64)]) -> Result<VelocityTable, String> {
     VelocityTable::with_end_slopes(profile, [None, Some(0.0)])
 }
 
-/// Repeats sweeps over k and ε until these hardly change. Returns the last relative change [-].
+/// Repeats sweeps over k and ε until they hardly change the flow. Returns the last relative change [-].
 fn converge(channel: &mut HalfChannel, model: TurbulenceModel, iterations: &mut usize) -> Result<f64, String> {
     let mut change = f64::INFINITY;
     for _ in 0..SWEEPS {
@@ -310,8 +366,7 @@ fn converge(channel: &mut HalfChannel, model: TurbulenceModel, iterations: &mut 
     Err(format!("k-epsilon channel: {model:?} did not converge, the last relative change is {change:.3e}"))
 }
 
-/// [-] estimate of Re_τ from the bulk Reynolds number by C_f = 0.073 Re^(-1/4) (Dean 1978), with which the iteration
-/// starts.
+/// [-] first estimate of Re_τ from the bulk Reynolds number, by C_f = 0.073 Re^(-1/4) (Dean 1978).
 fn estimate(reynolds: f64) -> f64 {
     0.5 * reynolds * (0.5 * 0.073 * reynolds.powf(-0.25)).sqrt()
 }

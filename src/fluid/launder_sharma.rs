@@ -1,6 +1,6 @@
 //! Low-Reynolds-number k-epsilon model (Launder and Sharma 1974), whose grid resolves the flow down to the wall.
 
-use super::half_channel::{Equation, HalfChannel, WallCondition};
+use super::half_channel::{Equation, HalfChannel, SweepStep, WallCondition};
 use super::k_epsilon::{C_1, C_2, C_MU, SIGMA_EPSILON, SIGMA_K};
 
 /// Number of cells over the half channel. Twice as many cells change u_τ by less than 0.1 %.
@@ -10,12 +10,12 @@ const FIRST_NODE: f64 = 0.05;
 /// [-] weight of the newly computed k and ε in the next iterate; the previous values have the remaining weight.
 const RELAXATION: f64 = 0.7;
 
-/// Faces of cells, as fractions of h. The widths of the cells grow by a constant factor from the wall. A larger number
-/// of cells refines all cells equally.
+/// Faces of cells, as fractions of h. The widths of the cells grow by a constant factor from the wall. More cells
+/// refine the grid evenly.
 pub(super) fn faces(cells: usize, reynolds_tau: f64) -> Vec<f64> {
     let first = 2.0 * FIRST_NODE / reynolds_tau * CELLS as f64 / cells as f64;
     let sum = |growth: f64| (growth.powi(cells as i32) - 1.0) / (growth - 1.0);
-    // Bisection for the growth factor at which the widths add up to h; 2 is far above any factor in use.
+    // bisection for the growth factor at which the widths add up to h; 2 is far above any factor in use
     let (mut low, mut high) = (1.0 + 1e-9, 2.0);
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
@@ -26,12 +26,13 @@ pub(super) fn faces(cells: usize, reynolds_tau: f64) -> Vec<f64> {
     faces
 }
 
-/// Production of k: ν_t (dU/dy)².
+/// [-] production of k, ν_t (dU/dy)², in wall units.
 pub(super) fn production(channel: &HalfChannel, cell: usize) -> f64 {
     channel.nu_t[cell] * channel.shear(cell).powi(2)
 }
 
-/// D = 2 ν (d√k/dy)², the difference between the dissipation rate ε and ε̃. It is defined so that ε̃ = 0 at the wall.
+/// [-] difference D = 2 ν (d√k/dy)² between the dissipation rate ε and ε̃, in wall units. With this difference ε̃ = 0
+/// at the wall.
 pub(super) fn wall_dissipation(channel: &HalfChannel, cell: usize) -> f64 {
     let slope = |face: usize| match face {
         0 => channel.k[0].sqrt() / channel.y[0],
@@ -41,42 +42,54 @@ pub(super) fn wall_dissipation(channel: &HalfChannel, cell: usize) -> f64 {
     slope(cell).powi(2) + slope(cell + 1).powi(2)
 }
 
-/// E = 2 ν ν_t (d²U/dy²)², the source of ε̃ in the buffer layer near the wall.
+/// [-] source E = 2 ν ν_t (d²U/dy²)² of ε̃ in the buffer layer near the wall, in wall units.
 fn buffer_source(channel: &HalfChannel, cell: usize) -> f64 {
     let shear = |face: usize| match face {
-        0 => 1.0,
+        0 => channel.wall_stress(),
         _ if face == channel.k.len() => 0.0,
-        _ => channel.stress(channel.face[face]) / (1.0 + channel.face_nu_t(face)),
+        _ => channel.stress_at_face(face) / (1.0 + channel.face_nu_t(face)),
     };
     let curvature = (shear(cell + 1) - shear(cell)) / (channel.face[cell + 1] - channel.face[cell]);
     2.0 * channel.nu_t[cell] * curvature * curvature
 }
 
-/// Turbulence Reynolds number Re_t = k²/(ν ε̃).
+/// [-] turbulence Reynolds number Re_t = k²/(ν ε̃).
 fn reynolds_t(channel: &HalfChannel, cell: usize) -> f64 {
     channel.k[cell].powi(2) / channel.epsilon[cell]
 }
 
-/// Updates U, k, ε̃ and ν_t once; returns the largest relative change [-].
+/// Updates U, k, ε̃ and ν_t of a gas alone once; returns the largest relative change [-].
 pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
-    let count = channel.k.len();
-    // No slip at the wall: the stress at the wall is the velocity of the first cell over its distance from the wall.
+    // no slip at the wall: in wall units the stress at the wall is 1, so the velocity of the first cell equals its
+    // distance from the wall
     channel.integrate_momentum(channel.y[0]);
+    let none = vec![0.0; channel.k.len()];
+    sweep_turbulence(channel, &SweepStep { relaxation: RELAXATION, rate: 0.0, damping: (&none, 0.0) })
+}
 
+/// Updates k, ε̃ and ν_t once; returns the largest relative change [-].
+pub(super) fn sweep_turbulence(channel: &mut HalfChannel, step: &SweepStep) -> f64 {
+    let count = channel.k.len();
+    let (damping, factor) = step.damping;
     let p: Vec<f64> = (0..count).map(|i| production(channel, i)).collect();
     let frequency: Vec<f64> = (0..count).map(|i| channel.epsilon[i] / channel.k[i]).collect();
-    let sink: Vec<f64> = (0..count).map(|i| frequency[i] + wall_dissipation(channel, i) / channel.k[i]).collect();
+    let sink: Vec<f64> = (0..count)
+        .map(|i| frequency[i] + wall_dissipation(channel, i) / channel.k[i] + step.rate + damping[i])
+        .collect();
+    let source: Vec<f64> = (0..count).map(|i| p[i] + step.rate * channel.k[i]).collect();
     let mut k = channel.k.clone();
-    let equation = Equation { prandtl: SIGMA_K, sink: &sink, source: &p, wall: WallCondition::Zero };
-    let mut change = channel.solve(&equation, RELAXATION, &mut k);
+    let equation = Equation { prandtl: SIGMA_K, sink: &sink, source: &source, wall: WallCondition::Zero };
+    let mut change = channel.solve(&equation, step.relaxation, &mut k);
 
     // factor f_2 = 1 - 0.3 exp(-Re_t²) of the sink of ε̃: Launder and Sharma 1974
-    let sink: Vec<f64> =
-        (0..count).map(|i| C_2 * (1.0 - 0.3 * (-reynolds_t(channel, i).powi(2)).exp()) * frequency[i]).collect();
-    let source: Vec<f64> = (0..count).map(|i| C_1 * frequency[i] * p[i] + buffer_source(channel, i)).collect();
+    let destruction = |i: usize| C_2 * (1.0 - 0.3 * (-reynolds_t(channel, i).powi(2)).exp()) * frequency[i];
+    let sink: Vec<f64> = (0..count).map(|i| destruction(i) + step.rate + factor * damping[i]).collect();
+    let source: Vec<f64> = (0..count)
+        .map(|i| C_1 * frequency[i] * p[i] + buffer_source(channel, i) + step.rate * channel.epsilon[i])
+        .collect();
     let mut epsilon = channel.epsilon.clone();
     let equation = Equation { prandtl: SIGMA_EPSILON, sink: &sink, source: &source, wall: WallCondition::Zero };
-    change = change.max(channel.solve(&equation, RELAXATION, &mut epsilon));
+    change = change.max(channel.solve(&equation, step.relaxation, &mut epsilon));
 
     channel.k = k;
     channel.epsilon = epsilon;
@@ -85,7 +98,7 @@ pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
         // factor f_μ = exp(-3.4/(1 + Re_t/50)²) of the eddy viscosity: Launder and Sharma 1974
         let damping = (-3.4 / (1.0 + reynolds / 50.0).powi(2)).exp();
         let nu_t = C_MU * damping * reynolds;
-        channel.nu_t[i] += RELAXATION * (nu_t - channel.nu_t[i]);
+        channel.nu_t[i] += step.relaxation * (nu_t - channel.nu_t[i]);
     }
     change
 }

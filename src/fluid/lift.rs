@@ -1,7 +1,8 @@
-//! Lift: forces of the gas across the slip of a sphere, in sheared gas or by its spin; and the torque of the gas.
+//! Lift: forces of the gas perpendicular to the slip velocity of a sphere, by shear of the gas or by spin. Torque of
+//! the gas.
 //!
-//! Both forces are perpendicular to the slip s, the velocity of the gas relative to the sphere. During a kick the gas
-//! and the spin are taken as constant, so that s turns about a fixed axis and keeps its length. This turn is exact.
+//! The slip velocity s is the velocity of the gas relative to the sphere. During a kick the gas and the spin are taken
+//! as constant, so that s turns about a fixed axis without a change of length. This solution is exact.
 
 use nalgebra::{Rotation3, Vector3};
 use serde::Serialize;
@@ -10,14 +11,14 @@ use std::f64::consts::PI;
 /// Lift forces of a gas on the particles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Lift {
-    /// True: lift in sheared gas, after Saffman (1965) and Mei (1992).
+    /// True if sheared gas causes lift, after Saffman (1965) and Mei (1992).
     pub shear: bool,
-    /// True: lift by spin (Magnus force), after Rubinow and Keller (1961) and Oesterlé and Bui Dinh (1998), and the torque of
-    /// the gas, after Dennis, Singh and Ingham (1980).
+    /// True if spin causes lift (Magnus force), after Rubinow and Keller (1961) and Oesterlé and Bui Dinh (1998). The
+    /// gas then also exerts a torque, after Dennis, Singh and Ingham (1980).
     pub spin: bool,
 }
 
-/// A sphere in a gas: quantities on which lift depends.
+/// Properties of a sphere and of the gas around it on which lift depends.
 #[derive(Clone, Copy, Debug)]
 pub struct LiftedSphere {
     /// [kg/m³] density of the gas.
@@ -32,32 +33,33 @@ pub struct LiftedSphere {
     pub inertia: f64,
 }
 
-/// Factor of Saffman's force in the form of a lift coefficient, 1.615 · 8/π (Saffman 1965 with the correction of 1968).
+/// [-] factor of Saffman's force in the form of a lift coefficient, 1.615 · 8/π (Saffman 1965 with the correction of
+/// 1968).
 const SAFFMAN: f64 = 4.1126;
 
-/// [-] slip Reynolds number up to which the first formula of Mei (1992, Int. J. Multiphase Flow 18, 145) holds.
+/// [-] slip Reynolds number up to which the first formula of Mei (1992, Int. J. Multiphase Flow 18, 145) applies.
 const MEI_LIMIT: f64 = 40.0;
 
-/// [-] Reynolds number of spin up to which the torque is that of creeping flow, 64π/Re_r in the form of a coefficient.
+/// [-] Reynolds number of spin up to which the torque is that of creeping flow, with the coefficient 64π/Re_r.
 const CREEPING_SPIN: f64 = 32.0;
 
-/// [-] coefficients of the torque at larger Reynolds numbers of spin: 12.9/√Re_r + 128.4/Re_r (Dennis, Singh and Ingham
-/// 1980, J. Fluid Mech. 101, 257).
+/// [-] coefficients in 12.9/√Re_r + 128.4/Re_r of the torque at larger Reynolds numbers of spin (Dennis, Singh and
+/// Ingham 1980, J. Fluid Mech. 101, 257).
 const TORQUE: [f64; 2] = [12.9, 128.4];
 
 impl LiftedSphere {
-    /// [-] Reynolds number of a velocity [m/s]: w d/ν.
+    /// [-] Reynolds number w d/ν of a speed w [m/s].
     fn reynolds(&self, speed: f64) -> f64 {
         speed * self.diameter / self.kinematic_viscosity
     }
 
-    /// [-] Reynolds number of a rate of turn [rad/s]: Ω d²/ν.
+    /// [-] Reynolds number Ω d²/ν of an angular velocity Ω [rad/s].
     fn reynolds_of_turn(&self, rate: f64) -> f64 {
         self.reynolds(rate * self.diameter)
     }
 
-    /// [-] factor k of the acceleration k s × ω of the sphere by lift in sheared gas, where s is the slip and ω the vorticity
-    /// of the gas. Both magnitudes [m/s, 1/s] are greater than 0.
+    /// [-] factor k of the acceleration k s × ω of the sphere by lift in sheared gas. Here s is the slip velocity and ω
+    /// the vorticity of the gas; `slip` [m/s] > 0 and `vorticity` [1/s] > 0 are their magnitudes.
     fn shear(&self, slip: f64, vorticity: f64) -> f64 {
         let (re, re_shear) = (self.reynolds(slip), self.reynolds_of_turn(vorticity));
         let root = (0.5 * re_shear / re).sqrt();
@@ -70,16 +72,17 @@ impl LiftedSphere {
         PI / 8.0 * self.gas_density * self.diameter.powi(3) * coefficient / self.mass
     }
 
-    /// [-] factor k of the acceleration k Ω × s of the sphere by its spin. Here s is the slip, and Ω = ω/2 - ω_p is the rate
-    /// of turn of the gas relative to the sphere. Both magnitudes [m/s, rad/s] are greater than 0.
+    /// [-] factor k of the acceleration k Ω × s of the sphere by its spin. Here s is the slip velocity, and Ω = ω/2 -
+    /// ω_p is the angular velocity of the gas relative to the sphere. `slip` [m/s] > 0 and `turn` [rad/s] > 0 are their
+    /// magnitudes.
     fn magnus(&self, slip: f64, turn: f64) -> f64 {
         let (re, re_turn) = (self.reynolds(slip), self.reynolds_of_turn(turn));
         let coefficient = 0.45 + (re_turn / re - 0.45) * (-0.05684 * re_turn.powf(0.4) * re.powf(0.3)).exp();
         PI / 8.0 * self.gas_density * self.diameter.powi(2) * coefficient * slip / (turn * self.mass)
     }
 
-    /// [-] rate of turn of the gas relative to the sphere after `duration` [s] of torque alone, over the rate `turn` [rad/s]
-    /// before. The torque is ρ_f/2 (d/2)⁵ C |Ω| Ω; both pieces of C have solutions in closed form.
+    /// [-] angular velocity of the gas relative to the sphere after `duration` [s] of torque alone, over its initial
+    /// magnitude `turn` [rad/s]. The torque is ρ_f/2 (d/2)⁵ C |Ω| Ω. Both formulas for C have solutions in closed form.
     fn spin_left(&self, turn: f64, duration: f64) -> f64 {
         let re_turn = self.reynolds_of_turn(turn);
         let scale = 0.5 * self.gas_density * (0.5 * self.diameter).powi(5) / self.inertia;
@@ -102,8 +105,8 @@ impl LiftedSphere {
 }
 
 impl Lift {
-    /// Slip [m/s] after `duration` [s] of lift alone, in a gas with the given vorticity [1/s]. `spin` [rad/s] is that of the
-    /// sphere; `None` if spheres do not rotate.
+    /// Slip velocity [m/s] after `duration` [s] of lift alone, in a gas with the given vorticity [1/s]. `spin` [rad/s]
+    /// is the spin of the sphere; `None` if spheres do not rotate.
     pub fn turned(
         &self,
         sphere: &LiftedSphere,

@@ -7,9 +7,9 @@
 //! U⁺ = ln(1 + κ y⁺)/κ + C (1 - exp(-y⁺/11) - y⁺/11 exp(-y⁺/3)),   C = B - ln(κ)/κ
 //! ```
 //!
-//! In this formula lengths are in units of ν/u_τ and velocities in units of u_τ. It is used from the wall to the middle
-//! plane, and mirrored at this plane. In the middle a real channel flow is some per cent faster (the wake), and its
-//! profile is smooth. The formula describes neither.
+//! Lengths in this formula are in units of ν/u_τ, velocities in units of u_τ. The formula is used from the wall to the
+//! middle plane, and mirrored at this plane. In the middle, a real channel flow is some per cent faster (the wake) and
+//! its profile is smooth, which the formula does not describe.
 
 use serde::Serialize;
 
@@ -17,7 +17,7 @@ use serde::Serialize;
 const OUTER_FADE: f64 = 11.0;
 /// [-] distance y⁺ over which the second, shorter correction decays: Reichardt's value.
 const INNER_FADE: f64 = 3.0;
-/// The two constants κ and B of the logarithmic law U⁺ = ln(y⁺)/κ + B.
+/// Constants κ and B of the logarithmic law U⁺ = ln(y⁺)/κ + B.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LogConstants {
     /// [-] von Kármán's constant κ.
@@ -34,25 +34,25 @@ impl Default for LogConstants {
 }
 
 impl LogConstants {
-    /// Constant C of Reichardt's formula [-].
+    /// [-] constant C of Reichardt's formula.
     fn amplitude(self) -> f64 {
         self.intercept - self.von_karman.ln() / self.von_karman
     }
 
-    /// Velocity U⁺ [-] by Reichardt's formula at the distance y⁺ >= 0 from the wall.
+    /// [-] velocity U⁺ by Reichardt's formula at the distance y⁺ >= 0 from the wall.
     fn velocity(self, y: f64) -> f64 {
         let kappa = self.von_karman;
         let wall = 1.0 - (-y / OUTER_FADE).exp() - y / OUTER_FADE * (-y / INNER_FADE).exp();
         (kappa * y).ln_1p() / kappa + self.amplitude() * wall
     }
 
-    /// Slope dU⁺/dy⁺ [-] at the distance y⁺ >= 0 from the wall.
+    /// [-] slope dU⁺/dy⁺ at the distance y⁺ >= 0 from the wall.
     fn slope(self, y: f64) -> f64 {
         let (outer, inner) = ((-y / OUTER_FADE).exp(), (-y / INNER_FADE).exp());
         1.0 / (1.0 + self.von_karman * y) + self.amplitude() / OUTER_FADE * (outer - inner + y / INNER_FADE * inner)
     }
 
-    /// Integral ∫ U⁺ dy⁺ from the wall to y⁺ = `h` [-].
+    /// [-] integral ∫ U⁺ dy⁺ from the wall to y⁺ = `h`.
     fn flow(self, h: f64) -> f64 {
         let kappa = self.von_karman;
         let logarithm = ((1.0 + kappa * h) * (kappa * h).ln_1p() - kappa * h) / (kappa * kappa);
@@ -127,7 +127,8 @@ impl LogLaw {
         kinematic_viscosity: f64,
         constants: LogConstants,
     ) -> Result<Self, String> {
-        // the bulk velocity increases with u_τ: bisection between 0 and the bulk velocity, which u_τ never exceeds
+        // the bulk velocity increases with u_τ: bisection between 0 and the bulk velocity, which is an upper limit of
+        // u_τ
         let (mut low, mut high) = (0.0, bulk_velocity);
         let wanted = 0.5 * bulk_velocity * height / kinematic_viscosity;
         // 60 halvings reach the rounding error
@@ -142,7 +143,7 @@ impl LogLaw {
         Self::with_friction_velocity(0.5 * (low + high), height, kinematic_viscosity, constants)
     }
 
-    /// [m/s] velocity at distance `y` [m] from the wall y = 0; zero at both walls and outside them.
+    /// [m/s] velocity at the distance `y` [m] from the wall y = 0; zero at both walls and outside the channel.
     #[inline]
     pub fn velocity(&self, y: f64) -> f64 {
         let nearest = y.min(self.height - y).max(0.0);
@@ -150,7 +151,7 @@ impl LogLaw {
         self.friction_velocity * self.constants.velocity(nearest * scale)
     }
 
-    /// [1/s] slope of the velocity over `y` [m], the distance from the wall y = 0; zero outside the walls.
+    /// [1/s] slope of the velocity at the distance `y` [m] from the wall y = 0; zero outside the channel.
     pub fn slope(&self, y: f64) -> f64 {
         if !(0.0..=self.height).contains(&y) {
             return 0.0;

@@ -1,11 +1,11 @@
 //! The gas around the particles.
 //!
-//! The gas is frozen: the particles do not change it. Its mean velocity is streamwise (along z). In a channel the
-//! velocity depends only on the wall-normal distance y (the paper's section 2.1), in a pipe on the distance from the
-//! axis.
+//! The gas is frozen unless the scene has a [`Coupling`]: the particles do not change it. Its mean velocity is streamwise
+//! (along z). In a channel the velocity depends only on the wall-normal distance y (the paper's section 2.1), in a pipe
+//! on the distance from the axis.
 //!
-//! To add a profile, write one file with a function that returns a [`Profile`], and add an arm where a case is
-//! resolved.
+//! To add a profile, write one file with a function that returns a [`Profile`], and add an arm in the code that
+//! resolves a case.
 
 mod buoyancy;
 mod fractions;
@@ -13,6 +13,7 @@ mod half_channel;
 mod k_epsilon;
 mod launder_sharma;
 mod lift;
+mod loaded_flow;
 mod log_law;
 mod pipe;
 mod profile;
@@ -24,6 +25,7 @@ pub use buoyancy::Buoyancy;
 pub use fractions::LocalFractions;
 pub use k_epsilon::{ChannelFlow, GridNode, KBudget, Section, TurbulenceModel};
 pub use lift::{Lift, LiftedSphere};
+pub use loaded_flow::{Coupling, GasBalance, HeldFlow, LoadedFlow, Modulation, SliceSums};
 pub use log_law::{LogConstants, LogLaw};
 pub use pipe::Pipe;
 pub use profile::{Channel, Profile, WallScale};
@@ -34,7 +36,7 @@ use crate::drag::{Drag, Sphere};
 use crate::scene::Species;
 use serde::Serialize;
 
-/// A frozen gas: its properties, its velocity profile, and its drag law.
+/// A gas: its properties, its velocity profile, and its drag law.
 #[derive(Clone, Debug, Serialize)]
 pub struct Fluid {
     /// [kg/m³] density ρ_f.
@@ -43,23 +45,35 @@ pub struct Fluid {
     pub kinematic_viscosity: f64,
     /// Streamwise gas velocity as a function of y, or of the distance from the axis of a pipe.
     pub profile: Profile,
-    /// Drag law; `None` if the gas exerts no drag on the particles.
+    /// Drag law; `None`: no drag.
     pub drag: Option<Drag>,
-    /// Buoyancy of the particles; `None` if it is left out.
+    /// Buoyancy of the particles; `None`: no buoyancy.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub buoyancy: Option<Buoyancy>,
-    /// Turbulence that the particles see; `None` if they see the mean velocity alone.
+    /// Turbulence that particles see; `None`: particles see the mean velocity alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turbulence: Option<Turbulence>,
-    /// Lift of the particles; `None` if it is left out.
+    /// Lift of the particles; `None`: no lift.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lift: Option<Lift>,
+    /// Effect of the particles on the gas; `None` if the gas is frozen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coupling: Option<Coupling>,
 }
 
 impl Fluid {
-    /// A gas without buoyancy, turbulence and lift: density [kg/m³], kinematic viscosity [m²/s], velocity profile and drag law.
+    /// A frozen gas without buoyancy, turbulence and lift: density [kg/m³], kinematic viscosity [m²/s], velocity profile and drag law.
     pub fn new(density: f64, kinematic_viscosity: f64, profile: Profile, drag: Option<Drag>) -> Self {
-        Self { density, kinematic_viscosity, profile, drag, buoyancy: None, turbulence: None, lift: None }
+        Self {
+            density,
+            kinematic_viscosity,
+            profile,
+            drag,
+            buoyancy: None,
+            turbulence: None,
+            lift: None,
+            coupling: None,
+        }
     }
 
     /// Properties of a single sphere of this species in this gas on which drag depends.

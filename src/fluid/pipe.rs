@@ -43,8 +43,8 @@ impl Pipe {
         self.half.value(self.radius() - (x * x + y * y).sqrt())
     }
 
-    /// [m] distance from the wall at the coordinates x and y [m], and its gradient [-], which points to the axis. On the
-    /// axis the gradient is zero.
+    /// [m] distance from the wall at the coordinates x and y [m], and the gradient [-] of this distance, which points
+    /// to the axis. On the axis the gradient is set to zero.
     #[inline]
     pub fn depth(&self, x: f64, y: f64) -> (f64, Vector3<f64>) {
         let from_axis = Vector3::new(x - self.center[0], y - self.center[1], 0.0);
@@ -53,12 +53,12 @@ impl Pipe {
         (self.radius() - distance, inwards)
     }
 
-    /// [1/s] slope of the gas velocity over the distance from the wall, at this distance [m].
+    /// [1/s] derivative of the gas velocity with respect to the distance from the wall, at the distance `depth` [m].
     pub fn slope(&self, depth: f64) -> f64 {
         self.half.slope(depth)
     }
 
-    /// [m/s] gas velocity at the coordinate `y` [m], in the plane x = const that contains the axis.
+    /// [m/s] gas velocity at the coordinate `y` [m], in the plane x = const through the axis.
     #[inline]
     pub fn velocity(&self, y: f64) -> f64 {
         self.half.value(self.radius() - (y - self.center[1]).abs())
@@ -69,12 +69,12 @@ impl Pipe {
         [self.center[1] - self.radius(), self.center[1] + self.radius()]
     }
 
-    /// [m/s] largest velocity, which is that on the axis.
+    /// [m/s] largest velocity, on the axis.
     pub fn maximum(&self) -> f64 {
         self.half.maximum()
     }
 
-    /// The solved flow from which the pipe flow was made.
+    /// Solved flow from which this pipe flow was made.
     pub fn flow(&self) -> &ChannelFlow {
         &self.flow
     }

@@ -8,13 +8,14 @@ use nalgebra::Vector3;
 use serde::Serialize;
 use std::sync::Arc;
 
-/// Profile of the streamwise gas velocity u_z(y) for y from 0 to the height of the channel, or in a pipe.
+/// Profile of the streamwise gas velocity: u_z(y) in a channel, for y from 0 to its height, or u_z in a pipe.
 ///
-/// A clone shares its tables with the original. Evaluation takes equal time for any position and any number of points.
+/// A clone shares its tables with the original. The time of an evaluation does not depend on the position or the number
+/// of points.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Profile {
-    /// [m/s] a velocity that is equal everywhere.
+    /// [m/s] a constant velocity.
     Uniform(f64),
     /// A monotone cubic through given points (y, u).
     Tabulated(Arc<VelocityTable>),
@@ -26,7 +27,7 @@ pub enum Profile {
     Pipe(Arc<Pipe>),
 }
 
-/// Velocity and length by which flows along smooth walls are made dimensionless (wall units).
+/// Velocity and length in which flows along smooth walls are measured (wall units).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct WallScale {
     /// [m/s] friction velocity u_τ.
@@ -35,7 +36,7 @@ pub struct WallScale {
     pub length: f64,
 }
 
-/// A channel flow whose profile in one half is mirrored at the centre plane.
+/// A channel flow: the profile in one half is mirrored at the centre plane.
 #[derive(Clone, Debug, Serialize)]
 pub struct Channel {
     half: VelocityTable,
@@ -56,9 +57,9 @@ impl Profile {
     /// Makes the fully developed channel flow with the bulk velocity `bulk_velocity` [m/s] between walls at y = 0 and y
     /// = `height` [m], by a k-epsilon model.
     ///
-    /// The profile is exactly symmetric. It is zero at both walls and outside them. Its mean equals `bulk_velocity`
-    /// with a relative error of 1e-10, because the solver adjusts u_τ until the mean of this profile is right. With
-    /// wall functions the profile contains the law of the wall below the first node.
+    /// The profile is exactly symmetric. It is zero at both walls and outside the channel. Its mean equals
+    /// `bulk_velocity` with a relative error of 1e-10, because the solver adjusts u_τ. With wall functions the profile
+    /// contains the law of the wall below the first node.
     ///
     /// # Errors
     ///
@@ -73,9 +74,9 @@ impl Profile {
         Ok(Self::Channel(Arc::new(Channel { half: flow.half_table()?, flow })))
     }
 
-    /// Makes the fully developed turbulent flow along z with the bulk velocity `bulk_velocity` [m/s] through a pipe of
-    /// `diameter` [m], by the model of Launder and Sharma. The axis goes through the coordinates x and y in `center`
-    /// [m].
+    /// Makes the fully developed turbulent flow along z, with the bulk velocity `bulk_velocity` [m/s], through a pipe
+    /// of `diameter` [m]. The model is that of Launder and Sharma. The axis goes through the coordinates x and y in
+    /// `center` [m].
     ///
     /// # Errors
     ///
@@ -90,6 +91,20 @@ impl Profile {
         Ok(Self::Pipe(Arc::new(Pipe::new(center, flow)?)))
     }
 
+    /// Makes the profile of another solution `flow` of the equations from which this channel or pipe profile was made.
+    /// Other profiles do not change.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`VelocityTable::new`]: a velocity that is not finite.
+    pub fn with_flow(&self, flow: ChannelFlow) -> Result<Self, String> {
+        Ok(match self {
+            Self::Channel(_) => Self::Channel(Arc::new(Channel { half: flow.half_table()?, flow })),
+            Self::Pipe(pipe) => Self::Pipe(Arc::new(Pipe::new(pipe.center(), flow)?)),
+            Self::Uniform(_) | Self::Tabulated(_) | Self::LogLaw(_) => self.clone(),
+        })
+    }
+
     /// [m/s] streamwise gas velocity at a position [m].
     #[inline]
     pub fn velocity_at(&self, place: &Vector3<f64>) -> f64 {
@@ -99,8 +114,8 @@ impl Profile {
         }
     }
 
-    /// [m] coordinate at a position [m] on which all quantities of the gas depend, and its gradient [-]: the distance
-    /// from the nearer wall in a channel or a pipe, otherwise y.
+    /// [m] coordinate on which all quantities of the gas depend, at a position [m], and its gradient [-]. In a pipe, or
+    /// a channel of the k-epsilon model, it is the distance from the nearer wall; otherwise it is y.
     #[inline]
     pub fn depth(&self, place: &Vector3<f64>) -> (f64, Vector3<f64>) {
         match self {
@@ -112,7 +127,7 @@ impl Profile {
         }
     }
 
-    /// [1/s] vorticity of the gas at a position [m]: the curl of its mean velocity, which is along z.
+    /// [1/s] vorticity of the gas at a position [m]: the curl of the mean velocity, which is along z.
     pub fn vorticity_at(&self, place: &Vector3<f64>) -> Vector3<f64> {
         let (depth, direction) = self.depth(place);
         let slope = match self {
@@ -133,8 +148,8 @@ impl Profile {
         }
     }
 
-    /// [m/s] streamwise gas velocity at distance `y` [m] from the wall y = 0. Outside the profile it is the value at
-    /// the nearer end. In a pipe, it is the velocity at this y in the plane x = const that contains the axis.
+    /// [m/s] streamwise gas velocity at the distance `y` [m] from the wall y = 0. Outside the profile it is the value
+    /// at the nearer end. For a pipe it is the velocity at the coordinate y in the plane x = const through the axis.
     #[inline]
     pub fn velocity(&self, y: f64) -> f64 {
         match self {
@@ -157,7 +172,7 @@ impl Profile {
         }
     }
 
-    /// Points (y [m], u [m/s]) of the profile at `count` equal distances from 0 to `height` [m], both included.
+    /// Points (y [m], u [m/s]) of the profile at `count` equally spaced y from 0 to `height` [m], both included.
     pub fn sample(&self, height: f64, count: usize) -> Vec<(f64, f64)> {
         let step = height / count.saturating_sub(1).max(1) as f64;
         (0..count).map(|i| i as f64 * step).map(|y| (y, self.velocity(y))).collect()
@@ -172,7 +187,7 @@ impl Profile {
         }
     }
 
-    /// [m/s] bulk velocity of a channel or pipe flow, given or computed; `None` for other profiles.
+    /// [m/s] bulk velocity of a channel or pipe flow; `None` for other profiles.
     pub fn bulk_velocity(&self) -> Option<f64> {
         match self {
             Self::Uniform(_) | Self::Tabulated(_) => None,
@@ -182,7 +197,7 @@ impl Profile {
         }
     }
 
-    /// Friction velocity and viscous length of the flow; `None` if the profile has no walls.
+    /// Friction velocity and viscous length of the flow; `None` for a profile without walls.
     pub fn wall_scale(&self) -> Option<WallScale> {
         let (friction_velocity, viscosity) = match self {
             Self::Uniform(_) | Self::Tabulated(_) => return None,

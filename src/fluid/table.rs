@@ -2,16 +2,16 @@
 
 use serde::Serialize;
 
-/// Number of bins of the index per node. With evenly spaced nodes, most bins contain no node, and the first guess of
-/// the cubic piece is right.
+/// Number of bins of the index per node. For evenly spaced nodes most bins contain no node, so the first piece tried is
+/// the right one.
 const BINS_PER_NODE: usize = 16;
 
 /// Function u(y) through given points: piecewise cubic with continuous slope and no overshoot between points. The
 /// scheme is PCHIP: Fritsch and Butland 1984, slopes by the weighted harmonic mean of Brodlie. The function is constant
 /// outside the points.
 ///
-/// The cubic piece is found by a uniform index over y, so that an evaluation takes equal time for every y. One
-/// evaluation is needed per particle and window (time between two exchanges of momentum with the gas).
+/// A uniform index over y gives the cubic piece, so that an evaluation takes equal time for every y. One evaluation is
+/// needed per particle and window (time between two exchanges of momentum with the gas).
 #[derive(Clone, Debug, Serialize)]
 pub struct VelocityTable {
     pieces: Vec<CubicPiece>,
@@ -26,7 +26,7 @@ pub struct VelocityTable {
     last: f64,
 }
 
-/// A cubic piece u = value + s (slope + s (square + s cube)), with s = y - start, valid up to y = end.
+/// Cubic piece u = value + s (slope + s (square + s cube)) with s = y - start, for y from `start` to `end`.
 #[derive(Clone, Copy, Debug, Serialize)]
 struct CubicPiece {
     start: f64,
@@ -47,7 +47,8 @@ impl VelocityTable {
         Self::with_end_slopes(points, [None, None])
     }
 
-    /// Makes a table with a given slope [1/s] at the first or the last point; `None` if the slope there is not known.
+    /// Makes a table with given slopes [1/s] at the first and the last point; `None`: the slope is computed from the
+    /// points.
     ///
     /// # Errors
     ///
@@ -97,7 +98,7 @@ impl VelocityTable {
         Ok(Self { pieces, index, bins_per_length: 1.0 / width, range: [first.0, last.0], last: last.1 })
     }
 
-    /// [m/s] velocity u at y [m]; outside the points the first or last value.
+    /// [m/s] velocity u at y [m]; outside the points it is the first or the last value.
     #[inline]
     pub fn value(&self, y: f64) -> f64 {
         let [first, last] = self.range;
@@ -124,10 +125,10 @@ impl VelocityTable {
         slope + s * (2.0 * square + s * (3.0 * cube))
     }
 
-    /// Cubic piece that contains y [m], which is within the range of the points.
+    /// Cubic piece that contains y [m], which must be within the range of the points.
     #[inline]
     fn piece(&self, y: f64) -> &CubicPiece {
-        // Not-a-number leads to bin 0, and the result is then not-a-number.
+        // not-a-number leads to bin 0, and the result is then not-a-number
         let bin = (((y - self.range[0]) * self.bins_per_length) as u32 as usize).min(self.index.len() - 1);
         let mut pieces = &self.pieces[self.index[bin] as usize..];
         while pieces[0].end <= y {
@@ -147,8 +148,8 @@ impl VelocityTable {
             .sum()
     }
 
-    /// Integral of u times 1 - y/`end` over the whole range [m²/s]. It is exact for the cubics, by Gauss's rule with
-    /// three points on each piece.
+    /// [m²/s] integral of u (1 - y/`end`) over the whole range of y. It is exact for the cubic pieces, by Gauss's rule
+    /// with three points on each piece.
     pub fn integral_towards(&self, end: f64) -> f64 {
         let rule = [(-(0.6_f64.sqrt()), 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.6_f64.sqrt(), 5.0 / 18.0)];
         self.pieces
@@ -165,15 +166,15 @@ impl VelocityTable {
             .sum()
     }
 
-    /// [m/s] largest value of u. A monotone cubic has its largest value at one of the given points.
+    /// [m/s] largest value of u. A monotone cubic has it at one of the given points.
     pub fn maximum(&self) -> f64 {
         self.pieces.iter().map(|piece| piece.value).fold(self.last, f64::max)
     }
 }
 
-/// Slopes at the points, chosen so that every cubic piece is monotone (Fritsch and Butland 1984). The slope is 0 at an
+/// [1/s] slopes at the points, for which every cubic piece is monotone (Fritsch and Butland 1984). The slope is 0 at an
 /// extremum. Elsewhere it is the harmonic mean of the secants on both sides, weighted by their widths. At an end
-/// without a given slope, it is that of the three-point formula, limited in size.
+/// without a given slope, it is the limited slope of the three-point formula.
 fn slopes(points: &[(f64, f64)], ends: [Option<f64>; 2]) -> Vec<f64> {
     let width: Vec<f64> = points.windows(2).map(|p| p[1].0 - p[0].0).collect();
     let secant: Vec<f64> = points.windows(2).map(|p| (p[1].1 - p[0].1) / (p[1].0 - p[0].0)).collect();

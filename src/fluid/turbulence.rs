@@ -1,5 +1,5 @@
-//! Turbulence of the gas that particles see: its local statistics, and a Langevin equation for the gas velocity along
-//! the way of a particle. `docs/design/turbulence.md` gives the reasons.
+//! Turbulence that particles see: local statistics of the gas, and a Langevin equation for the gas velocity along the
+//! path of a particle. `docs/design/turbulence.md` gives the reasons.
 
 use super::k_epsilon::ChannelFlow;
 use super::profile::Profile;
@@ -12,51 +12,52 @@ use std::sync::Arc;
 /// 3, 1).
 const SHORTEST_TURNOVER: f64 = 6.0;
 
-/// Number of strips across the gas in means over the cross-section.
+/// Number of strips into which the cross-section of the gas is divided for means.
 const STRIPS: usize = 2000;
 
-/// Turbulence that particles see: the statistics of the gas, and the law by which the velocity that a particle sees
-/// changes with time.
+/// Turbulence that particles see: statistics of the gas, and the law by which the gas velocity changes along the path
+/// of a particle.
 #[derive(Clone, Debug, Serialize)]
 pub struct Turbulence {
     /// Local statistics of the gas velocity.
     pub statistics: TurbulenceStatistics,
-    /// Law of the gas velocity along the way of a particle.
+    /// Law of the gas velocity along the path of a particle.
     pub langevin: Langevin,
 }
 
-/// Strength and duration of the eddies as functions of position. Turbulence is taken as isotropic.
+/// Standard deviation of the velocity and turnover time of the eddies as functions of position. The turbulence is
+/// assumed isotropic.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TurbulenceStatistics {
-    /// Equal everywhere: the standard deviation σ of a velocity component [m/s], and the turnover time k/ε [s].
+    /// Constant values: the standard deviation σ of a velocity component [m/s], and the turnover time k/ε [s].
     Uniform(f64, f64),
-    /// Functions of the distance from the wall, or of y.
+    /// Functions of the [`depth`](Profile::depth) of the profile.
     Profile(Arc<TurbulenceProfile>),
 }
 
 /// Statistics of turbulence as functions of the [`depth`](Profile::depth) of a profile.
 #[derive(Clone, Debug, Serialize)]
 pub struct TurbulenceProfile {
-    /// Standard deviation σ of a velocity component [m/s].
+    /// [m/s] standard deviation σ of a velocity component.
     deviation: VelocityTable,
-    /// Turnover time k/ε [s].
+    /// [s] turnover time k/ε.
     turnover: VelocityTable,
 }
 
-/// Statistics of the gas velocity at one place.
+/// Statistics of the gas velocity at one position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalTurbulence {
     /// [m/s] standard deviation σ = sqrt(2k/3) of each velocity component.
     pub deviation: f64,
-    /// [1/s] gradient of σ.
+    /// [1/s] gradient of the standard deviation σ.
     pub gradient: Vector3<f64>,
     /// [s] Lagrangian integral time T_L of the gas.
     pub time: f64,
 }
 
-/// [s] turnover time k/ε of eddies, at least that of the smallest ones. `k` in m²/s², `epsilon` in m²/s³ > 0, `viscosity`
-/// (kinematic) in m²/s.
+/// [s] turnover time k/ε of eddies, at least that of the smallest eddies. `k` is in m²/s², `epsilon` > 0 in m²/s³, and
+/// the kinematic viscosity `viscosity` in m²/s.
 fn turnover(k: f64, epsilon: f64, viscosity: f64) -> f64 {
     (k / epsilon).max(SHORTEST_TURNOVER * (viscosity / epsilon).sqrt())
 }
@@ -68,8 +69,8 @@ impl TurbulenceStatistics {
         Self::Uniform((2.0 / 3.0 * k).sqrt(), turnover(k, epsilon, viscosity))
     }
 
-    /// Statistics as monotone cubics through points (y [m], k [m²/s²], ε [m²/s³] > 0) in ascending order of y, constant
-    /// outside the points. `viscosity` [m²/s] is the kinematic viscosity.
+    /// Statistics as monotone cubics through points (y [m], k [m²/s²], ε [m²/s³] > 0) in ascending order of y. Outside
+    /// the points the values are constant. `viscosity` [m²/s] is the kinematic viscosity.
     ///
     /// # Errors
     ///
@@ -82,7 +83,7 @@ impl TurbulenceStatistics {
         Ok(Self::Profile(Arc::new(profile)))
     }
 
-    /// Statistics of a solved channel or pipe flow. With wall functions k and ε below the first node are those of the
+    /// Statistics of a solved channel or pipe flow. With wall functions, k and ε below the first node are those of the
     /// first node. Otherwise k is 0 at the wall.
     ///
     /// # Errors
@@ -91,7 +92,7 @@ impl TurbulenceStatistics {
     pub fn of(flow: &ChannelFlow) -> Result<Self, String> {
         let nodes = flow.nodes.iter().map(|node| [node.y, node.k, node.epsilon]);
         let wall = flow.nodes.first().filter(|_| flow.model.reaches_the_wall()).map(|node| [0.0, 0.0, node.epsilon]);
-        // nothing flows through the centre plane, so that the last node stands for it
+        // the slopes are zero on the centre plane, so it has the values of the last node
         let centre = flow.nodes.last().map(|node| [0.5 * flow.height, node.k, node.epsilon]);
         let points: Vec<[f64; 3]> = wall.into_iter().chain(nodes).chain(centre).collect();
         Self::table(&points, flow.kinematic_viscosity)
@@ -99,7 +100,7 @@ impl TurbulenceStatistics {
 }
 
 impl Turbulence {
-    /// Statistics of the gas velocity at a place [m], in a gas with this profile.
+    /// Statistics of the gas velocity at the position `place` [m], in a gas with this profile.
     #[inline]
     pub fn at(&self, profile: &Profile, place: &Vector3<f64>) -> LocalTurbulence {
         let (deviation, gradient, turnover) = match &self.statistics {
@@ -112,9 +113,9 @@ impl Turbulence {
         LocalTurbulence { deviation, gradient, time: self.langevin.share_of_turnover() * turnover }
     }
 
-    /// Statistics at the middles of many strips of equal width along the line through the middle of the profile, between
-    /// the walls of the gas in a box of `height` [m]. The number before each is the weight of the strip in a mean over
-    /// the cross-section [-].
+    /// Statistics at the middles of strips of equal width, along the line through the middle of the profile. The strips
+    /// lie between the walls of the gas in a box of `height` [m]. The number before each is the weight [-] of the strip
+    /// in a mean over the cross-section.
     pub fn strips(&self, profile: &Profile, height: f64) -> impl Iterator<Item = (f64, LocalTurbulence)> {
         let [low, high] = profile.between(height);
         let axis = match profile {
@@ -125,16 +126,16 @@ impl Turbulence {
             let y = low + (high - low) * (strip as f64 + 0.5) / STRIPS as f64;
             let local = self.at(profile, &Vector3::new(axis.map_or(0.0, |[x, _]| x), y, 0.0));
             match axis {
-                // rings are narrower towards the axis; both halves of the line count
+                // the area of a ring is proportional to its radius; each ring has two strips
                 Some([_, middle]) => (4.0 * (y - middle).abs() / ((high - low) * STRIPS as f64), local),
                 None => (1.0 / STRIPS as f64, local),
             }
         })
     }
 
-    /// [1/s] largest rate at which the fluctuation changes along the way of particles with a response time [s], between
-    /// the walls of the gas in a box of `height` [m]: by the drift ∇σ/(1 + St), and by the turnover of eddies that
-    /// particles follow, 1/(T_L + τ).
+    /// [1/s] largest rate at which the fluctuation changes along the path of particles with a response time [s],
+    /// between the walls of the gas in a box of `height` [m]. The rates are the drift ∇σ/(1 + St), and the turnover
+    /// 1/(T_L + τ) of eddies that particles follow.
     pub fn largest_rate(&self, profile: &Profile, height: f64, response: f64) -> f64 {
         let rates = self.strips(profile, height).map(|(_, local)| {
             let slowest = local.time + response;
@@ -143,9 +144,9 @@ impl Turbulence {
         rates.fold(0.0, f64::max)
     }
 
-    /// [m²/s²] variance of a velocity component that particles get from the turbulence, as a mean over the
-    /// cross-section and the three components: σ² T/(T + τ) (Tchen 1947) with the response time τ = `response` [s].
-    /// Crossing at the slip speed `slip` [m/s] shortens T.
+    /// [m²/s²] variance of a velocity component of particles in the turbulence, as a mean over the cross-section and
+    /// the three components. It is σ² T/(T + τ) (Tchen 1947) with the response time τ = `response` [s]. A slip speed
+    /// `slip` [m/s] shortens T, because particles cross eddies.
     pub fn induced_variance(&self, profile: &Profile, height: f64, response: f64, slip: f64) -> f64 {
         let variances =
             self.strips(profile, height).filter(|(_, local)| local.deviation > 0.0).map(|(weight, local)| {
@@ -156,19 +157,19 @@ impl Turbulence {
     }
 }
 
-/// Langevin equation for the fluctuation **u** of the gas velocity that a particle sees, as **s** = **u**/σ:
+/// Langevin equation for the fluctuation **u** of the gas velocity that a particle sees, as **s** = **u**/σ. It is
 /// d**s** = (-**s**/T + ∇σ/(1 + St)) dt + sqrt(2/T) dW (Thomson 1987, J. Fluid Mech. 180, 529; Simonin, Deutsch and
 /// Minier 1993, Appl. Sci. Res. 51, 275).
 ///
 /// St = τ/T_L is the Stokes number with the response time τ. The variance of each component of **u** stays σ² = 2k/3.
-/// Left out: anisotropy and shear stress of the turbulence, its production along the way of a particle, and
-/// correlations between particles.
+/// The equation leaves out anisotropy and shear stress of the turbulence, its production along the path of a particle,
+/// and correlations between particles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Langevin {
     /// [-] Kolmogorov constant C_0 of the Lagrangian structure function, in T_L = (k/ε)/(1/2 + 3/4 C_0).
     pub kolmogorov_constant: f64,
-    /// [-] ratio β = T_L/T_E of the time scales of the gas along its way and at a moving place. With 0, trajectories
-    /// that cross eddies do not shorten the time scale.
+    /// [-] ratio β = T_L/T_E of the time scales of the gas along its own path and at a moving point. With 0, the
+    /// crossing of eddies does not shorten the time scale.
     pub time_scale_ratio: f64,
 }
 
@@ -183,7 +184,7 @@ impl Default for Langevin {
     }
 }
 
-/// State of a particle on which the eddies that it sees depend.
+/// State of a particle that determines the change of the fluctuation it sees.
 #[derive(Clone, Copy, Debug)]
 pub struct EddySeen {
     /// [-] fluctuation **s** of the gas velocity over its standard deviation.
@@ -199,7 +200,7 @@ pub struct EddySeen {
 struct AlongSlip(Vector3<f64>);
 
 impl AlongSlip {
-    /// Vector whose parts along the slip and across it are multiplied by these factors.
+    /// Multiplies the part of a vector along the slip, and the part across it, by one factor each.
     #[inline]
     fn scaled(&self, [along, across]: [f64; 2], v: Vector3<f64>) -> Vector3<f64> {
         v * across + self.0 * ((along - across) * self.0.dot(&v))
@@ -209,13 +210,13 @@ impl AlongSlip {
 /// Exact solution of the Langevin equation over a time h along one direction, with x = h/T.
 #[derive(Clone, Copy, Debug)]
 struct Relaxation {
-    /// [-] remaining share of the fluctuation at the end, exp(-x).
+    /// [-] share of the initial fluctuation that remains at the end, exp(-x).
     kept: f64,
-    /// [-] standard deviation of the end about its mean.
+    /// [-] standard deviation of the fluctuation at the end about its mean.
     drawn: f64,
-    /// [-] mean over the time, over the sum of the values at both ends: tanh(x/2)/x.
+    /// [-] mean fluctuation over the time h, divided by the sum of both end values: tanh(x/2)/x.
     ends: f64,
-    /// [-] standard deviation of the mean over the time, if both ends are given: sqrt(2 (x - 2 tanh(x/2)))/x.
+    /// [-] standard deviation of the mean over the time h for given end values: sqrt(2 (x - 2 tanh(x/2)))/x.
     between: f64,
 }
 
@@ -225,7 +226,7 @@ impl Relaxation {
             return Self { kept: 1.0, drawn: 0.0, ends: 0.5, between: 0.0 };
         }
         let ends = (0.5 * x).tanh() / x;
-        // rounding makes the difference inexact only for x below 1e-5, where the term is less than 1e-3 itself
+        // rounding makes the difference inexact only for x below 1e-5, where the term itself is less than 1e-3
         Self {
             kept: (-x).exp(),
             drawn: (-(-2.0 * x).exp_m1()).sqrt(),
@@ -235,31 +236,32 @@ impl Relaxation {
     }
 }
 
-/// [-] weight of the end in the mean that a particle responds to, coth(r/2) - 2/r with r = h/τ, for a time h and a response
-/// time τ. It is 0 for long response times and 1 for short ones.
+/// [-] weight of the end value in the mean that a particle responds to: coth(r/2) - 2/r with r = h/τ, for a time h and
+/// a response time τ. It is 0 for long response times and 1 for short ones.
 #[inline]
 fn lateness(ratio: f64) -> f64 {
-    // the first term of the series; the next one is 6e-12 at most
+    // first term of the series; the next term is at most 6e-12
     if ratio < 1e-3 { ratio / 6.0 } else { 1.0 / (0.5 * ratio).tanh() - 2.0 / ratio }
 }
 
 impl Langevin {
     /// [-] Lagrangian integral time over the turnover time, T_L ε/k.
     #[inline]
-    fn share_of_turnover(&self) -> f64 {
+    pub(super) fn share_of_turnover(&self) -> f64 {
         // Pope 1994, Annu. Rev. Fluid Mech. 26, 23: 1/2 + 3/4 C_0
         1.0 / (0.5 + 0.75 * self.kolmogorov_constant)
     }
 
-    /// [s] integral times of the gas velocity that a particle sees, along its slip and across it, at a slip speed whose
-    /// square is `square` [m²/s²] (Csanady 1963, J. Atmos. Sci. 20, 201).
+    /// [s] integral times of the gas velocity that a particle sees, along its slip and across it. `square` [m²/s²] is
+    /// the square of the slip speed (Csanady 1963, J. Atmos. Sci. 20, 201).
     #[inline]
     pub fn times(&self, local: &LocalTurbulence, square: f64) -> [f64; 2] {
         let crossing = self.time_scale_ratio * self.time_scale_ratio * square / (local.deviation * local.deviation);
         [local.time / (1.0 + crossing).sqrt(), local.time / (1.0 + 4.0 * crossing).sqrt()]
     }
 
-    /// Times of [`times`](Self::times) at a slip velocity [m/s], and the direction that they refer to.
+    /// Integral times [s] as [`times`](Self::times) returns them, for a slip velocity [m/s], and the direction of the
+    /// slip.
     #[inline]
     fn scales(&self, local: &LocalTurbulence, slip: Vector3<f64>) -> ([f64; 2], AlongSlip) {
         let square = slip.norm_squared();
@@ -267,13 +269,13 @@ impl Langevin {
         (self.times(local, square), AlongSlip(direction))
     }
 
-    /// Advances the fluctuation that a particle sees at its place over `duration` [s], exactly. Returns the fluctuation
-    /// at the end, and the mean over the time that a particle responds to, both over σ [-]. `noise` [-] are independent
-    /// Gaussian numbers.
+    /// Advances the fluctuation that a particle sees at its position by `duration` [s], exactly. Returns the
+    /// fluctuation at the end, and the mean that the particle responds to, both over σ [-]. `noise` [-] contains
+    /// independent Gaussian numbers.
     ///
-    /// A particle forgets the eddies of the past with its response time τ, so that the weight of the time t before the
-    /// end is exp(-t/τ). Here this weight is the sum of an equal one and of one at the end, with the same centre. This is
-    /// exact for long and for short response times.
+    /// The effect of an eddy on a particle decays with its response time τ: the weight of the time t before the end is
+    /// exp(-t/τ). This weight is replaced by the sum of a constant weight and a weight at the end, with the same
+    /// centre. The result is exact for long and for short response times.
     #[inline]
     pub fn advance(
         &self,
@@ -287,7 +289,7 @@ impl Langevin {
             return [s; 2];
         }
         let following = |time: f64| time / (time + seen.response);
-        // the slip decays during a kick, to nothing for particles that follow the gas; this is its mean over the kick
+        // the slip decays during a kick, to zero for particles that follow the gas; this is its mean over the kick
         let ratio = duration / seen.response;
         let lasting = if ratio > 0.0 { -(-ratio).exp_m1() / ratio } else { 1.0 };
         let guess = (seen.velocity - s * (local.deviation * following(local.time))) * lasting;
@@ -311,9 +313,10 @@ impl Langevin {
 mod tests {
     use super::*;
 
-    /// Moments of the end and of the mean over a time h from a start of variance 1, for x = h/T: the end has variance 1
-    /// and covariance exp(-x) with the start; the mean has variance 2 (x - 1 + exp(-x))/x² and covariance
-    /// (1 - exp(-x))/x with both ends. These are integrals of exp(-|t - t'|/T), computed apart from the bridge.
+    /// Moments of the end value and of the mean over a time h, from a start of variance 1, with x = h/T. The end has
+    /// the variance 1 and the covariance exp(-x) with the start. The mean has the variance 2 (x - 1 + exp(-x))/x² and
+    /// the covariance (1 - exp(-x))/x with both ends. These are integrals of exp(-|t - t'|/T), computed independently
+    /// of the tested formulas.
     #[test]
     fn a_step_has_the_moments_of_the_exponential_correlation() {
         for x in [1e-9_f64, 1e-4, 0.1, 1.0, 7.0, 1e3, f64::INFINITY] {
@@ -334,8 +337,8 @@ mod tests {
         }
     }
 
-    /// Two steps of half the length are one whole step: the mean and the variance of the end agree, with drift. Without
-    /// response the mean over the whole step is that of both halves.
+    /// Two steps of half the length equal one whole step: the means of the end agree, with drift. For an infinite
+    /// response time, the mean over the whole step is that of both halves.
     #[test]
     fn two_half_steps_are_a_whole_step() {
         let langevin = Langevin { time_scale_ratio: 0.0, ..Langevin::default() };
@@ -354,8 +357,8 @@ mod tests {
         }
     }
 
-    /// The weight exp(-r z) of the share z of the time before the end has its centre at 1/r - 1/(exp(r) - 1). An equal
-    /// weight has it at 1/2, and the end at 0.
+    /// The weight exp(-r z), where z is the share of the time before the end, has its centre at 1/r - 1/(exp(r) - 1). A
+    /// constant weight has it at 1/2, and a weight at the end at 0.
     #[test]
     fn the_mean_has_the_centre_of_the_response() {
         for ratio in [1e-9_f64, 9e-4, 0.01, 1.0, 30.0] {

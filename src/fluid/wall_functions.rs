@@ -1,32 +1,33 @@
 //! Standard k-epsilon model with equilibrium wall functions (Launder and Spalding 1974).
 
-use super::half_channel::{Equation, HalfChannel, WallCondition};
+use super::half_channel::{Equation, HalfChannel, SweepStep, WallCondition};
 use super::k_epsilon::{C_1, C_2, C_MU, SIGMA_EPSILON, SIGMA_K};
 use super::table::VelocityTable;
 
-/// [-] von Kármán's constant κ, often used together with E = 9.0, so that B = ln(E)/κ = 5.36. Other pairs of constants
-/// are in use (`docs/theory/gas.md`).
+/// [-] von Kármán's constant κ, often used together with E = 9.0, so that B = ln(E)/κ = 5.36. `docs/theory/gas.md`
+/// lists other pairs of constants.
 pub(super) const KAPPA: f64 = 0.41;
 /// [-] constant E in U+ = ln(E y+)/κ on a smooth wall, used together with κ = 0.41.
 const E: f64 = 9.0;
-/// [-] distance y+ of the edge of the viscous sublayer in the two-layer law of the wall. It is the root of y+ = ln(E
-/// y+)/κ, computed from κ and E.
+/// [-] distance y+ of the edge of the viscous sublayer in the two-layer law of the wall: the root of y+ = ln(E y+)/κ.
 const SUBLAYER: f64 = 11.225_301;
 
-/// [-] lowest bulk Reynolds number of the model. At lower values a half channel is too thin for a logarithmic layer and
+/// [-] lowest bulk Reynolds number of the model. At lower values a half channel has no room for a logarithmic layer and
 /// an outer layer of 5 cells.
 pub(super) const LOWEST_REYNOLDS: f64 = 10_000.0;
-/// [-] desired distance y+ of the first node, in the middle of the range in which the result does not depend on it.
+/// [-] intended distance y+ of the first node, in the middle of the range in which the result does not depend on this
+/// distance.
 const FIRST_NODE: f64 = 30.0;
-/// Largest number of cells. For Re_τ > 3600 the first node is therefore above `FIRST_NODE`, but still within 1 % of h
-/// from the wall.
+/// Largest number of cells. It limits the grid for Re_τ > 3600: the first node is then above `FIRST_NODE`, but within 1
+/// % of h from the wall.
 const MOST_CELLS: usize = 60;
 
 /// [-] weight of the newly computed k and ε in the next iterate; the previous values have the remaining weight.
 const RELAXATION: f64 = 0.7;
-/// Number of points of the profile in the logarithmic law below the first node.
+/// Number of intervals between the edge of the sublayer and the first node in which the profile follows the logarithmic
+/// law.
 const LAW_POINTS: usize = 24;
-/// Number of parts into which the points of the profile divide the distance between two nodes.
+/// Number of intervals into which points of the profile divide the distance between two nodes.
 const PARTS: usize = 8;
 
 /// Number of cells over the half channel for a given friction Reynolds number.
@@ -39,39 +40,48 @@ pub(super) fn faces(cells: usize) -> Vec<f64> {
     (0..=cells).map(|face| face as f64 / cells as f64).collect()
 }
 
-/// Velocity scale u* = C_μ^(1/4) k_P^(1/2) of the wall cell, with k_P the turbulent kinetic energy in this cell.
+/// [-] velocity scale u* = C_μ^(1/4) k_P^(1/2) of the wall cell, where k_P is the turbulent kinetic energy in this
+/// cell.
 fn scale(channel: &HalfChannel) -> f64 {
     C_MU.powf(0.25) * channel.k[0].sqrt()
 }
 
-/// Production of k: ν_t (dU/dy)²; in the wall cell it is τ_w²/(κ u* y).
+/// [-] production of k, ν_t (dU/dy)²; in the wall cell it is τ_w²/(κ u* y). In wall units.
 pub(super) fn production(channel: &HalfChannel, cell: usize) -> f64 {
     if cell == 0 {
-        1.0 / (KAPPA * scale(channel) * channel.y[0])
+        channel.wall_stress().powi(2) / (KAPPA * scale(channel) * channel.y[0])
     } else {
         channel.nu_t[cell] * channel.shear(cell).powi(2)
     }
 }
 
-/// Updates U, k, ε and ν_t once; returns the largest relative change [-].
+/// Updates U, k, ε and ν_t of a gas alone once; returns the largest relative change [-].
 pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
-    let count = channel.k.len();
     channel.integrate_momentum(law(channel, channel.y[0]));
+    let none = vec![0.0; channel.k.len()];
+    sweep_turbulence(channel, &SweepStep { relaxation: RELAXATION, rate: 0.0, damping: (&none, 0.0) })
+}
 
-    let source: Vec<f64> = (0..count).map(|i| production(channel, i)).collect();
+/// Updates k, ε and ν_t once; returns the largest relative change [-].
+pub(super) fn sweep_turbulence(channel: &mut HalfChannel, step: &SweepStep) -> f64 {
+    let count = channel.k.len();
+    let (damping, factor) = step.damping;
+    let p: Vec<f64> = (0..count).map(|i| production(channel, i)).collect();
     let frequency: Vec<f64> = (0..count).map(|i| channel.epsilon[i] / channel.k[i]).collect();
+    let sink: Vec<f64> = (0..count).map(|i| frequency[i] + step.rate + damping[i]).collect();
+    let source: Vec<f64> = (0..count).map(|i| p[i] + step.rate * channel.k[i]).collect();
     let mut k = channel.k.clone();
-    let equation = Equation { prandtl: SIGMA_K, sink: &frequency, source: &source, wall: WallCondition::Insulated };
-    let mut change = channel.solve(&equation, RELAXATION, &mut k);
+    let equation = Equation { prandtl: SIGMA_K, sink: &sink, source: &source, wall: WallCondition::Insulated };
+    let mut change = channel.solve(&equation, step.relaxation, &mut k);
 
-    let sink: Vec<f64> = frequency.iter().map(|frequency| C_2 * frequency).collect();
-    let source: Vec<f64> = frequency.iter().zip(&source).map(|(frequency, p)| C_1 * frequency * p).collect();
+    let sink: Vec<f64> = (0..count).map(|i| C_2 * frequency[i] + step.rate + factor * damping[i]).collect();
+    let source: Vec<f64> = (0..count).map(|i| C_1 * frequency[i] * p[i] + step.rate * channel.epsilon[i]).collect();
     channel.k = k;
     // equilibrium of production and dissipation in the wall cell: ε = u*³/(κ y)
     let wall = WallCondition::FirstCell(scale(channel).powi(3) / (KAPPA * channel.y[0]));
     let mut epsilon = channel.epsilon.clone();
     let equation = Equation { prandtl: SIGMA_EPSILON, sink: &sink, source: &source, wall };
-    change = change.max(channel.solve(&equation, RELAXATION, &mut epsilon));
+    change = change.max(channel.solve(&equation, step.relaxation, &mut epsilon));
     channel.epsilon = epsilon;
 
     for i in 0..count {
@@ -80,16 +90,21 @@ pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
     change
 }
 
-/// Velocity U by the two-layer law of the wall. It is τ_w y below the edge of the sublayer, and τ_w/(κ u*) ln(E u* y)
-/// above.
+/// [-] velocity U by the two-layer law of the wall, in wall units: τ_w y below the edge of the sublayer, and τ_w/(κ u*)
+/// ln(E u* y) above.
 fn law(channel: &HalfChannel, y: f64) -> f64 {
+    channel.wall_stress() * velocity_per_stress(channel, y)
+}
+
+/// U/τ_w at the distance `y` from the wall, by the two-layer law of the wall.
+pub(super) fn velocity_per_stress(channel: &HalfChannel, y: f64) -> f64 {
     let scale = scale(channel);
     if y * scale < SUBLAYER { y } else { (E * scale * y).ln() / (KAPPA * scale) }
 }
 
 /// Velocity profile U(y) as points. Up to the first node it is the law of the wall. From there to the centre plane it
-/// is a monotone cubic in ln y through the nodes, because a cubic in y would not follow the logarithm between the first
-/// two nodes.
+/// is a monotone cubic in ln y through the nodes. A cubic in y would not follow the logarithm between the first two
+/// nodes.
 ///
 /// # Errors
 ///
@@ -97,7 +112,7 @@ fn law(channel: &HalfChannel, y: f64) -> f64 {
 pub(super) fn profile(channel: &HalfChannel) -> Result<Vec<(f64, f64)>, String> {
     let first = channel.y[0];
     let edge = (SUBLAYER / scale(channel)).min(0.9 * first);
-    // The linear part of the law needs points only near its edge, where the logarithmic part begins.
+    // the linear part of the law needs points only near its edge, where the logarithmic part begins
     let sublayer = [0.0, 0.5, 0.9, 1.0].map(|part| part * edge);
     let step = (first / edge).powf(1.0 / LAW_POINTS as f64);
     let logarithm = (1..LAW_POINTS).map(|i| edge * step.powi(i as i32));
@@ -108,7 +123,8 @@ pub(super) fn profile(channel: &HalfChannel) -> Result<Vec<(f64, f64)>, String> 
     let centre = channel.centre_velocity();
     let nodes: Vec<_> = y.iter().zip(channel.u.iter().chain([&centre])).map(|(y, u)| (y.ln(), *u)).collect();
     // The slope dU/d(ln y) at the first node is that of the law of the wall, 1/(κ u*).
-    let table = VelocityTable::with_end_slopes(&nodes, [Some(1.0 / (KAPPA * scale(channel))), Some(0.0)])?;
+    let slope = channel.wall_stress() / (KAPPA * scale(channel));
+    let table = VelocityTable::with_end_slopes(&nodes, [Some(slope), Some(0.0)])?;
     for (pair, nodes) in y.windows(2).zip(nodes.windows(2)) {
         profile.push((pair[0], nodes[0].1));
         profile.extend((1..PARTS).map(|part| {

@@ -1,13 +1,13 @@
 //! Access control of the lab: a request must come from this machine and contain the token.
 //!
-//! A page of another site could make its own host name point to this machine (DNS rebinding); the browser then sends
-//! that name as `Host`. Such a page could also open a WebSocket to the lab; the browser then sends the address of the
-//! page as `Origin`. Both requests are refused.
+//! Two kinds of requests by pages of other sites are refused. A site may give this machine a host name of its own (DNS
+//! rebinding); the browser then sends this name as `Host`. A page of another site may open a WebSocket to the lab; the
+//! browser then sends the address of this page as `Origin`.
 
-/// Number of random bytes in the token, which is written in twice as many hexadecimal digits.
+/// Number of random bytes in the token. The text of the token has two hexadecimal digits per byte.
 const BYTES: usize = 16;
 
-/// Secret part of the address of the lab, too long to be guessed.
+/// Secret part of the address of the lab, too long to be found by trial.
 #[derive(Clone, Debug)]
 pub struct Token(String);
 
@@ -27,8 +27,8 @@ impl Token {
         &self.0
     }
 
-    /// Returns true if a part of an address equals the token. The duration of the comparison does not depend on the
-    /// position of the first difference.
+    /// Returns true if `other`, a part of an address, equals the token. The duration of the comparison does not depend
+    /// on the position of the first difference.
     pub fn is(&self, other: &str) -> bool {
         let differing = self.0.bytes().zip(other.bytes()).fold(0, |differing, (a, b)| differing | (a ^ b));
         self.0.len() == other.len() && differing == 0
@@ -43,8 +43,8 @@ pub fn is_host(host: Option<&str>, port: u16) -> bool {
     host.is_some_and(|host| NAMES.iter().any(|name| host.eq_ignore_ascii_case(&format!("{name}:{port}"))))
 }
 
-/// True if an `Origin` header is that of a page of the lab. Programs other than browsers send no such header, and a
-/// missing header is accepted unless `required` is true.
+/// True if an `Origin` header is that of a page of the lab. A missing header is accepted unless `required` is true,
+/// because programs other than browsers do not send the header.
 pub fn is_origin(origin: Option<&str>, port: u16, required: bool) -> bool {
     match origin {
         None => !required,

@@ -1,13 +1,13 @@
-//! Frame of the lab: the data from which the page draws one instant.
+//! Frame of the lab: data of one instant, from which the page draws both panels.
 //!
-//! A frame is a sequence of bytes, little endian. The length of the JSON [u32] comes first, then the JSON, then blanks
-//! up to a multiple of four. The particles of the left panel and then those of the right panel follow, in the order of
-//! their ids. Each particle has x, y, z [m], speed [m/s] and overlap [m], as f32.
+//! A frame is a sequence of bytes, little endian: the length of the JSON in bytes (u32), the JSON, and blanks up to a
+//! multiple of four. Then come the particles of the left panel and those of the right panel, in the order of their ids.
+//! Each particle has x, y, z [m], speed [m/s] and overlap [m], as f32.
 
 use crate::engine::Failure;
 use serde::Serialize;
 
-/// State of one panel, apart from its particles.
+/// State of one panel without the particles.
 #[derive(Clone, Debug, Serialize)]
 pub struct Now {
     /// [s] simulated time that the panel has reached.
@@ -16,7 +16,7 @@ pub struct Now {
     pub state: &'static str,
     /// Reason why the run failed, as one word and as a sentence.
     pub failure: Option<(&'static str, String)>,
-    /// Rows of measured quantities since the previous frame.
+    /// Rows of measured quantities since the previous frame, one value per column of the graphs.
     pub rows: Vec<Vec<f64>>,
     /// Numbers that the page shows next to the panel.
     pub live: Live,
@@ -25,25 +25,25 @@ pub struct Now {
 /// Numbers of a run that the page shows next to the panel.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Live {
-    /// [J] kinetic energy, with that of rotation.
+    /// [J] kinetic energy, including that of rotation.
     pub kinetic: f64,
     /// [J] elastic energy stored in contacts.
     pub elastic: f64,
     /// [J] energy lost in impacts.
     pub dissipated: f64,
-    /// [J] work of gravity, drag and moving walls.
+    /// [J] work of gravity, drag, moving walls and shear.
     pub work: f64,
     /// [J] kinetic and elastic energy at the start.
     pub at_start: f64,
-    /// [J] energy that the energy balance leaves unexplained.
+    /// [J] unexplained energy: change of energy minus the work and losses in the ledger.
     pub residual: f64,
     /// Number of finished impacts between particles.
     pub pairs: u64,
     /// Number of finished impacts at walls.
     pub walls: u64,
-    /// [-] realised restitution of all impacts.
+    /// [-] realised restitution, from all impacts together.
     pub restitution: Option<f64>,
-    /// [-] largest overlap over the diameter (of two different spheres, over the smaller diameter).
+    /// [-] largest overlap over the diameter, the smaller one of two different spheres.
     pub overlap: Option<f64>,
     /// [s] mean duration of an impact.
     pub duration: Option<f64>,
@@ -59,7 +59,7 @@ pub struct Live {
     pub missed: u64,
 }
 
-/// Comparison of the two panels, for scenes whose statistics are tested.
+/// Result of the comparison of both panels, for scenes whose statistics are tested.
 #[derive(Clone, Debug, Serialize)]
 pub struct PanelComparison {
     /// Answer of the test: equivalent, different or unresolved.

@@ -14,7 +14,7 @@ use serde::Serialize;
 /// Number of intervals of a theoretical curve.
 const POINTS: usize = 200;
 
-/// Set of quantities that a scene measures and draws.
+/// Set of quantities that the lab measures in a scene and draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gauge {
     /// Overlap, velocity and forces of two spheres.
@@ -37,7 +37,7 @@ pub enum Gauge {
     Spin,
     /// Height of the first ball above the floor, and the spin of the second one.
     Heap,
-    /// Collisions of a gas that were found and that were missed.
+    /// Numbers of found and of missed collisions of a gas.
     Missed,
 }
 
@@ -190,7 +190,8 @@ impl Gauge {
         }
     }
 
-    /// Divisor of measured values, taken at the start: the temperature or the energy.
+    /// Value at the start by which measured values are divided: the granular temperature of a gas that cools, otherwise
+    /// the energy.
     fn scale(self, simulation: &Simulation) -> f64 {
         match self {
             Self::Gas => temperature(&simulation.particles),
@@ -199,8 +200,8 @@ impl Gauge {
     }
 }
 
-/// Overlap of the lowest of n spheres that rest on top of each other, n m g/k, over the diameter [%]. It is constant
-/// over the whole run.
+/// Curve of the overlap of the lowest of n spheres that rest on top of each other, over the diameter [%]. For a linear
+/// spring the overlap is n m g/k. It is constant over the whole run.
 fn statics(experiment: &Experiment, start: &Particles) -> Option<Vec<[f64; 2]>> {
     let law = experiment.law()?;
     let wall = experiment.scene.walls.first().map(|_| 0)?;
@@ -217,7 +218,7 @@ fn temperature(particles: &Particles) -> f64 {
     particles.velocity.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / (3.0 * count)
 }
 
-/// Measures the quantities of a gauge while a panel runs.
+/// Observer that measures the quantities of a gauge while a panel runs.
 pub struct Meter<'a> {
     gauge: Gauge,
     experiment: &'a Experiment,
@@ -232,9 +233,9 @@ impl<'a> Meter<'a> {
         Self { gauge, experiment, at_start: None, rows: Vec::new() }
     }
 
-    /// Time [µs], overlap δ [µm], normal velocity [m/s], and three forces [mN] of the first two spheres: of the spring,
-    /// of the dashpot, and their sum. The forces are computed from the contact law at this instant, and are 0 without
-    /// an overlap.
+    /// Time [µs], overlap δ [µm], normal velocity [m/s], and three forces [mN] between the first two spheres: spring
+    /// force, dashpot force, and their sum. The forces are computed from the contact law at this instant, and are 0
+    /// without an overlap.
     fn meeting(&self, simulation: &Simulation) -> Vec<f64> {
         let (particles, scene) = (&simulation.particles, simulation.scene());
         let met = Couple { i: 0, other: Other::Particle(1) }.meet(particles, scene, FrameTime::default());
@@ -247,7 +248,7 @@ impl<'a> Meter<'a> {
     }
 }
 
-/// Constants of the contact between the first two spheres.
+/// The first two spheres, as the bodies of a contact.
 fn pair(scene: &Scene, particles: &Particles) -> Bodies {
     Bodies::pair(scene, particles, 0, 1)
 }

@@ -6,12 +6,11 @@
 //!          <--frames------------------------- <--tells--
 //! ```
 //!
-//! A scene is a case of `cases/` with changes in the form of `--set` arguments, so that scenes have no other
-//! description. No frame is made while two earlier ones are still to be drawn, so that a slow page receives fewer
-//! frames.
+//! A scene is a case of `cases/` with changes in the form of `--set` arguments. If the page has not yet drawn two
+//! frames, no further frame is computed, so that a slow page receives fewer frames.
 //!
-//! The lab reads and writes no files. The address contains a token that cannot be guessed. A request with another host
-//! name than that of this machine is refused ([`access`]).
+//! The lab reads and writes no files. Its address contains a secret token. A request with another host name than that
+//! of this machine is refused ([`access`]).
 
 pub mod access;
 mod engine_lock;

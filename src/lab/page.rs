@@ -28,6 +28,6 @@ pub const ASSETS: &[Asset] = &[
     Asset { path: "words.js", kind: SCRIPT, text: include_str!("page/words.js") },
 ];
 
-/// Content security policy: the page may run only its own files, and connect only to its own server.
+/// Content security policy: the page may load only its own files, and connect only to its own server.
 pub const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' data:; \
      base-uri 'none'; form-action 'none'; frame-ancestors 'none'";

@@ -14,11 +14,11 @@ use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
 use std::time::Duration;
 
-/// Largest number of measured rows in a frame; if there are more, some are left out.
+/// Largest number of measured rows in a frame. Of more rows, only every n-th one is sent.
 const MOST_ROWS: usize = 100;
 
-/// Smallest number of windows per frame at the default pace of a scene. With so many windows, motion is smooth also at
-/// a slower pace.
+/// Smallest number of windows per frame at the default pace of a scene. With two windows per frame, motion is smooth at
+/// a slower pace too.
 const WINDOWS_PER_FRAME: f64 = 2.0;
 
 /// Running simulation of one panel.
@@ -26,15 +26,15 @@ pub struct LabPanel<'a> {
     simulation: Simulation,
     course: RunLoop,
     meter: Meter<'a>,
-    /// Observers for the comparison of the panels, in scenes whose statistics are tested.
+    /// Observers for the comparison of the panels; `None` in scenes whose statistics are not tested.
     seen: Option<StandardObservers<'a>>,
     at_start: f64,
     over: bool,
     failure: Option<Failure>,
 }
 
-/// Schedule of the windows of a panel; frames are `frame` [s] of simulated time apart. With drag or stepped hard
-/// spheres these are the windows of the case. Otherwise the windows are short enough for the frames, and whole
+/// Schedule of the windows of a panel, for frames that are `frame` [s] of simulated time apart. With drag or stepped
+/// hard spheres it is the schedule of the case. Otherwise the windows are short enough for the frames, and whole
 /// multiples of the time step.
 fn schedule(experiment: &Experiment, particles: usize, frame: f64) -> Schedule {
     let own = Schedule::new(experiment);
@@ -103,7 +103,7 @@ impl<'a> LabPanel<'a> {
         let mut rows = std::mem::take(&mut self.meter.rows);
         let every = rows.len().div_ceil(MOST_ROWS).max(1);
         let mut place = rows.len();
-        // the last row is always among those that remain
+        // the last row is always kept
         rows.retain(|_| {
             place -= 1;
             place.is_multiple_of(every)
@@ -128,7 +128,7 @@ impl<'a> LabPanel<'a> {
             kinetic: simulation.particles.kinetic_energy() + simulation.particles.rotational_energies().value(),
             elastic: simulation.elastic_energy(),
             dissipated: ledger.dissipated(),
-            work: ledger.gravity_work + ledger.drag_work + ledger.wall_work,
+            work: ledger.gravity_work + ledger.drag_work + ledger.wall_work + ledger.shear_work,
             at_start: self.at_start,
             residual: ledger.residual(self.at_start, simulation.energy()),
             pairs: record.pairs.count,
@@ -160,7 +160,7 @@ impl<'a> LabPanel<'a> {
         drawn
     }
 
-    /// Results of the panel so far, in scenes whose statistics are tested; `None` in other scenes and at the start.
+    /// Results of the panel so far; `None` at the start, and in scenes whose statistics are not tested.
     pub fn outcome(&self) -> Option<Outcome> {
         let seen = self.seen.clone()?;
         let hash = self.simulation.state().fingerprint();

@@ -1,4 +1,4 @@
-//! Parameters that the page of the lab can change, their limits, and the `--set` arguments that result from a change.
+//! Parameters that a user of the lab can change on the page: limits, and the `--set` arguments for a change.
 
 use crate::experiment::{Amount, Experiment, HardStepping, Integrator, TimeStep};
 use crate::output::numbers::significant;
@@ -33,16 +33,18 @@ pub enum LabParameter {
     Integrator,
     /// Window h: time between two exchanges of momentum with the gas [µs].
     Window,
-    /// Number of particles of a gas. The size of the box changes with this number so that the volume fraction remains.
+    /// Number of particles of a gas. The size of the box changes with this number so that the volume fraction stays the
+    /// same.
     Count,
     /// Number of spheres in a row.
     Row,
     /// Speed of each of two spheres before they meet [m/s].
     Approach,
-    /// Step criterion θ of stepped hard spheres [-]: distance that a typical pair moves in one step, over the diameter.
+    /// Step criterion θ of stepped hard spheres [-]: distance that a typical pair moves relative to each other in one
+    /// step, over the diameter.
     Theta,
-    /// Clearance of hybrid spheres, in contact times [-]. A touch is an instantaneous collision if no other particle
-    /// can reach the two within this time.
+    /// Clearance of hybrid spheres, in contact times [-]. A contact becomes an instantaneous collision if no third
+    /// particle can reach the two spheres within this time.
     Clearance,
     /// Seed of the random start.
     Seed,
@@ -179,7 +181,7 @@ impl LabParameter {
         Some(ParameterValue::Number(rounded(number)))
     }
 
-    /// Arguments of `--set` by which the parameter of an experiment gets this value.
+    /// Returns the `--set` arguments that give the parameter the value `setting`.
     pub fn sets(self, setting: &ParameterValue, experiment: &Experiment) -> Vec<String> {
         let value = match setting {
             ParameterValue::Word(word) => return vec![format!("soft.integrator={word}")],
@@ -212,7 +214,7 @@ impl ParameterRange {
         }
     }
 
-    /// Checks a value that the page sent, and rounds the value to the allowed digits.
+    /// Checks a value that the page sent, and rounds a number to the allowed digits.
     ///
     /// # Errors
     /// In words: the value is beyond the limits or of the wrong kind.
@@ -241,26 +243,27 @@ fn rounded(value: f64) -> f64 {
     format!("{value:.*e}", DIGITS as usize - 1).parse().unwrap_or(value)
 }
 
-/// Changes that set a property, such as the restitution, for contacts of pairs and of every wall.
+/// Arguments that set a property, such as the restitution, for contacts of pairs and of every wall.
 fn surfaces(experiment: &Experiment, key: &str, value: f64) -> Vec<String> {
     let walls = (0..experiment.scene.walls.len()).map(|wall| format!("walls[{wall}].{key}={value}"));
     std::iter::once(format!("contact.{key}={value}")).chain(walls).collect()
 }
 
-/// Changes that set the number of particles; the periodic sides of the box grow so that the volume fraction remains.
+/// Arguments that set the number of particles, and enlarge or reduce the periodic sides of the box so that the volume
+/// fraction stays the same.
 fn crowd(experiment: &Experiment, count: f64) -> Vec<String> {
     let domain = &experiment.scene.domain;
     let sides: Vec<usize> = (0..3).filter(|axis| domain.periodic[*axis]).collect();
     let factor = (count / experiment.count() as f64).powf(1.0 / sides.len().max(1) as f64);
     let sizes = sides.into_iter().map(|axis| {
-        // five significant decimals, more than on the page, keep the volume fraction within 0.1 %
+        // rounding to five decimal places in mm changes the volume fraction by less than 0.1 %
         format!("domain.size[{axis}]={:.5} mm", 1e3 * domain.size[axis] * factor)
     });
     sizes.chain(std::iter::once(format!("particles[0].count={count}"))).collect()
 }
 
-/// Changes that set the number of spheres in the row of the case. The row consists of the first spheres of the case;
-/// further spheres continue the row at equal distances.
+/// Arguments that set the number of spheres in a row. The row begins with the spheres of the case; further spheres
+/// continue the row at equal distances.
 fn row(experiment: &Experiment, count: usize) -> Vec<String> {
     let Some(Amount::Placed(placed)) = experiment.start.first().map(|population| &population.amount) else {
         return Vec::new();
@@ -279,7 +282,7 @@ fn row(experiment: &Experiment, count: usize) -> Vec<String> {
     vec![format!("particles[0].at=[{}]", (0..count).map(one).collect::<Vec<_>>().join(", "))]
 }
 
-/// Changes that give both of two spheres the speed `speed` [m/s], each in its present direction.
+/// Arguments that give both of two spheres the speed `speed` [m/s], each in its present direction.
 fn approach(experiment: &Experiment, speed: f64) -> Vec<String> {
     let Some(Amount::Placed(placed)) = experiment.start.first().map(|population| &population.amount) else {
         return Vec::new();
@@ -291,8 +294,8 @@ fn approach(experiment: &Experiment, speed: f64) -> Vec<String> {
     (0..placed.len()).flat_map(|k| (0..3).filter_map(move |axis| moving(k, axis))).collect()
 }
 
-/// Changes that set θ of stepped hard spheres, and the window in proportion. One window is one step of this engine,
-/// because a step ends at the end of a window at the latest.
+/// Arguments that set θ of stepped hard spheres, and the window in proportion to θ. A step ends at the end of a window
+/// at the latest, so that a window is one step of this engine.
 fn theta(experiment: &Experiment, theta: f64) -> Vec<String> {
     let mut sets = vec![format!("hard.theta={theta}")];
     if let (Some(window), HardStepping::Steps { theta: before }) = (experiment.run.window, experiment.hard.stepping) {
@@ -301,7 +304,7 @@ fn theta(experiment: &Experiment, theta: f64) -> Vec<String> {
     sets
 }
 
-/// Method of the soft engine in a few words: integrator and time step.
+/// Short description of the soft engine: integrator and time step.
 pub fn soft_method(experiment: &Experiment, particles: usize) -> String {
     let step = soft_step(experiment, particles);
     let integrator = INTEGRATORS[usize::from(experiment.soft.integrator == Integrator::Rk2)].1;

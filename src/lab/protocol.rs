@@ -11,8 +11,8 @@ use std::collections::BTreeMap;
 /// [bytes] length of the longest message that a page may send.
 pub const LONGEST: usize = 16 * 1024;
 
-/// Values of the parameters that the user has set on the page, by the names of the parameters. Other parameters have
-/// the values of the case.
+/// Values of the parameters that the user has set on the page, by the names of the parameters. All other parameters
+/// have the values of the case.
 pub type Settings = BTreeMap<String, ParameterValue>;
 
 /// Scene and settings that the user has chosen on the page.
@@ -27,7 +27,7 @@ pub struct SceneChoice {
     /// Model of the right panel, as its index in the list of the scene.
     #[serde(default)]
     pub right: usize,
-    /// Serial number of this choice, counted by the page; answers contain the same number.
+    /// Serial number of the choice, counted by the page. Answers to the choice contain the same number.
     #[serde(default)]
     pub serial: u32,
 }

@@ -1,4 +1,4 @@
-//! A scene of the lab with the chosen settings, from which the reader of cases makes the experiments of both panels.
+//! Scene of the lab with the settings of the user, and the experiments of both panels that follow from these.
 
 use super::parameter::{LabParameter, soft_method};
 use super::protocol::{Opened, PanelDescription as Heading, SceneChoice, ShownParameter};
@@ -20,7 +20,7 @@ pub struct SceneState {
     pub choice: SceneChoice,
     /// Experiments of the left and the right panel.
     pub experiments: [Experiment; 2],
-    /// Initial states of the two panels, equal unless the numbers of particles differ.
+    /// Initial states of the two panels. They are equal unless the panels differ in the number of particles.
     pub starts: [Particles; 2],
     case: Case,
     sets: Vec<String>,
@@ -120,15 +120,15 @@ impl SceneState {
         }
     }
 
-    /// Command `diptych run` that repeats one panel, with its changes to the case.
+    /// Command `diptych run` that repeats one panel, including the changes to the case.
     fn run_command(&self, side: &PanelSetup) -> String {
         let own = side.sets.iter().map(|set| (*set).to_owned());
         let sets = self.sets.iter().cloned().chain(own);
         command(["diptych", "run", self.scene.case, "--model", side.model.name()], sets)
     }
 
-    /// Command that compares the models of both panels. The command contains the name of the built-in case if `compare`
-    /// runs these two variants by default. Otherwise it contains the name of the case file that the page can save.
+    /// Command that compares both panels. It contains the name of the built-in case if `compare` runs the models of
+    /// both panels for this case by default. Otherwise it contains the name of the case file that the page can save.
     fn command(&self) -> String {
         let plain = [&self.scene.left, self.right()].iter().all(|side| side.sets.is_empty());
         if plain && !self.case.names_variants() && self.right().model == Model::Hard {
@@ -142,8 +142,8 @@ impl SceneState {
         format!("lab-{}.toml", self.scene.name)
     }
 
-    /// Text of a case file with the present settings. With this file `run` repeats the left panel, and `compare` both
-    /// panels.
+    /// Text of a case file with the present settings. With this file, `run` repeats the left panel, and `compare`
+    /// repeats both panels.
     pub fn file(&self) -> String {
         let heading = format!(
             "{}: as set in `diptych lab`\n\nQuestion: {}\nSource: the built-in case `{}`.\n{}",
@@ -157,18 +157,18 @@ impl SceneState {
             model: side.model,
             sets: side.sets,
         });
-        // a case that was read can also be written; if this fails, the page shows the reason
+        // every case that can be read can also be written; if writing fails, the file contains the reason
         self.case.written(&heading, &variants).unwrap_or_else(|why| format!("# {}\n", why.message))
     }
 }
 
-/// Changes to the built-in case that belong to the scene itself.
+/// Changes to the built-in case that the definition of the scene contains.
 fn plain(scene: &LabScene) -> Vec<String> {
     scene.sets.iter().map(|set| (*set).to_owned()).collect()
 }
 
-/// Changes to the built-in case by the scene and by the settings on the page. Values equal to those of the case are
-/// left out.
+/// Changes to the built-in case by the scene and by the settings on the page. Settings equal to the values of the case
+/// are left out.
 fn changes(scene: &LabScene, choice: &SceneChoice, own: &Experiment) -> Result<Vec<String>, String> {
     if let Some(name) = choice.settings.keys().find(|name| !scene.knobs.iter().any(|range| range.knob.name() == **name))
     {
@@ -195,7 +195,7 @@ fn of_side(case: &BuiltIn, sets: &[String], side: &PanelSetup) -> Result<(Case, 
     Ok((case, checked))
 }
 
-/// Method by which an experiment computes collisions, in a few words.
+/// Short description of the method by which an experiment computes collisions.
 fn method(experiment: &Experiment, particles: usize) -> String {
     match (experiment.model(), experiment.hard.stepping) {
         (Model::Soft, _) => soft_method(experiment, particles),

@@ -1,5 +1,5 @@
-//! Server of the lab: sends the files of the page and opens a WebSocket for each page. The server listens only to this
-//! machine.
+//! Server of the lab: sends the files of the page and opens a WebSocket for each page. The server accepts connections
+//! from this machine only.
 
 use super::access::{Token, is_host, is_origin};
 use super::engine_lock::EngineLock;
@@ -27,25 +27,25 @@ use tokio::sync::{Semaphore, mpsc, watch};
 /// Largest number of pages that may be open at the same time.
 const MOST_SESSIONS: usize = 4;
 
-/// Largest number of requests of a page that its session has not yet read. If a page sends more, the connection is
+/// Largest number of requests of a page that its session has not yet read. If a page sends more, its connection is
 /// closed.
 const MOST_ASKS: usize = 256;
 
 /// Largest number of messages of a session that its WebSocket has not yet sent.
 const UNSENT: usize = 4;
 
-/// Largest number of simultaneous connections, apart from WebSockets. A page opens six, and many systems allow a
-/// process only 64 open files.
+/// Largest number of simultaneous connections, WebSockets not included. A page opens six connections, and many systems
+/// allow a process only 64 open files.
 const MOST_CONNECTIONS: usize = 40;
 
-/// Time limit for the head of a request, counted from the connection or from the last answer. A page on this machine
-/// sends the head without delay.
+/// Time limit for the head of a request, from the start of the connection or from the last answer. A page on this
+/// machine sends the head at once.
 const HEAD: Duration = Duration::from_secs(2);
 
-/// Time after which a connection is closed; a page opens a new connection when needed.
+/// Time after which a connection is closed. A page opens a new connection when needed.
 const CONNECTION: Duration = Duration::from_secs(60);
 
-/// Pause before the next attempt after the system has refused a connection.
+/// Pause after the system has refused a connection, before the next attempt.
 const AFTER_ERROR: Duration = Duration::from_millis(100);
 
 /// Reason why the lab cannot be served.
@@ -88,7 +88,8 @@ struct ServerState {
 }
 
 impl LabServer {
-    /// Starts a server at a port of this machine, which runs until [`stop`](Self::stop). Port 0 means any free port.
+    /// Starts a server at a port of this machine. The server runs until [`stop`](Self::stop). Port 0 means any free
+    /// port.
     ///
     /// # Errors
     /// The port is taken, or the system gives no random numbers or threads.
@@ -130,8 +131,7 @@ impl LabServer {
 
     /// Ends the server and all threads that it has started.
     pub fn stop(self) {
-        // errors are ignored: the server may have ended before, and a thread that panicked has already printed a
-        // message
+        // errors are ignored: the server may have ended already, and a thread that panicked has printed a message
         let _ = self.stop.send(true);
         let _ = self.server.join();
     }
@@ -153,7 +153,7 @@ async fn serve(listener: TcpListener, shared: ServerState) {
             () = until_told(&mut stop) => {}
         }
     }
-    // at the signal to stop each WebSocket is closed, and its session then ends
+    // at the signal to stop, each WebSocket is closed, and the session of its page then ends
     let threads = std::mem::take(&mut *threads.lock().unwrap_or_else(PoisonError::into_inner));
     for thread in threads {
         while !thread.is_finished() {
@@ -163,13 +163,13 @@ async fn serve(listener: TcpListener, shared: ServerState) {
     }
 }
 
-/// Accepts and answers connections; their number and the duration of each are bounded. Further connections wait until
-/// one of the earlier ones ends.
+/// Accepts and answers connections. Their number and the duration of each connection are limited. Further connections
+/// wait until an earlier one ends.
 async fn accept(listener: tokio::net::TcpListener, router: Router) {
     let places = Arc::new(Semaphore::new(MOST_CONNECTIONS));
     while let Ok(place) = Arc::clone(&places).acquire_owned().await {
         let Ok((stream, _)) = listener.accept().await else {
-            // after an error such as too many open files, other connections can close during this pause
+            // after an error such as too many open files, the pause leaves time for other connections to close
             tokio::time::sleep(AFTER_ERROR).await;
             continue;
         };
@@ -186,7 +186,7 @@ async fn accept(listener: tokio::net::TcpListener, router: Router) {
     }
 }
 
-/// Waits for the signal by which the server is stopped.
+/// Waits for the signal to stop the server.
 async fn until_told(stop: &mut watch::Receiver<bool>) {
     // an error means that the server object no longer exists
     drop(stop.wait_for(|stop| *stop).await);
@@ -199,16 +199,16 @@ fn plain(status: StatusCode) -> Response<Body> {
     response
 }
 
-/// Text of a header that occurs exactly once; otherwise `None`, because a proxy may have used any of several equal
-/// headers.
+/// Text of a header that occurs exactly once, otherwise `None`. If a header occurs several times, a proxy may have used
+/// any of them.
 fn text(headers: &HeaderMap, name: header::HeaderName) -> Option<&str> {
     let mut all = headers.get_all(name).iter();
     let only = all.next().filter(|_| all.next().is_none())?;
     only.to_str().ok()
 }
 
-/// Refuses a request that has another host name than that of this machine, that comes from another page, or that lacks
-/// the token. Each answer gets headers that isolate the page from other pages.
+/// Refuses a request with another host name than that of this machine, from another page, or without the token. Every
+/// answer gets headers that isolate the page from other pages.
 async fn check(State(shared): State<ServerState>, request: Request, next: Next) -> Response<Body> {
     let headers = request.headers();
     let upgrade = headers.contains_key(header::UPGRADE);
@@ -242,7 +242,7 @@ async fn file(Path((_, file)): Path<(String, String)>) -> Response<Body> {
     asset(&file)
 }
 
-/// Answer with a file of the page; only files that are built into the program exist.
+/// Answer with a file of the page, or with status 404 for a path that is not in [`ASSETS`].
 fn asset(path: &str) -> Response<Body> {
     let Some(asset) = ASSETS.iter().find(|asset| asset.path == path) else { return plain(StatusCode::NOT_FOUND) };
     let mut response = Response::new(Body::from(asset.text));
@@ -265,7 +265,7 @@ async fn socket(State(shared): State<ServerState>, upgrade: WebSocketUpgrade) ->
         .on_upgrade(move |socket| serve_page(socket, shared, place))
 }
 
-/// Permission for one open page, out of a limited number. If this value is dropped, another page may be opened.
+/// Place of one open page, of a limited number of places. Dropping this value frees the place for another page.
 struct PageSlot(Arc<AtomicUsize>);
 
 impl Drop for PageSlot {
@@ -313,8 +313,8 @@ fn hear(message: &ws::Message, ask: &SyncSender<Ask>) -> bool {
     }
 }
 
-/// Starts the thread of a session. The thread pool of its engines consists of this one thread, so that parallel loops
-/// stay on this thread.
+/// Starts the thread of a session. The thread pool of its engines has this one thread, so that parallel loops run on
+/// it.
 fn start(
     session: Session,
     place: PageSlot,
@@ -327,7 +327,7 @@ fn start(
         threads.push(thread);
         Ok(())
     });
-    // the thread of the pool ends when the pool has been dropped and the session is over
+    // the thread ends when the session is over and the pool is dropped
     pool.build()?.spawn(move || {
         session.run();
         drop(place);

@@ -1,7 +1,7 @@
-//! Session of an open page, in a separate thread: runs two panels side by side while the page is visible.
+//! Session of an open page: runs two panels side by side while the page is visible. Each session has its own thread.
 //!
-//! Both panels advance to equal simulated times. Nothing is computed while two frames are still to be drawn by the
-//! page. A page that is slow, hidden or stopped therefore causes no work, and the frame on a page is always recent.
+//! Both panels advance to equal simulated times. Nothing is computed while the page still has to draw two frames. A
+//! slow, hidden or stopped page therefore causes no work, and a page always shows a recent frame.
 
 use super::engine_lock::EngineLock;
 use super::frame::{Head, Now, PanelComparison, bytes};
@@ -17,17 +17,17 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 use std::time::Duration;
 use tokio::sync::mpsc::Sender;
 
-/// Largest number of frames that have been sent but not yet drawn.
+/// Largest number of frames that have been sent to the page but not yet drawn.
 const UNDRAWN: u32 = 2;
 
 /// Wall time between two frames.
 const FRAME: Duration = Duration::from_millis(33);
 
-/// Largest wall time that a panel may compute for one frame. If it is not enough, the frame shows the time that the
-/// panel has reached.
+/// Largest wall time that a panel may compute for one frame. A panel that needs longer shows the simulated time that it
+/// has reached.
 const BUDGET: Duration = Duration::from_millis(14);
 
-/// Longest wall time since the last frame that the next frame takes into account; a longer pause is not made up for.
+/// Largest wall time since the last frame that counts for the next frame. A longer pause is not made up for.
 const LATEST: Duration = Duration::from_millis(100);
 
 /// Wall time between two comparisons of the panels.
@@ -54,11 +54,12 @@ pub struct Session {
     pub asks: Receiver<Ask>,
     /// Channel of messages to the page.
     pub tells: Sender<PageMessage>,
-    /// Lock of the engine; the session computes only while it holds this lock.
+    /// Lock of the engine; the session computes only while it has locked it.
     pub turn: EngineLock,
 }
 
-/// Present state of the page: paused or not, visible or not, number of frames still to be drawn, pace.
+/// State of the page: motion on or off, page visible or not, one step requested or not, number of frames still to be
+/// drawn, and pace.
 struct Wish {
     playing: bool,
     looking: bool,
@@ -67,7 +68,7 @@ struct Wish {
     factor: f64,
 }
 
-/// Error that means that the page has been closed.
+/// Error: the page has been closed.
 struct Gone;
 
 impl Session {
@@ -98,8 +99,8 @@ impl Session {
         }
     }
 
-    /// Opens the scene that the user has chosen on the page, and sends its description. If the scene cannot be run, the
-    /// reason is sent to the page, and the result is `None`.
+    /// Opens the scene that the user has chosen on the page, and sends its description. If the scene cannot be run,
+    /// sends the reason, and returns `None`.
     fn open(&self, choice: &SceneChoice) -> Result<Option<SceneState>, Gone> {
         let stage = {
             let _turn = self.turn.take();
@@ -111,10 +112,10 @@ impl Session {
         }
     }
 
-    /// Runs a scene until the page opens another scene, which is returned.
+    /// Runs a scene until the page opens another scene. Returns this other scene.
     fn play(&self, stage: &SceneState, wish: &mut Wish) -> Result<SceneState, Gone> {
         let mut run = StageRun::new(stage);
-        // the initial state is always shown
+        // the initial state is always sent
         self.show(&mut run, wish)?;
         loop {
             if let Some(stage) = self.listen(wish, &run)? {
@@ -132,8 +133,7 @@ impl Session {
         }
     }
 
-    /// Handles requests of the page, and waits for them until the next frame is to be computed. Returns a scene if the
-    /// page has opened one.
+    /// Handles requests of the page until the next frame is to be computed. Returns a scene if the page has opened one.
     fn listen(&self, wish: &mut Wish, run: &StageRun) -> Result<Option<SceneState>, Gone> {
         let mut choice = None;
         let mut ask = if wish.wants(run) {
@@ -175,7 +175,7 @@ impl Session {
 }
 
 impl Wish {
-    /// Returns true if another frame is to be computed.
+    /// Returns true if the next frame is to be computed.
     fn wants(&self, run: &StageRun) -> bool {
         let moving = self.playing || self.single;
         moving && self.looking && self.undrawn < UNDRAWN && run.panels.iter().any(|panel| panel.running().is_some())
@@ -220,7 +220,7 @@ impl<'a> StageRun<'a> {
         self.stage.pace() * factor * passed.as_secs_f64()
     }
 
-    /// Advances both panels to one simulated time: that of the slower panel plus `stretch` [s].
+    /// Advances both panels to the same simulated time: that of the slower panel, plus `stretch` [s].
     fn go_on(&mut self, stretch: f64) {
         let times = self.panels.iter().filter_map(LabPanel::running);
         let until = times.fold(f64::INFINITY, f64::min) + stretch;
@@ -232,7 +232,7 @@ impl<'a> StageRun<'a> {
         }
     }
 
-    /// Compares the results of both panels so far, in scenes whose statistics are tested.
+    /// Compares the results of both panels so far. Only scenes whose statistics are tested have results.
     fn judge(&mut self) {
         let [Some(left), Some(right)] = [self.panels[0].outcome(), self.panels[1].outcome()] else { return };
         let outcomes = [left, right];
@@ -258,8 +258,8 @@ impl<'a> StageRun<'a> {
     }
 }
 
-/// Profiles of a channel for the page. Each slice has y [mm], streamwise velocity and its standard error [m/s], and
-/// granular temperature [m²/s²].
+/// Profiles of a channel for the page. A row per slice has y [mm], streamwise velocity and its standard error [m/s],
+/// and granular temperature [m²/s²].
 fn profile(outcome: &Outcome) -> Vec<[Option<f64>; 4]> {
     let rows = outcome.profiles.slices.iter().map(|row| {
         let normal: Option<Vec<f64>> = [UU, VV, WW].into_iter().map(|one| Some(row.of(one)?.value)).collect();

@@ -6,8 +6,8 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// A grid of cells over a region; cells are numbered first along x, then along y and z. The *cell order* lists the
-/// items cell by cell. The items of cell c are at `start[c] .. start[c + 1]` in this order.
+/// Grid of cells over a region. Cells are numbered along x first, then along y and z. The *cell order* lists the items
+/// cell by cell: the items of cell c are at `start[c] .. start[c + 1]`.
 #[derive(Clone, Debug, Default)]
 pub struct CellGrid {
     region: Region,
@@ -16,22 +16,22 @@ pub struct CellGrid {
     /// [1/m] number of cells per length along each axis.
     per_length: Vector3<f64>,
     start: Vec<u32>,
-    /// Index of the cell of each item during sorting, stored here so that its memory is used again.
+    /// Index of the cell of each item during sorting. It is stored here so that its memory is reused.
     cell: Vec<u32>,
 }
 
 impl CellGrid {
-    /// Numbers of cells along the axes of a region with edges of at least `edge` [m].
+    /// Numbers of cells along the axes of a region, for cells with edges of at least `edge` [m].
     fn fitting(region: &Region, edge: f64) -> [usize; 3] {
         std::array::from_fn(|axis| {
-            // at most 4096 cells per axis, to limit their number in a nearly empty box
+            // at most 4096 cells per axis, to limit the number of cells in a nearly empty box
             let fitting = (region.size()[axis] / edge).clamp(1.0, 4096.0) as usize;
-            // with two cells along a periodic axis, each would be a neighbour of the other on both sides
+            // with two cells along a periodic axis, each would be the neighbour of the other on both sides
             if region.periodic()[axis] && fitting < 3 { 1 } else { fitting }
         })
     }
 
-    /// Divides a region into these numbers of cells along the axes.
+    /// Divides a region into the given numbers of cells along the axes.
     fn divide(&mut self, region: &Region, count: [usize; 3]) {
         self.region = region.clone();
         self.periodic = region.periodic();
@@ -39,8 +39,8 @@ impl CellGrid {
         self.per_length = Vector3::from_fn(|axis, _| self.count[axis] as f64 / region.size()[axis]);
     }
 
-    /// Sorts items into cells with edges of at least `edge` [m]; all items must be inside the region. `position`
-    /// returns the position [m] of an item. The indices of the items are written to `order`, in cell order.
+    /// Sorts items into cells with edges of at least `edge` [m]. All items must be inside the region. `position`
+    /// returns the position [m] of an item. The indices of the items are written to `order` in cell order.
     pub fn sort<T: Sync>(
         &mut self,
         items: &[T],
@@ -52,7 +52,7 @@ impl CellGrid {
         self.sort_among(items, position, region, Self::fitting(region, edge), order);
     }
 
-    /// Sorts items into these numbers of cells along the axes, as [`sort`](Self::sort) does.
+    /// Sorts items into the given numbers of cells along the axes, as [`sort`](Self::sort) does.
     pub fn sort_among<T: Sync>(
         &mut self,
         items: &[T],
@@ -76,8 +76,8 @@ impl CellGrid {
         let count = self.count.iter().product::<usize>();
         self.start.resize(count + 1, 0);
         order.resize(items.len(), 0);
-        // Each thread sorts the items of some of the cells. It reads only chunks that contain such items. These chunks
-        // are few if items are nearly in cell order already.
+        // Each thread sorts the items of some of the cells. It reads only the chunks that contain such items, which are
+        // few if the items are nearly in cell order already.
         let shares = rayon::current_num_threads().min(items.len() / CHUNK).max(1);
         let width = count.div_ceil(shares);
         let chunks = |share: usize| {
@@ -108,8 +108,7 @@ impl CellGrid {
                 before += *count;
                 *count = before;
             }
-            // runs backwards, so that the items of a cell keep their order; afterwards `start` has its documented
-            // meaning
+            // in reverse, so that the items of a cell stay in their order; `start` then has its documented meaning
             for (chunk, (cells, _)) in chunks(share).rev() {
                 for (k, &c) in cells.iter().enumerate().rev() {
                     if let Some(start) = starts.get_mut((c as usize).wrapping_sub(share * width)) {
@@ -123,32 +122,32 @@ impl CellGrid {
         self.cell = cell;
     }
 
-    /// Frees the memory that is needed only while items are sorted.
+    /// Frees the memory that only sorting needs.
     pub fn shed(&mut self) {
         self.cell = Vec::new();
     }
 
-    /// Makes a grid, and sorts positions inside a region into it as [`sort`](Self::sort) does. Returns the grid and the
-    /// indices of the positions in cell order.
+    /// Makes a grid, and sorts positions inside a region into its cells as [`sort`](Self::sort) does. Returns the grid,
+    /// and the indices of the positions in cell order.
     pub fn new(positions: &[Vector3<f64>], region: &Region, edge: f64) -> (Self, Vec<u32>) {
         let (mut grid, mut order) = (Self::default(), Vec::new());
         grid.sort(positions, |x| *x, region, edge, &mut order);
         (grid, order)
     }
 
-    /// Index of the cell that contains the position `x`. For a position beyond a side that is not periodic, it is the
-    /// nearest cell, so that neighbours remain in neighbouring cells.
+    /// Index of the cell that contains the position `x` [m]. For a position beyond a side that is not periodic, it is
+    /// the nearest cell, so that neighbours are still in neighbouring cells.
     #[inline]
     fn cell_of(&self, x: &Vector3<f64>) -> usize {
         let x = if self.region.is_all() { *x } else { self.region.local(x) };
-        // converts by way of u32, since processors have an instruction for u32 but not for usize
+        // the conversion goes through u32, because processors have an instruction for u32 but not for usize
         let c: [usize; 3] =
             std::array::from_fn(|axis| ((x[axis] * self.per_length[axis]) as u32 as usize).min(self.count[axis] - 1));
         c[0] + self.count[0] * (c[1] + self.count[1] * c[2])
     }
 
-    /// Calls `visit` with ranges of the cell order. Together the ranges contain all items within `radius` [m] of `x`,
-    /// each item once. The flag is true if items of the range may be nearer through a periodic side.
+    /// Calls `visit` with ranges of the cell order that together contain all items within `radius` [m] of `x` [m], each
+    /// item once. The flag is true if items of the range may be nearer through a periodic side.
     #[inline(always)]
     pub fn for_each_near(&self, x: &Vector3<f64>, radius: f64, mut visit: impl FnMut(Range<usize>, bool)) {
         let x = self.region.local(x);
@@ -189,7 +188,7 @@ impl CellGrid {
         }
     }
 
-    /// Calls `visit` with the list of items of every cell; `order` must contain the items in cell order.
+    /// Calls `visit` with the items of each cell. `order` must contain the items in cell order.
     pub fn for_each_cell_of<T: Send>(&self, mut order: &mut [T], visit: impl Fn(&mut [T]) + Sync) {
         let cells: Vec<u32> = self.start.windows(2).map(|ends| ends[1] - ends[0]).collect();
         let piece = |cells: &'_ [u32]| order.split_off_mut(..cells.iter().sum::<u32>() as usize).unwrap_or_default();
@@ -200,27 +199,26 @@ impl CellGrid {
         });
     }
 
-    /// Range in the cell order of the items of a cell.
+    /// Range of the cell order with the items of a cell.
     #[inline]
     pub fn items_of(&self, cell: usize) -> Range<usize> {
         self.places(cell, cell)
     }
 
-    /// Number of rows of cells along x, which together form the grid.
+    /// Number of rows of cells along x in the grid.
     pub fn rows(&self) -> usize {
         self.count[1] * self.count[2]
     }
 
     /// Calls `visit(own, around, across)` for every non-empty cell of a row. `own` is the range of the cell's items in
-    /// the cell order. `around` contains the ranges of items that may be neighbours; the first begins at the end of
-    /// `own`. Over all rows, each pair of neighbouring cells occurs once. `across` is true if a neighbour may be nearer
-    /// through a periodic side.
+    /// the cell order. `around` contains the ranges of possible neighbours; the first begins at the end of `own`. Over
+    /// all rows, each pair of neighbouring cells occurs once. `across` is true if a neighbour may be nearer through a
+    /// periodic side.
     #[inline(always)]
     pub fn for_each_cell(&self, row: usize, mut visit: impl FnMut(Range<usize>, &mut Around, bool)) {
         let [nx, ny, _] = self.count;
         let (cy, cz) = (row % ny, row / ny);
-        // only half of the surrounding rows are visited: pairs with the other half are found when those rows are
-        // visited
+        // only half of the neighbouring rows are visited; the other half visits this row in turn
         let ahead = [(1isize, 0isize), (-1, 1), (0, 1), (1, 1)]
             .map(|(dy, dz)| Some(nx * (self.shifted(1, cy, dy)? + ny * self.shifted(2, cz, dz)?)));
         let base = nx * row;
@@ -250,12 +248,12 @@ impl CellGrid {
         }
     }
 
-    /// True if cells with this coordinate along an axis are next to a periodic side.
+    /// True if cells with the coordinate `at` along an axis are next to a periodic side.
     fn is_at_side(&self, axis: usize, at: usize) -> bool {
         self.periodic[axis] && (at == 0 || at + 1 == self.count[axis])
     }
 
-    /// Coordinate of the cell that is `step` cells further along `axis`. `None` if there is no cell, or if it is the
+    /// Coordinate of the cell `step` cells further along `axis`. `None` if there is no such cell, or if it would be the
     /// cell itself.
     fn shifted(&self, axis: usize, from: usize, step: isize) -> Option<usize> {
         if step == 0 {
@@ -272,17 +270,17 @@ impl CellGrid {
         }
     }
 
-    /// Range in the cell order of the items in the cells `first ..= last` of one row.
+    /// Range of the cell order with the items in the cells `first ..= last` of one row.
     fn places(&self, first: usize, last: usize) -> Range<usize> {
         self.start[first] as usize..self.start[last + 1] as usize
     }
 }
 
-/// Largest number of ranges around a cell: one in its row and four in other rows, and five more through a periodic
+/// Largest number of ranges around a cell: one in its own row, four in other rows, and five more through a periodic
 /// side.
 const RANGES: usize = 10;
 
-/// Ranges of the cell order that contain the items around a cell, among which neighbours are searched.
+/// Ranges of the cell order in which the neighbours of a cell's items are searched.
 pub struct Around {
     first: [usize; RANGES],
     end: [usize; RANGES],
@@ -296,7 +294,7 @@ impl Around {
         self.count += 1;
     }
 
-    /// Sets the beginning of the first range, which lies after an item of the cell itself.
+    /// Sets the beginning of the first range, so that it follows the current item of the cell.
     #[inline(always)]
     pub fn begin_at(&mut self, first: usize) {
         self.first[0] = first;
@@ -311,7 +309,7 @@ impl Around {
 
 /// Range of cells between two coordinates along an axis.
 struct AxisCells {
-    /// Numbers of the first and the last cell. For cells beyond a periodic side they are below 0, or above the last
+    /// Numbers of the first and the last cell. Cells beyond a periodic side have numbers below 0 or above the largest
     /// number.
     first: isize,
     last: isize,
@@ -319,15 +317,15 @@ struct AxisCells {
     is_round: bool,
 }
 
-/// Largest integer that is not above `x`. Without SSE4.1 `f64::floor` is a function call.
+/// Largest integer that is at most `x`. Without SSE4.1, `f64::floor` is a function call.
 #[inline]
 fn below(x: f64) -> isize {
     let whole = x as isize;
     whole - isize::from(whole as f64 > x)
 }
 
-/// Number, among `n` cells along an axis, of a cell that may be up to one period outside the box. The flag is true if
-/// the cell is outside.
+/// Number, among the `n` cells along an axis, of a cell at most one period outside the box. The flag is true if the
+/// cell is outside.
 #[inline]
 fn turned(cell: isize, n: isize) -> (isize, bool) {
     if cell < 0 {
@@ -357,7 +355,7 @@ mod tests {
         for _ in 0..2 {
             let sort = |threads: usize| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                // uses the same grid again, for other cells
+                // reuses the grid for other cells
                 let (mut grid, mut order) = CellGrid::new(&items[..100], &region, 1.0);
                 pool.install(|| grid.sort(&items, |x| *x, &region, 0.5, &mut order));
                 (grid, order)

@@ -1,11 +1,11 @@
-//! Comparison of one ball with eight others at the same time, in single precision.
+//! Comparison of one ball with eight other balls at the same time, in single precision.
 //!
-//! If the processor has vectors of eight numbers (AVX2, tested at run time), the code uses them. Otherwise the same
-//! operations are done on four numbers at a time, in the same order, so that the results are equal.
+//! If the processor has vectors of eight numbers (AVX2, tested at run time), the code uses them. Otherwise it does the
+//! same operations on vectors of four numbers, in the same order, with equal results.
 
 use wide::f32x4;
 
-/// Number of balls that are compared with one ball at the same time. A lane is the place of one number in a vector
+/// Number of balls that are compared with one ball at the same time. A lane is the position of one number in a vector
 /// register of the processor.
 pub const LANES: usize = 8;
 
@@ -26,10 +26,9 @@ pub trait Lanes: Copy {
     /// Vector that contains `number` in all lanes.
     fn splat(self, number: f32) -> Self::Wide;
 
-    /// Returns a bit mask, in which a bit is set for each of the first `count` balls that overlaps the ball `one`
-    /// (centre and radius, [m]). The lowest bit belongs to the first ball. `period` [m] is the distance between images
-    /// along each axis. It is used only with `ACROSS`, which must be true if the balls may be on different sides of the
-    /// box.
+    /// Returns a bit mask of the first `count` balls: a bit is set if the ball overlaps the ball `one` (centre and
+    /// radius, [m]). The lowest bit belongs to the first ball. `period` [m] is the distance between images along each
+    /// axis. It is used only if `ACROSS` is true, which is required if balls may be on different sides of the box.
     fn near<const ACROSS: bool>(self, one: &[Self::Wide; 4], others: Spots, count: usize, period: &[f32; 3]) -> usize;
 }
 
@@ -126,7 +125,7 @@ mod tests {
     fn eight_at_a_time_find_the_same_as_four() {
         let Some(simd) = pulp::x86::V3::try_new() else { return };
         let eight = eight::Eight(simd);
-        // this Kronecker sequence contains different numbers only
+        // this Kronecker sequence has no equal numbers
         let number = |k: usize| (0.754_877_7 * k as f32).fract();
         let mut all = 0;
         for k in 0..400 {

@@ -1,10 +1,10 @@
 //! Cells for spheres of very different sizes: a separate grid for each range of sizes.
 //!
-//! Cells must be as large as the largest sphere in them. In a single grid, such cells would contain many small spheres:
-//! at a size ratio of ten, a thousand times as many. So spheres are sorted by size into levels, each with a separate
-//! grid. Pairs within a level are found as in a single grid. For each sphere, smaller spheres are searched in the grids
-//! of their levels. If all sizes are within a factor of two, there is one level and one grid. Ericson (2005, Real-Time
-//! Collision Detection, section 7.2) calls this a hierarchical grid.
+//! A cell must be as large as the largest sphere in it. In a single grid such a cell would contain many small spheres:
+//! a thousand at a size ratio of ten. Spheres are therefore sorted by size into levels, each with its own grid. Pairs
+//! within a level are found as in a single grid. For each sphere, smaller spheres are searched in the grids of their
+//! levels. If all sizes are within a factor of two, there is one level. Ericson (2005, Real-Time Collision Detection,
+//! section 7.2) calls this method a hierarchical grid.
 
 use super::cells::CellGrid;
 use super::region::Region;
@@ -15,31 +15,31 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// Largest number of levels. The sizes in a level are within a factor of two; only the last level contains all smaller
-/// sizes.
+/// Largest number of levels. The sizes in a level are within a factor of two, except in the last level, which has all
+/// smaller sizes.
 const MOST_LEVELS: usize = 12;
 
 /// Level: spheres of similar size, sorted into cells. The *reach* of a sphere is its radius, or the radius of a ball
-/// that contains its path. Two spheres are a pair if the distance of their centres is less than the sum of both reaches
-/// and the skin.
+/// that contains its path. Two spheres form a pair if the distance of their centres is less than the sum of their
+/// reaches and the skin.
 #[derive(Clone, Debug, Default)]
 struct SizeLevel {
     grid: CellGrid,
     /// Indices of the spheres of the level, in cell order.
     order: Vec<u32>,
-    /// Number of spheres in the levels of larger spheres, which come before this one.
+    /// Number of spheres in all earlier levels, which have larger spheres.
     first: usize,
-    /// [m] largest reach (radius of the sphere or of its path) of any sphere of the level.
+    /// [m] largest reach of the spheres of the level.
     reach: f64,
 }
 
-/// All levels (grids for ranges of sizes), the largest sizes first.
+/// All levels (grids for ranges of sizes), beginning with the largest sizes.
 #[derive(Clone, Debug, Default)]
 pub struct SizeLevels {
     levels: Vec<SizeLevel>,
 }
 
-/// Sizes of the items that are to be sorted into levels and cells.
+/// Sizes of items, for sorting into levels and cells.
 pub struct SortedSizes<'a> {
     /// [m] radius of each item, which determines its level.
     pub radius: &'a [f64],
@@ -47,12 +47,12 @@ pub struct SortedSizes<'a> {
     pub range: [f64; 2],
     /// [m] gap between surfaces up to which pairs are searched.
     pub skin: f64,
-    /// Sizes of the spheres on all processes that share a run, from which cells are chosen. `None` if this process
-    /// stores all spheres.
+    /// Sizes of the spheres in all processes that share a run, for the choice of cells. `None` if this process stores
+    /// all spheres.
     pub everyone: Option<&'a Everyone>,
 }
 
-/// Sizes of the spheres on all processes that share a run, by level.
+/// Sizes of the spheres in all processes that share a run, by level.
 #[derive(Clone, Debug)]
 pub struct Everyone {
     /// [m] largest and smallest radius of all spheres.
@@ -64,8 +64,8 @@ pub struct Everyone {
 }
 
 impl Everyone {
-    /// Counts the spheres of all levels in this process, whose radii are `radius` [m]. `range` [m] contains the largest
-    /// and the smallest radius on all processes.
+    /// Counts the spheres of this process in each level, from their radii `radius` [m]. `range` [m] contains the
+    /// largest and the smallest radius in all processes.
     pub fn of(radius: &[f64], range: [f64; 2]) -> Self {
         let sizes = SortedSizes { radius, range, skin: 0.0, everyone: None };
         let mut all = Self { range, count: [0; MOST_LEVELS], largest: [0.0; MOST_LEVELS] };
@@ -79,12 +79,12 @@ impl Everyone {
 }
 
 impl<'a> SortedSizes<'a> {
-    /// Sizes of items with these radii [m], for a search of pairs up to a gap of `skin` [m].
+    /// Sizes of items with the given radii [m], for a search of pairs with gaps of up to `skin` [m].
     pub fn new(radius: &'a [f64], skin: f64) -> Self {
         Self { radius, range: range(radius), skin, everyone: None }
     }
 
-    /// Number of the level (range of sizes) to which a radius [m] belongs; 0 is the level of the largest.
+    /// Number of the level to which a radius [m] belongs; level 0 has the largest radii.
     fn level(&self, radius: f64) -> usize {
         let mut least = 0.5 * self.range[0];
         let mut level = 0;
@@ -105,7 +105,7 @@ pub fn range(radius: &[f64]) -> [f64; 2] {
     [most, least.min(most)]
 }
 
-/// True if the radii between the largest and the smallest [m] belong to more than one level.
+/// True if radii between the given largest and smallest radius [m] belong to more than one level.
 pub fn is_wide([most, least]: [f64; 2]) -> bool {
     least <= 0.5 * most
 }
@@ -120,7 +120,7 @@ pub struct Census {
 }
 
 impl Census {
-    /// Counts the spheres in each level, on all processes. `range` [m] contains the largest and the smallest radius,
+    /// Counts the spheres in each level, in all processes. `range` [m] contains the largest and the smallest radius,
     /// and `volume` [m³] is that of the box. `None` if all spheres belong to one level.
     pub fn of(sample: &Sample, range: [f64; 2], volume: f64) -> Option<Self> {
         if !is_wide(range) {
@@ -141,8 +141,8 @@ impl Census {
     }
 
     /// [-] number of pairs per sphere that a search tests, if the reach of every sphere is increased by half of `wider`
-    /// [m]. Counted are pairs with spheres of the same level in the 27 cells around a sphere, each pair once, and pairs
-    /// with smaller spheres within its reach.
+    /// [m]. The pairs are those with spheres of the same level in the 27 cells around a sphere, each counted once, and
+    /// those with smaller spheres within its reach.
     pub fn looked_at(&self, wider: f64) -> f64 {
         let all: f64 = self.levels.iter().map(|(count, _)| count).sum();
         let mut pairs = 0.0;
@@ -159,7 +159,7 @@ impl Census {
 
 impl SizeLevels {
     /// Sorts items inside a region into levels and cells. `position` returns the position [m] of an item. `reach`
-    /// returns the reach [m] of the item at an index, which is the radius of the ball that contains its path.
+    /// returns the reach [m] of the item at an index.
     pub fn sort<T: Sync>(
         &mut self,
         items: &[T],
@@ -169,7 +169,8 @@ impl SizeLevels {
         region: &Region,
     ) {
         let edge = |reach: f64, count: usize| {
-            // cells contain about one particle, if such cells are larger than required: empty cells cost time too
+            // cells contain about one particle, if such cells are larger than required, because empty cells also cost
+            // time
             let spacing = (region.volume() / count.max(1) as f64).cbrt();
             (2.0 * reach + sizes.skin).max(0.8 * spacing)
         };
@@ -206,8 +207,8 @@ impl SizeLevels {
         }
     }
 
-    /// Sorts items inside a region into a single level, whatever their sizes. `position` and `reach` are functions as
-    /// for [`sort`](Self::sort).
+    /// Sorts items inside a region into a single level, whatever their sizes are. `position` and `reach` are functions
+    /// as in [`sort`](Self::sort).
     pub fn sort_alike<T: Sync>(
         &mut self,
         items: &[T],
@@ -219,7 +220,7 @@ impl SizeLevels {
         self.sort(items, &sizes, position, reach, region);
     }
 
-    /// Sorts the items of each cell by `key`. Afterwards the order does not depend on the order in which the items were
+    /// Sorts the items of each cell by `key`, so that the order does not depend on the order in which the items were
     /// stored.
     pub fn sort_cells(&mut self, key: &[u32]) {
         for level in &mut self.levels {
@@ -228,12 +229,12 @@ impl SizeLevels {
         }
     }
 
-    /// [m] largest reach (radius of the sphere or of its path) of any sphere in any level.
+    /// [m] largest reach of the spheres in all levels.
     pub fn largest_reach(&self) -> f64 {
         self.levels.iter().map(|level| level.reach).fold(0.0, f64::max)
     }
 
-    /// Indices of all items in the order of levels and cells: the cell orders of all levels, one after the other.
+    /// Indices of all items, level by level and cell by cell.
     pub fn order(&self) -> Cow<'_, [u32]> {
         match self.levels.as_slice() {
             [one] => Cow::Borrowed(&one.order),
@@ -241,7 +242,7 @@ impl SizeLevels {
         }
     }
 
-    /// Removes the list of indices in the order of [`order`](Self::order) and returns it; only the grids remain.
+    /// Removes and returns the indices in the order of [`order`](Self::order). Only the grids remain.
     pub fn take_order(&mut self) -> Vec<u32> {
         self.levels.iter_mut().for_each(|level| level.grid.shed());
         match self.levels.as_mut_slice() {
@@ -250,7 +251,7 @@ impl SizeLevels {
         }
     }
 
-    /// Indices of the items in a range of the order of all levels; the range must be within one level.
+    /// Indices of the items in a range of the order of all levels. The range must be within one level.
     #[inline]
     pub fn places(&self, range: Range<usize>) -> &[u32] {
         let of = |level: &SizeLevel| level.first <= range.start && range.start < level.first + level.order.len();
@@ -258,34 +259,34 @@ impl SizeLevels {
         level.map_or(&[], |level| &level.order[range.start - level.first..range.end - level.first])
     }
 
-    /// Rows of cells of all levels. Each is given by the number of its level, and its number in the level.
+    /// Rows of cells of all levels, each given by the number of its level and its number in the level.
     pub fn rows(&self) -> Vec<(usize, usize)> {
         let rows =
             |(k, level): (usize, &SizeLevel)| (0..level.grid.rows()).map(move |row| (k, row)).collect::<Vec<_>>();
         self.levels.iter().enumerate().flat_map(rows).collect()
     }
 
-    /// Grid of a level, its indices in cell order, and the number of items in the levels before it.
+    /// Grid of a level, indices of its items in cell order, and number of items in all earlier levels.
     pub fn level(&self, level: usize) -> (&CellGrid, &[u32], usize) {
         let SizeLevel { grid, order, first, .. } = &self.levels[level];
         (grid, order, *first)
     }
 
-    /// True if there are levels of smaller spheres than those of `level`.
+    /// True if there are levels with smaller spheres than `level`.
     #[inline]
     pub fn has_smaller(&self, level: usize) -> bool {
         level + 1 < self.levels.len()
     }
 
-    /// Calls `visit` with ranges of the order of all levels. Together they contain all items of smaller levels that an
-    /// item at `x` may touch. The `reach` [m] of that item includes the skin. The flag is true if items of the range
-    /// may be nearer through a periodic side.
+    /// Calls `visit` with ranges of the order of all levels. Together they contain all items of the levels after
+    /// `level` that an item at `x` [m] may touch. The `reach` [m] of this item includes the skin. The flag is true if
+    /// items of the range may be nearer through a periodic side.
     #[inline(always)]
     pub fn for_each_smaller(&self, level: usize, x: &Vector3<f64>, reach: f64, visit: impl FnMut(Range<usize>, bool)) {
         near(&self.levels[level + 1..], x, reach, visit);
     }
 
-    /// Calls `visit` with ranges of items near `x` [m], as [`for_each_smaller`](Self::for_each_smaller) does, but of
+    /// Calls `visit` with ranges of items near `x` [m], as [`for_each_smaller`](Self::for_each_smaller) does, but in
     /// all levels.
     #[inline(always)]
     pub fn for_each_near(&self, x: &Vector3<f64>, reach: f64, visit: impl FnMut(Range<usize>, bool)) {

@@ -1,9 +1,9 @@
-//! Neighbour lists: pairs of particles, and particles with walls, that may touch soon.
+//! Neighbour lists: pairs of particles, and of particles and walls, that may touch soon.
 //!
-//! A [`NeighbourList`] contains every pair of particles, and every particle and wall, whose gap is below a length
-//! called skin. The list is complete until some particle has moved by half the skin relative to a common frame. The
-//! list adds up these distances: after each step the engine adds the distance that its particles may have moved. The
-//! list then shows if it must be rebuilt.
+//! A [`NeighbourList`] contains all pairs of particles, and of particles and walls, whose gap is below a length called
+//! skin. It is complete until a particle has moved by half the skin relative to a common frame. After each step, the
+//! engine passes to the list the distance that its particles may have moved. The list then shows whether it must be
+//! rebuilt.
 
 pub mod cells;
 mod lanes;
@@ -13,6 +13,7 @@ pub mod plan;
 pub mod region;
 
 use crate::clock::Clock;
+use crate::domain::Domain;
 use crate::encounter::{AtWall, Couple, Other};
 use crate::particles::{CHUNK, Particles};
 use crate::scene::Scene;
@@ -27,7 +28,7 @@ use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::time::Duration;
 
-/// Number of rows of cells that one piece of parallel work contains.
+/// Number of rows of cells in one piece of parallel work.
 const ROWS: usize = 64;
 
 /// Two particles that may touch, by their indices in the particle store.
@@ -64,8 +65,8 @@ pub struct NearWall {
 }
 
 impl NearWall {
-    /// [m] present gap between particle and wall. If the wall is too far away to be searched, the value is smaller than
-    /// the gap.
+    /// [m] present gap between particle and wall. If the wall is beyond the distance that is searched, the value is
+    /// smaller than the gap.
     #[inline]
     pub fn gap(&self, particles: &Particles, scene: &Scene) -> f64 {
         let place = self.particle as usize;
@@ -74,8 +75,8 @@ impl NearWall {
     }
 }
 
-/// Neighbour list: candidates for contacts. A *slot* is the number of a candidate: pairs are counted first, then
-/// particles with walls.
+/// Neighbour list: candidates for contacts. A *slot* is the number of a candidate. The pairs have the first numbers,
+/// followed by the particles with walls.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct NeighbourList {
     /// Pairs with a gap below the skin, grouped by the first particle `i`.
@@ -85,14 +86,13 @@ pub struct NeighbourList {
     /// Clock that measures the time spent on building lists.
     #[serde(skip)]
     pub clock: Clock,
-    /// Ranges of pairs by first particle: `pairs[first_pair[i] .. first_pair[i + 1]]` are the pairs of particle `i`.
+    /// Ranges of `pairs` by first particle: the pairs of particle `i` are `pairs[first_pair[i] .. first_pair[i + 1]]`.
     first_pair: Vec<u32>,
     /// [m] distance between the centres at which two particles touch, if it is equal for all pairs; otherwise `None`.
-    /// With a common value, radii need not be read.
+    /// With a common distance, no radii are read.
     common_reach: Option<f64>,
     skin: f64,
-    /// [-] number of times that the list can be used before it is rebuilt, if particles keep the speeds at the time of
-    /// building.
+    /// [-] number of times that the list can be used before it must be rebuilt, at the speeds when it was built.
     uses: f64,
     travelled: f64,
     frame: Vector3<f64>,
@@ -101,60 +101,70 @@ pub struct NeighbourList {
 }
 
 impl NeighbourList {
-    /// [m/s] velocity of the frame relative to which the distances moved are measured. It is the mean velocity of the
-    /// particles, without components that approach a wall.
+    /// [m/s] velocity of the frame relative to which motion is measured. It is the mean velocity of the particles,
+    /// without components that approach a wall.
     pub fn frame(&self) -> Vector3<f64> {
         self.frame
     }
 
-    /// [m] gap (skin) up to which pairs are listed.
+    /// [m] skin: gap up to which pairs are listed.
     pub fn skin(&self) -> f64 {
         self.skin
     }
 
-    /// [m] largest distance that particles may have moved relative to the frame since the list was built.
+    /// [m] largest distance that a particle may have moved relative to the frame since the list was built.
     pub fn travelled(&self) -> f64 {
         self.travelled
     }
 
-    /// [m] gap up to which an inner list should contain pairs; `None` if an inner list does not pay. An inner list is a
-    /// shorter list of pairs, selected from this list.
+    /// [m] gap up to which an inner list should contain pairs. An inner list is a shorter list of pairs, selected from
+    /// this list. `None` if an inner list saves no time.
     ///
-    /// An inner list for gaps up to s contains a fraction s/skin of the pairs, and lasts for `uses`·s/skin uses. In
-    /// that time all pairs are tested once, and those of the inner list at every use. The cost is least for s =
+    /// An inner list for gaps up to s contains the fraction s/skin of the pairs, and lasts for `uses`·s/skin uses. In
+    /// this time all pairs are tested once, and those of the inner list at every use. The cost is lowest for s =
     /// skin/sqrt(uses).
     pub fn inner_skin(&self) -> Option<f64> {
-        // fewer uses give no gain; at most 400 are assumed, so that speeds may grow
+        // for fewer uses there is no gain; at most 400 are assumed, because speeds may increase
         (self.uses >= 8.0).then(|| self.skin / self.uses.min(400.0).sqrt())
     }
 
-    /// Number of times that a list was built so far.
+    /// Number of times that the list has been built.
     pub fn builds(&self) -> u64 {
         self.builds
     }
 
-    /// Wall-clock time spent on building lists so far.
+    /// Wall-clock time spent on building the list.
     pub fn building(&self) -> Duration {
         self.building
     }
 
-    /// Number of slots (candidates): pairs of particles, and particles with walls.
+    /// Number of slots: pairs of particles, and particles with walls.
     pub fn slots(&self) -> usize {
         self.pairs.len() + self.walls.len()
     }
 
-    /// True if the list stays complete when every particle moves by up to `distance` [m] more, relative to the frame.
+    /// True if the list stays complete while every particle moves by up to `distance` [m] relative to the frame.
     pub fn allows(&self, distance: f64) -> bool {
         self.builds > 0 && 2.0 * (self.travelled + distance) <= self.skin
     }
 
-    /// [m] distance that every particle may still move relative to the frame before the list becomes incomplete.
+    /// [m] distance that every particle may still move relative to the frame while the list stays complete.
     pub fn room(&self) -> f64 {
         if self.builds > 0 { 0.5 * self.skin - self.travelled } else { 0.0 }
     }
 
-    /// Marks the list as outdated, after other code has moved or reordered the particles. The list must then be rebuilt
-    /// before its next use.
+    /// [m/s] speed, to be added to the largest speed relative to the frame, by which the mean flow of a sheared box moves
+    /// two listed particles towards each other: half the shear rate times the distance up to which pairs are listed.
+    pub fn strain(&self, particles: &Particles, domain: &Domain) -> f64 {
+        if domain.shear.is_none() {
+            return 0.0;
+        }
+        let largest = particles.radius.iter().fold(0.0, |most: f64, &radius| most.max(radius));
+        0.5 * domain.strain_rate() * (2.0 * largest + self.skin)
+    }
+
+    /// Marks the list as outdated, after other code has moved or reordered particles. The list must be rebuilt before
+    /// its next use.
     pub fn invalidate(&mut self) {
         self.travelled = f64::INFINITY;
     }
@@ -164,14 +174,14 @@ impl NeighbourList {
         self.travelled += distance;
     }
 
-    /// Builds the list for the present positions, with the skin of lowest cost for a list that is used every
+    /// Builds the list for the present positions. The skin is that of lowest cost for a list that is used every
     /// `between_uses` [s]. At the present speeds the list lasts for at least one use. The particles are sorted into
-    /// cell order: the particle now at index `k` was at index `order[k]` before, where `order` is the returned list.
+    /// cell order. The returned list contains, for each new index, the previous index of the particle.
     pub fn build(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) -> Vec<u32> {
         self.build_in(&Region::from(&scene.domain), particles, scene, between_uses)
     }
 
-    /// Builds the list as [`build`](Self::build) does, for particles in one region of the box. Only this region is
+    /// Builds the list as [`build`](Self::build) does, for particles in a region of the box. Only this region is
     /// divided into cells.
     pub fn build_in(
         &mut self,
@@ -186,8 +196,8 @@ impl NeighbourList {
         self.build_by(region, particles, scene, &plan)
     }
 
-    /// Builds the list for the present positions, with settings that are equal on all processes of a run. If the cells
-    /// cover the whole box, the pairs of this process are in the order that they have in a list of all particles.
+    /// Builds the list for the present positions, with settings that are equal in all processes of a run. If the cells
+    /// cover the whole box, the pairs of this process have the order of a list of all particles.
     pub fn build_by(
         &mut self,
         region: &Region,
@@ -212,6 +222,7 @@ impl NeighbourList {
         let order = levels.take_order();
         particles.reorder(&order);
         self.find_pairs(&levels, region, particles, scene, skin);
+        self.find_pairs_across(&levels, region, (particles, scene), skin);
         self.find_walls(particles, scene, skin);
         self.skin = skin;
         self.uses = plan.uses;
@@ -221,14 +232,15 @@ impl NeighbourList {
         order
     }
 
-    /// Returns a copy of the list without pairs and walls. The copy contains the data that are equal on all processes
+    /// Returns a copy of the list without pairs and walls. The copy contains the data that are equal in all processes
     /// of a run.
     pub fn without_pairs(&self) -> Self {
         let (clock, first_pair) = (self.clock.clone(), Vec::new());
         Self { pairs: Vec::new(), walls: Vec::new(), clock, first_pair, ..*self }
     }
 
-    /// Builds the list again from the positions at which it was last built, and keeps the distance moved since then.
+    /// Builds the list again from the positions at which it was last built. The distance moved since then does not
+    /// change.
     pub fn build_again(&mut self, particles: &mut Particles, scene: &Scene) -> Vec<u32> {
         let (travelled, builds) = (self.travelled, self.builds);
         let plan =
@@ -261,7 +273,7 @@ impl NeighbourList {
             pairs.shrink_to_fit();
             pairs
         };
-        // groups of rows are processed one after the other, so that most pairs are stored only once in memory
+        // groups of rows are processed in turn, so that most pairs are in memory only once
         self.pairs.clear();
         for rows in levels.rows().chunks(4 * ROWS * rayon::current_num_threads()) {
             let parts: Vec<Vec<Pair>> = work_sharing::map(rows.chunks(ROWS), find);
@@ -274,8 +286,44 @@ impl NeighbourList {
         self.note_first_pairs(particles.len());
     }
 
-    /// Removes all pairs and walls that involve no chosen particle. `chosen` contains true or false for each particle,
-    /// by index.
+    /// Adds the pairs across the sheared sides of the box: the images of the lowest particles above the upper side are
+    /// compared with the particles below it.
+    fn find_pairs_across(
+        &mut self,
+        levels: &SizeLevels,
+        region: &Region,
+        (particles, scene): (&Particles, &Scene),
+        skin: f64,
+    ) {
+        if scene.domain.shear.is_none() {
+            return;
+        }
+        let (mut packed, known) = (PackedBalls::default(), self.pairs.len());
+        let places: Vec<u32> = (0..particles.len() as u32).collect();
+        let ball = |i: usize| (particles.position[i], particles.radius[i] + 0.5 * skin);
+        packed.fill(&places, ball, region);
+        for i in 0..particles.len() {
+            let (position, reach) = ball(i);
+            let sight = reach + levels.largest_reach();
+            if position.y >= sight {
+                continue;
+            }
+            scene.domain.for_each_across(&position, sight, |image| {
+                packed.for_each_beside((image, reach), levels, region, |others| {
+                    let pairs = others.iter().map(|&j| Pair { i: i as u32, j });
+                    let near = |pair: &Pair| pair.is_within(pair.reach(particles) + skin, particles, scene);
+                    self.pairs.extend(pairs.filter(near));
+                });
+            });
+        }
+        if self.pairs.len() > known {
+            self.pairs.sort_by_key(|pair| pair.i);
+            self.note_first_pairs(particles.len());
+        }
+    }
+
+    /// Removes all candidates without a chosen particle. `chosen` has one entry for each particle, by index: true if it
+    /// is chosen.
     pub fn keep_of(&mut self, chosen: &[bool]) {
         let is_chosen = |place: u32| chosen[place as usize];
         self.pairs.retain(|pair| is_chosen(pair.i) || is_chosen(pair.j));
@@ -311,7 +359,7 @@ impl NeighbourList {
         self.walls.dedup_by_key(|near| place(near));
     }
 
-    /// The two bodies of the candidate with the number `slot`.
+    /// The two bodies of the candidate with the slot `slot`.
     #[inline]
     pub fn couple(&self, slot: usize) -> Couple {
         match self.pairs.get(slot) {
@@ -323,7 +371,7 @@ impl NeighbourList {
         }
     }
 
-    /// Number (slot) of the candidate with these two bodies, in either order; `None` if it is not in the list.
+    /// Slot of the candidate with these two bodies, in either order; `None` if the list does not contain them.
     pub fn slot(&self, couple: &Couple) -> Option<usize> {
         match couple.other {
             Other::Particle(j) => self.pair_slot(couple.i, j),
@@ -346,7 +394,7 @@ impl NeighbourList {
             .map(|k| self.pairs.len() + k)
     }
 
-    /// Writes into `slots` the slots (numbers of candidates) whose bodies overlap at present, in ascending order.
+    /// Writes into `slots` the slots of all candidates that overlap at present, in ascending order.
     pub fn overlapping(&self, particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         slots.clear();
         let all = self.slots();
@@ -362,7 +410,7 @@ impl NeighbourList {
         slots.extend(parts.iter().flatten());
     }
 
-    /// Appends the slots (numbers of candidates) of a range whose bodies overlap at present, in ascending order.
+    /// Appends the slots of a range whose candidates overlap at present, in ascending order.
     pub fn overlapping_within(&self, range: Range<usize>, particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         let end = range.end;
         let walls = range.start.max(self.pairs.len());
@@ -370,8 +418,7 @@ impl NeighbourList {
         self.walls_within(walls..end, particles, scene, slots);
     }
 
-    /// Appends the slots (numbers of candidates) of a range that are pairs with a gap below `gap` [m], in ascending
-    /// order.
+    /// Appends the slots of a range that are pairs with a gap below `gap` [m], in ascending order.
     pub fn pairs_within(
         &self,
         range: Range<usize>,
@@ -388,8 +435,8 @@ impl NeighbourList {
         }
     }
 
-    /// Appends those slots (numbers of candidates) of `some`, all of which are pairs, whose particles overlap at
-    /// present. Their order is kept.
+    /// Appends the slots of `some` whose particles overlap at present, in their order. All slots of `some` must be
+    /// pairs.
     pub fn overlapping_of(&self, some: &[u32], particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         let some = some.iter().map(|&slot| (slot, &self.pairs[slot as usize]));
         match self.common_reach {
@@ -398,8 +445,7 @@ impl NeighbourList {
         }
     }
 
-    /// Appends the slots (numbers of candidates) of a range at which a particle and a wall overlap at present, in
-    /// ascending order.
+    /// Appends the slots of a range at which a particle and a wall overlap at present, in ascending order.
     pub fn walls_within(&self, range: Range<usize>, particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         let pairs = self.pairs.len();
         let mut apart: Option<Couple> = None;
@@ -418,9 +464,9 @@ impl NeighbourList {
     }
 }
 
-/// Selects the wanted ones of many items, in their order, without branches. Each item is stored, but the count
-/// increases only for wanted items, so the others are overwritten. This costs less than a branch that the processor
-/// often predicts wrongly.
+/// Selects items in their order, without branches. Each item is stored, but the count increases only for wanted items,
+/// so that the next item overwrites an unwanted one. This costs less than a branch that the processor often predicts
+/// wrongly.
 struct Sieve<T> {
     held: [T; 64],
     count: usize,
@@ -432,7 +478,7 @@ impl<T: Copy> Sieve<T> {
         Self { held: [any; 64], count: 0 }
     }
 
-    /// Stores the next item. If `wanted` is false, the item will be overwritten by the next one.
+    /// Stores the next item. If `wanted` is false, the following item overwrites it.
     #[inline(always)]
     fn offer(&mut self, item: T, wanted: bool, picked: &mut Vec<T>) {
         self.held[self.count] = item;
@@ -449,7 +495,7 @@ impl<T: Copy> Sieve<T> {
     }
 }
 
-/// Appends the slots (numbers of candidates) of the pairs whose centres are nearer to each other than `reach` [m].
+/// Appends the slots of the pairs whose centres are nearer to each other than `reach` [m].
 #[inline(always)]
 fn within<'a>(
     some: impl Iterator<Item = (u32, &'a Pair)>,
@@ -464,7 +510,8 @@ fn within<'a>(
     sieve.empty(slots);
 }
 
-/// All couples of bodies that overlap: pairs, and particles with walls. Particles are given by index in `particles`.
+/// All pairs of bodies that overlap: two particles, or a particle and a wall. Particles are given by their index in
+/// `particles`.
 pub fn overlapping(particles: &Particles, scene: &Scene) -> Vec<Couple> {
     let (mut sorted, mut list, mut slots) = (particles.clone(), NeighbourList::default(), Vec::new());
     let order = list.build(&mut sorted, scene, 0.0);
@@ -472,14 +519,14 @@ pub fn overlapping(particles: &Particles, scene: &Scene) -> Vec<Couple> {
     slots.iter().map(|&slot| list.couple(slot as usize).moved(|place| order[place as usize])).collect()
 }
 
-/// Component of a common velocity or acceleration of all particles that changes no gap to a wall. The component is
-/// parallel to all planes. It is zero if some wall is not a plane.
+/// Part of a common velocity or acceleration of all particles that changes no gap to a wall. It is parallel to all
+/// planes, and zero if some wall is not a plane.
 pub fn along_walls(scene: &Scene, vector: Vector3<f64>) -> Vector3<f64> {
     let mut normals: Vec<Vector3<f64>> = Vec::new();
     let mut rest = vector;
     for wall in &scene.walls {
         let Some(plane) = wall.geometry.plane() else { return Vector3::zeros() };
-        // Gram-Schmidt orthogonalisation: the part of this normal that is perpendicular to the earlier normals
+        // Gram-Schmidt orthogonalisation: part of this normal that is perpendicular to the previous normals
         let new = normals.iter().fold(plane.normal, |n, m| n - m * n.dot(m));
         if new.norm() > 1e-9 {
             let new = new.normalize();

@@ -1,5 +1,5 @@
-//! A fast test if balls may overlap. The balls are stored in cell order and in single precision, and are tested eight
-//! at a time. The test rejects most pairs, so that few need an exact test.
+//! Fast test for possible overlaps of balls. The balls are stored in cell order and in single precision, and tested
+//! eight at a time. The test rejects most pairs, so that few need an exact test.
 
 #[cfg(target_arch = "x86_64")]
 use super::lanes::eight::Eight;
@@ -11,7 +11,7 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Number of lanes (places of one number in a vector of the processor) whose results are stored together.
+/// Number of lanes (positions in a vector register) whose results are stored together.
 const AT_ONCE: usize = 4;
 
 /// A ball, prepared for comparison with several others at the same time.
@@ -22,7 +22,7 @@ struct PackedBall<W> {
     spot: [W; 4],
 }
 
-/// Table of the lanes whose bits are set, in ascending order, for every bit mask of four lanes.
+/// For every bit mask of four lanes, the lanes whose bits are set, in ascending order.
 const LANES_OF: [[usize; AT_ONCE]; 1 << AT_ONCE] = {
     let mut all = [[0; AT_ONCE]; 1 << AT_ONCE];
     let mut bits = 0;
@@ -40,11 +40,11 @@ const LANES_OF: [[usize; AT_ONCE]; 1 << AT_ONCE] = {
     all
 };
 
-/// Number of indices that are collected before they are passed to the caller in one call.
+/// Number of indices that are collected and passed to the caller in one call.
 const ROOM: usize = 64;
 
 /// Collects the indices of balls that may overlap another ball, without branches. Four indices are stored at a time,
-/// but the count increases only by the number of balls that overlap. This costs less than a branch that the processor
+/// and the count increases by the number of balls that may overlap. This costs less than a branch that the processor
 /// often predicts wrongly.
 struct Picked {
     places: [u32; ROOM],
@@ -70,13 +70,13 @@ impl Picked {
     }
 }
 
-/// Eight consecutive numbers of a list, beginning at index `first`; `None` if fewer are left.
+/// Eight consecutive numbers of a list from the index `first` on; `None` if fewer are left.
 #[inline(always)]
 fn eight_of(numbers: &[f32], first: usize) -> Option<&[f32; LANES]> {
     numbers.get(first..)?.first_chunk()
 }
 
-/// [m] centre and radius of a ball in single precision, with the centre relative to the corner of the region. The
+/// [m] centre and radius of a ball in single precision. The centre is relative to the lowest corner of the region. The
 /// radius is increased by `rounding` [m].
 #[inline(always)]
 fn spot_of((middle, radius): (Vector3<f64>, f64), region: &Region, rounding: f64) -> [f32; 4] {
@@ -89,20 +89,20 @@ fn spot_of((middle, radius): (Vector3<f64>, f64), region: &Region, rounding: f64
 pub struct PackedBalls {
     /// Indices of the balls in the particle store; the padding at the end has no meaning.
     places: Vec<u32>,
-    /// [m] centres along x, y, z, and radii, as four lists. In this form eight consecutive numbers are loaded at a
-    /// time. The padding at the end has no meaning.
+    /// [m] centres along x, y, z, and radii, as four lists, from which eight consecutive numbers are loaded at a time.
+    /// The padding at the end has no meaning.
     spots: [Vec<f32>; 4],
     /// [m] distance between images along each axis; infinite along axes without images.
     period: [f32; 3],
-    /// [m] length by which radii are increased, so that rounding of coordinates cannot hide an overlap.
+    /// [m] increase of all radii, so that rounding of coordinates cannot hide an overlap.
     rounding: f64,
 }
 
 impl PackedBalls {
-    /// Stores the balls with the indices `places`, in this order; `ball` returns the centre and the radius [m] of the
+    /// Stores the balls with the indices `places`, in this order. `ball` returns the centre and the radius [m] of the
     /// ball at an index.
     pub fn fill(&mut self, places: &[u32], ball: impl Fn(usize) -> (Vector3<f64>, f64) + Sync, region: &Region) {
-        // each thread fills a part of the lists, so that this part is in its cache when the thread uses it
+        // each thread fills a part of the lists, which is then in the cache of this thread
         for numbers in &mut self.spots {
             numbers.resize(places.len() + LANES, 0.0);
         }
@@ -110,7 +110,8 @@ impl PackedBalls {
         let periodic = region.periodic();
         self.period =
             std::array::from_fn(|axis| if periodic[axis] { region.size()[axis] as f32 } else { f32::INFINITY });
-        // eight roundings to single precision: two for each of three coordinates, and two for a difference of periods
+        // eight roundings to single precision: two for each of three coordinates, and two for the difference from a
+        // period
         let rounding = 8.0 * f64::from(f32::EPSILON) * region.size().amax();
         self.rounding = rounding;
         let [x, y, z, radii] = self.spots.each_mut().map(|numbers| numbers.chunks_mut(CHUNK));
@@ -131,11 +132,11 @@ impl PackedBalls {
         PackedBall { place: self.places[number], spot: spot.map(|number| lanes.splat(number)) }
     }
 
-    /// Calls `visit` with the index of each ball of a row of cells, and the indices of balls that may overlap it. `row`
-    /// contains the number of a level (range of sizes), and the number of a row in the level. Each pair occurs once.
-    /// The pairs of one ball may come in several consecutive calls. `smaller` returns the centre and the reach [m] with
-    /// which a ball searches the levels of smaller balls. `CROWDED` should be true if often one or more of four tested
-    /// balls overlap; results do not depend on it. Returns the number of pairs tested.
+    /// Calls `visit` with the index of each ball of a row of cells, and the indices of balls that may overlap it. Each
+    /// pair occurs once. The pairs of one ball may come in several consecutive calls. `row` contains the number of a
+    /// level, and the number of a row in this level. `smaller` returns the centre and the reach [m] with which a ball
+    /// searches the levels of smaller balls. `CROWDED` should be true if one or more of four tested balls often
+    /// overlap; it does not change results. Returns the number of pairs tested.
     #[inline(always)]
     pub fn for_each_near<const CROWDED: bool>(
         &self,
@@ -201,7 +202,7 @@ impl PackedBalls {
         checks
     }
 
-    /// Calls `visit` with the indices of balls that may overlap a ball, whose centre and radius [m] are given.
+    /// Calls `visit` with the indices of balls that may overlap a ball with the given centre and radius [m].
     #[inline(always)]
     pub fn for_each_beside(
         &self,
@@ -244,15 +245,15 @@ impl PackedBalls {
         picked.hand_over(one.place, &mut visit);
     }
 
-    /// Eight consecutive balls in cell order, beginning with the number `number`.
+    /// Eight consecutive balls in cell order from the number `number` on; `None` if fewer are left.
     #[inline(always)]
     fn eight(&self, number: usize) -> Option<Spots<'_>> {
         let [x, y, z, radii] = &self.spots;
         Some([eight_of(x, number)?, eight_of(y, number)?, eight_of(z, number)?, eight_of(radii, number)?])
     }
 
-    /// Collects the balls of a range of the cell order that may overlap the ball `one`. Some of them only nearly
-    /// overlap. `across` is true if images through periodic sides must be considered.
+    /// Collects the balls of a range of the cell order that may overlap the ball `one`. Some of them nearly overlap.
+    /// `across` must be true if images through periodic sides may be nearer.
     #[inline(always)]
     fn pick<const CROWDED: bool, L: Lanes>(
         &self,
@@ -326,7 +327,7 @@ mod tests {
 
     #[test]
     fn every_pair_that_overlaps_is_found_once_and_none_that_is_clearly_apart() {
-        // covers crowded and empty cells, one size and several; the memory was used for other balls before
+        // crowded and empty cells, one size and several sizes; the memory was used for other balls before
         let mut packed = PackedBalls::default();
         for (count, radii) in [(200, 0.3..0.31), (3000, 0.3..0.31), (3000, 0.05..0.6), (20, 1.0..1.3)] {
             let (domain, middles, radii) = balls(count, radii);

@@ -10,32 +10,33 @@ use crate::particles::Particles;
 use crate::scene::Scene;
 use nalgebra::Vector3;
 
-/// Settings of a neighbour list. They are equal on all processes that share a run.
+/// Settings of a neighbour list, which are equal in all processes that share a run.
 #[derive(Clone, Debug)]
 pub struct ListSettings {
-    /// [m/s] velocity of the frame relative to which the distances moved are measured.
+    /// [m/s] velocity of the frame relative to which motion is measured.
     pub frame: Vector3<f64>,
     /// [m/s] largest speed of any particle relative to the frame.
     pub largest_speed: f64,
-    /// [m] gap (skin) up to which pairs are listed.
+    /// [m] skin: gap up to which pairs are listed.
     pub skin: f64,
-    /// [-] number of times that the list can be used before it is rebuilt, at these speeds.
+    /// [-] number of times that the list can be used before it must be rebuilt, at these speeds.
     pub uses: f64,
-    /// Sizes of the particles on all processes that share a run; `None` if this process stores all particles.
+    /// Sizes of the particles in all processes that share a run; `None` if this process stores all particles.
     pub everyone: Option<Everyone>,
 }
 
 impl ListSettings {
-    /// Settings for the present velocities, with the skin of lowest cost for a list that is used every `between_uses`
-    /// [s]. At the present speeds the list lasts for at least one use.
+    /// Settings for the present velocities. The skin is that of lowest cost for a list that is used every
+    /// `between_uses` [s]. At the present speeds the list lasts for at least one use.
     pub fn of(particles: &Particles, scene: &Scene, between_uses: f64) -> Self {
-        let frame = along_walls(scene, particles.mean_velocity());
+        let relative = particles.relative_to_flow(&scene.domain);
+        let frame = along_walls(scene, relative.mean_velocity());
         let sizes = (particles.len(), particles.mean_radii(1.0)[0]);
-        Self::new((frame, particles.largest_speed(frame)), sizes, scene, between_uses)
+        Self::new((frame, relative.largest_speed(frame)), sizes, scene, between_uses)
     }
 
-    /// Settings as returned by [`of`](Self::of), but for a run that several processes share. `particles` are those of
-    /// this process. In total there are `count` particles with the mean radius `mean_radius` [m].
+    /// Settings as [`of`](Self::of) returns them, for a run that several processes share. `particles` are those of this
+    /// process. All processes together have `count` particles with the mean radius `mean_radius` [m].
     pub fn together(
         particles: &Particles,
         (count, mean_radius): (usize, f64),
@@ -60,19 +61,21 @@ impl ListSettings {
 
     fn new((frame, largest_speed): (Vector3<f64>, f64), sizes: (usize, f64), scene: &Scene, between_uses: f64) -> Self {
         let fall = scene.gravity - along_walls(scene, scene.gravity);
-        let speed = largest_speed + fall.norm() * between_uses;
+        // the mean flow of a sheared box moves the particles of a pair, which are some diameters apart, towards each other
+        let strain = scene.domain.strain_rate() * 2.0 * sizes.1;
+        let speed = largest_speed + fall.norm() * between_uses + strain;
         let skin = cheapest_skin(sizes, &scene.domain, speed * between_uses);
         Self { frame, largest_speed, skin, uses: skin / (2.0 * speed * between_uses), everyone: None }
     }
 }
 
-/// [m] skin with the lowest cost: a list with a thicker skin is built less often but contains more pairs.
+/// [m] skin of lowest cost: with a larger skin a list is built less often, but contains more pairs.
 ///
 /// There are `count` particles with the mean radius `mean_radius` [m]. `travel` [m] is the distance that particles may
-/// move relative to the frame between two uses of the list. The unit of cost is one test of a pair, per particle. The
-/// costs were measured once and are constants, so that results do not depend on the machine.
+/// move relative to the frame between two uses of the list. The unit of cost is one test of a pair per particle. The
+/// costs are constants that were measured once, so that results do not depend on the machine.
 fn cheapest_skin((count, mean_radius): (usize, f64), domain: &Domain, travel: f64) -> f64 {
-    /// [-] cost of building a list per particle, over the cost of testing a pair (docs/design/neighbours.md, "Skin").
+    /// [-] cost of building a list per particle over the cost of testing a pair (docs/design/neighbours.md, "Skin").
     const BUILD: f64 = 60.0;
     let count = count.max(1) as f64;
     let diameter = 2.0 * mean_radius;
@@ -94,7 +97,7 @@ fn cheapest_skin((count, mean_radius): (usize, f64), domain: &Domain, travel: f6
     let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| domain.size[axis]);
     let longest = periods.fold(f64::INFINITY, f64::min) * 0.5;
     let skin = best.1.min(longest).max(2.0 * travel);
-    // with a skin of zero, spheres at rest would cause a rebuild at every use; the last factor covers the rounding of
+    // a skin of zero would make spheres at rest cause a rebuild at every use; the last factor allows for rounding of
     // the distances moved
     skin.max(1e-3 * diameter) * (1.0 + 1e-9)
 }

@@ -1,4 +1,4 @@
-//! The region of the box that is sorted into cells. It is the whole box, or a block of it if processes share a run.
+//! Region of the box that is sorted into cells: the whole box, or a block of it if processes share a run.
 
 use crate::domain::Domain;
 use nalgebra::Vector3;
@@ -6,11 +6,11 @@ use nalgebra::Vector3;
 /// A block of the box, whose particles are sorted into cells.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Region {
-    /// [m] lowest corner of the block, relative to that of the box.
+    /// [m] lowest corner of the block, relative to the lowest corner of the box.
     low: Vector3<f64>,
-    /// [m] edges of the block.
+    /// [m] edge lengths of the block.
     size: Vector3<f64>,
-    /// [m] period (edge of the box) along each periodic axis that the block does not fill; `None` along other axes.
+    /// [m] period (edge of the box) along each periodic axis that the block does not fill; otherwise `None`.
     period: [Option<f64>; 3],
     /// True for each periodic axis along which the block fills the box.
     periodic: [bool; 3],
@@ -21,7 +21,7 @@ pub struct Region {
 impl From<&Domain> for Region {
     /// Makes a region that is the whole box.
     fn from(domain: &Domain) -> Self {
-        Self { low: Vector3::zeros(), size: domain.size, period: [None; 3], periodic: domain.periodic, is_all: true }
+        Self { low: Vector3::zeros(), size: domain.size, period: [None; 3], periodic: domain.joined(), is_all: true }
     }
 }
 
@@ -48,7 +48,7 @@ impl Region {
         region
     }
 
-    /// [m] edges of the block.
+    /// [m] edge lengths of the block.
     pub fn size(&self) -> Vector3<f64> {
         self.size
     }
@@ -63,7 +63,7 @@ impl Region {
         self.periodic
     }
 
-    /// [m] vector from the lowest corner of the block to the image of `x` that is nearest to the block.
+    /// [m] vector from the lowest corner of the block to the image of `x` [m] that is nearest to the block.
     #[inline]
     pub fn local(&self, x: &Vector3<f64>) -> Vector3<f64> {
         let mut local = x - self.low;
@@ -85,7 +85,7 @@ impl Region {
         self.is_all
     }
 
-    /// [m] distance of the position `x` from the nearest side of the block beyond which the box continues. It is
+    /// [m] distance of the position `x` [m] from the nearest side of the block beyond which the box continues. It is
     /// infinite for the whole box, and negative if `x` is outside the block.
     pub fn depth(&self, x: &Vector3<f64>, domain: &Domain) -> f64 {
         let local = self.local(x);

@@ -1,13 +1,13 @@
-//! Energy balance of a run: the change of energy that the ledger does not explain. The ledger contains the sums of all
-//! work and losses.
+//! Energy balance of a run: the change of energy minus the work and the losses in the ledger. The ledger contains the
+//! sums of all work and losses.
 
 use super::{Needs, Observer, plain_data};
 use crate::simulation::Simulation;
 use crate::statistics::{Estimate, estimate};
 use serde::{Deserialize, Serialize};
 
-/// Energy at the start and the end of a run, and the unexplained energy at every sample. This is the change of the
-/// energy minus the work and losses in the ledger.
+/// Energy at the start and the end of a run, and the unexplained energy at every sample. The unexplained energy is the
+/// change of energy minus the work and losses in the ledger.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct EnergyBooks {
     /// [J] kinetic plus elastic energy at the start.
@@ -23,7 +23,8 @@ pub struct EnergyBooks {
 }
 
 impl EnergyBooks {
-    /// [J] energy that the ledger does not explain over the whole run, with the standard error that is due to chance.
+    /// [J] unexplained energy of the whole run. Its standard error follows from the scatter of the changes between
+    /// samples.
     pub fn residual(&self) -> Estimate {
         let steps: Vec<f64> = self.samples.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let error = estimate(&steps).and_then(|step| step.error);

@@ -9,8 +9,8 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Largest number of particles that are recorded. More particles could not be distinguished in a picture, nor drawn
-/// fast enough.
+/// Largest number of recorded particles. More particles could neither be distinguished in a picture nor be drawn fast
+/// enough.
 const MOST_PARTICLES: usize = 500;
 
 /// Number of particles up to which a viewer can follow each one, even if it flies far between two frames.
@@ -19,15 +19,15 @@ const FEW: usize = 50;
 /// Smallest and largest number of frames of a run.
 const FRAMES: std::ops::RangeInclusive<usize> = 40..=241;
 
-/// Largest product of the number of particles and the number of frames, over all variants together: a few megabytes on
-/// a page.
+/// Largest number of recorded particles times frames, of all variants together. This number limits the data of a page
+/// to a few megabytes.
 const BUDGET: usize = 90_000;
 
-/// [-] mean distance that a particle flies relative to the others between two frames, in units of its radius. This
-/// distance is short enough to show collisions.
+/// [-] mean distance that a particle flies between two frames, in units of its radius. The distance uses the velocity
+/// fluctuations alone, and is short enough to show collisions.
 const FLIGHT: f64 = 1.0;
 
-/// [-] factor by which the distance may exceed `FLIGHT` if the frames can then cover the whole run.
+/// [-] factor by which the distance may exceed `FLIGHT`, provided that the frames then cover the whole run.
 const WHOLE: f64 = 5.0;
 
 /// State of the recorded particles at one instant.
@@ -37,20 +37,20 @@ pub struct Frame {
     pub time: f64,
     /// [m] centres, inside the box along periodic axes.
     pub position: Vec<Vector3<f32>>,
-    /// [m/s] velocities. With drag, a frame between two samples has the velocities of the window that ends at this
-    /// frame. A window is the time between two exchanges of momentum with the gas.
+    /// [m/s] velocities. In a frame between two samples with drag, these are the velocities of the window that ends at
+    /// the frame. A window is the time between two exchanges of momentum with the gas.
     pub velocity: Vec<Vector3<f32>>,
     /// [m] largest overlap of each particle; 0 for particles without contact.
     pub overlap: Vec<f32>,
     /// [rad/s] magnitude of the spin of each particle; empty where spheres do not rotate.
     pub spin: Vec<f32>,
-    /// Number of the method that moved each particle: 0 straight flight, 1 the solution of an island (a small group of
-    /// particles that may meet), 2 the engine with all particles at once.
+    /// Method that moved each particle: 0 straight flight, 1 the solution of an island (a small group of particles that
+    /// may meet), 2 the engine with all particles at once.
     pub solver: Vec<u8>,
 }
 
-/// Frames of up to 500 particles at up to 241 instants, from the start on. In a run too long for that number, the
-/// frames are close enough in time to show collisions, and end before the run does.
+/// Frames of up to 500 particles at up to 241 instants, from the start of the run. If so few frames would be too far
+/// apart to show collisions, they are closer in time and end before the run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Frames {
     /// [s] duration of the run.
@@ -88,12 +88,11 @@ impl Frames {
         self.particles.div_ceil(self.most.0.max(1)).max(1)
     }
 
-    /// [s] time to the next frame. Frames are evenly spaced over the whole run if the particles then do not fly too far
-    /// between frames.
+    /// [s] time to the next frame. Frames are evenly spaced over the whole run unless the particles fly too far between
+    /// such frames.
     fn space(&self, simulation: &Simulation) -> f64 {
         let even = self.duration / self.most.1.saturating_sub(1).max(1) as f64;
-        // the spacing is chosen at the start: if the frames are spaced over the whole run, their spacing does not
-        // change
+        // the first two frames decide: frames that are spaced over the whole run keep their spacing
         let goes_on = self.frames.len() > 1 && self.spacing >= even;
         if simulation.count() <= FEW || goes_on {
             return even;
@@ -104,8 +103,8 @@ impl Frames {
 }
 
 impl Frames {
-    /// True if a last frame at `time` [s] is missing and there is room for it. This frame shows the end of a run whose
-    /// frames cover the whole run, or of a run that has stopped.
+    /// True if a frame at `time` [s] is missing and the number of frames allows it. It is the last frame of a run that
+    /// the frames cover, or of a run that has stopped.
     fn lacks(&self, time: f64) -> bool {
         self.frames.len() < self.most.1 && self.frames.last().is_some_and(|frame| frame.time < time)
     }
@@ -116,7 +115,8 @@ impl Observer for Frames {
         (self.frames.len() < self.most.1).then_some(now + self.spacing)
     }
 
-    // drag need not be added: particles flew from the last frame to this one with the velocities of the last window
+    // no drag is added to the velocities: between the last frame and this one, particles flew with the velocities of
+    // the last window
     fn needs_velocities(&self) -> bool {
         false
     }

@@ -8,9 +8,8 @@ use crate::simulation::Simulation;
 use crate::statistics::{Batches, Estimate, FEWEST_BLOCKS, estimate};
 use serde::{Deserialize, Serialize};
 
-/// Number of equal parts of a run. If the start of averaging is detected, it may be at the end of any part. The
-/// detected start is in the first half of the run, with an accuracy of a fortieth of the run
-/// ([`judge`](crate::statistics::judge)).
+/// Number of equal parts of a run at whose ends the sums of the impacts are stored. A detected start of averaging is
+/// the end of a part in the first half of the run ([`judge`](crate::statistics::judge)).
 const MARKS: u64 = 40;
 
 /// Sums over all impacts from the start of the run to a sample.
@@ -47,8 +46,8 @@ pub struct ImpactSeries {
     duration: f64,
     schedule: Schedule,
     samples: Vec<ImpactSample>,
-    /// Sums over all impacts up to a time [s]. They are stored at times at which averaging begins or at which it may be
-    /// found to begin.
+    /// Time [s] and sums over all impacts up to this time. The times are those at which averaging begins, or may begin
+    /// if its start is detected.
     marks: Vec<(f64, Impacts)>,
 }
 
@@ -92,7 +91,7 @@ impl ImpactSeries {
     }
 
     /// Impacts since the first mark at or after `from` [s]. A mark is a stored sum up to a possible start of averaging.
-    /// If all marks are earlier, the result is the impacts since the last mark; without marks, none.
+    /// If all marks are earlier, the last mark is used. Without marks, no impacts are returned.
     pub fn since(&self, from: f64, record: &Record) -> Impacts {
         let begun = self.marks.iter().find(|(time, _)| *time >= from * (1.0 - 1e-9)).or(self.marks.last());
         begun.map_or_else(Impacts::default, |(_, before)| self.of(record).since(before))
@@ -109,15 +108,15 @@ impl ImpactSeries {
         self.intervals().skip(first).map(|totals| totals.count as f64 / interval).collect()
     }
 
-    /// Impact rate averaged over blocks of time from sample `first` on, which is taken at `from` [s]. `None` if no
-    /// sample follows. The time of each rate is the end of its interval.
+    /// Impact rate [1/s], averaged over blocks of time from sample `first` on. This sample is at `from` [s]. `None` if
+    /// no sample follows. The time of each rate is the end of its interval.
     pub fn batches(&self, first: usize, from: f64) -> Option<Batches> {
         let interval = self.schedule.interval();
         Batches::of_series(&self.rates(first), interval, from + interval)
     }
 
-    /// Realised restitution: square root of the ratio of the normal energy after the impacts to that before, both
-    /// summed over all impacts. The excess energy in an interval is rebound² - e² approach²; the scatter of this excess
+    /// [-] realised restitution: square root of the ratio of normal energies after and before the impacts, both summed
+    /// over all impacts. An interval has the excess energy Σ rebound² - e² Σ approach². The scatter of this excess
     /// gives the standard error. `None` without an impact.
     pub fn restitution(&self) -> Option<Estimate> {
         let intervals: Vec<ImpactSample> = self.intervals().collect();

@@ -27,9 +27,8 @@ struct OfSpecies {
     energy: Vec<Option<f64>>,
 }
 
-/// Measurements of a scene with several species: means over each species at every sample, and impacts of each pair of
-/// kinds up to every sample. For a scene with one species nothing is stored, since the results for all particles are
-/// those of the species.
+/// Measurements of a scene with several species: means over each species, and impacts of each pair of kinds, at every
+/// sample. With one species nothing is stored, because the results for all particles are those of the species.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Kinds {
     slices: usize,
@@ -52,16 +51,17 @@ pub struct SpeciesAverages {
     pub number_density: f64,
     /// [m/s] mean streamwise velocity of the species.
     pub velocity: Option<Estimate>,
-    /// [m²/s²] granular temperature. Velocities are relative to the mean velocity of the species in each slice at the
+    /// [m²/s²] granular temperature, with velocities relative to the mean velocity of the species in each slice at the
     /// same instant.
     pub temperature: Option<Estimate>,
-    /// [J] mean kinetic energy of the random motion per degree of freedom, m T/2; if masses differ, the mean of m (v -
-    /// U)²/2.
+    /// [J] mean kinetic energy of the random motion per degree of freedom: m T/2. If masses differ within the species:
+    /// mean of m (v - U)²/2 per degree of freedom, with U the mean velocity of the slice.
     pub random_energy: Option<Estimate>,
     /// Time averages in slices, for this species alone.
     #[serde(skip)]
     pub profiles: ProfileTable,
-    /// Averages over blocks of time of the velocity, the temperature and the rate of impacts with particles.
+    /// Averages over blocks of time of the velocity [m/s], the granular temperature [m²/s²] and the rate of impacts
+    /// with particles [1/s].
     #[serde(skip)]
     pub batches: [Option<Batches>; 3],
 }
@@ -69,7 +69,8 @@ pub struct SpeciesAverages {
 /// Impacts between two kinds over the averaging period.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MeetingAverages {
-    /// Names of the two kinds: a species, and a second species or a wall by its index in the case.
+    /// Names of the two kinds: first a species, then a second species or a wall, such as `wall 0`, with its index in
+    /// the case.
     pub between: [String; 2],
     /// Number of impacts that ended in the averaging period.
     pub count: u64,
@@ -77,14 +78,14 @@ pub struct MeetingAverages {
     pub rate: Option<Estimate>,
     /// [m/s] mean normal speed of approach in these impacts.
     pub normal_speed: Option<f64>,
-    /// [-] restitution that the case gives for these impacts; at their mean speed, if it depends on the speed.
+    /// [-] restitution that the case prescribes for these impacts; that at their mean speed, if it depends on the speed.
     pub restitution_asked: f64,
-    /// [-] realised restitution: square root of the ratio of the normal energy after the impacts to that before, both
+    /// [-] realised restitution: square root of the ratio of the normal energies after and before the impacts, both
     /// summed over the impacts.
     pub restitution: Option<f64>,
 }
 
-/// Quantity of one kind or of a pair of kinds over the whole run.
+/// Curve over time of a quantity of one kind or of a pair of kinds, for the whole run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KindCurve {
     /// Name of the quantity.
@@ -118,13 +119,13 @@ pub struct KindAverages {
     pub species: Vec<SpeciesAverages>,
     /// Impacts of each pair of kinds that had impacts.
     pub meetings: Vec<MeetingAverages>,
-    /// Temperatures, and numbers of impacts since the start, over the whole run.
+    /// Curves over the whole run: temperatures, and numbers of impacts since the start.
     #[serde(skip)]
     pub curves: Vec<KindCurve>,
 }
 
-/// Mean of independent estimates of one number. The mean has no error if one of the estimates has none. `None` if one
-/// of the values is unknown.
+/// Mean of independent estimates of one number. The mean has no error if one estimate has no error. `None` without
+/// estimates, or if one of the values is unknown.
 fn mean_of(estimates: impl Iterator<Item = Option<Estimate>>) -> Option<Estimate> {
     let all: Vec<Estimate> = estimates.collect::<Option<_>>()?;
     let count = all.len() as f64;
@@ -134,7 +135,7 @@ fn mean_of(estimates: impl Iterator<Item = Option<Estimate>>) -> Option<Estimate
     (!all.is_empty()).then(|| Estimate { value, error: square.map(|sum| sum.sqrt() / count) })
 }
 
-/// Averages over blocks of time of all runs; `None` if they are missing in one run.
+/// Averages over blocks of time of all runs together; `None` if one run has no such averages.
 fn pool<'a>(runs: impl Iterator<Item = &'a Option<Batches>>, by_runs: bool) -> Option<Batches> {
     let all: Option<Vec<&Batches>> = runs.map(Option::as_ref).collect();
     Batches::pool(&all?, by_runs)
@@ -142,7 +143,7 @@ fn pool<'a>(runs: impl Iterator<Item = &'a Option<Batches>>, by_runs: bool) -> O
 
 impl KindAverages {
     /// Averages of several independent runs of one variant: means over the runs, and the impacts of all runs. `by_runs`
-    /// has the meaning that it has in [`Batches::pool`].
+    /// is passed to [`Batches::pool`].
     pub fn pool(runs: &[&Self], by_runs: bool) -> Self {
         let Some((first, others)) = runs.split_first() else { return Self::default() };
         let species = first.species.iter().enumerate().map(|(place, own)| {
@@ -157,7 +158,7 @@ impl KindAverages {
             }
         });
         let mut meetings: Vec<MeetingAverages> = Vec::new();
-        // a pair of kinds that had impacts in some runs only counts with zero impacts in the other runs
+        // a pair of kinds with impacts in only some of the runs counts as zero impacts in the other runs
         let known = |one: &MeetingAverages, other: &MeetingAverages| one.between == other.between;
         let every = first.meetings.iter().chain(others.iter().flat_map(|run| &run.meetings));
         for met in every {
@@ -186,8 +187,8 @@ impl MeetingAverages {
             count,
             rate: mean_of(runs.iter().map(|run| run.map_or(never, |one| one.rate))),
             normal_speed: weighted(|one| one.normal_speed),
-            // mean of the ratios of energies after and before, weighted by counts, since impacts of one pair of kinds
-            // have similar energies
+            // mean of the ratios of energies after and before, weighted by the numbers of impacts; impacts of one pair
+            // of kinds have similar energies
             restitution: weighted(|one| one.restitution.map(|e| e * e)).filter(|square| *square > 0.0).map(f64::sqrt),
             ..first.clone()
         }
@@ -212,7 +213,7 @@ impl Kinds {
         Self { slices, interval: schedule.interval(), species, impacts: Vec::new(), times: Vec::new() }
     }
 
-    /// Averages from sample `first` on, which is taken at `from` [s].
+    /// Averages from sample `first` on. This sample is at `from` [s].
     pub fn averages(&self, scene: &Scene, first: usize, from: f64) -> KindAverages {
         let species = self.species.iter().map(|of| {
             let rate = Batches::of_series(&self.rates(of.species, first), self.interval, from + self.interval);
@@ -236,8 +237,8 @@ impl Kinds {
         counts.windows(2).map(|pair| (pair[1] - pair[0]) as f64 / self.interval).collect()
     }
 
-    /// Mean velocity and temperature of each species at every sample, for the test for a steady state. Their scales are
-    /// computed from the largest temperature.
+    /// Mean velocity [m/s] and granular temperature [m²/s²] of each species at every sample, for the test for a steady
+    /// state. The largest temperature determines the scales of both.
     pub fn series(&self, scene: &Scene) -> Vec<Followed> {
         let speed = scene.rest_speed();
         let of = |of: &OfSpecies| {
@@ -298,7 +299,7 @@ fn names(scene: &Scene, between: Between) -> [String; 2] {
     [scene.species[usize::from(between.species)].name.clone(), other]
 }
 
-/// True if `between` means impacts of the species with other particles.
+/// True if `between` refers to impacts of the species with particles, not with a wall.
 fn takes_part(species: u16, between: Between) -> bool {
     match between.other {
         Kind::Species(other) => species == between.species || species == other,
@@ -307,7 +308,7 @@ fn takes_part(species: u16, between: Between) -> bool {
 }
 
 impl OfSpecies {
-    /// Averages from sample `first` on, which is taken at `from` [s]; samples are `interval` [s] apart.
+    /// Averages from sample `first` on. This sample is at `from` [s], and samples are `interval` [s] apart.
     fn averages(
         &self,
         scene: &Scene,
@@ -380,8 +381,9 @@ impl Observer for Kinds {
             return;
         }
         self.times.push(simulation.time);
+        let relative = simulation.relative_to_flow();
         for of in &mut self.species {
-            let own = only(&simulation.particles, of.species);
+            let own = only(&relative, of.species);
             let own = simulation.sample().with(&own);
             of.profiles.sample(simulation.time, own);
             let height = simulation.scene().domain.size.y;

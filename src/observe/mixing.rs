@@ -1,9 +1,9 @@
-//! Mixing of the particles, measured by the share of particles that stay in one layer. Time averages of one run are
-//! valid for other runs only if particles change layers.
+//! Mixing of the particles: share of the particles that stay in one layer. Only if particles change layers are the time
+//! averages of one run valid for other runs of the same case.
 //!
-//! Every particle has fixed random signs +1 or -1, computed from its id. The signs are summed in layers along y at two
-//! instants. The product of the two sums of a layer estimates the number of particles that are in this layer at both
-//! instants. In this product the signs of one particle multiply to 1, while products of two particles cancel on
+//! Every particle has fixed random signs +1 or -1, computed from its id. At two instants the signs are summed in layers
+//! along y. The product of the two sums of a layer estimates the number of particles that are in this layer at both
+//! instants. The two equal signs of one particle multiply to 1, while the products of two different particles cancel on
 //! average.
 
 use super::{Needs, Observer, plain_data};
@@ -14,14 +14,15 @@ use rand::{Rng, SeedableRng};
 use rand_xoshiro::SplitMix64;
 use serde::{Deserialize, Serialize};
 
-/// Number of sums per layer: the number of particles, and 31 sums of signs. With n layers the share of particles that
-/// stay has a statistical error of 1/sqrt(31 n).
+/// Number of sums per layer: the number of particles, and 31 sums of signs. With n layers, the share of the particles
+/// that stay in their layer has a statistical error of 1/sqrt(31 n).
 const SUMS: usize = 32;
-/// Largest number of layers. With so many layers the share of particles that stay has an error of 0.02.
+/// Largest number of layers. With 64 layers, the share of the particles that stay in their layer has an error of 0.02.
 const LAYERS: f64 = 64.0;
-/// Smallest number of layers. With fewer layers too many particles stay in a layer by chance.
+/// Smallest number of layers. With fewer layers, too many particles are in the same layer twice by chance.
 const FEWEST_LAYERS: f64 = 4.0;
-/// Number of stored instants before the end, one of which is compared with the end.
+/// Number of instants before the end at which the sums are stored. The sums at one of these instants are compared with
+/// those at the end.
 const MARKS: u64 = 8;
 
 /// Sums of signs in layers at one instant.

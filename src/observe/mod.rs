@@ -3,11 +3,12 @@
 //! An [`Observer`] is called with the simulation at times that it specifies, and stores data from it. [`run`] is the
 //! loop over a run: it advances the simulation from sample to sample and calls each observer at its times. A sample is
 //! an instant of the schedule at which measurements are taken. A window is the time between two exchanges of momentum
-//! with the gas. The data of observers are plain, so that they can be stored with the state of the particles.
-//! [`RunLoop`] is the loop for runs that may be stopped at the end of any window, stored, and resumed.
+//! with the gas. The data of an observer can be stored with the state of the particles. [`RunLoop`] is the loop for
+//! runs that may be stopped at the end of any window, stored, and resumed.
 
 mod energy;
 mod frames;
+mod gas_flow;
 mod impacts;
 mod kinds;
 mod mixing;
@@ -23,6 +24,7 @@ mod stress;
 
 pub use energy::EnergyBooks;
 pub use frames::{Frame, Frames};
+pub use gas_flow::{GasFlow, GasFlows};
 pub use impacts::ImpactSeries;
 pub use kinds::{KindAverages, KindCurve, Kinds, MeetingAverages, SpeciesAverages};
 pub use mixing::Mixing;
@@ -32,8 +34,10 @@ pub use paths::{PathSample, Paths};
 pub use rings::{Ring, RingAverages, Rings};
 pub use run_loop::{Pause, RunLoop};
 pub use second_moments::{Budgets, MOMENTS, SecondMoments, Terms};
-pub use series::{RotationSums, Row, Series, TurbulenceMeans};
-pub use series_columns::{CurveScale, FRICTION_COLUMNS, SERIES_COLUMNS, SeriesColumn, TURBULENCE_COLUMNS};
+pub use series::{GasMeans, RotationSums, Row, Series, ShearStress, TurbulenceMeans};
+pub use series_columns::{
+    CurveScale, FRICTION_COLUMNS, GAS_COLUMNS, SERIES_COLUMNS, SHEAR_COLUMNS, SeriesColumn, TURBULENCE_COLUMNS,
+};
 pub use stress::{Stress, Stresses};
 
 use crate::engine::Failure;
@@ -57,39 +61,37 @@ macro_rules! plain_data {
 }
 use plain_data;
 
-/// Particles that an observer requires if several processes share a run, each with a part of the particles.
+/// Particles that an observer requires if several processes share a run and each process has a part of the particles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Needs {
     /// The observer requires no particles.
     Nothing,
-    /// Sums over all particles, computed with [`Simulation::sample`], and those records that are documented as sums. At
-    /// a sample every process calls its copy of the observer with the local particles. The records of the whole run are
-    /// contained only in the simulation of the lead process.
+    /// Sums over all particles, computed with [`Simulation::sample`], and the records that are documented as sums. At a
+    /// sample, every process calls its copy of the observer with the local particles. Only the simulation of the lead
+    /// process has the records of the whole run.
     Sums,
-    /// The local particles in every process, if each process has a part of the particles; otherwise all particles in
-    /// the lead process. Unlike for sums, the observer may be called at any time, and the records are not those of the
-    /// whole run.
+    /// Local particles in every process if the run is shared, otherwise all particles in the lead process. Unlike with
+    /// `Sums`, the observer may be called at any time, and the records are not those of the whole run.
     Parts,
-    /// Every n-th particle by id (1: all), and the particles in contact with these. [`Simulation::count`] and
-    /// [`Simulation::agitation`] nevertheless refer to all particles.
+    /// Every n-th particle by id (1: all), and the particles in contact with one of these particles.
+    /// [`Simulation::count`] and [`Simulation::agitation`] still refer to all particles.
     Every(u32),
 }
 
-/// Measurement that is called with the simulation at several times of a run. An observer only reads the simulation:
-/// results are equal bit by bit, whatever the observers and their times are.
+/// Measurement that is called with the simulation at several times of a run. An observer only reads the simulation, so
+/// that observers and their times change no bit of the results.
 ///
 /// Every closure that takes a `&Simulation` is an observer that is called at every sample.
 pub trait Observer: Send {
-    /// [s] next time after the present time `now` [s] at which the observer is to be called; `None` if it is not to be
-    /// called again. The call takes place at the end of the first window that reaches this time. Every observer is
-    /// called at the start. By default, returns the time of the next sample.
+    /// [s] next time after `now` [s] at which the observer is to be called; `None` if it is not to be called again. The
+    /// call takes place at the end of the first window that reaches this time. Every observer is also called at the
+    /// start. The default is the time of the next sample.
     fn next(&self, now: f64, schedule: &Schedule) -> Option<f64> {
         Some(now + schedule.interval())
     }
 
     /// True if the observer requires velocities of the same instant as the positions. Between two samples the
-    /// velocities lack the effect of drag for up to half a window. To add this effect costs as much as the drag of a
-    /// window.
+    /// velocities lack the drag of up to half a window. Adding it takes as long as the drag of one window.
     fn needs_velocities(&self) -> bool {
         true
     }
@@ -109,18 +111,18 @@ pub trait Observer: Send {
         None
     }
 
-    /// Particles that the observer requires at the end of the run, at the time `now` [s]. If these are sums, the
+    /// Particles that the observer requires at the end of the run, at the time `now` [s]. With [`Needs::Sums`], the
     /// observer is called once more before its [`end`](Self::end). By default, none.
     fn sight_of_end(&self, _now: f64) -> Needs {
         Needs::Nothing
     }
 
-    /// Takes data from the last state of the run, which is over or has stopped with a failure.
+    /// Takes data from the last state of a run that is over or has failed.
     fn end(&mut self, _simulation: &Simulation) {}
 
     /// Data of the observer, stored so that the run can be resumed after the program has ended. By default there are no
     /// data, which is correct for an observer that only displays. An observer that writes files during the run stores
-    /// its position in these files.
+    /// its position in the files.
     /// # Errors
     /// The data cannot be stored.
     fn stored(&self) -> Result<Stored, StoreError> {
@@ -142,14 +144,14 @@ impl<F: FnMut(&Simulation) + Send> Observer for F {
     }
 }
 
-/// Takes the data of slice averages at every sample.
+/// Takes the data of slice averages at every sample. In a sheared box velocities are relative to the mean flow.
 impl Observer for Accumulator {
     fn sight(&self) -> Needs {
         Needs::Sums
     }
 
     fn see(&mut self, simulation: &Simulation) {
-        self.sample(simulation.time, simulation.sample());
+        self.sample(simulation.time, simulation.sample().with(&simulation.relative_to_flow()));
     }
 
     plain_data!();

@@ -6,8 +6,8 @@ use crate::simulation::Simulation;
 use crate::statistics::{Estimate, estimate};
 use serde::{Deserialize, Serialize};
 
-/// Mean streamwise (z) forces on all particles together over the averaging period [N]. A force is `None` if the period
-/// contains no sample. In a steady flow the forces add up to zero.
+/// Mean streamwise (z) forces on all particles together [N], positive along z, over the averaging period. A force is
+/// `None` if the period contains no sample. In a steady flow the forces add up to zero.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Balance {
     /// [N] mean drag force of the gas.
@@ -20,16 +20,16 @@ pub struct Balance {
     pub residual: Option<Estimate>,
 }
 
-/// Streamwise momentum given to all particles from the start to every sample.
+/// Streamwise (z) momentum that all particles have received from the start to every sample.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct MomentumBooks {
     /// [s] time between samples.
     interval: f64,
     /// [N] weight of all particles along z.
     weight: f64,
-    /// [kg m/s] momentum given by drag since the start, at every sample.
+    /// [kg m/s] momentum received by drag since the start, at every sample.
     drag: Vec<f64>,
-    /// [kg m/s] momentum given by walls since the start, at every sample.
+    /// [kg m/s] momentum received from walls since the start, at every sample.
     wall: Vec<f64>,
 }
 
@@ -56,7 +56,7 @@ impl MomentumBooks {
 }
 
 impl Balance {
-    /// True if drag, weight and wall force along the stream are certainly zero.
+    /// True if drag, weight and wall force along z are exactly zero. An unknown force does not count as zero.
     pub fn is_idle(&self) -> bool {
         let none = |force: Option<Estimate>| force.is_some_and(|force| force.value == 0.0);
         none(self.drag) && self.weight == 0.0 && none(self.wall)

@@ -1,5 +1,6 @@
 //! Mean motion of all particles, and the test for a steady state.
 
+use super::series::ShearStress;
 use super::{Needs, Observer, plain_data};
 use crate::experiment::{AverageFrom, Experiment};
 use crate::simulation::Simulation;
@@ -7,7 +8,7 @@ use crate::statistics::{Batches, Estimate, Steadiness, SteadySeries, VelocitySpr
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Means over all particles at every sample, for the test for a steady state.
+/// Means over all particles at every sample; the test for a steady state uses them.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Motion {
     /// Number of slices in which the temperature is computed.
@@ -25,7 +26,10 @@ pub struct Motion {
     place: Vec<[f64; 4]>,
     /// Number of impacts so far, of pairs and on walls, at every sample.
     impacts: Vec<[u64; 2]>,
-    /// True for each axis that is not periodic; along such an axis a mean position is defined.
+    /// [Pa] kinetic part of the stress against the shear of a sheared box, and [Pa s] integral of its contact part since the
+    /// start, at every sample; empty without shear.
+    stress: Vec<[f64; 2]>,
+    /// True for each axis that is not periodic. Only along such an axis is a mean position defined.
     bounded: [bool; 3],
     /// [m] edge lengths of the domain.
     size: Vector3<f64>,
@@ -35,13 +39,13 @@ pub struct Motion {
     diameter: f64,
 }
 
-/// A quantity over time that is tested for being steady, in SI units.
+/// Quantity at every sample that is tested for being steady, in SI units.
 pub struct Followed {
     /// Value at every sample.
     pub values: Vec<f64>,
     /// Scale of the quantity, as in [`SteadySeries`].
     pub scale: f64,
-    /// Smallest drift of the quantity that counts, as in [`SteadySeries`].
+    /// Smallest drift of the quantity that counts as a drift, as in [`SteadySeries`].
     pub step: f64,
 }
 
@@ -51,7 +55,7 @@ impl Followed {
     }
 }
 
-/// [-] largest drift of a mean position that counts as rest, over the diameter. Likewise, speeds below a hundredth of
+/// [-] largest drift of a mean position that counts as rest, in diameters. In the same way, speeds below a hundredth of
 /// sqrt(g d) count as rest.
 const PLACE: f64 = 0.01;
 
@@ -67,6 +71,7 @@ impl Motion {
             temperature: Vec::new(),
             place: Vec::new(),
             impacts: Vec::new(),
+            stress: Vec::new(),
             bounded: domain.periodic.map(|periodic| !periodic),
             size: domain.size,
             rest_speed: experiment.scene.rest_speed(),
@@ -74,9 +79,9 @@ impl Motion {
         }
     }
 
-    /// Start of averaging, as given or detected, and the result of the test for a steady state from this start on. The
-    /// test covers all quantities that are compared between steady runs: velocity, temperature, positions and impact
-    /// rates. `more` contains quantities that other observers measured at the same samples.
+    /// Given or detected start of averaging, and the result of the test for a steady state from this start on. The test
+    /// covers all quantities that are compared between steady runs: velocity, temperature, positions and impact rates.
+    /// `more` contains further quantities, measured by other observers at the same samples.
     pub fn steadiness(&self, asked: AverageFrom, more: Vec<Followed>) -> Steadiness {
         let from = match asked {
             AverageFrom::Time(from) => Some(from),
@@ -88,8 +93,8 @@ impl Motion {
 
     /// All tested quantities over time.
     fn series(&self) -> Vec<Followed> {
-        // if momentum is conserved, the mean velocity changes only by rounding, which is small compared with the
-        // agitation
+        // if momentum is conserved, the mean velocity changes only by rounding errors, which are small compared with
+        // the agitation
         let agitation = self.agitation.iter().copied().fold(0.0, f64::max);
         let (speed, diameter) = (self.rest_speed, self.diameter);
         let followed = |values, scale, step| Followed { values, scale, step };
@@ -104,7 +109,7 @@ impl Motion {
         let squares = || self.place.iter().map(|place| place[3]).collect();
         let square = self.size.y * self.size.y;
         all.extend(self.bounded[1].then(|| followed(squares(), square, PLACE * diameter * self.size.y)));
-        // impact rates are not tested for bodies at rest, that is, bodies slower than the rest speed
+        // particles at rest, slower on average than the rest speed, have no impact rates to be tested
         let rests = self.agitation.last().is_none_or(|last| *last < speed * speed);
         for which in 0..if rests { 0 } else { 2 } {
             let rates: Vec<f64> =
@@ -130,8 +135,17 @@ impl Motion {
         self.temperature.iter().skip(first).map(|parts| parts.map(|parts| parts.sum() / 3.0)).collect()
     }
 
-    /// Granular temperature averaged over blocks of time from sample `first` on; `None` if it is unknown at one of the
-    /// samples.
+    /// Stress against the shear of a sheared box averaged over blocks of time from sample `first` on; `None` without shear.
+    /// The kinetic part of an interval is the mean of the values at its ends.
+    pub fn stress_batches(&self, first: usize) -> Option<Batches> {
+        let interval = self.times.get(1)? - self.times.first()?;
+        let total = |pair: &[[f64; 2]]| 0.5 * (pair[0][0] + pair[1][0]) + (pair[1][1] - pair[0][1]) / interval;
+        let totals: Vec<f64> = self.stress.get(first..)?.windows(2).map(total).collect();
+        Batches::of_series(&totals, interval, *self.times.get(first)? + interval)
+    }
+
+    /// Granular temperature [m²/s²], averaged over blocks of time from sample `first` on; `None` if the temperature is
+    /// unknown at one of the samples.
     pub fn batches(&self, first: usize) -> Option<Batches> {
         let interval = self.times.get(1)? - self.times.first()?;
         Batches::of_series(&self.temperatures(first)?, interval, *self.times.get(first)?)
@@ -145,8 +159,9 @@ impl Observer for Motion {
 
     fn see(&mut self, simulation: &Simulation) {
         let (mean, height) = (simulation.mean_velocity(), simulation.scene().domain.size.y);
-        let spread = VelocitySpread::about(mean, simulation.sample(), self.slices, height);
-        let sample = simulation.sample();
+        let relative = simulation.relative_to_flow();
+        let sample = simulation.sample().with(&relative);
+        let spread = VelocitySpread::about(mean, sample, self.slices, height);
         let [x, y, z, square] = sample.sums(|place| {
             let at = sample.particles.position[place];
             [at.x, at.y, at.z, at.y * at.y]
@@ -158,6 +173,11 @@ impl Observer for Motion {
         self.temperature.push(spread.components());
         self.place.push([x, y, z, square].map(|sum| sum / count));
         self.impacts.push([simulation.record.pairs.count, simulation.record.walls.count]);
+        let domain = &simulation.scene().domain;
+        if let (Some(shear), Some(stress)) = (domain.shear, ShearStress::of(simulation, None)) {
+            let against = -shear.rate.signum();
+            self.stress.push([against * stress.kinetic, against * stress.virial / domain.volume()]);
+        }
     }
 
     plain_data!();

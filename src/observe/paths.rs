@@ -27,7 +27,7 @@ pub struct PathSample {
     pub overlap: f64,
 }
 
-/// Paths of all particles of a scene of up to 50 particles; empty for larger scenes. The instants are equal in all
+/// Paths of all particles of a scene with up to 50 particles; empty for larger scenes. The instants are the same in all
 /// variants of the scene.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Paths {
@@ -45,7 +45,7 @@ impl Paths {
 }
 
 impl Paths {
-    /// True if the recorded paths end before a time [s].
+    /// True if the recorded paths end before `time` [s].
     fn lacks(&self, time: f64) -> bool {
         self.points.last().is_some_and(|point| point.time < time)
     }
@@ -53,7 +53,7 @@ impl Paths {
 
 impl Observer for Paths {
     fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
-        // a scene with too many particles has no recorded points
+        // without recorded points, the scene has too many particles, and the observer is not called again
         (!self.points.is_empty()).then_some(now + self.interval)
     }
 

@@ -1,4 +1,4 @@
-//! Averages in rings about the axis of a pipe, through which the gas flows.
+//! Averages in rings about the axis of a pipe with gas flow.
 
 use super::{Needs, Observer, plain_data};
 use crate::experiment::Experiment;
@@ -10,8 +10,8 @@ use crate::statistics::{Accumulator, ProfileTable};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Sums over the particles in rings of equal area about the axis of the pipe through which the gas flows; empty for
-/// other gas flows.
+/// Sums over the particles in rings of equal area about the axis of a pipe with gas flow. Empty if the gas flow is not
+/// that of a pipe.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Rings {
     profiles: Option<Accumulator>,
@@ -32,16 +32,16 @@ pub struct Ring {
 /// Averages in rings, from the axis to the wall.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct RingAverages {
-    /// Rings about the axis; none if the gas does not flow through a pipe.
+    /// Rings about the axis; none if the gas flow is not that of a pipe.
     pub rings: Vec<Ring>,
-    /// Time averages, in the order of the rings. `y` is the radius [m] that divides the area of the ring into two equal
-    /// parts. V is the mean velocity away from the axis and W the mean velocity around the axis; the moments use these
-    /// components too. Densities are relative to the mean density in the pipe.
+    /// Time averages in the order of the rings. `y` is the radius [m] that divides the area of a ring into two equal
+    /// parts. V is the mean velocity away from the axis and W the mean velocity around the axis; the moments use the
+    /// same components. Densities are relative to the mean density in the pipe.
     #[serde(skip)]
     pub profiles: ProfileTable,
 }
 
-/// Pipe through which the gas flows; `None` for other gas flows.
+/// Pipe of the gas flow; `None` if the gas flow is not that of a pipe.
 fn pipe(scene: &Scene) -> Option<&Pipe> {
     match &scene.fluid.as_ref()?.profile {
         Profile::Pipe(pipe) => Some(pipe),
@@ -54,7 +54,7 @@ impl Rings {
     /// case.
     pub fn new(experiment: &Experiment) -> Self {
         let count = experiment.statistics.slices;
-        // rings of equal area are slices of equal height if the coordinate is the square of the radius
+        // with the square of the radius as coordinate, rings of equal area are slices of equal height
         let profiles = pipe(&experiment.scene).map(|_| Accumulator::new(count, 1.0));
         Self { profiles, count }
     }

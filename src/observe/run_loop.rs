@@ -15,14 +15,14 @@ pub struct RunLoop {
     schedule: Schedule,
     /// Number of completed windows, in units of the shortest windows of the schedule.
     done: u64,
-    /// [s] requested instant at which the current window was last interrupted; `None` if the run is at the end of a
-    /// window.
+    /// [s] instant requested by the case at which the current window was last interrupted; `None` if the run is at the end
+    /// of a window.
     cut: Option<f64>,
-    /// [s] next time of each observer, which is called at or after this time; `None` if it is not called again.
+    /// [s] time at or after which each observer is called next; `None` if the observer is not called again.
     due: Vec<Option<f64>>,
 }
 
-/// State of a run that was stopped at the end of a window, with all data needed to resume it with the same bits.
+/// Stored state of a run that was stopped at the end of a window. The resumed run has the same results, bit by bit.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Pause {
     /// State of the simulation at the pause.
@@ -40,8 +40,8 @@ impl RunLoop {
     /// Advances the run and calls the observers at their times. At the end of every window the run stops if `pause`
     /// returns true. Returns true if the run is over.
     ///
-    /// A stopped run continues at the next call of this method, also from a [`Pause`]. A caller that does not continue
-    /// the run calls [`settle`](Self::settle).
+    /// A stopped run continues at the next call of this method, also after it was restored from a [`Pause`]. A caller
+    /// that does not continue the run calls [`settle`](Self::settle).
     ///
     /// # Errors
     /// The failure that stopped the run.
@@ -76,8 +76,8 @@ impl RunLoop {
             if self.done == self.schedule.length() {
                 return Ok(true);
             }
-            // a run that has not advanced since it was resumed must continue, or it would stop at this position for
-            // ever
+            // a run that has not advanced since it was resumed must continue; otherwise it would stop at this position
+            // again and again
             if has_moved && pause() {
                 return Ok(false);
             }
@@ -109,8 +109,8 @@ impl RunLoop {
         }
     }
 
-    /// Calls the observers whose time has come at `now` [s], between two samples. The velocities lack a half-kick of
-    /// drag with the duration `kick` [s]. This half-kick is added for observers that require velocities.
+    /// Calls the observers that are due at `now` [s], between two samples. The velocities lack the drag of the time
+    /// `kick` [s], half of a step of drag. This drag is added for observers that require velocities.
     fn see_between(
         &mut self,
         simulation: &mut Simulation,
@@ -135,20 +135,20 @@ impl RunLoop {
         }
     }
 
-    /// [s] present time according to the schedule. The time in the simulation itself has rounding errors that add up
-    /// over millions of windows.
+    /// [s] present time according to the schedule. In the time of the simulation itself, rounding errors add up over
+    /// millions of windows.
     fn now(&self) -> f64 {
         self.cut.unwrap_or(self.done as f64 * self.schedule.window)
     }
 
-    /// Adds the half-kick of drag that the velocities lack in a run stopped between two samples. This function is for
-    /// callers that do not continue the run.
+    /// Adds the missing half step of drag to the velocities of a run stopped between two samples. A caller that
+    /// does not continue the run must call this function.
     pub fn settle(&self, simulation: &mut Simulation) {
         simulation.settle(self.schedule.window * self.schedule.together(self.done) as f64);
     }
 
-    /// Calls the observers whose time has come at a sample. If several processes share the run, observers that require
-    /// sums or parts are called with the local particles in every process.
+    /// Calls the observers that are due at a sample. If several processes share the run, observers that require sums or
+    /// parts are called with the local particles in every process.
     fn sample(&mut self, simulation: &mut Simulation, observers: &mut [&mut dyn Observer]) {
         let by_parts = |place: &usize| {
             matches!(observers[*place].sight(), Needs::Sums | Needs::Parts) && simulation.is_seen_by_all(*place)
@@ -186,7 +186,7 @@ impl RunLoop {
     fn see(&mut self, simulation: &Simulation, now: f64, observers: &mut [&mut dyn Observer], places: &[usize]) {
         for &place in places {
             observers[place].see(simulation);
-            // an observer is not called twice at the same time
+            // the next time is later than `now`, so that no observer is called twice at one time
             let later = now + 2.0 * self.schedule.rounding();
             self.due[place] = observers[place].next(now, &self.schedule).map(|time| time.max(later));
         }
@@ -202,34 +202,35 @@ impl RunLoop {
     /// Stores all data with which the run can continue from its present state.
     ///
     /// # Errors
-    /// The caller's engine or one of its observers cannot be stored.
+    /// The engine or one of the observers cannot be stored.
     pub fn store(&self, simulation: &Simulation, observers: &[&mut dyn Observer]) -> Result<Pause, StoreError> {
         let observers = observers.iter().map(|observer| observer.stored()).collect::<Result<_, _>>()?;
         Ok(Pause { snapshot: simulation.snapshot()?, course: self.clone(), observers })
     }
 }
 
-/// Calls the observers with the given indices in every process, each with the local particles. Every process has a copy
-/// of these observers.
+/// Calls the observers with the given indices in every process, with the local particles. Every process has a copy of
+/// each of these observers.
 fn show_parts(simulation: &mut Simulation, observers: &[&mut dyn Observer], places: &[usize]) {
     simulation.show_parts(places, |place| observers[place].stored().unwrap_or_default());
 }
 
-/// Gathers those particles in the lead process that the observers require.
+/// Gathers the particles that the observers require in the lead process.
 fn show(simulation: &mut Simulation, sights: impl Iterator<Item = Needs>) {
     let asked = sights.filter_map(|sight| match sight {
         Needs::Nothing => None,
         Needs::Sums | Needs::Parts => Some(1),
         Needs::Every(every) => Some(every),
     });
-    // it is enough to gather a few particles only if all observers require the same ones
+    // a part of the particles is enough only if all observers require the same part
     if let Some(every) = asked.reduce(|one, other| if one == other { one } else { 1 }) {
         simulation.show(every);
     }
 }
 
 impl Pause {
-    /// Resumes the run of `experiment`. The observers must have been newly made for this experiment, in the same order.
+    /// Resumes the run of `experiment`. The observers must have been newly created for this experiment, in the same
+    /// order.
     ///
     /// # Errors
     /// The run was stored for another experiment, or with other observers.

@@ -1,8 +1,8 @@
 //! Budgets of the second moments of the velocities: the processes that create and remove the agitation of the
 //! particles.
 //!
-//! In a steady flow that depends on y alone, every second moment R_ij = <v_i″ v_j″> of a slice of n particles is
-//! constant:
+//! The particles of a slice have the second moments R_ij = <v_i″ v_j″>. In a steady flow that depends on y alone, every
+//! moment is constant. With n particles in the slice:
 //!
 //! ```text
 //! 0 = - <v_i″v″> dU_j/dy - <v_j″v″> dU_i/dy      production by the gradient of the mean velocity
@@ -11,11 +11,10 @@
 //!     + impacts                                   between particles and on walls
 //! ```
 //!
-//! All four terms are measured independently. The change by impacts is computed from the velocities before and after
-//! the engine has moved the particles through a window, minus drag and gravity; this method is valid for any model. A
-//! window is the time between two exchanges of momentum with the gas. The remainder of the budget is due to chance and
-//! to the width of the slices. Impacts carry momentum over the distance between two centres, which is part of the
-//! impact term.
+//! All four terms are measured independently. The change by impacts is the change of the velocities in a window, minus
+//! drag and gravity, so that the method is valid for any collision model. A window is the time between two exchanges of
+//! momentum with the gas. The remainder of the budget is due to chance and to the width of the slices. The impact term
+//! includes the momentum that impacts carry over the distance between two centres.
 
 use super::Observer;
 use crate::exact::Groups;
@@ -28,9 +27,9 @@ use serde::{Deserialize, Serialize};
 
 /// Names of the four moments, each with its two components of (u, v, w) = (streamwise, wall-normal, spanwise).
 pub const MOMENTS: [(&str, usize, usize); 4] = [("uu", 0, 0), ("vv", 1, 1), ("ww", 2, 2), ("uv", 0, 1)];
-/// Number of parts of a run whose sums are stored separately. The averaging period starts with one of the parts.
+/// Number of parts of a run whose sums are stored separately. The averaging period begins at the start of a part.
 const PARTS: u64 = 200;
-/// Number of blocks of time for each standard error.
+/// Number of blocks of time from which the standard errors are computed.
 const BLOCKS: usize = 20;
 
 /// Rates of change of one second moment [m²/s³].
@@ -63,13 +62,13 @@ impl<T> From<[T; 5]> for Terms<T> {
 /// Budgets of the four moments of a run, in the order of [`MOMENTS`].
 #[derive(Clone, Debug, Serialize)]
 pub struct Budgets {
-    /// Centre y [m] of each slice, and its terms for the four moments.
+    /// Centre y [m] of each slice, and the terms for the four moments in this slice.
     pub slices: Vec<(f64, [Terms<Estimate>; 4])>,
     /// Terms of the budgets, averaged over all particles.
     pub whole: [Terms<Estimate>; 4],
-    /// [m²/s³] change of uu + ww by friction at walls, as a mean over all particles. It is a part of the impact terms.
+    /// [m²/s³] change of uu + ww by friction at walls, as a mean over all particles. It is part of the impact terms.
     pub wall_friction: Estimate,
-    /// [m²/s³] change of vv by the restitution of walls, as a mean over all particles. It is a part of the impact term.
+    /// [m²/s³] change of vv by the restitution of walls, as a mean over all particles. It is part of the impact term.
     pub wall_restitution: Estimate,
     /// [s] start of the averaging period.
     pub from: f64,
@@ -92,11 +91,11 @@ struct MomentSums {
     jumps: [f64; 4],
 }
 
-/// Number of sums of a slice, including one unused number that makes a multiple of four.
+/// Number of sums of a slice. One of the numbers is unused and makes the total a multiple of four.
 const TERMS: usize = 32;
 
 impl From<[f64; TERMS]> for MomentSums {
-    /// Creates the sums from an array with the order of [`row`].
+    /// Creates the sums from an array in the order of [`row`].
     fn from(all: [f64; TERMS]) -> Self {
         let vector = |first: usize| Vector3::new(all[first], all[first + 1], all[first + 2]);
         let four = |first: usize| std::array::from_fn(|k| all[first + k]);
@@ -113,8 +112,8 @@ impl From<[f64; TERMS]> for MomentSums {
     }
 }
 
-/// Contribution of one particle to the sums at the end of a window. The arguments are its velocity, its acceleration by
-/// drag, and its velocities before and after the engine has moved it.
+/// Contribution of one particle to the sums at the end of a window. The argument contains the velocity of the particle,
+/// its acceleration by drag, and its velocities before and after the engine has moved the particle.
 fn row([velocity, acceleration, before, after]: [&Vector3<f64>; 4]) -> [f64; TERMS] {
     let mut row = [1.0; TERMS];
     row[1..4].copy_from_slice(velocity.as_slice());
@@ -165,8 +164,8 @@ impl MomentSums {
             + 2.0 * m[i] * m[j] * m[1]
     }
 
-    /// Sum of the changes of v_i v_j by impacts, relative to the mean velocity. The part that is due to changes
-    /// `single` of the mean velocity is subtracted.
+    /// Change of <v_i″ v_j″> by a process: sum of the changes `products` of v_i v_j without the part due to changes
+    /// `single` of v, per particle.
     fn about(&self, moment: usize, products: f64, single: &Vector3<f64>) -> f64 {
         let (_, i, j) = MOMENTS[moment];
         let mean = self.mean();
@@ -277,7 +276,7 @@ impl SecondMoments {
         });
         let time = windows as f64 * self.schedule.window;
         let [friction, restitution, impulse] = walls;
-        // the particles that friction at walls slows down have the mean velocity of the slices at the walls
+        // friction at walls acts on particles that move at the mean velocity of the two slices at the walls
         let ends = 0.5 * (sums[0].mean().x + sums[self.slices - 1].mean().x) + self.reference.x;
         let per = 2.0 / (self.mass * time);
         Some(Derived { slices, whole, friction: -per * (friction + ends * impulse), restitution: -per * restitution })
@@ -289,7 +288,7 @@ impl SecondMoments {
         std::array::from_fn(|k| {
             let (_, i, j) = MOMENTS[k];
             let production = -here.second(i, 1) * gradient[j] - here.second(j, 1) * gradient[i];
-            // no particle carries momentum through a wall
+            // the face at a wall has no transport, because no particle crosses the wall
             let face = |below: usize| {
                 let carried = |sum: &MomentSums| sum.count * sum.third(k);
                 0.5 * (carried(&sums[below]) + carried(&sums[below + 1]))
@@ -303,7 +302,7 @@ impl SecondMoments {
         })
     }
 
-    /// Part of the run that contains the window ending at `time` [s]; a new part is begun if necessary.
+    /// Part of the run that contains the window ending at `time` [s]. A new part begins if the last one is complete.
     fn part(&mut self, time: f64) -> &mut MomentBlock {
         let length = (self.schedule.length() as f64 / PARTS as f64).max(1.0) * self.schedule.window;
         let begins = |part: &MomentBlock| time - part.start > length * (1.0 + 1e-9);
@@ -317,7 +316,7 @@ impl SecondMoments {
     }
 }
 
-/// Terms computed from the sums of some parts of the run.
+/// Terms of the budgets, computed from the sums of some parts of the run.
 struct Derived {
     slices: Vec<[Terms<f64>; 4]>,
     whole: [Terms<f64>; 4],
@@ -382,7 +381,8 @@ impl Observer for SecondMoments {
                 .map(|fluid| drag(fluid, &sphere(&spheres[species]), &particles.position[place], velocity));
             let push = components(&push.unwrap_or_default());
             let velocity = components(velocity) - reference;
-            // velocities half a kick of drag later and earlier, exact to the order of the splitting
+            // velocities half a step of drag later and earlier; their error is of the order of the splitting error of
+            // the time step
             let before =
                 std::mem::replace(&mut given[particles.id[place] as usize], velocity + push * half) + falls[species];
             let slice = ((y / height * count as f64) as usize).min(count - 1);

@@ -11,13 +11,14 @@ use crate::statistics::VelocitySpread;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Largest number of rows of a series, for runs of any length. A picture cannot show more.
+/// Largest number of rows of a series, for runs of any duration. A picture cannot show more rows.
 const MOST: u64 = 1000;
 
-/// Number of rows for a scene with few particles whose run has fewer samples than this number; enough for a curve.
+/// Number of rows, sufficient for a curve, for a scene with few particles and fewer samples than this number.
 const CURVE: u64 = 200;
 
-/// Largest number of particles for which rows may be more frequent than samples, since a row then costs little.
+/// Largest number of particles for which rows may be more frequent than samples. A row of so few particles takes little
+/// time.
 const FEW: usize = 10_000;
 
 /// Averages over all particles at one instant.
@@ -36,10 +37,14 @@ pub struct Row {
     pub elastic_energy: f64,
     /// Rotation of the particles; `None` if spheres do not rotate.
     pub rotation: Option<RotationSums>,
-    /// Friction of the contacts since the start; `None` where spheres do not rotate.
+    /// Energies of friction in the contacts; `None` if spheres do not rotate.
     pub friction: Option<FrictionSums>,
-    /// Turbulence that the particles see; `None` if they see the mean velocity of the gas alone.
+    /// Turbulence along the paths of the particles; `None` if only the mean velocity of the gas acts on them.
     pub turbulence: Option<TurbulenceMeans>,
+    /// Gas that feels the particles; `None` in a frozen gas.
+    pub gas: Option<GasMeans>,
+    /// Stress in a sheared box; `None` without shear.
+    pub shear: Option<ShearStress>,
     /// [kg m/s] momentum of all particles.
     pub momentum: Vector3<f64>,
     /// Number of impacts between particles that have ended since the start.
@@ -51,12 +56,44 @@ pub struct Row {
     pub coordination: f64,
     /// [-] largest overlap of the present contacts, over the diameter of the smaller particle.
     pub largest_overlap: f64,
-    /// [m] centre of mass along x, y and z. `None` without particles, and along a periodic axis, where a centre of mass
-    /// is not defined.
+    /// [m] centre of mass along x, y and z. `None` without particles, and along a periodic axis, where no centre of
+    /// mass is defined.
     pub centre: [Option<f64>; 3],
 }
 
-/// Energy that friction has taken since the start, and energy that the springs of contacts hold.
+/// Component yz of the stress in a sheared box, which is negative for a positive rate: particles carry momentum along z
+/// down. The work of this stress is -rate times stress times volume.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ShearStress {
+    /// [J] work of shear on the particles in the box since the start.
+    pub work: f64,
+    /// [Pa] kinetic part: Σ m c_y c_z over the volume of the box, with velocities c relative to the mean flow.
+    pub kinetic: f64,
+    /// [Pa] contact part, as its mean since the row before; `None` in the first row.
+    pub contact: Option<f64>,
+    /// [J s] integral of Σ r_y f_z over pairs in contact since the start.
+    pub(super) virial: f64,
+}
+
+impl ShearStress {
+    /// Stress at the present instant; `before` is the row before.
+    pub(super) fn of(simulation: &Simulation, before: Option<&Row>) -> Option<Self> {
+        let domain = &simulation.scene().domain;
+        domain.shear?;
+        let (relative, ledger) = (simulation.relative_to_flow(), &simulation.record.ledger);
+        let sample = simulation.sample().with(&relative);
+        let [mass, y, z, yz] = sample.sums(|place| {
+            let (c, m) = (relative.velocity[place], relative.mass[place]);
+            [m, m * c.y, m * c.z, m * c.y * c.z]
+        });
+        let virial = ledger.pair_virial[(1, 2)];
+        let since = |row: &Row| Some((virial - row.shear?.virial) / (simulation.time - row.time) / domain.volume());
+        let kinetic = if mass > 0.0 { (yz - y * z / mass) / domain.volume() } else { 0.0 };
+        Some(Self { work: ledger.shear_work, kinetic, contact: before.and_then(since), virial })
+    }
+}
+
+/// Energy lost to friction since the start, and energy stored in the springs of contacts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrictionSums {
     /// [J] lost to sliding.
@@ -81,8 +118,9 @@ impl FrictionSums {
 pub struct RotationSums {
     /// [J] rotational energy of all particles.
     pub energy: f64,
-    /// [m²/s²] parts of the rotational temperature along x, y and z: Σ I (ω - Ω)²/Σ m per component, with the mean spin
-    /// Ω = Σ I ω/Σ I. The mean of the three parts is T_r. T_r equals T if rotation and translation have equal energies.
+    /// [m²/s²] parts of the rotational temperature T_r along x, y and z: Σ I (ω - Ω)²/Σ m per component, with the mean
+    /// spin Ω = Σ I ω/Σ I. T_r is the mean of the three parts. It equals T if rotation and translation have equal
+    /// energies.
     pub temperature: Vector3<f64>,
     /// [rad/s] mean spin Ω of the particles.
     pub spin: Vector3<f64>,
@@ -106,16 +144,16 @@ impl RotationSums {
     }
 }
 
-/// Turbulence that the particles see, as means over all particles and the three components. u is the fluctuation of the
-/// gas velocity that a particle sees.
+/// Turbulence along the paths of the particles, as means over all particles and the three components. u is the
+/// fluctuation of the gas velocity at the position of a particle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TurbulenceMeans {
-    /// [m²/s²] variance of the gas velocity where the particles are, 2/3 k.
+    /// [m²/s²] variance of a component of the gas velocity at the positions of the particles, 2/3 k.
     pub of_gas: f64,
     /// [m²/s²] mean square of u.
     pub seen: f64,
-    /// [m²/s²] mean product of u and the velocity relative to the mean velocity of the gas. It is a third of the
-    /// covariance q_fp of Simonin (1996).
+    /// [m²/s²] mean product of u and the particle velocity relative to the mean velocity of the gas. It is a third of
+    /// the covariance q_fp of Simonin (1996).
     pub covariance: f64,
 }
 
@@ -139,6 +177,31 @@ impl TurbulenceMeans {
     }
 }
 
+/// Gas that feels the particles, at one instant.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GasMeans {
+    /// [Pa/m] pressure drop per length in the last step of the gas, without the hydrostatic part.
+    pub pressure_gradient: f64,
+    /// [m/s] flow rate over the cross-section.
+    pub bulk_velocity: f64,
+    /// [m/s] friction velocity; negative where the gas flows backwards at the wall.
+    pub friction_velocity: f64,
+    /// [kg m/s] momentum of the gas along z.
+    pub momentum: f64,
+}
+
+impl GasMeans {
+    fn of(simulation: &Simulation) -> Option<Self> {
+        let flow = simulation.loaded_flow()?;
+        Some(Self {
+            pressure_gradient: flow.pressure_gradient(),
+            bulk_velocity: flow.bulk_velocity(),
+            friction_velocity: flow.friction_velocity(),
+            momentum: flow.balance.now,
+        })
+    }
+}
+
 impl Row {
     /// [J] sum of the kinetic, rotational and elastic energy.
     pub fn energy(&self) -> f64 {
@@ -150,13 +213,16 @@ impl Row {
         self.rotation.map(|rotation| rotation.temperature.sum() / 3.0)
     }
 
-    fn of(simulation: &Simulation, slices: usize) -> Self {
+    /// Averages at the present instant; `before` is the row before.
+    fn of(simulation: &Simulation, slices: usize, before: Option<&Self>) -> Self {
         let (time, sample) = (simulation.time, simulation.sample());
         let touching = simulation.touching();
         Self {
             elastic_energy: simulation.elastic_energy(),
             friction: FrictionSums::of(simulation),
             turbulence: TurbulenceMeans::of(simulation),
+            gas: GasMeans::of(simulation),
+            shear: ShearStress::of(simulation, before),
             pair_impacts: simulation.record.pairs.count,
             wall_impacts: simulation.record.walls.count,
             coordination: touching.ends as f64 / simulation.count().max(1) as f64,
@@ -165,11 +231,12 @@ impl Row {
         }
     }
 
-    /// Averages over particles at `time` [s] without contacts and impacts, which are 0. The temperature is relative to
-    /// the mean velocities of equal slices of the domain along y, whose number follows the domain. `reference` [m/s] is
-    /// a velocity near the mean.
+    /// Averages over particles at `time` [s], with 0 for contacts and impacts. The granular temperature is relative to
+    /// the mean velocities of equal slices along y; `slices` is their number. `reference` [m/s] is a velocity near the
+    /// mean. In a sheared box, temperature and mean velocity are relative to the mean flow.
     pub fn of_sample(time: f64, sample: Sample, reference: Vector3<f64>, (domain, slices): (&Domain, usize)) -> Self {
-        let spread = VelocitySpread::about(reference, sample, slices, domain.size.y);
+        let relative = sample.particles.relative_to_flow(domain);
+        let spread = VelocitySpread::about(reference, sample.with(&relative), slices, domain.size.y);
         let sums = MassSums::of(sample);
         let centre = |axis: usize| (!domain.periodic[axis] && sums.mass > 0.0).then(|| sums.moment[axis] / sums.mass);
         Self {
@@ -181,6 +248,8 @@ impl Row {
             rotation: RotationSums::of(sample, sums.mass),
             friction: None,
             turbulence: None,
+            gas: None,
+            shear: None,
             momentum: sums.momentum,
             pair_impacts: 0,
             wall_impacts: 0,
@@ -222,9 +291,9 @@ impl MassSums {
     }
 }
 
-/// [s] time between rows, so that at most `most` rows are stored. It is a whole number of sample intervals. If there
-/// are fewer samples than `least`, it is a part of a sample interval, but at least a window. If instants given by the
-/// case are closer in time or sufficient for a curve, the rows are at these instants, which are equal in all variants.
+/// [s] time between rows, for at most `most` rows. It is a whole number of sample intervals, or of windows if there are
+/// fewer than `least` samples. The case may set other instants, which are equal in all variants. They are used if they
+/// are closer in time or sufficient for a curve.
 pub(super) fn interval(schedule: &Schedule, least: u64, most: u64) -> f64 {
     let between = |all: u64, rows: u64| all.div_ceil(rows.max(1)).max(1) as f64;
     let own = if schedule.samples >= least {
@@ -237,8 +306,8 @@ pub(super) fn interval(schedule: &Schedule, least: u64, most: u64) -> f64 {
     asked.map_or(own, |asked| if duration / asked >= CURVE as f64 - 0.5 { asked } else { asked.min(own) })
 }
 
-/// Averages over all particles at times that are equal in every variant of a scene. At most a thousand rows are stored,
-/// and one more for the end of the run.
+/// Averages over all particles at times that are equal in every variant of a scene. The series has at most a thousand
+/// rows, and one more row at the end of the run.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Series {
     /// Number of slices in which the temperature is computed.
@@ -258,7 +327,7 @@ impl Series {
 }
 
 impl Series {
-    /// True if the last row is earlier than a time [s].
+    /// True if the last row is earlier than `time` [s], or if there are no rows.
     fn lacks(&self, time: f64) -> bool {
         self.rows.last().is_none_or(|row| row.time < time)
     }
@@ -274,7 +343,7 @@ impl Observer for Series {
     }
 
     fn see(&mut self, simulation: &Simulation) {
-        self.rows.push(Row::of(simulation, self.slices));
+        self.rows.push(Row::of(simulation, self.slices, self.rows.last()));
     }
 
     fn sight_of_end(&self, now: f64) -> Needs {

@@ -1,4 +1,4 @@
-//! Columns of the averages over time. `series.csv`, verdicts and pictures all use the table in this file.
+//! Columns of the averages over time. The file `series.csv`, verdicts and pictures all use the table in this file.
 
 use super::series::{FrictionSums, Row};
 use nalgebra::Vector3;
@@ -14,19 +14,20 @@ pub struct SeriesColumn {
     pub unit: &'static str,
     /// True if the quantity is a sum over all particles, false if it is a mean.
     pub is_sum: bool,
-    /// Scale of the differences of the quantity in a verdict on curves over time; `None` if verdicts do not compare it.
+    /// Scale of the differences of the quantity in a verdict on curves over time; `None` if verdicts do not compare the
+    /// quantity.
     pub scale: Option<CurveScale>,
     /// Function that returns the quantity of a row; `None` if the scene does not have it.
     pub of: fn(&Row) -> Option<f64>,
 }
 
-/// Scale by which a verdict on curves over time divides the differences of a quantity.
+/// Scale by which a verdict on curves over time divides differences of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CurveScale {
     /// Largest value of the quantity.
     LargestValue,
-    /// Largest change of the quantity, or the agitation if it is larger. This scale is for velocities, whose value
-    /// depends on the frame of reference.
+    /// Largest change of the quantity, or the agitation if this is larger. It is used for velocities, whose values
+    /// depend on the frame of reference.
     LargestChange,
 }
 
@@ -50,7 +51,7 @@ const fn sum(key: &'static str, name: &'static str, unit: &'static str, of: fn(&
     SeriesColumn { key, name, unit, is_sum: true, scale: None, of }
 }
 
-/// Columns in the order of the file, after the time.
+/// Columns of `series.csv` in the order of the file, after the time.
 pub const SERIES_COLUMNS: [SeriesColumn; 28] = [
     mean("granular_temperature_m2_s2", "granular temperature", "m²/s²", Row::granular_temperature)
         .compared(CurveScale::LargestValue),
@@ -88,12 +89,12 @@ pub const SERIES_COLUMNS: [SeriesColumn; 28] = [
     sum("energy_J", "energy", "J", |row| Some(row.energy())).compared(CurveScale::LargestValue),
 ];
 
-/// An energy of the friction of a scene whose spheres rotate.
+/// Energy of friction in a row; `None` if spheres do not rotate.
 fn friction(row: &Row, energy: impl FnOnce(FrictionSums) -> f64) -> Option<f64> {
     row.friction.map(energy)
 }
 
-/// Further columns of scenes whose spheres rotate: losses by friction since the start, and energies of springs.
+/// Further columns for scenes whose spheres rotate: losses by friction since the start, and energies of springs.
 pub const FRICTION_COLUMNS: [SeriesColumn; 9] = [
     sum("sliding_loss_J", "loss by sliding", "J", |row| friction(row, |of| of.sliding)),
     sum("tangential_restitution_loss_J", "loss by tangential restitution", "J", |row| {
@@ -108,11 +109,30 @@ pub const FRICTION_COLUMNS: [SeriesColumn; 9] = [
     sum("twisting_spring_energy_J", "energy of twisting springs", "J", |row| friction(row, |of| of.springs[2])),
 ];
 
-/// Further columns of scenes whose particles see turbulence: means over all particles and three components.
+/// Further columns for scenes with turbulence: means over all particles and the three components.
 pub const TURBULENCE_COLUMNS: [SeriesColumn; 3] = [
     mean("gas_variance_m2_s2", "variance of the gas", "m²/s²", |row| row.turbulence.map(|of| of.of_gas)),
     mean("gas_variance_seen_m2_s2", "variance of the gas seen", "m²/s²", |row| row.turbulence.map(|of| of.seen)),
     mean("gas_particle_covariance_m2_s2", "covariance of gas and particles", "m²/s²", |row| {
         row.turbulence.map(|of| of.covariance)
     }),
+];
+
+/// Further columns of scenes whose gas feels the particles.
+pub const GAS_COLUMNS: [SeriesColumn; 4] = [
+    mean("gas_pressure_gradient_Pa_m", "pressure drop of the gas", "Pa/m", |row| {
+        row.gas.map(|gas| gas.pressure_gradient)
+    }),
+    mean("gas_bulk_velocity_m_s", "flow rate of the gas", "m/s", |row| row.gas.map(|gas| gas.bulk_velocity)),
+    mean("gas_friction_velocity_m_s", "friction velocity of the gas", "m/s", |row| {
+        row.gas.map(|gas| gas.friction_velocity)
+    }),
+    sum("gas_momentum_z_kg_m_s", "momentum of the gas along z", "kg m/s", |row| row.gas.map(|gas| gas.momentum)),
+];
+
+/// Further columns of sheared boxes: the work of shear since the start and the stress yz.
+pub const SHEAR_COLUMNS: [SeriesColumn; 3] = [
+    sum("shear_work_J", "work of shear", "J", |row| row.shear.map(|of| of.work)),
+    mean("kinetic_stress_yz_Pa", "kinetic stress yz", "Pa", |row| row.shear.map(|of| of.kinetic)),
+    mean("contact_stress_yz_Pa", "contact stress yz", "Pa", |row| row.shear.and_then(|of| of.contact)),
 ];

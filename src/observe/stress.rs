@@ -14,20 +14,21 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// Largest number of samples that are used; more samples would improve neither averages nor errors.
+/// Largest number of used samples; more samples would improve neither averages nor errors.
 const MOST_SAMPLES: u64 = 400;
 
-/// Time averages of the stress in the particles. Components are in the order xx, yy, zz, xy, xz, yz; a pressure is
+/// Time averages of the stress in the particles, with components in the order xx, yy, zz, xy, xz, yz. Compression is
 /// positive.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Stress {
-    /// [Pa] kinetic part: Σ m c c over the volume of the box. Here c is the velocity relative to the mean velocity of
+    /// [Pa] kinetic part: Σ m c c divided by the volume of the box. c is the velocity relative to the mean velocity of
     /// the slice at the same instant.
     pub kinetic: [Option<Estimate>; 6],
-    /// [Pa] contact part: time average of Σ r f over the volume of the box. r is the vector between the centres of two
-    /// particles in contact, and f is the force between them. A collision of hard spheres counts as its impulse.
+    /// [Pa] contact part: time average of Σ r f divided by the volume of the box. r is the vector between the centres
+    /// of two particles in contact, and f is the force between them. For a collision of hard spheres, the impulse is
+    /// the integral of f over time.
     pub contact: [Option<Estimate>; 6],
-    /// [Pa] pressure: a third of the trace of the sum of the kinetic and the contact part.
+    /// [Pa] pressure: a third of the trace of the total stress, kinetic part plus contact part.
     pub pressure: Option<Estimate>,
     /// [-] ratio of the pressure to its kinetic part; for a gas at rest this is the compressibility factor Z.
     pub compressibility: Option<Estimate>,
@@ -67,7 +68,7 @@ pub struct Stresses {
 }
 
 impl Stresses {
-    /// Creates an observer for a run with the given schedule.
+    /// Creates an observer of an experiment that runs with the given schedule.
     pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
         let every = schedule.samples.div_ceil(MOST_SAMPLES).max(1);
         Self {
@@ -89,7 +90,8 @@ impl Stresses {
                 |pair: &[StressSample]| (pair[1].contact[k] - pair[0].contact[k]) / (self.interval * self.volume);
             samples.windows(2).map(within).collect::<Vec<_>>()
         };
-        // kinetic part of an interval: the mean of the values at its ends; contact part: the change within the interval
+        // per interval between samples: the kinetic part is the mean of the values at both ends, the contact part the
+        // change within the interval
         let traces: Vec<(f64, f64)> = samples
             .windows(2)
             .map(|pair| {
@@ -125,7 +127,9 @@ impl Observer for Stresses {
     }
 
     fn see(&mut self, simulation: &Simulation) {
-        let (kinetic, filled) = sums(simulation.sample(), &simulation.scene().domain, self.slices);
+        let relative = simulation.relative_to_flow();
+        let sample = simulation.sample().with(&relative);
+        let (kinetic, filled) = sums(sample, &simulation.scene().domain, self.slices);
         let contact = six(&simulation.record.ledger.pair_virial);
         let touched =
             if self.lasts { simulation.touching().ends as f64 / simulation.count().max(1) as f64 } else { 0.0 };
@@ -175,9 +179,9 @@ fn sums(all: Sample, domain: &Domain, slices: usize) -> ([f64; 6], Vec<f64>) {
     all.total(&mut filled.iter_mut().collect::<Vec<_>>());
     let mut kinetic = [0.0; 6];
     for [count, mass, x, y, z, products @ .., _] in sums {
-        // in a slice with a single particle there is no motion relative to the mean velocity
+        // a single particle in a slice does not move relative to the mean velocity of the slice
         if count > 1.0 {
-            // relative to the mean of n velocities the sum of squares is too small by the factor (n - 1)/n
+            // the sum of squares about the mean of n velocities is too small by the factor (n - 1)/n
             let whole = count / (count - 1.0);
             let of_mean = [x * x, y * y, z * z, x * y, x * z, y * z];
             for (sum, (product, mean)) in kinetic.iter_mut().zip(products.iter().zip(of_mean)) {
@@ -188,8 +192,8 @@ fn sums(all: Sample, domain: &Domain, slices: usize) -> ([f64; 6], Vec<f64>) {
     (kinetic, filled.iter().map(|layers| layers.value() * thickness.powi(3)).collect())
 }
 
-/// Adds the volume of a sphere to the layers that contain it. Lengths are in units of the thickness of a layer; layer k
-/// extends from k to k + 1.
+/// Adds the volume of a sphere to each layer by the part of the sphere in this layer. Lengths are in units of the
+/// thickness of a layer; layer k extends from k to k + 1.
 fn fill(filled: &mut [ExactSum], y: f64, radius: f64, periodic: bool) {
     let whole = 4.0 / 3.0 * PI * (radius * radius * radius);
     // most spheres are within one layer; the cast turns negative numbers into 0

@@ -7,7 +7,7 @@ use crate::experiment::Model;
 use crate::statistics::{Estimate, PowerLaw};
 use serde::Serialize;
 
-/// Quantity whose error is charted against the cost.
+/// Quantity whose error is drawn against the cost.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChartQuantity {
     /// Short name for files and tables, such as `restitution_mean`.
@@ -20,15 +20,15 @@ pub struct ChartQuantity {
     pub reference: Estimate,
     /// Unit of the value and the reference; empty if the quantity has no unit.
     pub unit: &'static str,
-    /// [-] statistical floor: the error of one run by chance alone, computed from the scatter between the reference
-    /// runs. The floor is 0 if nothing is random.
+    /// [-] statistical floor: error of one run by chance alone, from the scatter between the reference runs. The floor
+    /// is 0 if nothing is random.
     pub floor: f64,
 }
 
-/// Error of one quantity at one point of the chart [-].
+/// Value and error of one quantity at one point of the chart.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PointError {
-    /// Value that the method gives, in the unit of the quantity.
+    /// Value of the quantity computed by the method, in the unit of the quantity.
     pub value: f64,
     /// [-] error of the value, as defined by [`ChartQuantity::axis`].
     pub error: f64,
@@ -49,7 +49,7 @@ pub struct CostSpread {
     pub highest: f64,
 }
 
-/// Reason why a charted point has no result.
+/// Reason why a point of the chart has no result.
 #[derive(Clone, Debug, PartialEq, Serialize, thiserror::Error)]
 #[serde(rename_all = "snake_case")]
 pub enum ChartFailure {
@@ -82,13 +82,13 @@ pub struct ChartPoint {
     pub samples: usize,
     /// Wall-clock time of one run on one thread.
     pub wall: CostSpread,
-    /// Counts of the work of all runs together, equal on every machine.
+    /// Counts of the work of all runs of the point together, equal on every machine.
     pub counters: Counters,
     /// [-] number of operations of one run: pair checks, force evaluations and events.
     pub work: f64,
     /// Errors in the order of [`ChartStudy::quantities`]; `None` for a quantity that the point does not have.
     pub errors: Vec<Option<PointError>>,
-    /// Reason why the point has no errors; `None` if it has errors.
+    /// Reason why the point has no errors; `None` for a point with errors.
     pub failure: Option<ChartFailure>,
 }
 
@@ -105,7 +105,7 @@ pub struct ChartMethod {
     pub unit: &'static str,
 }
 
-/// Fitted power law by which the error of a method decreases with its swept parameter.
+/// Power law by which the error of a method decreases with its swept parameter, as fitted to the points.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChartSlope {
     /// Index of the method in [`ChartStudy::methods`].
@@ -120,8 +120,8 @@ pub struct ChartSlope {
 }
 
 impl ChartSlope {
-    /// Text of the exponent with its error, with two decimal places at most. More places would be meaningless, because
-    /// the error is computed from the scatter about a straight line and does not include a curvature.
+    /// Text of the exponent with its error, with two decimal places at most. More places would be meaningless: the
+    /// error is computed from the scatter about a straight line, and does not include a curvature of the true line.
     pub fn exponent(&self) -> String {
         let law = &self.law;
         if law.error < 0.01 {
@@ -137,9 +137,9 @@ impl ChartSlope {
 pub struct ChartStudy<'a> {
     /// Origin of the results: title, case and command.
     pub provenance: &'a Provenance,
-    /// Description of the reference values and of their accuracy.
+    /// Description of the reference values and their accuracy.
     pub reference: &'a str,
-    /// Description of the runs behind each point.
+    /// Description of the runs of each point.
     pub setting: &'a str,
     /// Methods that are compared in the chart.
     pub methods: &'a [ChartMethod],
@@ -179,8 +179,8 @@ impl ChartPoint {
     }
 }
 
-/// Cheapest point of the given models whose error in a quantity is within `target` [-]. Twice the standard error is
-/// added to the error, so that a point whose error is small by chance is not chosen.
+/// Cheapest point of the given models whose error in a quantity plus two standard errors is within `target`
+/// [-]. A point whose error is small by chance is therefore not chosen.
 pub fn cheapest<'a>(
     (methods, points): (&[ChartMethod], &'a [ChartPoint]),
     quantity: usize,
@@ -197,9 +197,9 @@ pub fn cheapest<'a>(
 }
 
 impl ChartStudy<'_> {
-    /// Indices of the points of the given models that are on the Pareto front of a quantity, in order of cost. No other
-    /// point of these models has both a smaller cost and a smaller error. An error below the statistical floor is
-    /// replaced by the floor, because such an error is small by chance.
+    /// Indices of the points of the given models on the Pareto front of a quantity, in order of cost. No other point of
+    /// these models has both a smaller cost and a smaller error. Errors below the statistical floor are small by
+    /// chance, and are replaced by the floor.
     pub fn front(&self, quantity: usize, cost: CostMeasure, models: &[Model]) -> Vec<usize> {
         let floor = self.quantities.get(quantity).map_or(0.0, |quantity| quantity.floor);
         let asked = |point: &ChartPoint| models.contains(&self.methods[point.method].model);

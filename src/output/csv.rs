@@ -1,4 +1,5 @@
-//! Tables of a run as CSV. The headers are fixed, because scripts read them. The cell of an unknown number is empty.
+//! Tables of results as CSV. The headers are fixed, because scripts depend on them. The cell of an unknown number is
+//! empty.
 
 use super::limits::Map;
 use super::sensitivity::SensitivityStudy;
@@ -16,7 +17,7 @@ use crate::statistics::{SliceColumn, SliceRow, slice_columns};
 use ::csv::Writer;
 
 /// Contents of `profiles.csv`, with one row per variant and slice. Lengths are in m, velocities in m/s, moments in
-/// powers of m/s; columns with `_se` contain one standard error.
+/// powers of m/s. Columns with `_se` contain one standard error.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -50,7 +51,7 @@ pub fn species(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// Contents of `rings.csv`: the columns of `profiles.csv` in rings of equal area about the axis of a pipe. The radius
+/// Contents of `rings.csv`: the columns of `profiles.csv` for rings of equal area about the axis of a pipe. The radius
 /// r_m divides the area of a ring into two equal parts. v is the velocity away from the axis, w the velocity around the
 /// axis, and gas_U the mean gas velocity in the ring.
 ///
@@ -71,7 +72,7 @@ pub fn rings(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// True if spheres rotate in one of the variants. Files then have the columns of spins.
+/// True if spheres rotate in one of the variants. The tables then have columns of spins.
 fn rotating(outcomes: &[Outcome]) -> bool {
     outcomes.iter().any(|outcome| outcome.experiment.scene.rotation.is_some())
 }
@@ -93,8 +94,8 @@ fn slice(index: usize, row: &SliceRow, rotating: bool) -> impl Iterator<Item = S
     [index.to_string(), number(row.y)].into_iter().chain(values).chain(errors).chain([row.samples.to_string()])
 }
 
-/// Contents of `meetings.csv`: impacts of each pair of species of a mixture in the averaging period. Rates are in 1/s,
-/// speeds in m/s; columns with `_se` contain one standard error.
+/// Contents of `meetings.csv`: impacts between each pair of species of a mixture, and between a species and a wall, in
+/// the averaging period. Rates are in 1/s, speeds in m/s. Columns with `_se` contain one standard error.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -121,8 +122,8 @@ pub fn meetings(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
 }
 
 /// Contents of `impacts.csv`: histograms of every variant. Overlaps are relative to the diameter, the smaller one of
-/// two different spheres. If all values are zero (overlaps and durations of hard spheres), the table has one row of
-/// zero width without a density.
+/// two different spheres. If all values are zero, such as overlaps of hard spheres, the table has one row of zero width
+/// without a density.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -144,10 +145,10 @@ pub fn impacts(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// Contents of `overlaps.csv`: means and extremes of the overlaps over the (smaller) diameter in the averaging period.
-/// Each soft variant has a row for pairs and a row for walls. The granular temperature is in m²/s², the elastic
-/// parameter of the contact law in SI, other numbers are [-]. κ_n is computed from the measured temperature and is
-/// empty if spheres or surfaces differ.
+/// Contents of `overlaps.csv`: means and extremes of the overlaps in the averaging period, over the diameter, the
+/// smaller one of two different spheres. Each soft variant has a row for pairs and a row for walls. The granular
+/// temperature is in m²/s², the elastic parameter of the contact law in SI, other numbers are [-]. κ_n is computed from
+/// the measured temperature. It is empty if spheres or surfaces differ.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -186,9 +187,9 @@ pub fn overlaps(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// Contents of `budgets.csv`: production and loss of the second moments per time [m²/s³], with one row per slice and
-/// moment, and the centre y [m] of the slice. Rows without a slice are means over all particles. Columns with `_se`
-/// contain one standard error.
+/// Contents of `budgets.csv`: terms of the budgets of the second moments [m²/s³], with one row per slice and moment,
+/// and the centre y [m] of the slice. Rows without a slice are means over all particles. Columns with `_se` contain one
+/// standard error.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -230,7 +231,7 @@ pub(super) struct HistogramRow {
     pub density: Option<f64>,
 }
 
-/// Bins of a histogram up to the last one that is not empty.
+/// Bins of a histogram up to the last bin with a count.
 pub(super) fn bins(histogram: &Histogram) -> Vec<HistogramRow> {
     if histogram.total == 0 {
         return Vec::new();
@@ -251,8 +252,8 @@ pub(super) fn bins(histogram: &Histogram) -> Vec<HistogramRow> {
 
 /// Contents of `state.csv`: ids, centres [m], velocities [m/s], diameters [m] and species names in the order of the
 /// ids. Numbers have 17 significant digits, so that reading them gives the same bits. Centres are moved into the box
-/// along periodic axes. Lines of the form `# key: value` come before the table: the number of particles with a
-/// checksum, then `about` and the box. Other programs read these lines as comments.
+/// along periodic axes. Before the table, lines of the form `# key: value` contain the number of particles with a
+/// checksum, `about` and the box. Other programs read these lines as comments.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -279,8 +280,8 @@ pub fn state(particles: &Particles, scene: &Scene, about: &[(&str, String)]) -> 
 }
 
 /// Contents of `impact.csv`: the paths of the two bodies in the impact study. The gap [m] is negative while the bodies
-/// overlap. The normal velocity [m/s] is negative while they approach each other. Closed-form paths follow under the
-/// name `NAME (analytic)`.
+/// overlap. The normal velocity [m/s] is negative while they approach each other. The path of a closed-form solution
+/// has the name `NAME (analytic)`.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -316,8 +317,8 @@ pub fn oblique(study: &ObliqueStudy) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// Contents of `chart.csv`: one row per point and quantity. A failed point has one row with the reason of the failure.
-/// Errors, uncertainties and floors are fractions [-]; other numbers are in the unit of the quantity.
+/// Contents of `chart.csv`: one row per point and quantity. A failed point has a single row with the reason of the
+/// failure. Errors, uncertainties and floors are fractions [-]; other numbers are in the unit of the quantity.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -370,8 +371,8 @@ pub fn chart(study: &ChartStudy) -> Result<Vec<u8>, OutputError> {
 /// Names of the last two columns of every map: the outcome of a point, and the message of a failure.
 const MAP_ENDS: [&str; 2] = ["outcome", "message"];
 
-/// Contents of `sweep.csv`: one row per point and variant. Values of keys are in SI, or as typed if they are not
-/// numbers. Columns with `_se` contain one standard error.
+/// Contents of `sweep.csv`: one row per point and variant. Numbers that are values of keys are in SI; other values are
+/// as typed. Columns with `_se` contain one standard error.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -404,7 +405,7 @@ pub fn sweep(study: &SweepStudy) -> Result<Vec<u8>, OutputError> {
 }
 
 /// Contents of `sensitivity.csv`: one row per factor and observable. Scales, shifts and their standard errors are in
-/// the unit of the observable; columns relative to the scale or the margin are [-].
+/// the unit of the observable. Columns relative to the scale or to the margin are [-].
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -435,7 +436,7 @@ pub fn sensitivity(study: &SensitivityStudy) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// True if a table was made by [`limits`]. Any other table in the folder of maps belongs to the user.
+/// True if [`limits`] made the table. Any other table in the folder of maps belongs to the user.
 pub fn is_map(table: &str) -> bool {
     table.lines().next().is_some_and(|header| header.ends_with(&MAP_ENDS.join(",")))
 }
@@ -456,7 +457,7 @@ pub fn limits(map: &Map) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// Shortest text from which an equal number is read; empty if the number is unknown or not finite.
+/// Shortest text that is read as the same number; empty if the number is unknown or not finite.
 pub(super) fn number<N: Into<Option<f64>>>(value: N) -> String {
     let Some(value) = value.into() else { return String::new() };
     match value.abs() {

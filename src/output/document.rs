@@ -1,5 +1,6 @@
-//! Content of a study's report, independent of the format: sentences, tables, pictures, and numbers of the summary. The
-//! module [`html`](super::html) turns the content into a page, and [`text`] turns it into lines for a terminal.
+//! Content of the report of a study, independent of the format: sentences, tables, pictures, and numbers of the
+//! summary. The module [`html`](super::html) turns the content into a page. [`text`] turns it into lines for a
+//! terminal.
 
 use super::Provenance;
 use super::numbers::UNKNOWN;
@@ -36,7 +37,7 @@ pub(super) struct Matrix {
 pub(super) struct AnswerCell {
     /// Answer in a word; `None` if there is no answer.
     pub answer: Option<Answer>,
-    /// Number from which the answer follows, or the text shown instead of an answer.
+    /// Number on which the answer is based, or the text shown instead of an answer.
     pub words: String,
 }
 
@@ -45,7 +46,7 @@ pub(super) struct AnswerCell {
 pub(super) enum Block {
     Heading(String),
     Subheading(String),
-    /// Heading that is the target of links. The first field is the name used in the links, the second the text.
+    /// Heading with a target for links. The first field is the name used in links, the second the text.
     Section(&'static str, String),
     /// Links to sections: name and heading of each section.
     Contents(Vec<(&'static str, String)>),
@@ -78,7 +79,7 @@ impl Block {
         Self::Note(text.into())
     }
 
-    /// Table from its rows. `head` contains the names of the columns, separated by ` | `.
+    /// Creates a table from its rows. `head` contains the names of the columns, separated by ` | `.
     pub fn table(head: &str, rows: impl IntoIterator<Item = TextRow>) -> Self {
         Self::Table(Table { head: columns(head), rows: rows.into_iter().collect(), remarks: false })
     }
@@ -93,19 +94,19 @@ pub(super) fn columns(head: &str) -> Vec<String> {
     head.split(" | ").map(String::from).collect()
 }
 
-/// The given text if the value that it describes is known, else the sign for an unknown value.
+/// Returns the given text if the value in it is known, else the sign for an unknown value.
 pub(super) fn known(is_known: bool, text: String) -> String {
     if is_known { text } else { UNKNOWN.into() }
 }
 
-/// All results of a study in the form in which they are written.
+/// All results of a study, in the form in which the writers use them.
 pub(super) struct Document<'a> {
     pub provenance: &'a Provenance,
     /// Names and failures of variants that stopped early.
     pub failures: Vec<(&'a str, &'a Failure)>,
     /// Answers of the study in sentences, the shortest first.
     pub verdicts: &'a [String],
-    /// Number of `verdicts` at the top of the page; the others are hidden until the reader opens them.
+    /// Number of `verdicts` at the top of the page. Further verdicts are hidden until the reader opens them.
     pub answers: usize,
     /// Part of the page that is always visible.
     pub front: Vec<Block>,

@@ -1,11 +1,11 @@
-//! Results of the comparison of files of any program, as plain data for the outputs.
+//! Results of the comparison of files that any program may have written, as plain data for the outputs.
 
 use super::csv::{CsvTable, number};
 use super::{Basis, OutputError, Provenance, Verdict};
 use crate::statistics::{Estimate, Steadiness};
 use serde::Serialize;
 
-/// Data of one side of a quantity.
+/// Summary of one side of a compared quantity.
 #[derive(Clone, Debug, Serialize)]
 pub struct SideSummary {
     /// Name of the column, or label of the point.
@@ -14,24 +14,24 @@ pub struct SideSummary {
     pub files: usize,
     /// Number of samples of all files.
     pub samples: usize,
-    /// Average from the start of averaging on; `None` if there is none.
+    /// Average from the start of averaging on; `None` if it cannot be computed.
     pub mean: Option<Estimate>,
-    /// [s] start of averaging, or in the unit of the times if that is not known; `None` for a point.
+    /// [s] start of averaging; in the unit of the times if this unit is unknown. `None` for a point.
     pub from: Option<f64>,
-    /// [s] integral correlation time, or in the unit of the times if that is not known; `None` if it is unknown.
+    /// [s] integral correlation time; in the unit of the times if this unit is unknown. `None` if the time is unknown.
     pub correlation_time: Option<f64>,
     /// Result of the test for a steady state; `None` for a point.
     pub steadiness: Option<Steadiness>,
 }
 
-/// Quantity that is compared between two sides.
+/// Quantity that is compared between the two sides.
 #[derive(Clone, Debug, Serialize)]
 pub struct FilesQuantity {
     /// Name in sentences.
     pub name: String,
     /// SI unit; empty if the settings give none.
     pub unit: String,
-    /// [-] margin over the scale of the quantity.
+    /// [-] margin of equivalence, divided by the scale of the quantity.
     pub margin: f64,
     /// Kind of data by which the sides are compared.
     pub basis: Basis,
@@ -39,7 +39,7 @@ pub struct FilesQuantity {
     pub sides: [SideSummary; 2],
 }
 
-/// All data of a comparison of files for its outputs.
+/// All results of a comparison of files.
 #[derive(Clone, Copy, Debug)]
 pub struct FilesStudy<'a> {
     /// Origin of the results: title, settings and command.
@@ -50,7 +50,7 @@ pub struct FilesStudy<'a> {
     pub paths: &'a [String; 2],
     /// Quantities in the order of the settings.
     pub quantities: &'a [FilesQuantity],
-    /// Answers in sentences; they are at the top of the page.
+    /// Answers in sentences. The page begins with these sentences.
     pub verdicts: &'a [String],
     /// Tests of the quantities, one entry for each margin and kind of data.
     pub comparisons: &'a [Verdict],
@@ -59,7 +59,7 @@ pub struct FilesStudy<'a> {
 }
 
 /// Contents of `judge.csv`: two rows for each quantity, one for each side. Means and errors are in the unit of the
-/// quantity, times in s or in the unit of the column of times.
+/// quantity. Times are in s, or in the unit of the column of times if this unit is unknown.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

@@ -3,15 +3,16 @@
 use crate::experiment::{Model, Reference};
 use crate::outcome::Outcome;
 
-/// Largest number of variants that readers can distinguish in one panel; there are as many dash patterns and markers.
+/// Largest number of variants that readers can distinguish in one panel; it equals the number of dash patterns and of
+/// markers.
 pub(super) const TOLD_APART: usize = 6;
 
-/// Index of the reference of each variant. The reference is the variant named by `against`. A variant that others name
-/// is its own reference, and so is a variant that is compared with a table. All other variants are compared with the first hard variant, or with the first variant if none
-/// is hard.
+/// Index of the reference of each variant: the variant that the key `against` names, if there is one. A variant that is
+/// named by another variant, or compared with a table, is its own reference. All other variants have the first hard
+/// variant as reference, or the first variant if none is hard.
 pub fn references(outcomes: &[Outcome]) -> Vec<usize> {
     let rest = outcomes.iter().position(|outcome| outcome.experiment.model() == Model::Hard).unwrap_or(0);
-    // a variant whose reference has not been run yet is its own reference
+    // a variant whose reference has not been run is its own reference
     let against = |(place, outcome): (usize, &Outcome)| {
         let Reference::Variant(name) = outcome.experiment.against.as_ref()? else { return Some(place) };
         Some(outcomes.iter().position(|other| other.experiment.name == *name).unwrap_or(place))
@@ -33,7 +34,7 @@ pub(super) struct PanelGroup<'a> {
     pub members: Vec<(String, &'a Outcome)>,
 }
 
-/// One group of all variants if readers can distinguish them in a panel, else a group for each reference.
+/// Returns one group of all variants if readers can distinguish them in a panel, else a group for each reference.
 pub(super) fn groups(outcomes: &[Outcome]) -> Vec<PanelGroup<'_>> {
     let name = |outcome: &Outcome| outcome.experiment.name.clone();
     let references = references(outcomes);
@@ -57,7 +58,7 @@ pub(super) fn groups(outcomes: &[Outcome]) -> Vec<PanelGroup<'_>> {
 }
 
 /// Splits names at their first comma: "case B, soft" and "case B, hard" give "case B", and "soft", "hard". `None` if
-/// the names have no common beginning of that kind.
+/// the parts before the comma differ, or a name has no comma.
 fn split(names: &[String]) -> Option<(String, Vec<String>)> {
     let (title, _) = names.first()?.split_once(", ")?;
     let rest = names.iter().map(|name| Some(name.strip_prefix(title)?.strip_prefix(", ")?.to_owned()));

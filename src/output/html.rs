@@ -1,9 +1,8 @@
-//! Report as one HTML page, which can be opened without a network and printed. All of its text is readable without
-//! scripts.
+//! Report as one HTML page, which needs no network and can be printed. All text is readable without scripts.
 //!
 //! The answer comes first and fits on one screen. The data follow in parts, each hidden below a heading until the
-//! reader opens the part. The last part contains the data needed to reproduce the results. All text from outside is
-//! escaped, and control characters are made visible.
+//! reader opens the part. The last part contains the data needed to reproduce the results. Text of the user, such as
+//! names of variants, is escaped, and its control characters are made visible.
 
 use super::document::{AnswerCell, Block, Document, Matrix, Table};
 use super::figures::file_name;
@@ -119,7 +118,7 @@ fn contents(folds: &[Fold], tables: &[(String, Vec<u8>)]) -> Markup {
                     a href={ "#" (file_name(fold.title)) } { (fold.title) }
                 }
             }
-            // a study of limits has no links here, because its sections name their tables
+            // the page of a study of limits has no links here, because its sections name their tables
             @if (1..=8).contains(&tables.len()) {
                 p {
                     "Numbers: "
@@ -133,8 +132,7 @@ fn contents(folds: &[Fold], tables: &[(String, Vec<u8>)]) -> Markup {
     }
 }
 
-/// Part of the page with its heading. The target of its link is inside the part, so that following the link opens the
-/// part.
+/// Part of the page with its heading. The target of links is inside the part, so that following a link opens the part.
 fn folded(fold: &Fold) -> Markup {
     html! {
         details.part {

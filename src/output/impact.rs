@@ -16,7 +16,7 @@ pub struct PathPoint {
     pub normal_velocity: f64,
 }
 
-/// Result of an impact in three numbers; each is `None` if the impact did not end.
+/// Three numbers of an impact. Each one is `None` if the impact did not end.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BounceValues {
     /// [-] restitution, the ratio of the rebound speed to the approach speed.
@@ -27,12 +27,12 @@ pub struct BounceValues {
     pub maximum_overlap: Option<f64>,
 }
 
-/// Closed-form solution of the impact for one variant.
+/// Closed-form solution for the impact of one variant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Analytic {
     /// Path of the two bodies.
     pub path: Vec<PathPoint>,
-    /// Restitution, contact time and largest overlap of the path.
+    /// Restitution, contact time and largest overlap of this solution.
     pub values: BounceValues,
 }
 
@@ -61,7 +61,7 @@ pub struct Bounce {
     pub failure: Option<Failure>,
 }
 
-/// Slip after oblique impacts under one variant, as a function of the slip before.
+/// Curve of one variant: slip after oblique impacts as a function of the slip before.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObliqueCurve {
     /// Name of the variant.
@@ -77,13 +77,13 @@ pub struct ObliqueStudy {
     pub curves: Vec<ObliqueCurve>,
     /// Measured points of solid spheres: reduced slip before and after the impact [-]. Empty for other bodies.
     pub measured: Vec<(f64, f64)>,
-    /// [-] change of the reduced slip by the largest friction impulse, (1+e) M/M_t.
+    /// [-] largest change of the reduced slip, by the friction impulse of sliding: (1+e) M/M_t.
     pub impulse: f64,
 }
 
 impl ObliqueStudy {
-    /// Largest difference between the curve with this index and the first curve, in units of [`impulse`](Self::impulse)
-    /// [-], and the reduced slip at which this difference is found.
+    /// Largest difference [-] between the curve with index `curve` and the first curve, in units of
+    /// [`impulse`](Self::impulse), and the reduced slip at this difference.
     pub fn difference(&self, curve: usize) -> Option<(f64, f64)> {
         let (first, other) = (self.curves.first()?, self.curves.get(curve)?);
         let off = |(at, after): &(f64, f64)| {
@@ -109,8 +109,8 @@ pub struct ImpactStudy<'a> {
     pub diameter: f64,
     /// [m/s] normal speed of approach.
     pub impact_speed: f64,
-    /// Answers in sentences, the shortest first; they are at the top of the page.
+    /// Answers in sentences, the shortest first. The page begins with these sentences.
     pub verdicts: &'a [String],
-    /// Limits of the reliability of the numbers, a sentence each.
+    /// Remarks on how far the numbers are reliable, one sentence each.
     pub notes: &'a [String],
 }

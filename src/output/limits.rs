@@ -4,34 +4,34 @@ use super::Provenance;
 use super::panel::Panel;
 use crate::engine::Failure;
 
-/// Point of a map: one run, or several runs with equal settings.
+/// Point of a map: one run, or several runs with the same settings.
 #[derive(Clone, Debug)]
 pub struct MapPoint {
     /// Values in the order of the columns, each in the unit of its column; `None` for a missing number.
     pub values: Vec<Option<f64>>,
-    /// Failure of the first run that stopped early; `None` if no run did.
+    /// Failure of the first run that stopped early; `None` if all runs ended.
     pub failure: Option<Failure>,
 }
 
-/// Map that shows at which settings one method fails.
+/// Map that shows for which settings a method fails.
 #[derive(Clone, Debug)]
 pub struct Map {
-    /// Name of the files of the map, which is also its name for `--only`.
+    /// Name of the map: for its files, and for the option `--only`.
     pub name: &'static str,
     /// Question that the map answers.
     pub title: String,
-    /// Description of the runs behind each point.
+    /// Description of the runs of each point.
     pub method: String,
     /// Conclusion that is drawn from the map.
     pub lesson: String,
-    /// Names of the columns in the table, with the unit after an underscore. The comment at the top of the text `case`
+    /// Names of the columns in the table, with the unit after an underscore. The comment at the beginning of `case`
     /// explains the columns.
     pub columns: Vec<&'static str>,
     /// Points in the order in which they are drawn.
     pub rows: Vec<MapPoint>,
     /// Picture of the map.
     pub picture: Picture,
-    /// Scene of the map as a case for `diptych run`. Each point changes some keys of this case.
+    /// Text of the case of the map, for `diptych run`. Each point changes some keys of this case.
     pub case: &'static str,
 }
 
@@ -44,14 +44,14 @@ pub enum Picture {
     Curves(Panel),
 }
 
-/// Plane of cells, each of which belongs to a class, with theoretical lines.
+/// Plane of coloured cells with theoretical lines. Each cell belongs to a class.
 #[derive(Clone, Debug)]
 pub struct RegimeMap {
     /// Label of the horizontal axis.
     pub x_label: String,
     /// Label of the vertical axis.
     pub y_label: String,
-    /// True for each axis that is logarithmic: horizontal, vertical.
+    /// True for a logarithmic axis, in the order horizontal, vertical.
     pub log: [bool; 2],
     /// Classes of cells.
     pub classes: Vec<Class>,
@@ -61,23 +61,23 @@ pub struct RegimeMap {
     pub lines: Vec<(String, Vec<(f64, f64)>)>,
 }
 
-/// Class of cells that have one meaning and one colour.
+/// Class of cells with the same meaning and the same colour.
 #[derive(Clone, Debug)]
 pub struct Class {
     /// Name of the class in the legend.
     pub label: String,
-    /// Colour of the class, by its meaning.
+    /// Meaning of the class, from which its colour follows.
     pub shade: Shade,
 }
 
 /// Meaning of a class of cells, from which its colour follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shade {
-    /// Size of an effect, from 0 (not visible) to 3 (large); drawn in blue.
+    /// Size of an effect, from 0 (not visible) to 3 (large); shades of blue.
     Level(u8),
-    /// Runs that stopped with a failure, or grew without bound; drawn in orange with crosses.
+    /// Runs that stopped with a failure, grew without bound or have large errors; orange with crosses.
     Fails,
-    /// Runs with wrong results but no message; drawn in dark grey with crosses.
+    /// Runs with wrong results but without a message; dark grey with crosses.
     Silent,
 }
 
@@ -98,7 +98,7 @@ pub struct LimitsStudy<'a> {
     pub provenance: &'a Provenance,
     /// Maps in the order of the page.
     pub maps: &'a [Map],
-    /// [s] wall-clock time of the runs of each map. If two maps are made from the same runs, their times are equal.
+    /// [s] wall-clock time of the runs of each map. Two maps from the same runs have equal times.
     pub wall_seconds: &'a [f64],
     /// True if the study used coarse grids.
     pub quick: bool,

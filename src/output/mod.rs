@@ -2,11 +2,11 @@
 //!
 //! For each study, a file in `documents` turns the results into one `document` of sentences, tables, pictures and
 //! numbers. Each format has one writer: [`csv`] for tables, [`figures`] for SVG pictures, `html` for the page, text for
-//! a terminal, and JSON for the summary. The writers compute no physics. [`Folder`] writes files to the disk, each
-//! completely or not at all. Files use SI units; pictures and pages use SI prefixes.
+//! a terminal, and JSON for the summary. The writers compute no physics. [`Folder`] writes each file completely or not
+//! at all. Files use SI units; pictures and pages use SI prefixes.
 //!
-//! The functions `write_…` write a whole folder, with `summary.json` last. The presence of this file means that all
-//! files are complete. [`write_part`] writes the folder without the summary, after each variant of a comparison.
+//! The functions `write_…` write a whole folder, with `summary.json` last: this file exists only if all files are
+//! complete. [`write_part`] writes the folder without the summary, after each variant of a comparison.
 
 mod chart;
 pub mod csv;
@@ -83,14 +83,14 @@ pub enum OutputError {
     /// The operating system refused to write or read.
     #[error("cannot {action} {}: {source}", path.display())]
     Io {
-        /// Attempted action, as words before the path.
+        /// Attempted action, in words that precede the path in the message.
         action: &'static str,
         /// Path of the file or folder.
         path: PathBuf,
         /// Error of the operating system.
         source: std::io::Error,
     },
-    /// Frames of a trajectory were removed during the run.
+    /// Frames of a trajectory were removed from the folder during the run.
     #[error("{gone} of {frames} frames of the trajectory were removed during the run, the first is {}; its index lists the others", path.display())]
     Gone {
         /// Path of the first removed frame.
@@ -131,7 +131,7 @@ pub struct Provenance {
     pub case_path: String,
     /// Text of the case file as it was read.
     pub case_text: String,
-    /// Command line by which the results were computed.
+    /// Command line that computed the results.
     pub command: String,
     /// Description of the scene, in words.
     pub scene: String,
@@ -146,18 +146,17 @@ pub struct Study<'a> {
     pub outcomes: &'a [Outcome],
     /// All parameters of each variant in SI, in the order of the variants.
     pub parameters: &'a [serde_json::Value],
-    /// Answers in sentences, the shortest first; they are at the top of the page.
+    /// Answers in sentences, the shortest first. The page begins with these sentences.
     pub verdicts: &'a [String],
     /// Comparisons of variants with their references; empty for a single run.
     pub comparisons: &'a [Verdict],
-    /// Settings of each variant as typed in the case, in the order of the variants. The text is empty for a variant
-    /// without settings.
+    /// Settings of each variant as typed in the case, in the order of the variants. An empty text means no settings.
     pub overrides: &'a [String],
     /// Remarks on how far the numbers are reliable, one sentence each.
     pub notes: &'a [String],
     /// Checks of the results, one sheet per variant in the order of the variants.
     pub trust: &'a [TrustSheet],
-    /// Recorded motion of the particles for animations, in the order of the variants; may be empty.
+    /// Recorded motion of the particles for animations, in the order of the variants; empty without animations.
     pub frames: &'a [Frames],
 }
 

@@ -2,11 +2,11 @@
 
 use crate::statistics::Estimate;
 
-/// Sign that replaces an unknown number.
+/// Sign in place of an unknown number.
 pub const UNKNOWN: &str = "–";
 
-/// Text of `value` with the given number of significant digits, and with a power of ten if plain digits would be hard
-/// to read. `None` and values that are not finite give the sign for an unknown number.
+/// Text of `value` with the given number of significant digits. A number that would be hard to read in
+/// plain digits gets a power of ten. `None` and values that are not finite give the sign for an unknown number.
 pub fn significant(value: impl Into<Option<f64>>, digits: usize) -> String {
     let Some(value) = finite(value) else { return UNKNOWN.into() };
     if value == 0.0 {
@@ -17,19 +17,19 @@ pub fn significant(value: impl Into<Option<f64>>, digits: usize) -> String {
     if (-3..5).contains(&exponent) {
         return signed(value, digits - 1 - exponent);
     }
-    // the mantissa is read from text, because the computed power of ten of a number below 1e-308 would be zero
+    // the mantissa is read from the text, because the power of ten of a number below 1e-308 would be computed as zero
     let text = format!("{:.*e}", digits as usize - 1, value);
     let mantissa = text.split('e').next().and_then(|digits| digits.parse().ok()).unwrap_or(value);
     format!("{} × 10{}", signed(mantissa, digits - 1), superscript(exponent))
 }
 
-/// The number, or `None` if it is missing or not finite.
+/// Value that is finite; `None` if it is missing or not finite.
 fn finite(value: impl Into<Option<f64>>) -> Option<f64> {
     value.into().filter(|value| value.is_finite())
 }
 
-/// Text of a value ± one standard error. The error has one or two digits, and the value as many decimal places as the
-/// error. If the error is unknown, the value has four digits, and `?` replaces the error.
+/// Text of a value ± one standard error. The error has one or two digits, and the value has as many decimal places as
+/// the error. For an unknown error, the value has four digits, and `?` is in place of the error.
 pub fn with_error(found: impl Into<Option<Estimate>>) -> String {
     let Some(Estimate { value, error }) = found.into().filter(|found| found.value.is_finite()) else {
         return UNKNOWN.into();
@@ -41,14 +41,14 @@ pub fn with_error(found: impl Into<Option<Estimate>>) -> String {
     let scale = exponent(value.abs().max(error), 4);
     let power = if (-3..5).contains(&scale) { 0 } else { scale };
     let (value, error) = (value / 10f64.powi(power), error / 10f64.powi(power));
-    // an error that begins with 1 or 2 has two digits: rounding 0.14 to 0.1 would change it by a third
+    // an error that begins with 1 or 2 has two digits, because rounding 0.14 to 0.1 would change the error by a third
     let leading = exponent(error, 2);
     let places = if error / 10f64.powi(leading) < 2.95 { 1 - leading } else { -leading };
     let pair = format!("{} ± {}", signed(value, places), signed(error, places));
     if power == 0 { pair } else { format!("({pair}) × 10{}", superscript(power)) }
 }
 
-/// Text of `value` [unit] with an SI prefix, for example 4.06e-4 m as `406 µm`. Units with powers are not allowed.
+/// Text of `value` with its unit and an SI prefix, for example 4.06e-4 m as `406 µm`. The unit must have no power.
 pub fn quantity(value: impl Into<Option<f64>>, unit: &str, digits: usize) -> String {
     let Some(value) = finite(value) else { return UNKNOWN.into() };
     let prefix = Prefix::of(value);
@@ -90,8 +90,8 @@ pub struct Prefix {
 }
 
 impl Prefix {
-    /// Prefix by which a value has one to three digits before the decimal point; no prefix for 0 and for values that
-    /// are not finite.
+    /// Prefix for which the number before the unit has one to three digits before the decimal point. No prefix for 0
+    /// and for values that are not finite.
     pub fn of(value: f64) -> Self {
         const SYMBOLS: [&str; 9] = ["p", "n", "µ", "m", "", "k", "M", "G", "T"];
         if value == 0.0 || !value.is_finite() {
@@ -102,7 +102,7 @@ impl Prefix {
     }
 }
 
-/// Power of ten of the first digit, after rounding to `digits` digits.
+/// Power of ten of the first digit, after rounding to `digits` significant digits.
 fn exponent(value: f64, digits: usize) -> i32 {
     let text = format!("{:.*e}", digits.max(1) - 1, value.abs());
     text.split_once('e').and_then(|(_, power)| power.parse().ok()).unwrap_or(0)

@@ -2,22 +2,28 @@
 
 use super::OutputError;
 use super::csv::{CsvTable, number};
-use crate::observe::{FRICTION_COLUMNS, PathSample, SERIES_COLUMNS, SeriesColumn, TURBULENCE_COLUMNS};
+use crate::observe::{
+    FRICTION_COLUMNS, GAS_COLUMNS, PathSample, Row, SERIES_COLUMNS, SHEAR_COLUMNS, SeriesColumn, TURBULENCE_COLUMNS,
+};
 use crate::outcome::Outcome;
 
 /// Contents of `series.csv`: averages over all particles, with one row per variant and instant. Impacts and losses are
-/// counted from the start. The columns of friction exist only where spheres rotate, and those of turbulence only where
-/// particles see it.
+/// counted from the start. The columns of friction exist only where spheres rotate, those of turbulence only where
+/// particles see it, those of the gas only where it feels the particles, and those of shear only for sheared boxes.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn series(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     let mut table = CsvTable::new();
-    let rotates = rows(outcomes, |outcome| &outcome.series.rows).any(|(_, row)| row.friction.is_some());
-    let of_friction = if rotates { &FRICTION_COLUMNS[..] } else { &[] };
-    let fluctuates = rows(outcomes, |outcome| &outcome.series.rows).any(|(_, row)| row.turbulence.is_some());
-    let of_turbulence = if fluctuates { &TURBULENCE_COLUMNS[..] } else { &[] };
-    let columns: Vec<&SeriesColumn> = SERIES_COLUMNS.iter().chain(of_friction).chain(of_turbulence).collect();
+    let has = |part: fn(&Row) -> bool| rows(outcomes, |outcome| &outcome.series.rows).any(|(_, row)| part(row));
+    let further: [(&[SeriesColumn], bool); 4] = [
+        (&FRICTION_COLUMNS, has(|row| row.friction.is_some())),
+        (&TURBULENCE_COLUMNS, has(|row| row.turbulence.is_some())),
+        (&GAS_COLUMNS, has(|row| row.gas.is_some())),
+        (&SHEAR_COLUMNS, has(|row| row.shear.is_some())),
+    ];
+    let further = further.into_iter().filter(|(_, has)| *has).flat_map(|(columns, _)| columns);
+    let columns: Vec<&SeriesColumn> = SERIES_COLUMNS.iter().chain(further).collect();
     let names: String = columns.iter().map(|column| format!(",{}", column.key)).collect();
     table.head(&format!("variant,t_s{names}"))?;
     for (outcome, row) in rows(outcomes, |outcome| &outcome.series.rows) {
@@ -27,8 +33,8 @@ pub fn series(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// Contents of `paths.csv`: one row per variant, instant and particle. The table exists for up to 50 particles; `None`
-/// for more. The column of overlaps contains the largest overlap of the particle at the instant.
+/// Contents of `paths.csv`: one row per variant, instant and particle; `None` for more than 50 particles. The column of
+/// overlaps contains the largest overlap of the particle at the instant.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

@@ -25,13 +25,13 @@ impl Figure {
 pub enum SeriesStyle {
     /// Line with a band of one standard error, in the colour of the variant with this index.
     Line(usize),
-    /// Thin line through all points, such as steps of a histogram, in the colour of the variant with this index.
+    /// Thin line through all points, such as the steps of a histogram, in the colour of the variant with this index.
     Steps(usize),
     /// Separate points, in the colour of the variant with this index.
     Points(usize),
     /// Points with error bars, joined by a thin line, in the colour of the method with this index.
     Sweep(usize),
-    /// Stars on the upper frame at any value: failures of the method with this index.
+    /// Stars on the upper frame, independent of the value: failures of the method with this index.
     Failed(usize),
     /// Large dark diamonds for the best method.
     Winner,
@@ -79,8 +79,9 @@ impl PanelSeries {
     }
 }
 
-/// Panel of a picture: one pair of axes with its series. Points that are not finite, or not positive on a logarithmic
-/// axis, are not drawn. Points below the range of a logarithmic axis are drawn at its lower end.
+/// Panel of a picture: one pair of axes with its series. Points that are not finite are not drawn, and neither are
+/// points that are not positive on a logarithmic axis. Points below the range of a logarithmic axis are drawn at its
+/// lower end.
 #[derive(Clone, Debug, Default)]
 pub struct Panel {
     /// Title above the axes; empty if there is none.
@@ -91,11 +92,12 @@ pub struct Panel {
     pub y_label: String,
     /// Series of the panel; later ones cover earlier ones.
     pub series: Vec<PanelSeries>,
-    /// Horizontal lines: position on the vertical axis, and a label, which may be empty.
+    /// Horizontal lines: position on the vertical axis, and a label. The label may be empty.
     pub marks: Vec<(f64, &'static str)>,
-    /// Lower and upper end of the horizontal axis. `None`: the ends of the points.
+    /// Lower and upper end of the horizontal axis. `None`: smallest and largest value of the points.
     pub x_range: Option<(f64, f64)>,
-    /// Lower and upper end of the vertical axis. `None`: a little beyond the points.
+    /// Lower and upper end of the vertical axis. `None`: a little beyond the smallest and the largest value of the
+    /// points.
     pub y_range: Option<(f64, f64)>,
     /// True if the horizontal axis is logarithmic.
     pub log_x: bool,

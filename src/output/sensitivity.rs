@@ -4,7 +4,7 @@ use super::{Basis, Provenance};
 use crate::statistics::Answer;
 use serde::Serialize;
 
-/// Shift of one observable by one factor: the change of its value.
+/// Shift of one observable: the change of its value by one factor.
 #[derive(Clone, Debug, Serialize)]
 pub struct Shift {
     /// Name of the observable.
@@ -13,23 +13,25 @@ pub struct Shift {
     pub unit: &'static str,
     /// Scale of the observable, to which the shift is compared, in the unit of the observable.
     pub scale: f64,
-    /// Description of the scale, in words that follow "% of".
+    /// Description of the scale, as the words after "% of".
     #[serde(skip)]
     pub scale_is: &'static str,
-    /// Difference: value with the factor minus value without it, in the unit of the observable.
+    /// Value with the factor minus value without it, in the unit of the observable.
     pub difference: f64,
-    /// One standard error of the difference, in the unit of the observable. The error is 0 if nothing is random, and
-    /// `None` if unknown.
+    /// One standard error of the difference, in the unit of the observable; 0 without randomness, and `None` if
+    /// unknown.
     pub error: Option<f64>,
     /// [-] number of degrees of freedom of the estimate of the error.
     pub freedom: Option<f64>,
-    /// [s] time at which the shift was measured, for curves over time; `None` for a mean.
+    /// [s] time at which the shift of a curve is measured; `None` for the shift of a mean.
     pub time: Option<f64>,
-    /// [-] probability that equal systems show a shift of at least this size, for this observable alone.
+    /// [-] probability of a shift of at least this size between equal systems, for this observable alone.
     pub chance: Option<f64>,
-    /// [-] smallest margin, over the scale, within which the observable is equivalent. `None` without an error.
+    /// [-] smallest margin within which the observable is equivalent, divided by the scale. `None` without a standard
+    /// error.
     pub reached: Option<f64>,
-    /// [-] factor by which the run would have to be longer to show equal systems equivalent in 80 % of cases.
+    /// [-] ratio of the necessary to the actual duration of the run; with the necessary duration, equal systems are
+    /// found equivalent in 80 % of cases.
     pub stretch: Option<f64>,
     /// Answer, tested for all factors and observables together.
     #[serde(rename = "verdict")]
@@ -37,18 +39,18 @@ pub struct Shift {
 }
 
 impl Shift {
-    /// [-] shift over the scale.
+    /// [-] shift divided by the scale.
     pub fn share(&self) -> f64 {
         self.difference / self.scale
     }
 
-    /// [-] one standard error of the shift, over the scale.
+    /// [-] one standard error of the shift, divided by the scale.
     pub fn share_error(&self) -> Option<f64> {
         self.error.map(|error| error / self.scale)
     }
 }
 
-/// Factor that was changed, with its effects.
+/// Changed factor with its effects on the observables.
 #[derive(Clone, Debug, Serialize)]
 pub struct Factor {
     /// Name of the factor on the command line.
@@ -59,7 +61,7 @@ pub struct Factor {
     pub change: String,
     /// Reason why the change has this size.
     pub why: String,
-    /// Kind of results to which the shifts refer; `None` if a run stopped early.
+    /// Kind of results that the shifts compare; `None` if a run stopped early.
     pub basis: Option<Basis>,
     /// Shifts of all observables in a fixed order.
     pub shifts: Vec<Shift>,
@@ -69,13 +71,13 @@ pub struct Factor {
     pub remarks: Vec<String>,
     /// Reason why a run stopped early, if one did.
     pub stopped: Option<String>,
-    /// Answer for the factor: the worst among all observables.
+    /// Answer for the factor: the worst answer among all observables.
     #[serde(rename = "verdict")]
     pub answer: Answer,
 }
 
 impl Factor {
-    /// Largest of the shifts that determine the answer, for the headline; `None` if there is none.
+    /// Largest shift among those with the answer of the factor, for the headline; `None` if there is none.
     pub fn headline(&self) -> Option<&Shift> {
         let deciding = self.shifts.iter().filter(|shift| shift.answer == self.answer);
         deciding.max_by(|a, b| a.share().abs().total_cmp(&b.share().abs()))
@@ -96,7 +98,7 @@ pub struct OmittedFactor {
 pub struct SensitivityRun {
     /// Name of the run.
     pub name: String,
-    /// Changes to the case, as they would be typed; empty if there are none.
+    /// Changes to the case in the form of `--set` arguments; empty without changes.
     pub set: String,
     /// Collision model of the run.
     pub model: crate::experiment::Model,
@@ -116,7 +118,7 @@ pub struct SensitivityRun {
 pub struct SensitivityStudy<'a> {
     /// Origin of the results: title, case and command.
     pub provenance: &'a Provenance,
-    /// [-] margin of equivalence, over the scale of each observable.
+    /// [-] margin of equivalence, divided by the scale of the observable.
     pub margin: f64,
     /// Factors in order of importance; the most important is first.
     pub factors: &'a [Factor],

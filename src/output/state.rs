@@ -1,4 +1,4 @@
-//! File with the final state of a run.
+//! File `state.csv` with the final state of a run.
 
 use super::csv;
 use super::{Folder, OutputError};

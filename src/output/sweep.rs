@@ -1,4 +1,4 @@
-//! Results of a sweep as plain data: its runs, and the rows for its points.
+//! Results of a sweep as plain data: the runs, and the rows of the points.
 
 use super::{Provenance, figures};
 use crate::case::SweepAxis;
@@ -15,14 +15,14 @@ pub struct SweepObservable {
     pub name: &'static str,
     /// Label of the axis, with the unit.
     pub axis: &'static str,
-    /// True for an average over time. The error of such an average is valid only for a steady run whose particles mix.
+    /// True for an average over time. Its error is valid only for a steady run whose particles mix.
     pub is_average: bool,
     /// Function that computes the quantity from an outcome.
     pub of: fn(&Outcome) -> Option<Estimate>,
 }
 
-/// [m/s] mean streamwise velocity over all slices, weighted with the number of particles in each. The correlation
-/// between slices is unknown, so that the largest possible error is given.
+/// [m/s] mean streamwise velocity over all slices, weighted with the number of particles in each slice. The correlation
+/// between slices is unknown, so that the error is the largest possible one.
 fn velocity(outcome: &Outcome) -> Option<Estimate> {
     let (mut sum, mut error, mut weights) = (0.0, Some(0.0), 0.0);
     for row in &outcome.profiles.slices {
@@ -83,7 +83,7 @@ pub const OBSERVABLES: [SweepObservable; 8] = [
         name: "mean largest overlap of pairs",
         axis: "mean largest overlap over the diameter  [–]",
         is_average: false,
-        // overlaps of event-driven collisions are only rounding
+        // overlaps of event-driven collisions are rounding errors
         of: |o| {
             let mean = o.pairs.summary().mean_maximum_overlap?;
             (mean > figures::ROUNDING).then(|| Estimate::without_error(mean))
@@ -101,10 +101,10 @@ pub const OBSERVABLES: [SweepObservable; 8] = [
 /// Result of one run of a sweep.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SweepRun {
-    /// Hash of the experiment and the version of the program. Runs with equal hashes must give equal results.
+    /// Hash of the experiment and of the version of the program. Runs with equal hashes have equal results.
     pub identity: String,
-    /// Measured values with their names, [`SweepObservable::key`]. Unknown values are absent; a run that stopped early
-    /// has none.
+    /// Measured values by name, which is [`SweepObservable::key`]. Unknown values are left out. A run that stopped
+    /// early has no values.
     pub measured: BTreeMap<String, Estimate>,
     /// Reason why the run stopped early, if it did.
     pub failure: Option<String>,
@@ -120,7 +120,7 @@ pub struct SweepRow {
     pub variant: usize,
     /// Hashes of the runs of the row, one per replica. A run may belong to several rows.
     pub identities: Vec<String>,
-    /// Results of those runs that are finished.
+    /// Results of the finished runs of the row.
     pub runs: Vec<SweepRun>,
 }
 
@@ -139,7 +139,7 @@ impl SweepRow {
         (!found.is_empty()).then_some(Estimate { value: mean, error: Some((variance / count).sqrt()) })
     }
 
-    /// Reason why a run of the row stopped early; `None` if none did.
+    /// Reason why a run of the row stopped early; `None` if all runs ended.
     pub fn failure(&self) -> Option<&str> {
         self.runs.iter().find_map(|run| run.failure.as_deref())
     }
@@ -162,9 +162,9 @@ pub struct SweepStudy<'a> {
     pub axes: &'a [SweepAxis],
     /// Names of the variants.
     pub variants: &'a [String],
-    /// Index of the variant with which the others are compared: the first hard variant. `None` if no variant is hard.
+    /// Index of the first hard variant, with which the other variants are compared. `None` if no variant is hard.
     pub reference: Option<usize>,
-    /// Rows in the order of the points, in which the last axis varies fastest. Each point has all variants.
+    /// Rows in the order of the points, in which the last axis varies fastest. Each point has one row per variant.
     pub rows: &'a [SweepRow],
 }
 

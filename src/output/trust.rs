@@ -1,11 +1,10 @@
-//! Content of trust sheets, which contain checks of the results. The data are plain, with one [`TrustSheet`] per
-//! variant; tables and `summary.json` are made from them. A window is the time between two exchanges of momentum with
-//! the gas.
+//! Trust sheets: checks of the results as plain data, with one [`TrustSheet`] per variant. Tables and `summary.json`
+//! are made from these data. A window is the time between two exchanges of momentum with the gas.
 
 use crate::statistics::Estimate;
 use serde::Serialize;
 
-/// Expectation about the value of a check.
+/// Condition on the value of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Expected {
@@ -13,25 +12,25 @@ pub enum Expected {
     Equals(f64),
     /// The magnitude of the value should be at most this number.
     AtMost(f64),
-    /// No value is expected: the value is only reported.
+    /// There is no condition: the value is only reported.
     Anything,
 }
 
-/// Judgement of a value by its expectation.
+/// Judgement of a value by the condition of its check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Judgement {
-    /// The value is as expected.
+    /// The value fulfils the condition.
     Good,
-    /// The value is not as expected.
+    /// The value violates the condition.
     Suspect,
-    /// The value is only reported, because no value is expected.
+    /// The value is only reported, because there is no condition.
     Stated,
     /// The value is missing; the remark contains the reason.
     Unknown,
 }
 
-/// Check of the results: one value with its expectation.
+/// Check of the results: one value with a condition.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrustCheck {
     /// Name of the value.
@@ -41,7 +40,7 @@ pub struct TrustCheck {
     /// Value with its standard error, written in JSON as `value` and `error`.
     #[serde(flatten, serialize_with = "value_and_error")]
     pub found: Option<Estimate>,
-    /// Expectation about the value.
+    /// Condition on the value.
     pub expected: Expected,
     /// Judgement of the value.
     pub judgement: Judgement,
@@ -54,12 +53,12 @@ impl TrustCheck {
     pub fn in_errors(&self) -> Option<f64> {
         let (Expected::Equals(value), found) = (self.expected, self.found?) else { return None };
         let off = found.less(Estimate::exact(value));
-        // a relative difference of 1e-12 counts as rounding, also if the standard error is smaller
+        // a relative difference up to 1e-12 counts as rounding, even if the standard error is smaller
         if off.value.abs() <= 1e-12 * value.abs() { Some(0.0) } else { off.in_errors() }
     }
 }
 
-/// Writes an estimate as two numbers, its value and its error; both are null if there is no estimate.
+/// Writes an estimate as two numbers, the value and its error; both are null without an estimate.
 fn value_and_error<S: serde::Serializer>(found: &Option<Estimate>, serializer: S) -> Result<S::Ok, S::Error> {
     #[derive(Serialize)]
     struct TrustNumbers {
@@ -70,7 +69,7 @@ fn value_and_error<S: serde::Serializer>(found: &Option<Estimate>, serializer: S
     numbers.serialize(serializer)
 }
 
-/// Quantity with the step and window of the run, and with half of both.
+/// Quantity in two short runs: with the step and window of the original run, and with half of both.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Halved {
     /// Name of the quantity.
@@ -84,7 +83,7 @@ pub struct Halved {
 }
 
 impl Halved {
-    /// Value with halved settings minus value with original settings. The standard error assumes that both
+    /// Value with half the step and window, minus value with the original ones. The standard error assumes that both
     /// continuations of the run are independent.
     pub fn change(&self) -> Estimate {
         self.halved.less(self.as_run)
@@ -93,14 +92,15 @@ impl Halved {
     /// [-] change in units of its standard error; `None` without an error.
     pub fn in_errors(&self) -> Option<f64> {
         let change = self.change();
-        // a quantity without unit is a fraction, with scale 1; a change below 1e-12 of the scale counts as rounding
+        // a quantity without unit is a fraction and has the scale 1; a change up to 1e-12 of the scale counts as
+        // rounding
         let scale = if self.unit.is_empty() { 1.0 } else { self.as_run.value.abs() };
         if change.value.abs() <= 1e-12 * scale { Some(0.0) } else { change.in_errors() }
     }
 }
 
-/// Two short continuations from the final state of a run: with the settings of the run, and with half the step and half
-/// the window.
+/// Two short continuations from the final state of a run: one with the settings of the run, one with half the step and
+/// half the window.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verification {
     /// [s] simulated time of each continuation.
@@ -111,7 +111,7 @@ pub struct Verification {
     pub window: f64,
     /// [s] time step of the run, `None` for event-driven collisions; the second continuation has half this step.
     pub time_step: Option<f64>,
-    /// Compared quantities; those that a continuation could not give are left out.
+    /// Compared quantities, as far as both continuations have values of them.
     pub quantities: Vec<Halved>,
 }
 
@@ -125,7 +125,7 @@ pub enum HalvedStep {
     Unknown(String),
 }
 
-/// Trust sheet of one variant, which shows how far its results are reliable.
+/// Trust sheet of one variant: checks that show how far its results are reliable.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrustSheet {
     /// Name of the variant.

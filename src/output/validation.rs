@@ -7,7 +7,7 @@ use super::{OutputError, Provenance};
 use crate::statistics::{Answer, Estimate};
 use serde::Serialize;
 
-/// Kind of reference with which a row compares.
+/// Kind of the reference of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ValidationTier {
@@ -37,14 +37,14 @@ impl ValidationTier {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ValidationRule {
-    /// A run without scatter: the number agrees if it deviates by at most the tolerance, else it is different.
+    /// A run without scatter: the number agrees if its deviation is at most the tolerance, otherwise it is different.
     Tolerance,
     /// A number with a standard error: Student's t test for a difference, and two one-sided tests for equivalence
     /// within the margin.
     Margin,
 }
 
-/// One number of a row, with its reference.
+/// One number of a row, with its reference value.
 #[derive(Clone, Debug, Serialize)]
 pub struct ValidationNumber {
     /// Name of the number within its row.
@@ -66,7 +66,7 @@ pub struct ValidationNumber {
 }
 
 impl ValidationNumber {
-    /// Difference of the result and the reference, with its standard error, in the unit of the number.
+    /// Result of this program minus reference, with the standard error, in the unit of the number.
     pub fn difference(&self) -> Estimate {
         self.ours.less(self.reference)
     }
@@ -76,7 +76,7 @@ impl ValidationNumber {
         self.difference().value.abs() / self.allowed
     }
 
-    /// Answer in words, with the number from which it follows.
+    /// Answer in words, with the number on which it is based.
     pub fn verdict(&self) -> String {
         let allowed = with_unit(significant(self.allowed, 2), self.unit);
         let difference = with_unit(with_error(self.difference()), self.unit);
@@ -101,19 +101,19 @@ pub struct ValidationRow {
     pub name: &'static str,
     /// Kind of the reference.
     pub tier: ValidationTier,
-    /// Scene in words.
+    /// Description of the scene.
     pub scene: &'static str,
-    /// Source of the reference, with the place in it.
+    /// Source of the reference, with the page, figure or table.
     pub source: &'static str,
-    /// Sentence on what the row does not show.
+    /// Sentence about a question that the row does not answer.
     pub not_shown: &'static str,
-    /// Name of the built-in case that the row runs, with changes.
+    /// Name of the built-in case that the row runs with changes.
     pub case: &'static str,
     /// Numbers of the row. Empty if a run stopped.
     pub numbers: Vec<ValidationNumber>,
     /// Picture of the row with its caption; `None` if there is none.
     pub picture: Option<(&'static str, Panel)>,
-    /// Reason why a run of the row stopped early; `None` if none did.
+    /// Reason why a run of the row stopped early; `None` if all runs ended.
     pub failure: Option<String>,
     /// [s] wall time of the row.
     pub wall_seconds: f64,
@@ -126,14 +126,15 @@ impl ValidationRow {
         worst.filter(|_| self.failure.is_none()).unwrap_or(Answer::Unresolved)
     }
 
-    /// Number that deviates most: the largest share of its tolerance or margin among those with the worst answer.
+    /// Number that deviates most: among the numbers with the worst answer, the one with the largest share of its
+    /// tolerance or margin.
     pub fn worst(&self) -> Option<&ValidationNumber> {
         let worst = self.answer();
         let among = self.numbers.iter().filter(|number| number.answer == worst);
         among.max_by(|a, b| a.share().total_cmp(&b.share()))
     }
 
-    /// Answer in a word: "agrees" if all numbers have a tolerance and keep it.
+    /// Answer in a word: "agrees" if all numbers are within tolerances.
     pub fn word(&self) -> &'static str {
         let exact = self.numbers.iter().all(|number| number.rule == ValidationRule::Tolerance);
         match self.answer() {
@@ -149,9 +150,9 @@ impl ValidationRow {
 pub struct NotValidated {
     /// Name of the comparison.
     pub name: &'static str,
-    /// Reference that exists, with its source.
+    /// Existing reference, with its source.
     pub reference: &'static str,
-    /// Reason: what is not built, or not public.
+    /// Reason why the comparison is not made: a missing part of the program, or unpublished data.
     pub needs: &'static str,
 }
 
@@ -176,7 +177,7 @@ impl ValidationStudy<'_> {
         format!("diptych validate --only {}{}", row.name, if self.quick { " --quick" } else { "" })
     }
 
-    /// Answer of all rows together: the worst answer; `None` without rows.
+    /// Worst answer of all rows; `None` without rows.
     pub fn answer(&self) -> Option<Answer> {
         self.rows.iter().map(ValidationRow::answer).max()
     }

@@ -33,7 +33,7 @@ pub struct Verdict {
     pub sentence: String,
     /// Reason for this kind of comparison, in words.
     pub reason: String,
-    /// [-] requested margin of equivalence, over the scale of each observable.
+    /// [-] requested margin of equivalence, divided by the scale of the observable.
     pub margin: f64,
     /// Compared observables; `None` for a comparison of paths.
     pub comparison: Option<Comparison>,
@@ -42,8 +42,7 @@ pub struct Verdict {
     pub further: Vec<String>,
 }
 
-/// Answer for several comparisons together: the worst, with "different" worse than "unresolved". `None` without
-/// comparisons.
+/// Worst answer of several comparisons; "different" is worse than "unresolved". `None` without comparisons.
 pub fn overall(verdicts: &[Verdict]) -> Option<Answer> {
     verdicts.iter().map(|verdict| verdict.answer).max()
 }

@@ -1,14 +1,14 @@
-//! Columns of a particle store, declared once.
+//! Columns of a particle store, all declared in one list.
 //!
-//! From one list of columns, the macro [`columns`] makes a struct of arrays and all operations on it. A column that
-//! only some laws need is an `Option<Vec<T>>`. With `None` the column takes no memory, and operations skip it. When a
-//! store without such a column copies particles from a store with it, the column is added. Particles already in the
-//! store then have zeros in it.
+//! The macro [`columns`] makes a struct of arrays, and all operations on it, from a list of columns. A column that only
+//! some laws need is an `Option<Vec<T>>`. With `None` the column takes no memory, and operations skip it. If a store
+//! without such a column copies particles from a store with it, the column is added. The particles already in the store
+//! then have zeros in it.
 //!
 //! Columns of quantities that change with time are marked `as moving`. Columns of quantities that forces change
 //! directly (velocity and spin) are marked `as moving by kicks`. From these marks the macro makes `Motion`, the moving
-//! state of one particle, and all code that reads, sets, sends, saves or checks this state. No other code lists the
-//! moving columns.
+//! state of one particle, and all code that reads, sets, sends, saves or checks the moving state. The moving columns
+//! are listed nowhere else.
 
 use super::CHUNK;
 use super::values::AsBytes;
@@ -22,7 +22,7 @@ pub trait Column {
     /// True if a store may lack the column.
     const IS_OPTIONAL: bool;
 
-    /// Mutable chunk of a column: the values of consecutive particles, or nothing if the store lacks the column.
+    /// Mutable chunk of a column: the values of consecutive particles. It is empty if the store lacks the column.
     type Chunk<'a>
     where
         Self: 'a;
@@ -36,7 +36,8 @@ pub trait Column {
     /// All values of the column as one chunk.
     fn whole(&mut self) -> Self::Chunk<'_>;
 
-    /// Removes the first `count` values from the chunk `rest` and returns them; returns all if there are fewer.
+    /// Removes the first `count` values from the chunk `rest` and returns them. If `rest` has fewer values, returns
+    /// them all.
     fn split<'a>(rest: &mut Self::Chunk<'a>, count: usize) -> Self::Chunk<'a>
     where
         Self: 'a;
@@ -44,7 +45,7 @@ pub trait Column {
     /// Sets the value at an index of a chunk.
     fn put(chunk: &mut Self::Chunk<'_>, index: usize, value: Self::Value);
 
-    /// Adds the column to the store, with `count` values of 0, if the store lacks it and `wanted` is true.
+    /// Adds the column, with `count` zeros, if the store lacks it and `wanted` is true.
     fn adopt(&mut self, wanted: bool, count: usize);
 
     /// Moves the value at index `order[k]` to index `k`, for every `k`.
@@ -58,8 +59,8 @@ pub trait Column {
         }
     }
 
-    /// Appends the values at the indices `places` of the corresponding column of another store. `count` is the number
-    /// of particles that this store has before.
+    /// Appends the values at the indices `places` of the same column of another store. `count` is the number of
+    /// particles in this store before the call.
     fn copy_from(&mut self, other: &Self, places: &[u32], count: usize) {
         self.adopt(other.values().is_some(), count);
         let Some(own) = self.values_mut() else { return };
@@ -69,7 +70,7 @@ pub trait Column {
         }
     }
 
-    /// Copies, for each pair of indices, the value at the first index to the second.
+    /// Copies, for each pair of indices, the value at the first index to the second index.
     fn relocate(&mut self, moves: &[(u32, u32)]) {
         if let Some(values) = self.values_mut() {
             moves.iter().for_each(|&(from, to)| values[to as usize] = values[from as usize]);
@@ -89,9 +90,8 @@ pub trait Column {
         }
     }
 
-    /// Appends `count` values from the beginning of `bytes`, where [`pack`](Self::pack) has written them, and returns
-    /// the remaining bytes; `None` if there are too few bytes. `before` is the number of particles that this store has
-    /// before.
+    /// Appends `count` values that [`pack`](Self::pack) has written at the beginning of `bytes`. Returns the remaining
+    /// bytes, or `None` if there are too few bytes. `before` is the number of particles in this store before the call.
     fn unpack<'a>(&mut self, bytes: &'a [u8], count: usize, before: usize) -> Option<&'a [u8]> {
         let (is_there, rest) = bytes.split_first()?;
         if *is_there > 1 || (*is_there == 0 && !Self::IS_OPTIONAL) {
@@ -109,7 +109,7 @@ pub trait Column {
         Some(rest)
     }
 
-    /// Reads the value of the particle at index `place` from the beginning of `bytes`, and returns the remaining bytes.
+    /// Reads the value of the particle at index `place` from the beginning of `bytes`. Returns the remaining bytes, or
     /// `None` if there are too few bytes.
     fn unpack_at<'a>(&mut self, place: usize, bytes: &'a [u8]) -> Option<&'a [u8]> {
         let Some(values) = self.values_mut() else { return Some(bytes) };
@@ -119,7 +119,8 @@ pub trait Column {
     }
 }
 
-/// Removes the first `count` values from the slice `rest` and returns them; returns all if there are fewer.
+/// Removes the first `count` values from the slice `rest` and returns them. If `rest` has fewer values, returns them
+/// all.
 fn split_slice<'a, T>(rest: &mut &'a mut [T], count: usize) -> &'a mut [T] {
     let all = std::mem::take(rest);
     let (first, others) = all.split_at_mut(count.min(all.len()));
@@ -204,8 +205,8 @@ impl<T: Copy + Default + AsBytes + Send + Sync> Column for Option<Vec<T>> {
 }
 
 /// Makes a store, and the moving state of one of its particles, from a list of columns. `=> ["x", "y", "z"]` after a
-/// column means that saved states contain it, as numbers with these names. `as moving` means that the values change
-/// with time. `by kicks` means that forces change them directly.
+/// column means that saved states contain the column, as numbers with these names. `as moving` means that the values
+/// change with time. `by kicks` means that forces change the values directly.
 macro_rules! columns {
     (
         $(#[$of_motion:meta])*
@@ -251,8 +252,8 @@ macro_rules! columns {
         }
 
         impl $store {
-            /// Moving state of all particles in chunks of `size` particles, which several threads can change at the
-            /// same time.
+            /// Moving state of all particles, in chunks of `size` particles. Several threads can change different
+            /// chunks at the same time.
             pub fn motion_chunks(&mut self, size: usize) -> Vec<$chunk<'_>> {
                 let chunks = self.count().div_ceil(size);
                 let mut rest = $chunk {
@@ -294,9 +295,9 @@ macro_rules! columns {
                 )?)+
             }
 
-            /// Calls `visit` with every number of the moving state of the particle at an index. Zeros in an optional
-            /// column are skipped. Therefore spheres that can rotate but do not have the same checksum as spheres that
-            /// cannot rotate.
+            /// Calls `visit` with every number of the moving state of the particle at an index. An optional column is
+            /// skipped where it is zero. Spheres that can rotate but have no spin therefore have the same checksum as
+            /// spheres that cannot rotate.
             pub(crate) fn for_each_moving_number(&self, index: usize, visit: &mut impl FnMut(f64)) {
                 $($(
                     let _ = stringify!($moving);
@@ -319,8 +320,8 @@ macro_rules! columns {
                 )?)+
             }
 
-            /// Reads the moving state of the particle at an index from the beginning of `bytes`, and returns the
-            /// remaining bytes; `None` if there are too few. The bytes must come from a store with the same columns.
+            /// Reads the moving state of the particle at an index from the beginning of `bytes`. Returns the remaining
+            /// bytes, or `None` if there are too few. The bytes must come from a store with the same columns.
             pub(crate) fn unpack_motion<'a>(&mut self, index: usize, bytes: &'a [u8]) -> Option<&'a [u8]> {
                 $($(
                     let _ = stringify!($moving);
@@ -329,7 +330,7 @@ macro_rules! columns {
                 Some(bytes)
             }
 
-            /// Appends the quantities of one particle that forces change directly (velocity and spin) to `bytes`.
+            /// Appends to `bytes` the quantities of one particle that forces change directly (velocity and spin).
             pub(crate) fn pack_kicked(&self, index: usize, bytes: &mut Vec<u8>) {
                 $($($(
                     let _ = stringify!($kicks);
@@ -339,8 +340,8 @@ macro_rules! columns {
                 )?)?)+
             }
 
-            /// Reads the bytes that [`pack_kicked`](Self::pack_kicked) wrote, and returns the remaining bytes; `None`
-            /// if there are too few.
+            /// Reads the bytes that [`pack_kicked`](Self::pack_kicked) has written. Returns the remaining bytes, or
+            /// `None` if there are too few.
             pub(crate) fn unpack_kicked<'a>(&mut self, index: usize, bytes: &'a [u8]) -> Option<&'a [u8]> {
                 $($($(
                     let _ = stringify!($kicks);
@@ -349,8 +350,8 @@ macro_rules! columns {
                 Some(bytes)
             }
 
-            /// Copies those columns of all particles that forces change directly (velocity and spin) to `kept`. The
-            /// other columns of `kept` are not used.
+            /// Copies the columns that forces change directly (velocity and spin), of all particles, to `kept`. The
+            /// other columns of `kept` do not change.
             pub(crate) fn keep_kicked(&self, kept: &mut Self) {
                 $($($(
                     let _ = stringify!($kicks);
@@ -358,8 +359,8 @@ macro_rules! columns {
                 )?)?)+
             }
 
-            /// Restores the columns that [`keep_kicked`](Self::keep_kicked) has copied. Afterwards `kept` contains the
-            /// values that they had before this call.
+            /// Restores the columns that [`keep_kicked`](Self::keep_kicked) has copied, by an exchange with `kept`.
+            /// `kept` then contains the values of this store before the call.
             pub(crate) fn take_back(&mut self, kept: &mut Self) {
                 $($($(
                     let _ = stringify!($kicks);
@@ -381,7 +382,7 @@ macro_rules! columns {
                 })+
             }
 
-            /// Number of particles, determined as the length of the first column in use.
+            /// Number of particles: the length of the first column in use.
             fn count(&self) -> usize {
                 [$(Column::values(&self.$column).map(Vec::len)),+].into_iter().flatten().next().unwrap_or(0)
             }
@@ -406,7 +407,7 @@ macro_rules! columns {
             }
 
             /// Moves the particle at index `order[k]` to index `k`, for every `k`. `order` contains each index at most
-            /// once; particles whose indices are missing are removed.
+            /// once. Particles whose index is missing from `order` are removed.
             pub fn reorder(&mut self, order: &[u32]) {
                 $(Column::reorder(&mut self.$column, order);)+
             }
@@ -431,22 +432,22 @@ macro_rules! columns {
                 })+
             }
 
-            /// Copies, for each pair of indices, the particle at the first index to the second, where it replaces
-            /// another particle.
+            /// Copies, for each pair of indices, the particle at the first index to the second index. The particle at
+            /// the second index is overwritten.
             pub(crate) fn relocate(&mut self, moves: &[(u32, u32)]) {
                 $(Column::relocate(&mut self.$column, moves);)+
             }
 
             /// Appends the particles at the given indices to `bytes`.
             pub(crate) fn pack(&self, places: &[u32], bytes: &mut Vec<u8>) {
-                // reserves exactly the bytes needed, because any more would be much memory for millions of particles
+                // reserves exactly the bytes needed, because spare capacity would be large for millions of particles
                 bytes.reserve_exact(size_of::<u64>() $(+ Column::packed_size(&self.$column, places.len()))+);
                 bytes.extend_from_slice(&(places.len() as u64).to_le_bytes());
                 $(Column::pack(&self.$column, places, bytes);)+
             }
 
-            /// Appends all particles that [`pack`](Self::pack) has written to `bytes`. `None` if `bytes` cannot be the
-            /// result of `pack`.
+            /// Appends all particles from `bytes`, which [`pack`](Self::pack) has written. `None` if `bytes` cannot be
+            /// a result of `pack`.
             pub(crate) fn unpack(&mut self, bytes: &[u8]) -> Option<()> {
                 let (count, bytes) = bytes.split_first_chunk()?;
                 let (count, before) = (u64::from_le_bytes(*count) as usize, self.count());
@@ -463,7 +464,7 @@ macro_rules! columns {
                 names
             }
 
-            /// Numbers [SI] in a saved state for the particle at index `place`, in the order of
+            /// Numbers [SI] of the particle at index `place` in a saved state, in the order of
             /// [`state_names`](Self::state_names).
             pub fn state_numbers(&self, place: usize) -> Vec<f64> {
                 let mut numbers = Vec::new();

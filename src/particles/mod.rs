@@ -1,4 +1,4 @@
-//! The particle store: the only data of a scene that change during a run.
+//! Particle store: the only data of a scene that change during a run.
 
 mod columns;
 mod sample;
@@ -14,10 +14,11 @@ use crate::work_sharing;
 use columns::{Column, columns};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use values::{AsBytes, AsNumbers};
 
-/// Number of particles or pairs in a piece of parallel work; with fewer, a second thread does not pay. Pieces do not
-/// depend on the number of threads, so the results do not either.
+/// Number of particles or pairs in a piece of parallel work. For smaller numbers a second thread saves no time. The
+/// pieces do not depend on the number of threads, so neither do the results.
 pub const CHUNK: usize = 8192;
 
 columns! {
@@ -27,10 +28,9 @@ columns! {
     /// Mutable moving state of several consecutive particles of a store.
     pub struct MotionChunk;
 
-    /// Particle store: spheres as a struct of arrays. All arrays have equal lengths, one entry per sphere.
-    /// Engines may reorder the store for speed. `id` identifies a particle: ids are 0 to N - 1 in the order of the
+    /// Particle store: spheres as a struct of arrays. All arrays have the same length, with one entry per sphere.
+    /// Engines may reorder the store for speed. The `id` of a particle stays: ids are 0 to N - 1 in the order of the
     /// initial state.
-    /// state.
     ///
     /// ```
     /// use diptych::{Particles, Vector3};
@@ -42,8 +42,8 @@ columns! {
     /// ```
     #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
     pub struct Particles {
-        /// [m] positions of the centres. Since the last call of [`wrap`](crate::domain::Domain::wrap), a centre may
-        /// have left the box along a periodic axis.
+        /// [m] positions of the centres. After the last call of [`wrap`](crate::domain::Domain::wrap), centres may have
+        /// left the box along periodic axes.
         pub position: Vec<Vector3<f64>> => ["x", "y", "z"] as moving,
         /// [m/s] velocities of the centres.
         pub velocity: Vec<Vector3<f64>> => ["vx", "vy", "vz"] as moving by kicks,
@@ -65,6 +65,31 @@ columns! {
     }
 }
 
+/// Changes of momentum and energy of the particles that leave a sheared box through a side and come back at the other
+/// side with the velocity of their image there.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Crossings {
+    /// [kg m/s] change of the momentum along z.
+    pub impulse: f64,
+    /// [J] change of the kinetic energy.
+    pub work: f64,
+}
+
+impl Crossings {
+    /// Changes of one particle of `mass` [kg], whose velocity along z is `before` [m/s] and changes by `change` [m/s].
+    pub fn of(mass: f64, before: f64, change: f64) -> Self {
+        Self { impulse: mass * change, work: mass * change * (before + 0.5 * change) }
+    }
+}
+
+impl std::ops::Neg for Crossings {
+    type Output = Self;
+
+    fn neg(self) -> Self {
+        Self { impulse: -self.impulse, work: -self.work }
+    }
+}
+
 impl Particles {
     /// Number of particles in the store.
     pub fn len(&self) -> usize {
@@ -76,8 +101,8 @@ impl Particles {
         self.position.is_empty()
     }
 
-    /// Appends a sphere, whose id is its index. Position and radius in m, velocity in m/s, mass in kg; `species` is an
-    /// index.
+    /// Appends a sphere with a position [m], a velocity [m/s], a radius [m] and a mass [kg]. `species` is an index in
+    /// the scene. The id of the sphere is its index.
     pub fn push(&mut self, position: Vector3<f64>, velocity: Vector3<f64>, radius: f64, mass: f64, species: u16) {
         let place = self.len();
         self.grow();
@@ -89,7 +114,7 @@ impl Particles {
         self.id[place] = place as u32;
     }
 
-    /// Appends all particles of another store; their ids become their new indices.
+    /// Appends all particles of another store, with their new indices as ids.
     pub fn append(&mut self, other: &Self) {
         let (first, count) = (self.len() as u32, other.len() as u32);
         self.copy_from(other, &(0..count).collect::<Vec<u32>>());
@@ -109,13 +134,44 @@ impl Particles {
         fingerprint_of(self, None)
     }
 
-    /// Replaces every position outside a periodic side by that of the image inside the box.
-    pub fn wrap(&mut self, domain: &Domain) {
+    /// Replaces every position outside a periodic side by the periodic image inside the box. Particles outside a sheared
+    /// side also get the velocity of that image; the result sums these changes.
+    pub fn wrap(&mut self, domain: &Domain) -> Crossings {
+        if domain.shear.is_some() {
+            return self.cross(domain);
+        }
         work_sharing::for_each(self.position.chunks_mut(CHUNK), |chunk| {
             for x in chunk {
                 *x = domain.wrap(x);
             }
         });
+        Crossings::default()
+    }
+
+    /// Wraps all particles into a sheared box.
+    fn cross(&mut self, domain: &Domain) -> Crossings {
+        let (mut impulse, mut work) = (ExactSum::default(), ExactSum::default());
+        let motions = self.position.iter_mut().zip(&mut self.velocity);
+        for ((x, v), &mass) in motions.zip(&self.mass) {
+            let before = v.z;
+            let change = domain.wrap_motion(x, v);
+            if change != 0.0 {
+                let crossing = Crossings::of(mass, before, change);
+                impulse.add(crossing.impulse);
+                work.add(crossing.work);
+            }
+        }
+        Crossings { impulse: impulse.value(), work: work.value() }
+    }
+
+    /// The particles with velocities relative to the mean flow of a sheared box; without shear the particles themselves.
+    pub fn relative_to_flow(&self, domain: &Domain) -> Cow<'_, Self> {
+        if domain.shear.is_none() {
+            return Cow::Borrowed(self);
+        }
+        let relative = |(x, v): (&Vector3<f64>, &Vector3<f64>)| v - domain.mean_flow(x);
+        let velocity = self.position.iter().zip(&self.velocity).map(relative).collect();
+        Cow::Owned(Self { velocity, ..self.clone() })
     }
 
     /// [kg m/s] total momentum of all particles.
@@ -140,7 +196,7 @@ impl Particles {
     }
 
     /// Adds spins and moments of inertia to a store without them. The spins are 0, and the moments are I = q m r² [kg
-    /// m²]. `factors` contains the inertia factors q [-] in the order of
+    /// m²]. `factors` contains the inertia factor q [-] of each species, in the order of
     /// [`Scene::species`](crate::scene::Scene::species).
     pub fn let_rotate(&mut self, factors: &[f64]) {
         let count = self.len();
@@ -234,6 +290,17 @@ impl Particles {
         let mut sums = exact::none::<3>();
         four.iter().enumerate().for_each(|(k, sum)| sums[k / 4].merge(sum));
         sums
+    }
+
+    /// [m/s] largest speed as by [`largest_speed`](Self::largest_speed), of velocities less the mean flow of a sheared box.
+    pub fn largest_speed_in(&self, frame: Vector3<f64>, domain: &Domain) -> f64 {
+        if domain.shear.is_none() {
+            return self.largest_speed(frame);
+        }
+        let relative = |(x, v): (&Vector3<f64>, &Vector3<f64>)| (v - domain.mean_flow(x) - frame).norm_squared();
+        let squares = self.position.iter().zip(&self.velocity).map(relative);
+        // an infinite speed stands for one that is not a number
+        squares.fold(0.0f64, |most, square| if square.is_nan() { f64::INFINITY } else { most.max(square) }).sqrt()
     }
 
     /// [m/s] largest speed of any particle relative to `frame` [m/s]; infinite if a velocity is not a number.

@@ -1,13 +1,13 @@
-//! Sums over all particles of a run, which one process stores or several processes share.
+//! Sums over all particles of a run, which are stored in one process or divided between several.
 
 use super::Particles;
 use crate::communicator::Communicator;
 use crate::exact::{self, ExactSum};
 use nalgebra::Vector3;
 
-/// All particles of a run at one instant. If several processes share a run, each process stores some of the particles.
-/// All processes must call the methods in the same order, and each receives the sum over all particles. Sums are exact,
-/// so they do not depend on the division of the particles among processes.
+/// All particles of a run at one instant. If several processes share a run, each stores a part of the particles. All
+/// processes must call the methods in the same order, and each receives the sum over all particles. Sums are exact, so
+/// they do not depend on how the particles are divided.
 #[derive(Clone, Copy)]
 pub struct Sample<'a> {
     /// Particles of this process.
@@ -34,8 +34,8 @@ impl<'a> Sample<'a> {
         self.communicator.is_some()
     }
 
-    /// Returns a sample of other particles, which are derived from those of this sample and stored in the same
-    /// processes.
+    /// Returns a sample of other particles in the same processes. The other particles must be derived from those of
+    /// this sample.
     pub fn with<'b>(&self, particles: &'b Particles) -> Sample<'b>
     where
         'a: 'b,
@@ -50,15 +50,15 @@ impl<'a> Sample<'a> {
         }
     }
 
-    /// Sums over all particles of the values that `of` returns for the index of a particle.
+    /// Sums over all particles. `of` returns the values to be added for the particle at an index.
     pub fn sums<const K: usize>(&self, of: impl Fn(usize) -> [f64; K] + Sync) -> [f64; K] {
         let mut sums = exact::sums(self.particles.position.len(), of);
         self.total(&mut sums.each_mut());
         exact::values(&sums)
     }
 
-    /// Sums over all particles, per group. For the index of a particle, `of` returns the number of a group and the
-    /// values to be added to its sums.
+    /// Sums over all particles, per group. For the particle at an index, `of` returns the number of its group and the
+    /// values to be added.
     pub fn sums_in_groups<const K: usize>(
         &self,
         groups: usize,
@@ -71,7 +71,7 @@ impl<'a> Sample<'a> {
         sums.values()
     }
 
-    /// Number of particles on all processes.
+    /// Number of particles in all processes.
     pub fn count(&self) -> usize {
         let [count] = self.added([self.particles.position.len() as f64]);
         count as usize
@@ -91,7 +91,7 @@ impl<'a> Sample<'a> {
         (sum.value() / self.count().max(1) as f64).sqrt()
     }
 
-    /// Returns for each value its largest value in any process.
+    /// Returns for each value the largest of all processes.
     pub fn largest<const K: usize>(&self, mut values: [f64; K]) -> [f64; K] {
         if let Some(communicator) = self.communicator {
             communicator.largest(&mut values);
@@ -99,7 +99,7 @@ impl<'a> Sample<'a> {
         values
     }
 
-    /// Returns for each count its sum over all processes.
+    /// Returns for each count the sum over all processes.
     pub fn added<const K: usize>(&self, counts: [f64; K]) -> [f64; K] {
         let Some(communicator) = self.communicator else { return counts };
         let mut whole = counts.map(|count| count as i64);
@@ -107,13 +107,13 @@ impl<'a> Sample<'a> {
         whole.map(|count| count as f64)
     }
 
-    /// [kg] total mass of the particles on all processes.
+    /// [kg] total mass of the particles in all processes.
     pub fn total_mass(&self) -> f64 {
         let [mass] = self.sums(|place| [self.particles.mass[place]]);
         mass
     }
 
-    /// [kg m/s] total momentum of the particles on all processes.
+    /// [kg m/s] total momentum of the particles in all processes.
     pub fn momentum(&self) -> Vector3<f64> {
         let [x, y, z] = self.sums(|place| (self.particles.velocity[place] * self.particles.mass[place]).into());
         Vector3::new(x, y, z)
@@ -136,7 +136,7 @@ impl<'a> Sample<'a> {
         sum.value()
     }
 
-    /// [J] total translational kinetic energy of the particles on all processes.
+    /// [J] total translational kinetic energy of the particles in all processes.
     pub fn kinetic_energy(&self) -> f64 {
         let mut sum = self.particles.kinetic_energies();
         self.total(&mut [&mut sum]);

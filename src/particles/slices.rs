@@ -3,13 +3,13 @@
 use super::{CHUNK, Particles};
 use crate::communicator::Communicator;
 
-/// Number of particles that are collected from several processes at a time, as a slice. It is small enough for the
+/// Number of particles in a slice, which is collected from several processes at a time. A slice is small enough for the
 /// memory of one process, and large enough that few messages are sent.
 const SLICE: usize = 1 << 17;
 
 /// Calls `visit` with slices of the particles of all processes, in the order of ids. Only the lead process calls
-/// `visit`. All processes must call this function, each with its particles; together the ids are 0 to N - 1. Without a
-/// communicator `particles` contains all particles.
+/// `visit`. All processes must call this function, each with its own particles, whose ids together are 0 to N - 1.
+/// Without a communicator `particles` contains all particles.
 pub fn for_each_slice(
     particles: &Particles,
     communicator: Option<&dyn Communicator>,
@@ -46,7 +46,7 @@ pub fn for_each_slice(
     }
 }
 
-/// Checksum of the particles of all processes, equal to [`Particles::fingerprint`] of a store with all of them. All
+/// Checksum of the particles of all processes, equal to [`Particles::fingerprint`] of a store with all particles. All
 /// processes must call this function, and each receives the result.
 pub fn fingerprint_of(particles: &Particles, communicator: Option<&dyn Communicator>) -> u64 {
     let mut hash: u64 = 0xcbf2_9ce4_8422_2325; // offset basis, Fowler, Noll & Vo

@@ -1,9 +1,9 @@
-//! Values of columns as bytes, for messages between processes, and as numbers, for saved states of a run.
+//! Values of columns: as bytes for messages between processes, and as numbers for saved states of a run.
 
 use nalgebra::Vector3;
 
-/// A value that is sent between processes as the bytes of its memory. Encoding a million particles as text, or as
-/// numbers of variable length, would take longer than sending them.
+/// A value that is sent between processes as bytes of fixed size. For millions of particles, an encoding as text or
+/// with variable length would take longer than the transfer.
 pub trait AsBytes: Sized {
     /// [bytes] size of one value.
     const SIZE: usize;

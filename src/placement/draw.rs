@@ -10,12 +10,12 @@ use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// Constant that is combined with the seed of a run to give a separate seed for spins. Its value has no meaning.
+/// Constant that is combined with the seed of a run, so that spins have a seed of their own. The value is arbitrary.
 const SPINS: u64 = 0x5350_494e_5350_494e;
 
-/// Draws random particles of each population (a group of particles with common settings) in its free space. The ids are
-/// those among all particles. Returns the drawn particles for whose position [m] `is_kept` is true, and all particles
-/// with given positions. If some positions are given, `is_kept` must be true everywhere.
+/// Draws the particles of all populations (groups of particles with common settings) at random, each in its free space.
+/// The ids are 0 to N - 1 over all populations. Returns the drawn particles for whose position [m] `is_kept` is true,
+/// and all particles with given positions. If some positions are given, `is_kept` must be true everywhere.
 pub fn draw(
     experiment: &Experiment,
     rooms: &[&FreeRoom],
@@ -25,7 +25,7 @@ pub fn draw(
     let (mut particles, mut id) = (Particles::default(), 0);
     let rotates = experiment.scene.rotation.is_some();
     particles.spin = rotates.then(Vec::new);
-    // separate random numbers for spins: positions and velocities are then equal with and without rotation
+    // spins have their own random numbers, so that positions and velocities are equal with and without rotation
     let mut of_spins = Xoshiro256PlusPlus::seed_from_u64(experiment.run.seed ^ SPINS);
     for (population, room) in experiment.start.iter().zip(rooms) {
         let species = &room.scene.species[population.species as usize];
@@ -40,13 +40,13 @@ pub fn draw(
                 let mut velocities = Normals::new((*velocity_mean, *velocity_fluctuation), *count, random);
                 let spread = (*spin_mean, Vector3::repeat(*spin_fluctuation));
                 let mut spins = rotates.then(|| Normals::new(spread, *count, &mut of_spins));
-                // reserves exactly the required memory, since a growing vector may take up to twice as much
+                // reserves exactly the memory needed, because a growing vector may take twice as much
                 particles.reserve(*count);
                 for _ in 0..*count {
                     let (diameter, velocity) = (diameters.next(), velocities.next());
                     let spin = spins.as_mut().map(Normals::next);
                     let (radius, mass) = (0.5 * diameter, species.of_one_size(diameter).mass());
-                    // the radius is enlarged here, as during the whole placement
+                    // the radius is enlarged, as in the whole placement
                     let position = room.somewhere(radius * (1.0 + MARGIN), random);
                     if is_kept(&position) {
                         particles.push(position, velocity, radius, mass, population.species);
@@ -66,18 +66,17 @@ pub fn draw(
     particles
 }
 
-/// Diameters of the spheres of a population (a group of particles with common settings), returned one after the other.
+/// Diameters of the spheres of a population, returned in turn.
 enum Diameters {
     /// [m] equal diameter of all spheres.
     Same(f64),
-    /// [m] diameters that are not returned yet; the last one of the list is returned next.
+    /// [m] diameters that are left; the last of the list is returned next.
     Spread(Vec<f64>),
 }
 
 impl Diameters {
-    /// Diameters of `count` spheres of a species, in random order. If the species has a distribution of sizes, it is
-    /// cut into `count` parts of equal probability, and one diameter is drawn from each part. So even a few spheres
-    /// represent the distribution.
+    /// Diameters of `count` spheres of a species, in random order. A distribution of sizes is cut into `count` parts of
+    /// equal probability, and one diameter is drawn from each part. Even a few spheres then represent the distribution.
     fn new(species: &Species, count: usize, random: &mut Xoshiro256PlusPlus) -> Self {
         let Some(sizes) = &species.sizes else { return Self::Same(species.diameter) };
         let mut draw = |part: usize| sizes.quantile((part as f64 + random.random::<f64>()) / count as f64);
@@ -96,11 +95,12 @@ impl Diameters {
 }
 
 /// Gaussian velocities or spins, shifted and scaled so that every component has exactly the required mean and standard
-/// deviation. The standard deviation is the square root of the mean square about the mean, over the number of spheres.
-/// A single sphere cannot have a standard deviation: its drawn value is only scaled and shifted.
+/// deviation. The standard deviation is the root of the mean square about the mean, with the number of spheres as
+/// divisor. A single sphere has no standard deviation: its drawn value is multiplied by the required deviation and
+/// shifted.
 ///
-/// The values are drawn three times: for their mean, for their spread, and for use. Storing them would take more memory
-/// than the particles, if only a part of the particles is kept.
+/// The values are drawn three times: for their mean, for their deviation, and for use. Stored values would take more
+/// memory than the particles, if only a part of the particles is kept.
 struct Normals {
     /// Random generator in the state before the next value.
     random: Xoshiro256PlusPlus,
@@ -108,7 +108,7 @@ struct Normals {
     drawn: Vector3<f64>,
     /// Required mean, in the unit of the values.
     mean: Vector3<f64>,
-    /// Factor by which the difference of a drawn number from the mean of all is multiplied, in the unit of the values.
+    /// Factor of the difference between a drawn number and the mean of all drawn numbers, in the unit of the values.
     factor: Vector3<f64>,
 }
 
@@ -126,8 +126,7 @@ impl Normals {
                 v.component_mul(&v)
             };
             let squares = (0..count).map(square).sum::<Vector3<f64>>() / count as f64;
-            // equal draws have no spread that could be scaled; this cannot happen, but the division by zero must be
-            // excluded
+            // equal draws, which cannot happen in practice, have no deviation; the division by zero must be excluded
             stretch = squares.map(|square| if square > 0.0 { 1.0 / square.sqrt() } else { 0.0 });
         }
         Self { random: before, drawn, mean, factor: deviation.component_mul(&stretch) }

@@ -1,8 +1,8 @@
-//! Initial state of the particles: random positions without overlap, equal for every model.
+//! Initial state of the particles: random positions without overlap, which are equal for every model.
 //!
-//! At low density, overlapping particles draw new random positions until nothing overlaps (sequential insertion). At
-//! higher density, overlapping pairs are pushed apart. At the highest densities, all particles are moved at once like
-//! soft spheres (relaxation).
+//! Three methods remove overlaps. At low density, overlapping particles draw new random positions (sequential
+//! insertion). At higher density, overlapping pairs are pushed apart. At the highest densities, all particles are moved
+//! at once like soft spheres (relaxation).
 
 mod draw;
 mod parts;
@@ -23,24 +23,24 @@ use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use room::{FreeRoom, regions};
 
-/// [-] volume fraction above which insertion gets slow. Random sequential addition of spheres jams at 0.382 (Talbot,
-/// Schaaf & Tarjus 1991).
+/// [-] volume fraction up to which insertion is used; above it, insertion is slow. Random sequential addition of
+/// spheres jams at 0.382 (Talbot, Schaaf & Tarjus 1991).
 const INSERTION_LIMIT: f64 = 0.2;
 
-/// Number of rounds after which a placement is given up. In one round all overlaps of all particles are treated once.
+/// Number of rounds after which a placement is given up. A round treats each overlap once.
 const ROUNDS: usize = 5000;
 
-/// Number of rounds in which spheres that overlap much larger ones draw a new position, in addition to pushing pairs
-/// apart. Without these draws, dense groups remain around the larger spheres and spread slowly. After eight rounds, at
-/// a volume fraction of 0.3, fewer than one in 10⁴ spheres still overlaps a larger sphere.
+/// Number of rounds in which spheres that overlap much larger ones draw new positions, before pairs are pushed apart.
+/// Without these draws, dense groups around the larger spheres would spread slowly. After eight rounds, at a volume
+/// fraction of 0.3, fewer than one in 10⁴ spheres still overlap a larger sphere.
 const ROUNDS_OF_INSERTION: usize = 8;
 
-/// Number of pairs in the neighbour list that count as much effort of the search as one particle. A particle in a dense
-/// start has about as many pairs.
+/// Number of pairs in the neighbour list that costs as much effort of the search as one particle. In a dense start
+/// there are about as many pairs per particle.
 const PER_PARTICLE: u64 = 32;
 
-/// [-] fraction by which the radii of spheres are enlarged during placement, so that no spheres touch at the start. At
-/// least half of the enlargement remains as a gap.
+/// [-] fraction by which the radii of spheres are enlarged during placement, so that no spheres touch at the start. The
+/// gaps are at least half of the enlargement.
 const MARGIN: f64 = 1e-3;
 
 /// Error: no start without overlap was found.
@@ -51,15 +51,16 @@ const MARGIN: f64 = 1e-3;
     self.bound()
 )]
 pub struct Crowded {
-    /// [-] volume of the particles over the volume of the free space (room) in which they start.
+    /// [-] volume of the particles over the free volume in which they start.
     pub wanted: f64,
-    /// [-] volume of the particles without overlap, over the volume of the room, when the search ended.
+    /// [-] volume of the particles without overlap, over the same free volume, when the search ended.
     pub reached: f64,
-    /// [m³] free volume of the room in which the particles start.
+    /// [m³] free volume of the space in which the particles start.
     pub room: f64,
-    /// True if the search ended because the allowed effort was spent, before all rounds were done.
+    /// True if the search ended early because the allowed effort was spent.
     pub given_up: bool,
-    /// [-] largest volume fraction of any arrangement of these spheres, if the particles would exceed this limit.
+    /// [-] largest volume fraction of any arrangement of these spheres, if the particles would exceed it; otherwise
+    /// `None`.
     pub most: Option<f64>,
 }
 
@@ -78,8 +79,8 @@ impl Crowded {
         }
     }
 
-    /// Returns an error if the particles fill more of their room than any arrangement of spheres. The check is made
-    /// before a search begins.
+    /// Returns an error if the particles fill more of the free volume than any arrangement of spheres can. The check
+    /// precedes the search.
     fn refuse_overfull(wanted: f64, room: &FreeRoom) -> Result<(), Self> {
         let most = room.most();
         if wanted <= most {
@@ -98,8 +99,8 @@ pub fn initial_state(experiment: &Experiment) -> Result<Particles, Crowded> {
     initial_state_within(experiment, u64::MAX)
 }
 
-/// Makes the initial state within a limited `effort`, for callers that only test if a start is found soon. Each
-/// position tried for a sphere counts 1. Each round counts the number of particles, plus a fraction of the number of
+/// Makes the initial state within a limited `effort`, for callers that only test whether a start can be found quickly.
+/// Each position tried for a sphere costs 1. Each round costs the number of particles, plus a fraction of the number of
 /// pairs.
 ///
 /// # Errors
@@ -113,7 +114,7 @@ pub fn initial_state_within(experiment: &Experiment, effort: u64) -> Result<Part
     let region_of = |population: usize| regions.iter().position(|(_, of)| of.contains(&population)).unwrap_or_default();
     let room_of: Vec<&FreeRoom> = (0..experiment.start.len()).map(|population| &rooms[region_of(population)]).collect();
     let mut particles = draw::draw(experiment, &room_of, &mut random, &|_| true);
-    // moves the particles of one region while those of the other regions stay fixed
+    // moves the particles of one region, while those of other regions stay fixed
     for ((_, populations), room) in regions.iter().zip(&rooms) {
         let mut is_free = Vec::with_capacity(particles.len());
         for (index, population) in experiment.start.iter().enumerate() {
@@ -126,16 +127,31 @@ pub fn initial_state_within(experiment: &Experiment, effort: u64) -> Result<Part
             work_sharing::keep_workers_spinning(|| separate(&mut particles, &is_free, fraction, room, &mut random))?;
         }
     }
+    add_mean_flow(experiment, &mut particles);
     experiment.scene.let_rotate(&mut particles);
     Ok(particles)
 }
 
-/// [-] volume of all particles over the free volume `room`, if this room contains all particles.
+/// Adds the mean flow of a sheared box to the velocities of the particles at random positions, which are in the order of
+/// their ids.
+fn add_mean_flow(experiment: &Experiment, particles: &mut Particles) {
+    let mut first = 0;
+    for population in &experiment.start {
+        let end = first + population.amount.count();
+        if matches!(population.amount, Amount::Count(_)) {
+            let motions = particles.position[first..end].iter().zip(&mut particles.velocity[first..end]);
+            motions.for_each(|(x, v)| *v += experiment.scene.domain.mean_flow(x));
+        }
+        first = end;
+    }
+}
+
+/// [-] volume of all particles over the free volume of `room`, which must contain all particles.
 fn filled(experiment: &Experiment, room: &FreeRoom) -> f64 {
     volume(experiment, |_| true) / room.volume()
 }
 
-/// [m³] volume of the particles of those populations for which `is_meant` is true, by index.
+/// [m³] volume of the particles of those populations for whose index `is_meant` is true.
 fn volume(experiment: &Experiment, is_meant: impl Fn(usize) -> bool) -> f64 {
     let species = &experiment.scene.species;
     let meant = experiment.start.iter().enumerate().filter(|(index, _)| is_meant(*index));
@@ -146,7 +162,7 @@ fn volume(experiment: &Experiment, is_meant: impl Fn(usize) -> bool) -> f64 {
     meant.map(|(_, population)| of(population)).fold(0.0, |sum, volume| sum + volume)
 }
 
-/// Moves the free particles until nothing overlaps, and sorts all particles by id. `fraction` [-] is the volume
+/// Moves the free particles until nothing overlaps. Then sorts all particles by id. `fraction` [-] is the volume
 /// fraction of the particles in the room.
 fn separate(
     particles: &mut Particles,
@@ -160,7 +176,7 @@ fn separate(
     for r in &mut particles.radius {
         *r *= 1.0 + MARGIN;
     }
-    // velocities are zero while neighbour lists are built, because only positions matter here
+    // the velocities are set to zero, because neighbour lists would otherwise allow for motion
     let velocity = std::mem::replace(&mut particles.velocity, vec![Vector3::zeros(); true_radius.len()]);
     let mut list = NeighbourList::default();
     let there =
@@ -213,13 +229,13 @@ struct There<'a> {
     /// Function that returns true for the ids of particles that may be moved.
     may_move: &'a dyn Fn(u32) -> bool,
     /// Function that returns true for the positions [m] at which this process counts overlaps. Other processes count
-    /// the others.
+    /// the overlaps elsewhere.
     is_counted: &'a dyn Fn(&Vector3<f64>) -> bool,
 }
 
-/// Finds overlapping pairs in which at least one particle may move. Returns the indices of both particles of each pair.
-/// Also returns the number of overlaps, with particles and with walls, that are deeper than allowed. Sorts the
-/// particles.
+/// Finds overlapping pairs in which at least one particle may move, and sorts the particles. Returns the indices of
+/// both particles of each pair. Also returns the number of overlaps, with particles and walls, that are deeper than
+/// allowed.
 fn look_for_overlaps(
     particles: &mut Particles,
     list: &mut NeighbourList,
@@ -227,7 +243,7 @@ fn look_for_overlaps(
     room: &FreeRoom,
 ) -> (Vec<(u32, u32)>, usize) {
     let (scene, mut slots) = (&room.scene, Vec::new());
-    // the skin is 0, because nothing moves before the next search
+    // the skin is 0, because no particle moves before the next search
     list.build_in(&there.region, particles, scene, 0.0);
     list.overlapping(particles, scene, &mut slots);
     let pairs = slots.iter().take_while(|slot| (**slot as usize) < list.pairs.len());
@@ -238,7 +254,7 @@ fn look_for_overlaps(
         .map(|slot| (list.pairs[*slot as usize].i, list.pairs[*slot as usize].j))
         .filter(|&(i, j)| moves(i) || moves(j))
         .collect();
-    // pushing apart separates enlarged spheres ever more slowly, so a gap of half of the enlargement is sufficient
+    // enlarged spheres separate ever more slowly, so a gap of half the enlargement is sufficient
     let deep = |&&(i, j): &&(u32, u32)| {
         let (i, j) = (i as usize, j as usize);
         let reach = (particles.radius[i] + particles.radius[j]) * (1.0 - 0.5 * MARGIN);
@@ -257,14 +273,14 @@ fn look_for_overlaps(
     (overlaps, bad)
 }
 
-/// True if one sphere has at most half the size of the other.
+/// True if one sphere has at most half the radius of the other.
 fn are_unequal(particles: &Particles, (i, j): (u32, u32)) -> bool {
     let (a, b) = (particles.radius[i as usize], particles.radius[j as usize]);
     a.min(b) <= 0.5 * a.max(b)
 }
 
-/// Draws a new position for one particle of each overlapping pair: the smaller one of those that may move. Of two equal
-/// particles, the one with the higher id is moved.
+/// Draws a new position for one particle of each overlapping pair: the smaller of those that may move. If the radii are
+/// equal, the particle with the higher id is moved.
 fn insert_again(
     particles: &mut Particles,
     overlaps: &[(u32, u32)],
@@ -279,13 +295,13 @@ fn insert_again(
     }
 }
 
-/// Ids and indices of the particles that draw a new position. They are sorted by id, so that the draws do not depend on
+/// Ids and indices of the particles that draw new positions. They are sorted by id, so that the draws do not depend on
 /// the order of the store.
 fn displaced(particles: &Particles, overlaps: &[(u32, u32)], may_move: &dyn Fn(u32) -> bool) -> Vec<(u32, u32)> {
     let mut again: Vec<(u32, u32)> = overlaps
         .iter()
         .map(|&(i, j)| {
-            // the smaller sphere is moved, since a much larger one would find no free position among small ones
+            // the smaller sphere is moved, because a much larger one would find no free position among small ones
             let smallness = |place: u32| -particles.radius[place as usize];
             let rank =
                 |place: u32| (may_move(particles.id[place as usize]), smallness(place), particles.id[place as usize]);
@@ -310,11 +326,11 @@ fn draw_strays_again(particles: &mut Particles, is_free: &[bool], room: &FreeRoo
     }
 }
 
-/// Moves overlapping particles apart along the line of their centres. The pairs are treated one after the other, each
-/// at the latest positions. If all pairs were moved at once, a sphere among several others would be pushed too far and
-/// would never settle. Particles that overlap a wall are moved along its normal.
+/// Moves overlapping particles apart along the line of their centres. The pairs are treated in turn, each at the latest
+/// positions. If all pairs were moved at once, spheres with several neighbours would be pushed too far and would not
+/// settle. Particles that overlap a wall are moved along its normal.
 fn push_apart(particles: &mut Particles, overlaps: &[(u32, u32)], is_free: &[bool], room: &FreeRoom) {
-    /// [-] displacement over the overlap. With a ratio of 1, the last overlaps would decrease without end.
+    /// [-] displacement over overlap. With a ratio of 1, the last overlaps would shrink but never end.
     const OVERSHOOT: f64 = 1.05;
     let scene = &room.scene;
     let mut walls = Vec::new();
@@ -323,8 +339,7 @@ fn push_apart(particles: &mut Particles, overlaps: &[(u32, u32)], is_free: &[boo
         let apart = scene.domain.separation(&particles.position[i], &particles.position[j]);
         let distance = apart.norm();
         let overlap = particles.radius[i] + particles.radius[j] - distance;
-        // displacements are inversely proportional to the masses, so that a large sphere hardly moves when it touches
-        // small ones
+        // displacements are inversely proportional to the masses, so that small spheres hardly move a large one
         let smaller = particles.radius[i].min(particles.radius[j]);
         let lightness = |place: usize| (smaller / particles.radius[place]).powi(3);
         let free = |place: usize| if is_free[particles.id[place] as usize] { lightness(place) } else { 0.0 };

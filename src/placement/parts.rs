@@ -1,5 +1,5 @@
-//! Random starts that several processes make together. Each process draws all particles and keeps those in and around
-//! its block of the box.
+//! Random starts that several processes make together. Each process draws all particles, and keeps those in its block
+//! of the box and those near it.
 
 use super::draw::draw;
 use super::{
@@ -19,14 +19,14 @@ use rustc_hash::FxHashMap;
 /// Initial state of a run, complete or divided among processes.
 #[derive(Clone, Debug)]
 pub struct Start {
-    /// All particles in the order of their ids, or only those in the block of this process. The blocks are those of
-    /// [`Blocks::of_one_size`].
+    /// All particles in the order of their ids, or only the particles in the block of this process. The blocks are
+    /// those of [`Blocks::of_one_size`].
     pub particles: Particles,
-    /// Number of particles of the start on all processes.
+    /// Number of particles of the start in all processes.
     pub count: usize,
-    /// Checksum of the particles of all processes, as [`Particles::fingerprint`].
+    /// Checksum of the particles of all processes, as [`Particles::fingerprint`] computes it.
     pub fingerprint: u64,
-    /// True if `particles` are only those in the block of this process.
+    /// True if `particles` are only the particles in the block of this process.
     pub is_part: bool,
 }
 
@@ -38,7 +38,7 @@ impl From<Particles> for Start {
 }
 
 impl Start {
-    /// Makes the complete start of an experiment; it depends only on the experiment and its seed.
+    /// Makes the complete start of an experiment. It depends only on the experiment and its seed.
     ///
     /// # Errors
     /// Errors of [`initial_state`].
@@ -62,12 +62,12 @@ impl Start {
 }
 
 /// True if processes can make a start together, so that no process stores all particles. All particles must be drawn at
-/// random, anywhere in the box, and all particles of a species must have equal size. The scene must be so dilute that
-/// overlapping particles draw new positions.
+/// random in the whole box, and all particles of a species must have one size. The volume fraction must be so low that
+/// overlapping particles draw new positions. The box must not be sheared.
 pub fn comes_in_parts(experiment: &Experiment) -> bool {
     let drawn = experiment.start.iter().all(|population| matches!(population.amount, Amount::Count(_)));
     let anywhere = experiment.start.iter().all(|population| population.region.is_none());
-    let is_simple = drawn && anywhere && !experiment.scene.has_sizes();
+    let is_simple = drawn && anywhere && !experiment.scene.has_sizes() && experiment.scene.domain.shear.is_none();
     is_simple && filled(experiment, &FreeRoom::of(&experiment.scene)) <= INSERTION_LIMIT
 }
 
@@ -77,7 +77,7 @@ fn part(experiment: &Experiment, communicator: &dyn Communicator) -> Result<Part
     let domain = &room.scene.domain;
     let blocks = Blocks::of_one_size(communicator.size(), domain);
     let largest = room.scene.species.iter().map(|species| species.largest()).fold(0.0, f64::max);
-    // this region contains all particles that may overlap a particle of the block, with enlarged radii
+    // this region contains all particles that can overlap a particle of the block with its enlarged radius
     let around = Region::around(domain, blocks.corners(rank, domain), largest * (1.0 + 2.0 * MARGIN));
     let is_near = |x: &Vector3<f64>| around.depth(x, domain) >= 0.0;
     let is_mine = |x: &Vector3<f64>| blocks.owner(x) == rank;

@@ -1,4 +1,4 @@
-//! Dense starts, for which overlapping spheres repel each other like soft spheres until no overlap is left.
+//! Dense starts: overlapping spheres repel each other like soft spheres until no overlap is left.
 
 use super::{FreeRoom, MARGIN, PER_PARTICLE, ROUNDS};
 use crate::encounter::FrameTime;
@@ -8,19 +8,19 @@ use crate::scene::Scene;
 use crate::work_sharing;
 use nalgebra::Vector3;
 
-/// [-] volume fraction above which relaxation needs fewer rounds than pushing pairs apart one by one. Relaxation
-/// reaches volume fractions up to 0.62 (`tests/stress.rs`); random packings jam at 0.64.
+/// [-] volume fraction above which relaxation needs fewer rounds than pushing pairs apart in turn. Relaxation reaches
+/// volume fractions up to 0.62 (`tests/stress.rs`). Random packings jam at 0.64.
 pub const DENSE: f64 = 0.55;
 
-/// [-] longest time step in units of sqrt(mass/stiffness); both are 1 here. With 1 in place of 0.5, a volume fraction
-/// of 0.62 needs four times as many steps.
+/// [-] longest time step in units of sqrt(mass/stiffness), where mass and stiffness are 1. With 1 in place of 0.5, a
+/// volume fraction of 0.62 needs four times as many steps.
 const LONGEST: f64 = 0.5;
 
 /// [-] fraction by which the radii of particles with given positions are enlarged while they are pushed apart. It is
-/// small, so that the particles are moved hardly farther than necessary.
+/// small, so that particles are moved hardly farther than needed.
 const PLACED_MARGIN: f64 = 1e-4;
 
-/// The particle with a given position that was moved farthest, and its displacement.
+/// Particle with a given position that was moved farthest, and its displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moved {
     /// [m] distance of the new position from the given position.
@@ -29,8 +29,8 @@ pub struct Moved {
     pub id: u32,
 }
 
-/// Pushes overlapping particles apart, and away from walls, until nothing overlaps. The particles keep their
-/// velocities, and are afterwards in the order of their ids.
+/// Pushes overlapping particles apart, and away from walls, until nothing overlaps. The velocities do not change.
+/// Afterwards the particles are in the order of their ids.
 ///
 /// # Errors
 /// The number of remaining overlaps, if no arrangement without overlap was found.
@@ -60,8 +60,8 @@ pub fn push_placed_apart(particles: &mut Particles, scene: &Scene) -> Result<Mov
 /// overlaps.
 ///
 /// The method is FIRE (Bitzek et al. 2006, Phys. Rev. Lett. 97, 170201, with its constants). It solves Newton's
-/// equations with equal springs and masses, and turns the velocities towards the forces. When the forces do negative
-/// work on the particles, all velocities are set to zero.
+/// equations for equal springs and masses, and turns the velocities towards the forces. When the forces do negative
+/// work, all velocities are set to zero.
 pub fn relax(particles: &mut Particles, is_free: &[bool], room: &FreeRoom) -> usize {
     settle(particles, is_free, room, MARGIN)
 }
@@ -112,8 +112,8 @@ fn settle(particles: &mut Particles, is_free: &[bool], room: &FreeRoom, margin: 
     deep
 }
 
-/// Adds the length [m] of each overlap as a repulsive force to both bodies, along their normal. Returns the number of
-/// overlaps of free particles that are deeper than allowed.
+/// Writes the repulsive forces of all overlaps into `force`: each is the overlap [m], along the normal of the two
+/// bodies. Returns the number of overlaps of free particles that are deeper than allowed.
 fn overlaps(
     list: &NeighbourList,
     slots: &[u32],

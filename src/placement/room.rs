@@ -10,26 +10,26 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Number of points by which the free volume is measured. The standard error is then below 1.1 % of the volume of the
-/// box that contains the points.
+/// Number of points with which the free volume is measured. The standard error is below 1.1 % of the volume of the box
+/// that contains the points.
 const PLACES: u32 = 8192;
 
-/// [-] difference that counts as rounding: of lengths relative to their size, or of components of unit normals.
+/// [-] difference that counts as rounding: of lengths over their size, and of components of unit normals.
 const ROUNDING: f64 = 1e-9;
 
-/// Free space in which particles of one population, or of several populations with a common region, are placed.
+/// Free space in which the particles of one population, or of several populations with one region, are placed.
 pub struct FreeRoom {
-    /// Scene of the simulation, in which walls include periodic images of bodies. If the region is a body, it is a
-    /// hollow wall of this scene.
+    /// Scene of the simulation, with periodic images of bodies. If the region is a body, the scene contains it as a
+    /// hollow wall.
     pub scene: Scene,
     /// Search structure for the walls near a point.
     pub near: NearWalls,
-    /// [m] corners of the box from which positions are drawn: the domain, reduced to the space between flat walls,
-    /// within vessels and within the region.
+    /// [m] corners of the box from which positions are drawn. It is the part of the domain between flat walls, within
+    /// vessels and within the region.
     corners: [Vector3<f64>; 2],
-    /// Indices of the walls whose inside is the region of the particles; empty if particles may be anywhere.
+    /// Indices of the walls inside which the particles start; empty if particles may start anywhere.
     inside: Vec<u32>,
-    /// Remaining effort of the search, in numbers of tried positions; a round over all particles also counts.
+    /// Remaining effort of the search, as a number of tried positions. A round over all particles also costs effort.
     effort: AtomicU64,
     /// [m³] free volume; empty until it is measured.
     volume: OnceLock<f64>,
@@ -54,18 +54,19 @@ impl FreeRoom {
             None => {}
         }
         let corners = corners(&walls, &inside, scene.domain.size);
-        // gravity is omitted, since neighbour lists would allow for a fall in each step of a relaxation
+        // gravity is left out, because neighbour lists would allow for a fall in each step of a relaxation
         let gravity = Vector3::zeros();
-        let scene = Scene { walls: Repeated::all(&walls, &scene.domain), gravity, ..scene.clone() };
+        let (walls, domain) = (Repeated::all(&walls, &scene.domain), scene.domain.at_rest());
+        let scene = Scene { walls, domain, gravity, ..scene.clone() };
         let near = NearWalls::of(&scene.walls);
         Self { scene, near, corners, inside, effort: AtomicU64::new(u64::MAX), volume: OnceLock::new() }
     }
 
     /// [-] largest volume fraction that spheres can fill, increased by the error of a measured volume. In a box,
-    /// spheres of one size fill at most π/√18 (Hales 2005, Ann. Math. 162, 1065). In other spaces the limit is 1, since
-    /// a single sphere may fill a vessel completely.
+    /// spheres of one size fill at most π/√18 (Hales 2005, Ann. Math. 162, 1065). In other spaces the limit is 1,
+    /// because a single sphere can fill a spherical vessel.
     pub fn most(&self) -> f64 {
-        /// [-] factor that allows for the error of a measured volume; it covers several standard errors.
+        /// [-] factor for the error of a measured volume, which covers several standard errors.
         const MEASURED: f64 = 1.05;
         let is_box = self.is_box();
         let one_size = !self.scene.has_sizes() && self.scene.smallest_diameter() == self.scene.largest_diameter();
@@ -73,26 +74,26 @@ impl FreeRoom {
         if is_box { densest } else { MEASURED * densest }
     }
 
-    /// True if the space is a box, so that its volume is exact.
+    /// True if the space is a box, whose volume is exact.
     fn is_box(&self) -> bool {
         let are_sides = |wall: &Wall| wall.geometry.plane().is_some_and(|plane| plane.normal.amax() > 1.0 - ROUNDING);
         self.inside.is_empty() && self.scene.walls.iter().all(are_sides)
     }
 
-    /// Returns this space with a limit on the effort of a search.
+    /// Returns this space with a limited effort of the search.
     pub fn with_effort(self, effort: u64) -> Self {
         Self { effort: AtomicU64::new(effort), ..self }
     }
 
-    /// Subtracts the cost of an operation from the remaining effort. Returns true if some effort is left.
+    /// Subtracts the cost of an operation from the remaining effort. Returns true if effort is left.
     pub fn spend(&self, cost: u64) -> bool {
         let left = self.effort.load(Ordering::Relaxed).saturating_sub(cost);
         self.effort.store(left, Ordering::Relaxed);
         left > 0
     }
 
-    /// [m] smallest gap between any wall and a sphere with the centre `place` [m]. The gap is negative if the sphere
-    /// overlaps a wall or is behind a wall.
+    /// [m] smallest gap between any wall and a sphere with the centre `place` [m]. It is negative if the sphere
+    /// overlaps a wall or has its centre behind a wall.
     pub fn gap(&self, place: &Vector3<f64>, radius: f64) -> f64 {
         let mut gap = f64::INFINITY;
         self.for_each_wall(place, radius, |nearest| {
@@ -101,29 +102,29 @@ impl FreeRoom {
         gap
     }
 
-    /// Calls `visit` with the nearest points of the walls that a sphere touches or is behind. Some other walls are
+    /// Calls `visit` with the nearest points of all walls that a sphere overlaps or is behind. Other walls may be
     /// visited too.
     fn for_each_wall(&self, place: &Vector3<f64>, radius: f64, mut visit: impl FnMut(Nearest)) {
         self.near.for_each_nearest(&self.scene.walls, place, radius, |_, nearest| visit(nearest));
     }
 
-    /// [m] required distance of a sphere's centre from a wall with this normal. It is the radius, which is enlarged
-    /// during placement. Between walls as far apart as the diameter, an enlarged sphere would not fit, so the true
-    /// radius is used.
+    /// [m] required distance of a sphere's centre from a wall with this normal: the radius, enlarged as during the
+    /// placement. Between two walls one diameter apart an enlarged sphere would not fit, so the true radius is used
+    /// there.
     pub fn reach(&self, normal: &Vector3<f64>, radius: f64) -> f64 {
         let across = (0..3).find(|&axis| normal[axis].abs() > 1.0 - ROUNDING);
         let is_thin = across.is_some_and(|axis| self.middle(axis, radius).is_some());
         if is_thin { radius / (1.0 + MARGIN) * (1.0 - ROUNDING) } else { radius }
     }
 
-    /// [m] coordinate of the middle of the space along an axis, if spheres of `radius` [m] fit only there, or not at
+    /// [m] coordinate of the middle of the space along an axis, if spheres of `radius` [m] fit only there or not at
     /// all. Otherwise `None`.
     pub fn middle(&self, axis: usize, radius: f64) -> Option<f64> {
         let [low, high] = self.corners.map(|corner| corner[axis]);
         (!self.scene.domain.periodic[axis] && high - low < 2.0 * radius).then_some(0.5 * (low + high))
     }
 
-    /// True if the space is so thin along some axis that spheres of `radius` [m] fit only in the middle.
+    /// True if along some axis the space is so thin that spheres of `radius` [m] fit only in its middle.
     pub fn is_slab(&self, radius: f64) -> bool {
         (0..3).any(|axis| self.middle(axis, radius).is_some())
     }
@@ -133,15 +134,15 @@ impl FreeRoom {
         !self.inside.is_empty()
     }
 
-    /// True if the position `place` [m] of a centre is in the region: inside one of its walls, or anywhere without such
-    /// walls.
+    /// True if the position `place` [m] of a centre is in the region: inside one of the walls of the region. Without
+    /// such walls the result is true everywhere.
     pub fn holds(&self, place: &Vector3<f64>) -> bool {
         let holds = |wall: &u32| self.scene.walls[*wall as usize].geometry.law().encloses(place);
         self.inside.is_empty() || self.inside.iter().any(holds)
     }
 
     /// Returns a random position at which a sphere of `radius` [m] touches no wall. If none is found within the effort,
-    /// any position is returned.
+    /// the last position tried is returned.
     pub fn somewhere(&self, radius: f64, random: &mut Xoshiro256PlusPlus) -> Vector3<f64> {
         let [low, high] = self.corners;
         let mut place = Vector3::zeros();
@@ -159,8 +160,8 @@ impl FreeRoom {
         place
     }
 
-    /// [m³] volume that walls leave free in the box from which positions are drawn. It is measured by points that fill
-    /// the box evenly. Their coordinates follow the additive recurrence with the inverse powers of 1.2207..., the root
+    /// [m³] volume that walls leave free in the box from which positions are drawn. It is measured with points that
+    /// fill the box evenly. Their coordinates are an additive recurrence with the inverse powers of 1.2207..., the root
     /// of x⁴ = x + 1 (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
     pub fn volume(&self) -> f64 {
         *self.volume.get_or_init(|| self.measured_volume())
@@ -183,7 +184,7 @@ impl FreeRoom {
     }
 }
 
-/// List of the different start regions, each with the indices of the populations that start in it.
+/// Different start regions, each with the indices of the populations that start in it.
 pub fn regions(populations: &[Population]) -> Vec<(Option<StartRegion>, Vec<usize>)> {
     let mut regions: Vec<(Option<StartRegion>, Vec<usize>)> = Vec::new();
     for (index, population) in populations.iter().enumerate() {
@@ -195,12 +196,12 @@ pub fn regions(populations: &[Population]) -> Vec<(Option<StartRegion>, Vec<usiz
     regions
 }
 
-/// [m] lowest and highest corner of the part of a domain with edges `size` [m] from which positions are drawn. This
-/// part is between flat walls perpendicular to the axes, within vessels, and within the walls around the region.
+/// [m] lowest and highest corner of the part of a domain, with edges `size` [m], from which positions are drawn. The
+/// part lies between flat walls perpendicular to the axes, within vessels, and within the walls around the region.
 fn corners(walls: &[Wall], inside: &[u32], size: Vector3<f64>) -> [Vector3<f64>; 2] {
     let [mut low, mut high] = [Vector3::zeros(), size];
     let mut narrow = |[from, to]: [Vector3<f64>; 2]| {
-        // limits that differ from a side of the domain only by rounding are ignored here
+        // limits that differ from a side of the domain only by rounding are ignored
         for axis in 0..3 {
             if from[axis] > low[axis] + ROUNDING * size[axis] {
                 low[axis] = from[axis];

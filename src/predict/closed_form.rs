@@ -65,7 +65,7 @@ impl Cooling {
     }
 }
 
-/// [m/s] settling velocity of a single sphere: the gas velocity plus the slip velocity at which drag carries the
+/// [m/s] settling velocity of a single sphere: the gas velocity plus the slip velocity at which drag balances the
 /// weight. `None` without gravity or drag, if the gas velocity is not uniform, or for several species of spheres.
 pub fn settling_velocity(scene: &Scene) -> Option<Vector3<f64>> {
     let fluid = scene.fluid.as_ref()?;
@@ -99,8 +99,8 @@ pub struct Bouncing {
 }
 
 impl Bouncing {
-    /// Computes the bounces of a sphere from a position [m] and a velocity [m/s] for `duration` [s], as long as they
-    /// are far enough apart in time. `None` with drag, without gravity, or if a wall is not a plane perpendicular to
+    /// Computes the bounces of a sphere from a position [m] and a velocity [m/s] for `duration` [s], or until a flight
+    /// becomes shorter than `SHORTEST`. `None` with drag, without gravity, or if a wall is not a plane perpendicular to
     /// gravity.
     pub fn of(scene: &Scene, [position, velocity]: [Vector3<f64>; 2], duration: f64) -> Option<Self> {
         /// [-] shortest flight that is computed, over `duration`. Shorter flights could not be distinguished in a

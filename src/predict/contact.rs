@@ -38,12 +38,13 @@ pub struct ContactKind {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ImpactSpeeds {
-    /// Speeds in a Maxwellian gas. The normal speed u of impacts has the density u/s² exp(-u²/(2s²)), at walls as
-    /// between particles. Where the velocity variance depends on position or direction, s² does too.
+    /// Speeds in a Maxwellian gas. The normal speed u of impacts between particles or at walls has the density u/s²
+    /// exp(-u²/(2s²)). If the velocity variance depends on position or direction, s² does too.
     Gas {
-        /// [m²/s²] mean variance s² of the relative normal velocity: kT (1/m_p + 1/m_q).
+        /// [m²/s²] mean variance s² of the relative normal velocity. Between species p and q it is the sum T_p + T_q of
+        /// their granular temperatures; at a wall it is T_p.
         variance: f64,
-        /// [-] parts of the impacts, each with the share of all impacts, and its s over the mean s.
+        /// [-] groups of impacts: for each, its share of all impacts, and the ratio of its s to the mean s.
         #[serde(skip)]
         parts: Vec<[f64; 2]>,
     },
@@ -121,8 +122,8 @@ impl ImpactSpeeds {
         }
     }
 
-    /// [m/s] mean relative speed u_r of the paper's Eq. 8, corrected: the mean of |w_n| over random pairs, which is s
-    /// sqrt(2/π). Between equal spheres it is sqrt(4T/π).
+    /// [m/s] mean relative speed u_r of the paper's Eq. 8, corrected: the mean of the normal relative speed over random
+    /// pairs, s sqrt(2/π). Between equal spheres it is sqrt(4T/π).
     pub fn of_random_pairs(&self) -> f64 {
         match self {
             Self::Gas { variance, .. } | Self::Measured { variance, .. } => (2.0 / PI * variance).sqrt(),
@@ -155,13 +156,14 @@ pub struct ContactPrediction {
     pub steps: f64,
     /// [-] mean restitution in time steps of the chosen integrator; `None` if the contact does not end.
     pub realised_restitution: Option<f64>,
-    /// [-] mean square of this restitution; `None` if the contact does not end.
+    /// [-] mean square of the restitution in time steps; `None` if the contact does not end.
     pub realised_mean_square: Option<f64>,
 }
 
-/// All possible kinds of contact of a scene. `pair` returns the distribution of speeds for two species, and `at_wall`
-/// that for a species at a wall. Walls with equal surfaces are one kind. A species with one particle has no contact
-/// with itself. A restitution that depends on the speed is that at the mean speed of impact.
+/// Lists all possible kinds of contact of a scene. `pair` returns the distribution of speeds for two species, and
+/// `at_wall` that for a species at a wall. Walls with equal surfaces are one kind. A species with one particle has no
+/// contact with itself. A restitution that depends on the speed
+/// is taken at the mean speed of the impacts.
 pub fn contacts(
     scene: &Scene,
     counts: &[usize],
@@ -187,7 +189,7 @@ pub fn contacts(
         let mut meetings: FxHashSet<[u64; 4]> = FxHashSet::default();
         for wall in (0..scene.walls.len() as u32).filter(|_| there(p, 1)) {
             let Meeting { surface, stiffness_ratio, at_mass, .. } = scene.meeting(p as u16, Kind::Wall(wall));
-            // -1 encodes that there is no mass, since no mass is negative
+            // -1 stands for an absent mass, since no mass is negative
             let speeds = at_wall(p);
             let restitution = surface.restitution_at(speeds.mean());
             let numbers = [restitution, surface.friction, stiffness_ratio, at_mass.unwrap_or(-1.0)];
@@ -217,14 +219,14 @@ impl ContactKind {
         law.greatest_overlap(&self.spring(law), speed)
     }
 
-    /// [-] overlap number κ_n of this kind of contact under a contact law.
+    /// [-] overlap number κ_n of this kind of contact: largest overlap of an elastic impact at u_r, over the diameter.
     pub fn kappa(&self, law: &ContactLaw) -> f64 {
         let elastic = law.between(&self.bodies.elastic());
         law.greatest_overlap(&elastic, self.speeds.of_random_pairs()) / self.diameter
     }
 
-    /// [-] factor by which a law must become stiffer, so that 99 % of the impacts have overlaps below `overlap` [-], in
-    /// diameters.
+    /// [-] factor by which a law must become stiffer so that 99 % of the impacts have overlaps below `overlap`. The
+    /// overlap [-] is divided by the diameter.
     pub fn stiffening_for(&self, law: &ContactLaw, overlap: f64) -> f64 {
         let now = self.largest_overlap(law, self.speeds.quantile(0.99)) / self.diameter;
         law.stiffening(now / overlap)
@@ -269,8 +271,8 @@ pub fn at_fastest_impacts(experiment: &Experiment) -> Vec<ContactKind> {
     contacts(&experiment.scene, &experiment.counts(), |_, _| speeds(), |_| speeds())
 }
 
-/// Shortest possible contacts of a scene [s], which the time step must resolve. Pairs and walls have different contact
-/// times, because their effective masses differ.
+/// Shortest possible contact times of a scene [s], which the time step must resolve. Those of pairs and at walls
+/// differ, because the effective masses differ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactTimes {
     /// [s] shortest contact between two particles; `None` if there are fewer than two.
@@ -280,7 +282,7 @@ pub struct ContactTimes {
 }
 
 impl ContactTimes {
-    /// Shortest contact times of an experiment with `particles` particles under a contact law, at the fastest impacts.
+    /// Computes the shortest contact times of an experiment with `particles` particles, at the fastest impacts.
     pub fn of(experiment: &Experiment, law: &ContactLaw, particles: usize) -> Self {
         // contacts of the smallest possible spheres are the shortest
         let extremes = experiment.scene.at_extremes();
@@ -306,8 +308,8 @@ pub const AGITATION: f64 = 0.025;
 /// [m/s] speed used for bodies that do not move at all: the speed after a fall from 1 µm.
 const AT_REST: f64 = 5e-3;
 
-/// [m/s] normal speed that hardly any impact of an experiment exceeds; always positive. It is estimated from start,
-/// gravity and gas.
+/// [m/s] normal speed that hardly any impact of an experiment exceeds; always positive. It is estimated from the
+/// initial velocities, gravity and the gas.
 ///
 /// For laws whose contacts last longer at lower speed, the time step is computed from this speed. The duration of a
 /// Hertzian contact is proportional to u^(-1/5), so an error of a factor of two in the speed changes the step by 13 %.
@@ -350,8 +352,8 @@ fn fall(scene: &Scene) -> f64 {
     axes.map(|axis| scene.gravity[axis].abs() * scene.domain.size[axis]).sum()
 }
 
-/// [m/s] mean velocity of all particles at the start, which is subtracted because a common motion along walls causes no
-/// impacts.
+/// [m/s] mean velocity of all particles at the start. It is subtracted from their velocities, because a common motion
+/// along walls causes no impacts.
 fn mean_velocity(start: &[Population]) -> Vector3<f64> {
     let sum = |population: &Population| match &population.amount {
         Amount::Placed(placed) => placed.velocity.iter().sum(),
@@ -383,8 +385,8 @@ pub struct StepScales {
     pub fluid_cell: Option<f64>,
 }
 
-/// All limits on the soft time step, the shortest first. The first one determines the time step. `springs` holds the
-/// limits of the tangential, rolling and twisting springs.
+/// All limits on the soft time step, the shortest first. The first one determines the time step. `springs` are the
+/// limits due to tangential, rolling and twisting springs.
 pub fn step_limits(contacts: &[ContactPrediction], springs: Vec<StepLimit>, motion: &StepScales) -> Vec<StepLimit> {
     let mut limits = Vec::new();
     for row in contacts {

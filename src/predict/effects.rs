@@ -1,4 +1,4 @@
-//! Physical effects that may matter in a scene, with their sizes, and the decision which of them can be neglected.
+//! Physical effects that may matter in a scene, with their sizes, and the effects that can be neglected.
 
 use super::RunPrediction;
 use crate::fluid::Fluid;
@@ -18,7 +18,7 @@ pub const FROZEN: f64 = 1.0;
 pub struct Effect {
     /// Name of the effect.
     pub name: &'static str,
-    /// Description in words of the ratio `number`, which measures the effect.
+    /// Description, in words, of the ratio `number` that measures the effect.
     pub measure: &'static str,
     /// [-] size of the effect; `None` if it cannot be computed from the scene.
     pub number: Option<f64>,
@@ -37,8 +37,8 @@ impl Effect {
     }
 }
 
-/// All effects that are considered, with their sizes. Most sizes are compared with the relative error that the plan
-/// allows.
+/// Lists all effects that are considered, with their sizes. Most sizes are compared with the relative error that the
+/// plan allows.
 pub fn effects(scene: &Scene, plan: &RunPrediction) -> Vec<Effect> {
     if plan.particles == 0 {
         return Vec::new();
@@ -90,7 +90,7 @@ pub fn effects(scene: &Scene, plan: &RunPrediction) -> Vec<Effect> {
     list
 }
 
-/// An effect that matters if its size is at least the relative error that the plan allows.
+/// Makes an effect that can be neglected if its size is below the relative error that the plan allows.
 fn against_target(
     plan: &RunPrediction,
     name: &'static str,
@@ -136,7 +136,7 @@ fn in_gas(scene: &Scene, plan: &RunPrediction, contact: Option<f64>) -> Vec<Effe
             number: Some(plan.flow.iter().map(|flow| flow.mass_loading).sum()),
             threshold: TWO_WAY,
             source: "a rule of thumb: a tenth of the mass has a tenth of the momentum",
-            modelled: false,
+            modelled: scene.fluid.as_ref().is_some_and(|fluid| fluid.coupling.is_some()),
         },
         against_target(
             "collisions",

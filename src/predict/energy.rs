@@ -16,14 +16,14 @@ use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 
 /// [-] growth of energy that counts as rounding, as a fraction of the energy that has passed through the ledger (energy
-/// balance): a million additions, each rounded at 1e-16 of the sum.
+/// balance). It corresponds to a million additions, each rounded at 1e-16 of the sum.
 const ROUNDING: f64 = 1e-10;
 
 /// [-] number of rounded coordinates on which an overlap depends: three of each body.
 const ROUNDED: f64 = 6.0;
 
-/// [-] steps per contact N_c from which a contact counts as resolved. Fewer steps are refused, unless a case allows
-/// them.
+/// [-] smallest number of steps per contact N_c with which a contact is resolved. Fewer steps are refused, unless a
+/// case allows them.
 const FEWEST_STEPS: f64 = 5.0;
 
 /// One kind of contact of a scene: between two species, or between a species and a wall.
@@ -59,9 +59,9 @@ fn schemes(experiment: &Experiment) -> Vec<Scheme> {
     }
 }
 
-/// Returns an error if the time step [s] exceeds the stability limit of its scheme. The error contains the contact that
-/// exceeds the limit most; `None` if the step is stable. Heun's method has no stable step at e = 1 and is included to
-/// show this, so for it the error is only a warning.
+/// Error for a time step [s] beyond the stability limit of its scheme, with the contact that exceeds the limit most.
+/// `None` if the step is stable. Heun's method has no stable step at e = 1; it is included to show this, so the error
+/// is then only a warning.
 pub fn too_long(experiment: &Experiment, particles: usize, step: f64) -> Option<Failure> {
     let (law, schemes, speed) = (experiment.law()?, schemes(experiment), fastest_impact(experiment));
     // stability limits require a search, so the result is stored for each restitution
@@ -92,8 +92,8 @@ fn sliders(experiment: &Experiment, law: &ContactLaw, bodies: &Bodies, step: f64
     springs.map(|spring| (spring.frequency * step, spring.damping_ratio)).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// Returns an error if a contact law of the calling program violates a contract between two bodies of the scene;
-/// otherwise `None`.
+/// Error for a contact law of the calling program that violates its contract between two bodies of the scene; otherwise
+/// `None`.
 pub fn broken_contract(experiment: &Experiment, particles: usize) -> Option<Failure> {
     let law = experiment.law().filter(|law| matches!(law, ContactLaw::Other(_)))?;
     let (speed, contacts) = (fastest_impact(experiment), contacts(&experiment.scene, particles));
@@ -128,10 +128,10 @@ pub fn broken_contract(experiment: &Experiment, particles: usize) -> Option<Fail
 ///   0.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Bound {
-    /// [-] largest relative energy gain g of any contact, of pairs or at walls, with local stepping.
+    /// [-] largest relative energy gain g of any contact, of pairs or at walls, in local stepping.
     local: f64,
-    /// [-] largest relative energy gain g of any contact, of pairs or at walls, after all particles have been moved in
-    /// steps.
+    /// [-] largest relative energy gain g of any contact, of pairs or at walls, if all particles have been moved in
+    /// time steps.
     uniform: f64,
     /// [-] relative energy error s at the wall whose normal jumps most (defined at [`Bound`]).
     seams: f64,
@@ -197,15 +197,16 @@ impl Bound {
         self.elastic_at_start
     }
 
-    /// Returns an error if the energy has grown beyond the bound. `energy` is kinetic and elastic energy and `elastic`
-    /// the elastic part [J] at simulated `time` [s]. `uniform` is true if all particles have been stepped. An energy
-    /// that is not a number is not reported here, because other checks find it.
+    /// Checks that the energy has not grown beyond the bound. `energy` is kinetic plus elastic energy and `elastic` its
+    /// elastic part, both in J at the simulated time `time` [s]. `uniform` is true if all particles have been moved in
+    /// steps. Other checks find an energy that is not a number.
     ///
     /// # Errors
     /// [`Failure::EnergyGrew`].
     pub fn check(&self, time: f64, uniform: bool, energy: f64, elastic: f64, record: &Record) -> Result<(), Failure> {
         let ledger = &record.ledger;
-        let grown = energy - self.start - ledger.drag_work - ledger.gravity_work - ledger.wall_work;
+        let undriven = energy - self.start - ledger.drag_work - ledger.gravity_work - ledger.wall_work;
+        let grown = undriven - ledger.shear_work;
         let at_walls = self.wall * record.walls.normal_speed.sum_of_squares();
         let ended = self.pair * record.pairs.normal_speed.sum_of_squares() + at_walls;
         let through = ledger.through(self.start) + ledger.dissipated();
@@ -222,7 +223,7 @@ impl Bound {
     }
 }
 
-/// Settings that make the time step at most half as long, and choose an integrator that does not increase the energy.
+/// Text of settings that at least halve the time step, and choose an integrator that does not increase the energy.
 fn remedy(experiment: &Experiment, contacts: &[PossibleContact], law: &ContactLaw, step: f64) -> String {
     let speed = fastest_impact(experiment);
     let times = contacts.iter().map(|contact| law.contact_time(&law.between(&contact.bodies), speed));

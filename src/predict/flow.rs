@@ -6,8 +6,8 @@ use crate::scene::{Scene, Species};
 use serde::Serialize;
 
 /// [-] factor in the lifetime of eddies by Simonin's closure, T_L = 3/2 C_μ k/ε with C_μ = 0.09, as in the program MFIX
-/// (`Tau_1` in its drag_gs.f). Particles with a slip velocity leave eddies sooner, so results with this factor are
-/// upper limits.
+/// (`Tau_1` in its drag_gs.f). Particles with a slip velocity leave eddies sooner. So a variance computed with this
+/// factor is an upper limit.
 const EDDY_TIME: f64 = 1.5 * 0.09;
 
 /// Response of one species of particles to the gas.
@@ -29,8 +29,8 @@ pub struct Flow {
     pub stokes_friction: Option<f64>,
     /// [-] mass of this species divided by the mass of the gas in the box.
     pub mass_loading: f64,
-    /// [m²/s²] variance of a velocity component of the particles that the turbulence of the gas causes, or would cause if
-    /// particles saw it. `None` without a turbulence model.
+    /// [m²/s²] variance of a velocity component of the particles due to the turbulence of the gas. If the particles do
+    /// not see the turbulence, it is the variance that they would have. `None` without a turbulence model.
     pub turbulent_variance: Option<f64>,
 }
 
@@ -111,8 +111,8 @@ fn unseen_variance(flow: &ChannelFlow, response: f64) -> f64 {
     if area > 0.0 { sum / area } else { 0.0 }
 }
 
-/// [m/s] terminal slip speed w of a sphere at which drag balances the weight: w = g τ(w), where the acceleration `gravity` [m/s²]
-/// contains the buoyancy, if any.
+/// [m/s] terminal slip speed w of a sphere, at which drag balances the weight: w = g τ(w). The acceleration g,
+/// `gravity` [m/s²], is reduced by buoyancy, if any.
 pub fn terminal_slip(drag: &Drag, sphere: &Sphere, gravity: f64) -> f64 {
     // w increases along the interval and g τ(w) does not: bisection between 0 and the slip speed of Stokes drag
     let (mut low, mut high) = (0.0, gravity * sphere.stokes_time);

@@ -32,7 +32,7 @@ pub struct Gas {
     pub mean_free_path: f64,
 }
 
-/// One component of the gas: the particles of a species, or those of a species with nearly one size.
+/// One component of the gas: all particles of a species or, if their sizes differ, those of nearly one size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Component {
     /// Number of particles of the component.
@@ -70,17 +70,17 @@ pub struct Slice {
     pub variance: [f64; 3],
 }
 
-/// Effect of agitation that differs between positions and directions, relative to a uniform gas with equal mean
-/// agitation. All numbers are ratios [-]; s is the standard deviation of the normal relative velocity.
+/// Effect of agitation that depends on position and direction, relative to a uniform gas with equal mean agitation. All
+/// numbers are ratios [-]; s is the standard deviation of the normal relative velocity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AgitationSpread {
     /// Rate of pair collisions over that of the uniform gas.
     pub pair_rate: f64,
     /// Rate of wall impacts over that of the uniform gas, for walls perpendicular to y.
     pub wall_rate: f64,
-    /// Parts of the pair collisions, each with its share of all collisions, and its s over the mean s.
+    /// Groups of pair collisions: for each, its share of all pair collisions, and the ratio of its s to the mean s.
     pub pairs: Vec<[f64; 2]>,
-    /// Parts of the wall impacts, each with its share of all impacts, and its s over the mean s.
+    /// Groups of wall impacts: for each, its share of all wall impacts, and the ratio of its s to the mean s.
     pub walls: Vec<[f64; 2]>,
 }
 

@@ -58,11 +58,11 @@ impl Scheme {
 pub struct Realised {
     /// Mean of the restitution over the phases, which are the times from the last step to the touch.
     pub mean: f64,
-    /// Smallest restitution for any phase.
+    /// Smallest restitution over all phases.
     pub least: f64,
-    /// Largest restitution for any phase.
+    /// Largest restitution over all phases.
     pub largest: f64,
-    /// Mean square of the restitution over the phases, on which the energy of a gas depends.
+    /// Mean square of the restitution over the phases. It determines the energy that a gas loses in collisions.
     pub mean_square: f64,
 }
 
@@ -364,8 +364,8 @@ mod tests {
         assert!(heating_per_collision(&of(ON_GRID_VERLET, 1.0, 7.735)).abs() < 5e-4);
     }
 
-    /// Checks the order of the error with exact instants: it is the fourth, that of the integrator. Without damping it
-    /// is the fifth: a step reduces the amplitude by the fraction θ⁶/144, and a contact has π/θ steps.
+    /// Checks the order of the error with exact instants, which is that of the integrator, the fourth. Without damping
+    /// it is the fifth: a step reduces the amplitude by the fraction θ⁶/144, and a contact has π/θ steps.
     #[test]
     fn local_stepping_converges_with_its_order() {
         let miss = |e: f64, steps: f64| (of(LOCAL, e, steps).mean - e).abs();

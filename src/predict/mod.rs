@@ -112,8 +112,8 @@ pub struct RunPrediction {
     pub gas: Option<gas::Gas>,
     /// [-] mean fraction of the time in which a particle is in contact.
     pub time_in_contact: Option<f64>,
-    /// Number of particles expected in the largest island (group of particles that may meet) of a time window. `None`
-    /// if islands unite without bound, or if the theory is not valid.
+    /// Number of particles expected in the largest island (group of particles that may meet) of a window. `None` if
+    /// islands unite without bound, or if the theory is not valid.
     pub largest_island: Option<usize>,
     /// [-] apparent decrease of the diameter of soft spheres, divided by the diameter.
     pub softness: Option<f64>,
@@ -129,7 +129,7 @@ pub struct RunPrediction {
     pub lying: usize,
     /// Response of each species to the gas.
     pub flow: Vec<flow::Flow>,
-    /// Physical effects, with their sizes, and the decision which of them can be neglected.
+    /// Physical effects in the scene, with their sizes.
     pub effects: Vec<effects::Effect>,
     /// Results of the short calibration run; `None` if there was none.
     pub calibration: Option<Calibration>,
@@ -142,7 +142,7 @@ pub struct RunPrediction {
 }
 
 impl RunPrediction {
-    /// Obstacles to each model that the start shows; the command `check` also lists them.
+    /// Obstacles to each model that are visible at the start. The command `check` also reports them.
     pub fn obstacles(&self) -> Obstacles {
         Obstacles {
             rest: self.rest.clone(),
@@ -158,9 +158,9 @@ impl RunPrediction {
     }
 }
 
-/// Shortest edge [m] of a box whose particles are taken as independent of their own images. It is at least 10
-/// diameters, and at least two mean free paths or the width between the walls, whichever is less. This rule was chosen
-/// for this program: within two free paths a particle loses most of the memory of its velocity.
+/// [m] shortest edge of a box whose particles count as independent of their own periodic images. It is at least 10
+/// diameters. It is also at least the smaller of two lengths: two mean free paths, and the width between the walls.
+/// This rule is our choice: within two free paths a particle loses most of the memory of its velocity.
 pub fn shortest_side(diameter: f64, mean_free_path: f64, height: f64) -> f64 {
     let path = if mean_free_path.is_finite() { 2.0 * mean_free_path } else { height };
     (10.0 * diameter).max(path.min(height))

@@ -21,8 +21,8 @@ pub struct Obstacles {
 }
 
 impl Obstacles {
-    /// Finds the obstacles at the start of an experiment. If the case has a contact law, the overlaps under this law
-    /// determine which neighbours in a row count as near.
+    /// Finds the obstacles at the start of an experiment. If the case has a contact law, neighbours in a row are near
+    /// if their gap is less than twice the overlap of an impact under this law.
     pub fn of(experiment: &Experiment, start: &Particles) -> Self {
         let scene = &experiment.scene;
         let given = experiment.start.iter().flat_map(|population| match &population.amount {

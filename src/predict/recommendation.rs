@@ -26,16 +26,15 @@ const STEPS: [f64; 6] = [15.0, 20.0, 30.0, 50.0, 100.0, 200.0];
 /// were 0.7 at 0.02, 0.8 at 0.04 and 5.7 at 0.12.
 const CROWDED: f64 = 0.06;
 
-/// Cost per particle of a search for particles that may touch in a window, over the cost of one time step of a
+/// [-] cost per particle of a search for particles that may touch in a window, over the cost of one time step of a
 /// particle. Local stepping searches at least once per window (time between two exchanges with the gas). A search costs
 /// about as much as 60 pair checks, like building the neighbour list (see `neighbours`).
 const SEARCH: f64 = 60.0;
 
-/// [-] largest fraction of particles that lie at the start for which hybrid spheres are recommended. At larger
-/// fractions they may cost more than uniform steps of all particles. The time window must also have at least
-/// `LONG_WINDOW` time steps. Costs over those of uniform steps were measured. In `cases/hybrid/rain-on-a-bed.toml`
-/// (fraction 0.024) they were 0.36 at 4300 steps per window and 0.8 at 480. In gas-above-bed.toml (fraction 0.11) they
-/// were 1.2 at 200.
+/// [-] largest fraction of particles that lie at the start for which hybrid spheres are recommended. The window must
+/// also have at least `LONG_WINDOW` time steps. Otherwise hybrid spheres may cost more than uniform steps of all
+/// particles. Ratios of these costs were measured. In `cases/hybrid/rain-on-a-bed.toml` (fraction 0.024) they were 0.36
+/// at 4300 steps per window and 0.8 at 480. In gas-above-bed.toml (fraction 0.11) the ratio was 1.2 at 200.
 const FEW_LIE: f64 = 0.05;
 const LONG_WINDOW: f64 = 300.0;
 
@@ -161,13 +160,14 @@ pub fn recommend(
     let time_step = shortest(contacts, law).map(|time| time / steps_per_contact);
     let doubts = doubts(plan);
     let loading: f64 = plan.flow.iter().map(|flow| flow.mass_loading).sum();
+    let coupled = experiment.scene.fluid.as_ref().is_some_and(|fluid| fluid.coupling.is_some());
     Recommendation {
         engine,
         law,
         steps_per_contact,
         time_step,
         window: plan.window,
-        adequate: engine.is_some() && loading <= FROZEN,
+        adequate: engine.is_some() && (loading <= FROZEN || coupled),
         reasons,
         refused: named(&hard, &soft),
         doubts,
@@ -245,8 +245,8 @@ fn against_hard(experiment: &Experiment, plan: &RunPrediction) -> Vec<String> {
     list
 }
 
-/// Law that is stiffened if a case contains no contact law. Its stiffness is 1 N/m, so that factors of stiffening are
-/// stiffnesses.
+/// Law that is stiffened if a case contains no contact law. Its stiffness is 1 N/m, so that a stiffening factor is a
+/// stiffness in N/m.
 const UNNAMED: ContactLaw = ContactLaw::linear(1.0);
 
 /// Softest adequate law of the type in the case, and the requirement that determines its stiffness, in words. `None` if
@@ -283,8 +283,8 @@ pub fn softest(
     Some((law.stiffened(factor), why))
 }
 
-/// Number of steps per contact at which the error of the energy after collisions is below the desired error. The error
-/// is summed over all collisions until drag has renewed the motion, or over the whole run.
+/// Number of steps per contact at which collisions change the energy of a particle by less than the desired error. The
+/// error is summed over the collisions within half a response time of drag, or over the whole run if this is shorter.
 fn steps(
     plan: &RunPrediction,
     contacts: &[ContactKind],
@@ -319,8 +319,8 @@ fn steps(
     chosen
 }
 
-/// Number of steps per contact that also resolves half a period of the fastest tangential, rolling or twisting spring by
-/// `steps` steps.
+/// Number of steps per contact for which half a period of the fastest tangential, rolling or twisting spring also has
+/// at least `steps` steps.
 fn for_springs(
     experiment: &Experiment,
     contacts: &[ContactKind],
@@ -328,7 +328,7 @@ fn for_springs(
     steps: f64,
     reasons: &mut Vec<String>,
 ) -> f64 {
-    /// [-] part of a step that is rounding, or not worth a step.
+    /// [-] fraction of a step that counts as rounding, so that no step is added for it.
     const SMALL: f64 = 0.01;
     let (Some(law), Some(shortest)) = (law, shortest(contacts, law)) else { return steps };
     let Some((spring, contact)) = fastest_spring(experiment, &law, contacts) else { return steps };

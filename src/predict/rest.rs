@@ -7,9 +7,9 @@ use crate::scene::{Kind, Scene, Surface};
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// [-] gap between neighbours at the start, in overlaps of an impact, below which their contacts overlap in time. The
-/// number follows from solutions of the three-sphere equations. Three spheres in a row with a gap of twice u sqrt(m/k)
-/// agree with a sequence of two impacts to 1e-6. With half of that gap they do not agree to 1e-2.
+/// [-] gap between neighbours at the start, divided by the overlap of an impact, below which their contacts overlap in
+/// time. The number follows from solutions of the three-sphere equations. Three spheres in a row with gaps of twice u
+/// sqrt(m/k) agree with a sequence of two impacts to 1e-6. With half of these gaps they do not agree to 1e-2.
 const SEPARATE: f64 = 2.0;
 
 /// Largest number of particles for which all pairs are examined at the start.
@@ -24,11 +24,11 @@ pub struct Rest {
     pub height: f64,
     /// [m/s] largest speed with which a particle can reach the floor.
     pub speed: f64,
-    /// [s] time at which the last bounce ends; infinite if impacts lose no energy.
+    /// [s] time at which the bounces end; infinite if impacts lose no energy.
     pub time: f64,
     /// [-] restitution at `speed` of the contact that loses least; 0 if impacts lose no energy.
     pub restitution: f64,
-    /// [N] weight that one contact with the floor carries at rest.
+    /// [N] weight that one contact of a particle with the floor carries at rest.
     pub weight: f64,
 }
 
@@ -60,7 +60,7 @@ pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<R
         height = height.max(fall);
         speed = speed.max((v.dot(&plane.normal).powi(2) + 2.0 * gravity * fall).sqrt());
     }
-    // the pair of bodies that loses least energy bounces longest
+    // the pair of bodies with the least energy loss bounces longest
     let pairs = scene.meetings().filter(|_| particles.len() > 1).map(|(_, _, meeting)| meeting);
     let at_floor = (0..scene.species.len() as u16).map(|species| scene.meeting(species, Kind::Wall(floor)));
     let surfaces: Vec<Surface> = pairs.chain(at_floor).map(|meeting| meeting.surface).collect();
@@ -68,7 +68,8 @@ pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<R
     let lossy = at_speed().filter(|(_, e)| *e < 1.0).map(|(_, e)| e).fold(0.0, f64::max);
     let falls = at_speed().filter(|(_, e)| *e < 1.0).map(|(surface, _)| falls(surface, speed)).reduce(f64::max);
     let time = falls.unwrap_or(f64::INFINITY) * (speed / gravity);
-    // number of particles on the floor: those within a radius of it; if there are none, as many as fit on the floor
+    // number of particles on the floor: those whose gap is less than their radius or, if there are none, those that fit
+    // on it
     let near = places().filter(|((x, _), r)| gap(x, **r) < **r).count();
     let area = (0..3).map(|k| scene.domain.size[k]).product::<f64>() / scene.domain.size.dot(&plane.normal.abs());
     let widest = particles.radius.iter().fold(0.0, |a: f64, &r| a.max(2.0 * r));
@@ -143,10 +144,10 @@ pub fn overlapping(scene: &Scene, particles: &Particles) -> bool {
     })
 }
 
-/// Number of particles that lie on something. A particle lies if a wall or another slow particle is less than a
-/// thousandth of a diameter below it. Neither of the two may be faster than after a fall from that height. `given`
-/// contains, for each id, true if the position was given in the case. Particles at random positions do not count,
-/// because they may be as near by chance.
+/// Number of particles that lie on a wall or on another particle. The gap below such a particle is less than a
+/// thousandth of its diameter. Neither body may be faster than after a fall through this gap. `given` contains, for
+/// each id, true if the position was given in the case. Particles at random positions are not counted, because they may
+/// be as near by chance.
 pub fn lying(scene: &Scene, particles: &Particles, given: &[bool]) -> usize {
     /// [-] largest gap below a particle that lies, over its diameter. Overlaps of glass beads of 1 mm at 10 kN/m are
     /// 1e-6 of a diameter under their weight, and 1e-3 under a thousand layers.
@@ -177,9 +178,10 @@ pub fn lying(scene: &Scene, particles: &Particles, given: &[bool]) -> usize {
     lies.into_iter().filter(|lies| *lies).count()
 }
 
-/// True if some particle at the start has two neighbours (or a neighbour and a wall) so near that one impact reaches
-/// both at once. `overlap` [m] is the depth of such an impact. Hard spheres would transmit the impulse in successive
-/// collisions. The test is for starts with given positions, since particles at random positions have larger distances.
+/// True if some particle at the start has two neighbours (or a neighbour and a wall) so near that the contacts of one
+/// impact with both overlap in time. `overlap` [m] is the overlap of such an impact. Hard spheres would transmit the
+/// impulse in successive collisions. The test is for starts with given positions, since particles at random positions
+/// have larger distances.
 pub fn in_a_row(scene: &Scene, particles: &Particles, overlap: f64) -> bool {
     let count = particles.len();
     if count > ALL_PAIRS {

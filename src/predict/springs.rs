@@ -1,4 +1,4 @@
-//! Springs beside the normal one in a contact of spheres that rotate: how fast they swing.
+//! Frequencies and damping of the tangential, rolling and twisting springs in contacts of rotating spheres.
 
 use super::contact::{ContactKind, StepLimit, fastest_impact};
 use crate::contact_law::{Bodies, ContactLaw, Spring};
@@ -19,7 +19,8 @@ pub struct SideSpring {
 }
 
 impl SideSpring {
-    /// [s] half of the period, in which the spring swings out and back; of an overdamped spring that without damping.
+    /// [s] half the period of the damped spring, in which it swings out and back. For an overdamped spring: half the
+    /// period without damping.
     pub fn half_period(&self) -> f64 {
         let swing = (1.0 - self.damping_ratio * self.damping_ratio).max(0.0).sqrt();
         PI / (self.frequency * if swing > 0.0 { swing } else { 1.0 })
@@ -37,7 +38,7 @@ pub fn side_springs(experiment: &Experiment, law: &ContactLaw, bodies: &Bodies) 
     let elastic = Spring { restitution: 1.0, dashpot: 0.0, ..spring };
     let deepest = law.greatest_overlap(&elastic, fastest_impact(experiment));
     let tangential = rotation.tangential.between(|| normal, effective_mass * inertia / (1.0 + inertia));
-    // a couple turns two equal spheres, or one at a wall, as it turns one of the effective mass and radius
+    // a torque turns two equal spheres, or one at a wall, like a single sphere of the effective mass and radius
     let moment = inertia * effective_mass * effective_radius * effective_radius;
     let rolls = RollingBodies::of(std::iter::once((effective_mass, effective_radius, moment)));
     let rolling = rotation.rolling.map(|rolling| rolling.between(&normal, &rolls).spring);
@@ -52,7 +53,7 @@ pub fn side_springs(experiment: &Experiment, law: &ContactLaw, bodies: &Bodies) 
     springs.filter(|(_, spring)| spring.stiffness > 0.0).map(of).collect()
 }
 
-/// Limits on the time step that resolve half a period of each spring by `steps` steps, as many as a contact gets.
+/// Limits on the time step: each spring makes half a period in `steps` steps, the number of steps per contact N_c.
 pub fn spring_limits(
     experiment: &Experiment,
     law: &ContactLaw,
@@ -69,7 +70,7 @@ pub fn spring_limits(
     contacts.iter().flat_map(of).collect()
 }
 
-/// The spring that swings fastest, and the contact in which it does; `None` without such springs.
+/// The spring with the shortest half period, and the contact to which it belongs; `None` without such springs.
 pub fn fastest_spring<'a>(
     experiment: &Experiment,
     law: &ContactLaw,

@@ -33,9 +33,9 @@ pub struct Transient {
 /// A fraction of the energy of agitation, and the time at which it is lost.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Loss {
-    /// [-] lost fraction of the kinetic energy of agitation at the start.
+    /// [-] fraction of the initial kinetic energy of agitation that is lost.
     pub share: f64,
-    /// [s] time of the loss, from the start.
+    /// [s] time from the start until this fraction is lost.
     pub time: f64,
 }
 
@@ -79,11 +79,13 @@ pub fn fades(experiment: &Experiment) -> bool {
     !driven && (drag.is_some() || lossy)
 }
 
-/// True if moving walls or eddies of the gas give energy to the particles.
+/// True if moving walls, the shear of the box or eddies of the gas give energy to the particles.
 fn is_stirred(scene: &Scene) -> bool {
     let turbulent = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some() && fluid.turbulence.is_some());
     let moves = |wall: &Wall| wall.turning.is_some() || wall.velocity != Vector3::zeros();
-    turbulent || scene.walls.iter().any(|wall| moves(wall) && wall.surface.friction > 0.0)
+    turbulent
+        || scene.domain.shear.is_some()
+        || scene.walls.iter().any(|wall| moves(wall) && wall.surface.friction > 0.0)
 }
 
 /// Weighted mean of numbers, given as pairs of weight and number; 0 for an empty list.

@@ -3,12 +3,12 @@
 use crate::exact::{ExactSum, add_rows};
 use serde::{Deserialize, Serialize};
 
-/// Number of bins. When the range doubles, bins are merged two by two, so at least half of them stay in use.
+/// Number of bins. If a value lies beyond the last bin, the range doubles and neighbouring bins are merged in pairs.
 const BINS: usize = 512;
 
-/// Counts of a non-negative quantity in bins of equal width, the first from 0. The width is the smallest power of two
-/// with which the bins contain the largest value, so the order of the values does not matter. It doubles when a value
-/// lies beyond the last bin. Numbers are in the unit of the quantity.
+/// Histogram of a non-negative quantity, with bins of equal width that begin at 0. The width is the smallest power of
+/// two for which the bins contain the largest value, so the result does not depend on the order of the values. It
+/// doubles when a value lies beyond the last bin. Numbers are in the unit of the quantity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Histogram {
     /// Width of a bin; 0 before the first positive value.
@@ -47,9 +47,9 @@ impl Histogram {
         }
     }
 
-    /// Counts several values, each as [`add`](Self::add) would.
+    /// Counts several values, with the result of [`add`](Self::add) for each value.
     pub fn add_all(&mut self, mut values: impl Iterator<Item = f64>) {
-        /// Number of values that are added to the sums together.
+        /// Number of values that are added to the exact sums in one call.
         const ROWS: usize = 32;
         let mut rows = [[0.0; 2]; ROWS];
         loop {
@@ -116,12 +116,12 @@ impl Histogram {
         self.sum_of_squares.merge(&other.sum_of_squares);
     }
 
-    /// Sum of all values, rounded.
+    /// Sum of all values, rounded to double precision.
     pub fn sum(&self) -> f64 {
         self.sum.value()
     }
 
-    /// Sum of the squares of all values, rounded.
+    /// Sum of the squares of all values, rounded to double precision.
     pub fn sum_of_squares(&self) -> f64 {
         self.sum_of_squares.value()
     }
@@ -164,7 +164,7 @@ impl Histogram {
         (self.total > 0).then_some(self.maximum)
     }
 
-    /// Standard error of the mean for independent values: their standard deviation over the square root of their
+    /// Standard error of the mean for independent values: their standard deviation divided by the square root of their
     /// number. `None` for fewer than two values.
     pub fn standard_error(&self) -> Option<f64> {
         if self.total < 2 {
@@ -200,7 +200,7 @@ mod tests {
     #[test]
     fn quantiles_and_moments_are_those_of_the_values() {
         let mut histogram = Histogram::default();
-        // adds the smallest value first, so that the range must double several times
+        // the smallest value is added first, so the range must double several times
         for k in 1..=100_000 {
             histogram.add(f64::from(k) * 1e-3);
         }

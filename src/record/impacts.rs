@@ -13,15 +13,17 @@ pub struct Impact {
     pub rebound_speed: f64,
     /// [s] duration of the contact; 0 for a collision.
     pub duration: f64,
-    /// [-] overlap when the impact was first detected, over the (smaller) diameter; 0 for an event-driven collision.
+    /// [-] overlap when the impact was first detected, divided by the (smaller) diameter; 0 for an event-driven
+    /// collision.
     pub first_overlap: f64,
-    /// [-] largest overlap during the impact over the (smaller) diameter; 0 for an event-driven collision.
+    /// [-] largest overlap during the impact divided by the (smaller) diameter; 0 for an event-driven collision.
     pub maximum_overlap: f64,
-    /// [s] overlap over the (smaller) diameter, integrated over the impact; 0 for a collision.
+    /// [s] time integral over the impact of the relative overlap (overlap divided by the smaller diameter); 0 for a
+    /// collision.
     pub overlap_time: f64,
-    /// The contact that was skipped, if an engine with contacts treated this impact as an instant.
+    /// Contact that this impact replaces, if an engine with lasting contacts computed the impact as instantaneous.
     pub left_out: Option<LeftOut>,
-    /// Slip of the surfaces before and after the impact, where spheres rotate.
+    /// Slip of the surfaces before and after the impact; `None` for spheres without rotation.
     pub slip: Option<SlipChange>,
 }
 
@@ -30,18 +32,19 @@ pub struct Impact {
 pub struct SlipChange {
     /// [m/s] slip speed |s| at first touch.
     pub before: f64,
-    /// [m/s] component of the slip at the end along that at first touch; negative if the slip is reversed.
+    /// [m/s] component of the slip at the end in the direction of the slip at first touch; negative if the slip is
+    /// reversed.
     pub after: f64,
     /// True if the surfaces slide all the time: the tangential impulse J_t is at Coulomb's limit μ J_n.
     pub slides: bool,
 }
 
-/// [-] share of Coulomb's limit from which an impulse counts as at the limit. It was chosen for this program: time steps
-/// and tables of rebounds change an impulse by less.
+/// [-] ratio of the tangential impulse to Coulomb's limit μ J_n, from which the surfaces count as sliding all the time.
+/// The value was chosen for this program: errors of time steps and of rebound tables are smaller than 0.1 %.
 const AT_LIMIT: f64 = 0.999;
 
 impl SlipChange {
-    /// Slip before and after an impact, with the tangential impulse [kg m/s] and its `limit` μ J_n [kg m/s].
+    /// Makes the record from the slips [m/s], the tangential impulse [kg m/s] and its `limit` μ J_n [kg m/s].
     pub fn new([before, after]: [f64; 2], impulse: f64, limit: f64) -> Self {
         Self { before, after, slides: impulse >= AT_LIMIT * limit }
     }
@@ -95,22 +98,22 @@ impl Slips {
     }
 }
 
-/// The contact that an engine skipped by treating the impact as an instant. Its values are those of an isolated contact
-/// with the contact law.
+/// Contact that an engine replaced by an instantaneous impact. The values are those of an isolated contact under the
+/// contact law.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LeftOut {
     /// [s] duration of the contact.
     pub duration: f64,
-    /// [-] largest overlap over the (smaller) diameter.
+    /// [-] largest overlap divided by the (smaller) diameter.
     pub overlap: f64,
 }
 
-/// Sums over contacts that were treated as instants.
+/// Sums over contacts that an engine replaced by instantaneous impacts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct InstantaneousContacts {
     /// Number of contacts.
     pub count: u64,
-    /// [-] largest overlap of any of these contacts, had they lasted, over the (smaller) diameter.
+    /// [-] largest overlap that any of these contacts would have reached, divided by the (smaller) diameter.
     pub largest_overlap: f64,
     duration: ExactSum,
     overlap: ExactSum,
@@ -125,15 +128,15 @@ pub struct Impacts {
     pub count: u64,
     /// [m/s] normal speed of approach of each impact.
     pub normal_speed: Histogram,
-    /// [-] largest overlap of each impact over the (smaller) diameter.
+    /// [-] largest overlap of each impact divided by the (smaller) diameter.
     pub maximum_overlap: Histogram,
-    /// [-] first detected overlap of each impact over the (smaller) diameter.
+    /// [-] first detected overlap of each impact divided by the (smaller) diameter.
     pub first_overlap: Histogram,
-    /// [-] realised restitution of each impact: speed of rebound over speed of approach.
+    /// [-] realised restitution of each impact: speed of rebound divided by speed of approach.
     pub restitution: Histogram,
     /// [s] durations of the contacts.
     pub duration: Histogram,
-    /// Impacts that an engine with contacts treated as instants.
+    /// Contacts that an engine replaced by instantaneous impacts.
     pub instants: InstantaneousContacts,
     /// Slips of impacts between bodies that rotate.
     pub slips: Slips,
@@ -160,8 +163,8 @@ impl InstantaneousContacts {
         self.rebound_squares.merge(&other.rebound_squares);
     }
 
-    /// Sums over the contacts added after `before` was copied from these sums. The largest overlap remains that of all
-    /// contacts.
+    /// Sums over the contacts added after `before` was copied from these sums. The largest overlap is that of all
+    /// contacts, also the earlier ones.
     fn since(&self, before: &Self) -> Self {
         Self {
             count: self.count - before.count,
@@ -178,7 +181,7 @@ impl InstantaneousContacts {
         self.duration.value()
     }
 
-    /// [-] sum of the largest overlaps that the contacts would have had, each over the (smaller) diameter.
+    /// [-] sum of the largest overlaps that the contacts would have had, each divided by the (smaller) diameter.
     pub fn overlap(&self) -> f64 {
         self.overlap.value()
     }
@@ -239,7 +242,7 @@ impl Impacts {
         self.overlap_time.merge(&other.overlap_time);
     }
 
-    /// The impacts that were added after `before` was copied from these sums.
+    /// Sums and histograms of the impacts that were added after `before` was copied from this record.
     pub fn since(&self, before: &Self) -> Self {
         Self {
             count: self.count - before.count,
@@ -260,7 +263,7 @@ impl Impacts {
         self.rebound_squares.value()
     }
 
-    /// [s] sum over impacts of the time integral of the relative overlap (overlap over the smaller diameter).
+    /// [s] sum over impacts of the time integral of the relative overlap (overlap divided by the smaller diameter).
     pub fn overlap_time(&self) -> f64 {
         self.overlap_time.value()
     }
@@ -291,9 +294,9 @@ pub struct Summary {
     pub count: u64,
     /// [m/s] mean normal speed of approach.
     pub mean_normal_speed: Option<f64>,
-    /// [-] realised restitution: square root of the normal kinetic energy after the impacts over that before them, each
-    /// summed over all impacts. Grazing impacts, whose normal turns during the contact, then count only by their
-    /// energy.
+    /// [-] realised restitution: square root of the normal kinetic energy after the impacts divided by that before
+    /// them, each summed over all impacts. A grazing impact, whose normal turns during the contact, has little normal
+    /// energy and so counts little.
     pub mean_restitution: Option<f64>,
     /// [-] realised tangential restitution β, as in [`Slips::restitution`]; `None` also where spheres do not rotate.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -305,7 +308,7 @@ pub struct Summary {
     pub mean_duration: Option<f64>,
     /// [-] mean of the first detected overlaps of the contacts.
     pub mean_first_overlap: Option<f64>,
-    /// [-] mean overlap over the duration of the contacts; `None` also if all impacts were instants.
+    /// [-] time average of the overlap during the contacts; `None` also if all impacts were instantaneous.
     pub time_mean_overlap: Option<f64>,
     /// [-] mean of the largest overlaps of the contacts.
     pub mean_maximum_overlap: Option<f64>,

@@ -5,7 +5,7 @@ use crate::exact::{ExactSum, add_rows};
 use crate::scene::{Kind, in_order};
 use serde::{Deserialize, Serialize};
 
-/// The kinds of the two bodies of an impact. Two species are sorted in the order of the case.
+/// Kinds of the two bodies of an impact. Two species are in the order in which the case lists them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Between {
     /// Index of the species of the first body.
@@ -119,7 +119,7 @@ impl Meetings {
         }
     }
 
-    /// Rounded values of the sums at this time.
+    /// Present values of the sums, rounded.
     pub fn totals(&self) -> ByKinds {
         let totals = |MeetingSums { count, speed, approach, rebound }: &MeetingSums| MeetingTotals {
             count: *count,

@@ -1,55 +1,63 @@
 //! The ledger of a run: work, losses of energy, and impulses, summed since the start.
 
-use crate::exact::{ExactSum, add_rows, values};
+use crate::exact::{ExactSum, add_rows, none, values};
+use crate::particles::Crossings;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::sync::OnceLock;
 
 /// Number of entries of a ledger: a multiple of four, for vector instructions.
-pub const ENTRIES: usize = 32;
+pub const ENTRIES: usize = 36;
 
-/// Number of entries that a contact adds to.
+/// Number of ledger entries to which a contact adds.
 pub const SOME: usize = 12;
 
-/// Entries that a contact of two particles adds to. These are the three columns of the virial. The loss by restitution
-/// comes after the first, that by friction after the second, and that by tangential restitution after the third column.
+/// Indices of the entries to which a contact of two particles adds: first column of the virial, loss by restitution,
+/// second column, loss by friction, third column, loss by tangential restitution.
 pub const OF_PAIRS: [usize; SOME] = [18, 19, 20, 3, 21, 22, 23, 4, 24, 25, 26, 27];
 
-/// Entries that a contact at a wall adds to: impulse and loss by restitution; then work of the wall, impulse along the
-/// normal, work of gravity, losses by friction and by tangential restitution, and 0 to fill up.
+/// Indices of the entries to which a contact with a wall adds: impulse (three), loss by restitution, work of the wall,
+/// impulse along the normal, work of gravity, loss by friction, loss by tangential restitution. The last index is
+/// repeated, with amounts of 0, to fill the array.
 pub const AT_WALLS: [usize; SOME] = [15, 16, 17, 5, 2, 8, 1, 6, 27, 27, 27, 27];
 
-/// Entries that only few contacts add to: the losses of [`FrictionLosses`] other than that by tangential restitution.
+/// Indices of the entries to which only few contacts add: [`FrictionLosses`] without the loss by tangential
+/// restitution.
 pub const OF_SPRINGS: [usize; 4] = [28, 29, 30, 31];
 
 /// Index of the first entry of the impulse that walls give to particles.
 const BY_WALLS: usize = 15;
 
+/// Entries of the work and the impulse of shear.
+pub const BY_SHEAR: [usize; 4] = [32, 33, 34, 35];
+
 /// Totals of energy and momentum of an island (a group of particles that may meet), a window (the time between two
 /// exchanges with the gas) or a run.
 ///
-/// Balance: kinetic plus elastic energy now = that at the start + drag_work + gravity_work + wall_work - dissipated.
-/// The difference of the two sides is the residual. It is rounding for hard spheres, and the gain or loss by the
-/// integrator for soft spheres.
+/// Balance: kinetic plus elastic energy now = that at the start + drag_work + gravity_work + wall_work + shear_work -
+/// dissipated.
+/// The left side minus the right side is the residual. For hard spheres the residual is a rounding error; for soft
+/// spheres it is the energy that the integrator creates (> 0) or loses (< 0).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
     /// [J] work done by drag on the particles.
     pub drag_work: f64,
     /// [J] work done by gravity and buoyancy on the particles.
     pub gravity_work: f64,
-    /// [J] work done on the particles by walls whose surface moves along itself.
+    /// [J] work done on the particles by walls whose surface moves tangentially.
     pub wall_work: f64,
     /// [J] lost to restitution (dashpot) between particles, >= 0.
     pub pair_restitution_loss: f64,
     /// [J] lost to friction between particles, >= 0.
     pub pair_friction_loss: f64,
-    /// [J] lost to restitution (dashpot) at walls, >= 0 except with the TC model of hard spheres. With that model,
-    /// spheres that begin to rest on a wall get the energy m a_n² t_c²/32 each from the wall, which is subtracted here.
+    /// [J] lost to restitution (dashpot) at walls, >= 0 except in the TC model of hard spheres (contact time t_c). In
+    /// that model, a sphere that begins to rest on a wall under the acceleration a_n gains m a_n² t_c²/32 from the
+    /// wall, which is subtracted here.
     pub wall_restitution_loss: f64,
     /// [J] lost to friction at walls, >= 0.
     pub wall_friction_loss: f64,
-    /// [J] energy that restitution would have taken from the collisions that the TC model made elastic, >= 0. The
-    /// particles keep this energy, so it is not part of the balance.
+    /// [J] energy that collisions would have lost if the TC model had not made them elastic, >= 0. The particles keep
+    /// this energy, so it is not part of the balance.
     pub contact_time_kept: f64,
     /// [kg m/s] momentum given to the particles by drag.
     pub drag_impulse: Vector3<f64>,
@@ -59,39 +67,60 @@ pub struct Ledger {
     pub wall_impulse: Vector3<f64>,
     /// [kg m/s] sum over impacts of the magnitude of the wall's impulse along the normal of the wall.
     pub wall_normal_impulse: f64,
-    /// [J s] time integral of Σ r f over pairs of particles in contact. The vector r points from the centre of one
-    /// particle to that of the other, and f is the force on that other; at a collision, the impulse replaces the
-    /// integral of f. Rows belong to r, columns to f.
+    /// [J s] time integral of Σ r f over pairs of particles in contact, with the components of r as rows and those of f
+    /// as columns. The vector r points from the centre of the first particle to that of the second, and f is the force
+    /// on the second particle. For a collision, the impulse takes the place of the integral of f.
     pub pair_virial: Matrix3<f64>,
-    /// Parts of the two losses by friction, where spheres rotate; else 0.
+    /// Parts of the two losses by friction; 0 for spheres without rotation.
     pub friction: FrictionLosses,
+    /// [J] work of the shear of a sheared box on the particles in the box: where they cross a sheared side they get the
+    /// velocity of their image, and a contact across that side acts on the image.
+    pub shear_work: f64,
+    /// [kg m/s] momentum that particles get where they cross a sheared side.
+    pub shear_impulse: Vector3<f64>,
 }
 
-/// Parts of the losses by friction of spheres that rotate [J], or of the power of these losses [W]. What remains of the
-/// losses is sliding friction ([`Ledger::sliding_loss`]).
+impl std::ops::AddAssign<Crossings> for Ledger {
+    fn add_assign(&mut self, Crossings { impulse, work }: Crossings) {
+        self.shear_work += work;
+        self.shear_impulse.z += impulse;
+    }
+}
+
+impl std::ops::AddAssign<Crossings> for Books {
+    fn add_assign(&mut self, crossings: Crossings) {
+        let mut ledger = Ledger::default();
+        ledger += crossings;
+        *self += ledger;
+    }
+}
+
+/// Parts of the energy that spheres with rotation lose by friction [J], or parts of the power of this loss [W]. The
+/// rest of the loss is sliding friction ([`Ledger::sliding_loss`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FrictionLosses {
-    /// Lost to the tangential dashpot while the surfaces stick; of hard spheres, lost in impacts that stick by Walton's
-    /// rule.
+    /// Loss by the tangential dashpot of a soft contact while its surfaces stick, or loss by a hard impact whose
+    /// surfaces stick under Walton's rule.
     pub tangential_restitution: f64,
-    /// Energy that the tangential, rolling and twisting springs of contacts still had when these contacts ended.
+    /// Energy stored in the tangential, rolling and twisting springs of contacts at the end of these contacts.
     pub separation: f64,
-    /// Lost by Mindlin's tangential spring while the overlap changes its stiffness. The rescaled history never gains
-    /// energy, so its loss is >= 0.
+    /// Loss by Mindlin's tangential spring when its stiffness changes with the overlap. With the rescaled history the
+    /// spring never gains energy, so the loss is >= 0.
     pub rescaling: f64,
-    /// Lost to rolling resistance, by its limit and its dashpot.
+    /// Loss by rolling resistance: by the limit of its torque and by its dashpot.
     pub rolling: f64,
-    /// Lost to twisting resistance, by its limit and its dashpot.
+    /// Loss by twisting resistance: by the limit of its torque and by its dashpot.
     pub twisting: f64,
 }
 
 impl FrictionLosses {
-    /// Losses to springs, in the order of [`OF_SPRINGS`].
+    /// Energies lost to springs, in the order of [`OF_SPRINGS`].
     pub fn of_springs(&self) -> [f64; 4] {
         [self.separation, self.rescaling, self.rolling, self.twisting]
     }
 
-    /// Losses to tangential restitution and to springs, the latter in the order of [`OF_SPRINGS`].
+    /// Makes the losses from the loss by tangential restitution and the losses to springs, in the order of
+    /// [`OF_SPRINGS`].
     pub fn new(tangential_restitution: f64, [separation, rescaling, rolling, twisting]: [f64; 4]) -> Self {
         Self { tangential_restitution, separation, rescaling, rolling, twisting }
     }
@@ -126,20 +155,22 @@ impl Ledger {
         self.pair_friction_loss + self.wall_friction_loss - self.friction.sum()
     }
 
-    /// [J] energy that impacts took from the particles.
+    /// [J] energy that the particles lost in impacts.
     pub fn dissipated(&self) -> f64 {
         self.pair_restitution_loss + self.pair_friction_loss + self.wall_restitution_loss + self.wall_friction_loss
     }
 
-    /// [J] total energy turnover: magnitude of the energy at the start [J], of drag work, of gravity work and of wall
-    /// work, added up.
+    /// [J] total energy turnover: sum of the magnitudes of the energy at the start [J], of drag work, of gravity work,
+    /// of wall work and of the work of shear.
     pub fn through(&self, energy_at_start: f64) -> f64 {
-        energy_at_start.abs() + self.drag_work.abs() + self.gravity_work.abs() + self.wall_work.abs()
+        let works = [self.drag_work, self.gravity_work, self.wall_work, self.shear_work];
+        works.iter().fold(energy_at_start.abs(), |sum, work| sum + work.abs())
     }
 
     /// [J] residual of the balance, from kinetic plus elastic energy at the start and now [J].
     pub fn residual(&self, energy_at_start: f64, energy_now: f64) -> f64 {
-        energy_now - energy_at_start - self.drag_work - self.gravity_work - self.wall_work + self.dissipated()
+        let given = energy_now - energy_at_start - self.drag_work - self.gravity_work - self.wall_work;
+        given - self.shear_work + self.dissipated()
     }
 }
 
@@ -182,6 +213,10 @@ impl Ledger {
             rescaling,
             rolling,
             twisting,
+            self.shear_work,
+            self.shear_impulse.x,
+            self.shear_impulse.y,
+            self.shear_impulse.z,
         ]
     }
 
@@ -192,7 +227,7 @@ impl Ledger {
         *self = Self::from_array(all);
     }
 
-    /// The ledger that has these entries.
+    /// Makes a ledger from its entries, in the order of `to_array`.
     fn from_array(all: [f64; ENTRIES]) -> Self {
         let vector = |first: usize| Vector3::new(all[first], all[first + 1], all[first + 2]);
         Self {
@@ -210,17 +245,25 @@ impl Ledger {
             wall_impulse: vector(BY_WALLS),
             pair_virial: Matrix3::from_column_slice(&all[18..27]),
             friction: FrictionLosses::new(all[27], OF_SPRINGS.map(|entry| all[entry])),
+            shear_work: all[BY_SHEAR[0]],
+            shear_impulse: vector(BY_SHEAR[1]),
         }
     }
 }
 
-/// Exact running sums of all entries of a ledger, so that the order in which amounts are added does not matter. Read as
-/// a [`Ledger`], they give rounded totals.
-#[derive(Clone, Debug, Default)]
+/// Exact running sums of all entries of a ledger, so that the order in which amounts are added does not matter. A
+/// [`Books`] dereferences to a [`Ledger`] of the rounded totals.
+#[derive(Clone, Debug)]
 pub struct Books {
     sums: [ExactSum; ENTRIES],
-    /// Rounded totals, stored after they have been read for the first time.
+    /// Rounded totals, computed when they are first read.
     rounded: OnceLock<Ledger>,
+}
+
+impl Default for Books {
+    fn default() -> Self {
+        Self { sums: none(), rounded: OnceLock::new() }
+    }
 }
 
 impl PartialEq for Books {
@@ -232,7 +275,11 @@ impl PartialEq for Books {
 /// Stores the exact sums in binary formats, and the rounded ledger in formats that people read.
 impl Serialize for Books {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        if serializer.is_human_readable() { (**self).serialize(serializer) } else { self.sums.serialize(serializer) }
+        if serializer.is_human_readable() {
+            (**self).serialize(serializer)
+        } else {
+            self.sums[..].serialize(serializer)
+        }
     }
 }
 
@@ -243,7 +290,8 @@ impl<'de> Deserialize<'de> for Books {
             books += Ledger::deserialize(deserializer)?;
             return Ok(books);
         }
-        let sums = Deserialize::deserialize(deserializer)?;
+        let sums: Vec<ExactSum> = Deserialize::deserialize(deserializer)?;
+        let sums = sums.try_into().map_err(|_| serde::de::Error::custom("a ledger of another version"))?;
         Ok(Self { sums, rounded: OnceLock::new() })
     }
 }
@@ -266,7 +314,7 @@ impl Books {
         self.rounded.take();
     }
 
-    /// [kg m/s] momentum given to the particles by walls, computed without rounding the other entries.
+    /// [kg m/s] momentum given to the particles by walls. Only these three entries are rounded.
     pub fn by_walls(&self) -> Vector3<f64> {
         values(&self.given_by_walls()).into()
     }

@@ -10,14 +10,14 @@ mod ledger;
 pub use histogram::Histogram;
 pub use impacts::{Impact, Impacts, InstantaneousContacts, LeftOut, SlipChange, Slips, Summary};
 pub use kinds::{Between, ByKinds, MeetingTotals, Meetings};
-pub use ledger::{AT_WALLS, Books, ENTRIES, FrictionLosses, Ledger, OF_PAIRS, OF_SPRINGS, SOME};
+pub use ledger::{AT_WALLS, BY_SHEAR, Books, ENTRIES, FrictionLosses, Ledger, OF_PAIRS, OF_SPRINGS, SOME};
 
 use crate::work_sharing;
 use serde::{Deserialize, Serialize};
 
-/// Entries for a [`Record`] from a part of an engine's work. They are kept separate while the engine may still discard
-/// them, or while several threads write.
-#[derive(Clone, Debug, Default, Serialize)]
+/// Impacts and ledger amounts from a part of an engine's work, not yet added to a [`Record`]. With separate logs an
+/// engine can discard a part of its work, and several threads can write.
+#[derive(Clone, Debug, Default)]
 pub struct Log {
     /// Impacts that have ended, with the kinds of the two bodies.
     pub impacts: Vec<(Between, Impact)>,
@@ -27,8 +27,8 @@ pub struct Log {
     pub islands: Vec<[f64; ENTRIES]>,
 }
 
-/// Number of impacts that one thread counts at a time. Counting fewer takes less time than merging the counts of two
-/// threads.
+/// Number of impacts in one task of a thread. For fewer impacts, merging the counts of two threads would take longer
+/// than counting.
 const TOGETHER: usize = 4096;
 
 impl Record {

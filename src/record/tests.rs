@@ -33,7 +33,7 @@ fn happened(count: usize) -> Vec<(Between, Impact, Ledger)> {
     (0..count).map(one).collect()
 }
 
-/// The record of these impacts, added in logs of `per_log` impacts.
+/// Makes the record of the given impacts, added in logs of `per_log` impacts.
 fn record(happened: &[(Between, Impact, Ledger)], per_log: usize) -> Record {
     let mut record = Record::default();
     for some in happened.chunks(per_log) {
@@ -46,7 +46,7 @@ fn record(happened: &[(Between, Impact, Ledger)], per_log: usize) -> Record {
 
 #[test]
 fn a_record_does_not_depend_on_the_order_of_impacts_nor_on_who_counted_them() {
-    // enough impacts that a log of all of them is divided among threads
+    // so many impacts that a log of all impacts is divided among threads
     let mut all = happened(9000);
     let whole = record(&all, 100);
     assert_eq!((whole.pairs.count, whole.walls.count, whole.pairs.instants.count), (6000, 3000, 1200));

@@ -9,65 +9,65 @@ use std::sync::Arc;
 /// Rule of the tangential impulse of an instantaneous impact.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ImpactRule {
-    /// Sticking impacts give the slip -β_0 s, all others slide: J_t = min(μ J_n, M_t (1 + β_0) |s|) (Walton 1993;
-    /// Foerster et al. 1994, Phys. Fluids 6, 1108).
+    /// Rule of Walton. Impacts that stick change the slip s to -β_0 s, and all others slide. The tangential impulse is
+    /// J_t = min(μ J_n, M_t (1 + β_0) |s|) (Walton 1993; Foerster et al. 1994, Phys. Fluids 6, 1108).
     Walton {
-        /// [-] β_0, -1 ..= 1: -1 leaves the slip as it is, 1 reverses it.
+        /// [-] tangential restitution β_0, -1 ..= 1: -1 leaves the slip unchanged, 1 reverses it.
         tangential_restitution: f64,
     },
-    /// The impact of stiff soft spheres: s' = μ u_n Φ(s/(μ u_n)), with the function Φ of their tangential law. One table
-    /// for each restitution of the scene.
+    /// Impact of stiff soft spheres: the slip becomes s' = μ u_n Φ(s/(μ u_n)), with the function Φ of their tangential
+    /// law. There is one table of Φ for each restitution and mass ratio of the scene.
     OfSpring(Arc<[ReboundTable]>),
 }
 
-/// Impacts of two kinds of bodies, which follow one rule.
+/// Properties of impacts between two kinds of bodies. Impacts with equal properties follow one rule.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImpactKind {
     /// [-] normal restitution e.
     pub restitution: f64,
-    /// [-] M_t over the effective mass M.
+    /// [-] effective mass M_t of the slip over the effective mass M.
     pub mass_ratio: f64,
-    /// [-] Mindlin's stiffness over Hertz's elastic constant; 0 of a law that has none.
+    /// [-] Mindlin's tangential stiffness over Hertz's elastic constant; 0 for other laws.
     pub shear_ratio: f64,
 }
 
 impl ImpactKind {
-    /// True if the two kinds have equal restitution and, to rounding, equal ratios.
+    /// True if both kinds have equal restitution and, up to rounding, equal ratios.
     pub fn is_like(&self, other: &Self) -> bool {
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs();
         self.has_table_of(other) && near(self.shear_ratio, other.shear_ratio)
     }
 
-    /// True if an impact cannot tell the two kinds apart: it knows only restitution and masses.
+    /// True if one rebound table serves both kinds: their restitution and, up to rounding, their mass ratio are equal.
     pub fn has_table_of(&self, other: &Self) -> bool {
         self.restitution == other.restitution && (self.mass_ratio - other.mass_ratio).abs() <= 1e-9 * self.mass_ratio
     }
 }
 
-/// An impact as the rule sees it.
+/// Data of an oblique impact from which its tangential impulse is computed.
 #[derive(Clone, Copy, Debug)]
 pub struct ObliqueApproach {
-    /// [-] friction μ.
+    /// [-] friction coefficient μ.
     pub friction: f64,
     /// [-] normal restitution e of the surfaces.
     pub restitution: f64,
-    /// [m/s] normal speed u_n > 0 of approach.
+    /// [m/s] normal speed of approach u_n > 0.
     pub normal_speed: f64,
     /// [kg m/s] normal impulse J_n.
     pub normal_impulse: f64,
-    /// [m/s] slip |s| before.
+    /// [m/s] magnitude |s| of the slip before the impact.
     pub slip: f64,
     /// [kg] effective mass M_t of the slip.
     pub mass: f64,
-    /// [-] M_t over the effective mass M.
+    /// [-] effective mass M_t of the slip over the effective mass M.
     pub mass_ratio: f64,
 }
 
 impl ImpactRule {
-    /// Coulomb's limit and nothing else: an impact that can stop the slip does.
+    /// Coulomb's limit alone: an impact stops the slip if its friction suffices, without tangential restitution.
     pub const COULOMB: Self = Self::Walton { tangential_restitution: 0.0 };
 
-    /// The rule of stiff soft spheres with a tangential law that remembers, for these impacts.
+    /// Makes the rule of stiff soft spheres with a tangential law that has memory, for these kinds of impacts.
     pub fn of_spring(law: &TangentialLaw, impacts: &[ImpactKind]) -> Self {
         let table = |&ImpactKind { restitution, mass_ratio, shear_ratio }: &ImpactKind| {
             ReboundTable::new(restitution, ObliqueImpact::of_law(law, restitution, mass_ratio, shear_ratio))
@@ -75,7 +75,7 @@ impl ImpactRule {
         Self::OfSpring(impacts.iter().map(table).collect())
     }
 
-    /// [kg m/s] tangential impulse against the slip.
+    /// [kg m/s] magnitude of the tangential impulse, which acts against the slip.
     #[inline]
     pub fn impulse(&self, approach: &ObliqueApproach) -> f64 {
         let ObliqueApproach { friction, slip, mass, .. } = *approach;
@@ -108,7 +108,8 @@ impl std::fmt::Display for ImpactRule {
 }
 
 impl Serialize for ImpactRule {
-    /// Serializes the rule as its table of the case; the rule of a spring follows from the tangential law beside it.
+    /// Serializes the rule under its key of the case. The rule of a spring has no parameters beyond those of the
+    /// tangential law.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Walton { tangential_restitution } => {

@@ -1,13 +1,12 @@
-//! Rotation of spheres: the tangential law of contacts that last, and the rule of instantaneous impacts that belongs to
-//! it.
+//! Rotation of spheres: tangential laws of soft contacts, and rules for the tangential impulse of hard impacts.
 //!
 //! Conventions (docs/rotation.md):
-//! - the normal n points from the other body to particle i;
-//! - the slip is s = u_t - (l_i ω_i + l_j ω_j) × n, with the tangential relative velocity u_t of the centres and the
-//!   lever arms l;
-//! - the tangential force on particle i is -F, and the torque on either particle is l n × F.
+//! * The normal n points from the other body to particle i.
+//! * The slip is s = u_t - (l_i ω_i + l_j ω_j) × n, with the lever arms l and the tangential part
+//!   u_t of the relative velocity of the centres.
+//! * The tangential force on particle i is -F, and the torque on each particle is l n × F.
 //!
-//! This module holds only parameters and formulas; the engines apply them.
+//! This module has only parameters and formulas. The engines apply them.
 
 mod impact;
 mod rebound;
@@ -27,21 +26,21 @@ use serde::Serialize;
 /// [-] moment of inertia of a solid sphere over m r² (any textbook of mechanics: 2/5).
 pub const SOLID_SPHERE: f64 = 0.4;
 
-/// [-] moment of inertia of a thin shell over m r² (any textbook of mechanics: 2/3), the largest that a sphere can
-/// have.
+/// [-] moment of inertia of a thin shell over m r² (any textbook of mechanics: 2/3). It is the largest value that a
+/// sphere can have.
 pub const THIN_SHELL: f64 = 2.0 / 3.0;
 
-/// Tangential behaviour of spheres that rotate.
+/// Tangential laws of spheres that rotate.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Rotation {
-    /// Law of contacts that last (soft and hybrid models).
+    /// Tangential law of soft contacts (soft and hybrid models).
     pub tangential: TangentialLaw,
-    /// Rule of instantaneous impacts (hard and hybrid models).
+    /// Rule of hard impacts (hard and hybrid models).
     pub impact: ImpactRule,
-    /// Rolling resistance of contacts that last.
+    /// Law of rolling resistance in soft contacts; `None`: no rolling resistance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rolling: Option<RollingLaw>,
-    /// Twisting resistance of contacts that last.
+    /// Law of twisting resistance in soft contacts; `None`: no twisting resistance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub twisting: Option<TwistingLaw>,
 }
@@ -52,7 +51,7 @@ impl Rotation {
         Self { tangential, impact, rolling: None, twisting: None }
     }
 
-    /// True if contacts that last resist rolling or twisting.
+    /// True if soft contacts resist rolling or twisting.
     pub fn resists(&self) -> bool {
         self.rolling.is_some() || self.twisting.is_some()
     }
@@ -66,15 +65,17 @@ impl std::fmt::Display for Rotation {
     }
 }
 
-/// [kg] effective mass M_t of the slip of two bodies: 1/M_t = Σ (1/m)(1 + m r²/I), from mass m [kg], radius r [m] and
-/// moment of inertia I [kg m²] of each. A wall has none. For two solid spheres M_t = (2/7) M.
+/// [kg] effective mass M_t of the slip of two bodies: 1/M_t = Σ (1/m)(1 + m r²/I). Each body is given by its mass m
+/// [kg], radius r [m] and moment of inertia I [kg m²]. A wall adds nothing to the sum. For two solid spheres M_t =
+/// (2/7) M.
 pub fn tangential_mass(bodies: impl IntoIterator<Item = (f64, f64, f64)>) -> f64 {
     let mobility = |(mass, radius, inertia): (f64, f64, f64)| 1.0 / mass + radius * radius / inertia;
     1.0 / bodies.into_iter().map(mobility).sum::<f64>()
 }
 
-/// [m/s] slip of particle i against the other body, along the surface: s = u_t - w × n. `velocity` is u_i - u_j [m/s],
-/// `normal` n points to particle i, and `surface` is w = l_i ω_i + l_j ω_j [m/s].
+/// [m/s] slip of particle i relative to the other body, along the surface: s = u_t - w × n. `velocity` is u_i - u_j
+/// [m/s], and u_t is its tangential part. `normal` n points to particle i. `surface` is w = l_i ω_i + l_j ω_j [m/s],
+/// with lever arms l [m] and spins ω [rad/s].
 #[inline(always)]
 pub fn slip(velocity: &Vector3<f64>, normal: &Vector3<f64>, surface: &Vector3<f64>) -> Vector3<f64> {
     velocity - normal * velocity.dot(normal) - surface.cross(normal)
@@ -95,7 +96,7 @@ mod tests {
     #[test]
     fn a_ball_that_rolls_on_a_floor_does_not_slip() {
         let (normal, velocity) = (Vector3::y(), Vector3::x());
-        // towards +x on a floor a ball of radius r turns by -v/r about z
+        // a ball of radius r that rolls towards +x on a floor has the spin -v/r about z
         let surface = Vector3::new(0.0, 0.0, -1.0);
         assert!(slip(&velocity, &normal, &surface).norm() < 1e-15);
     }

@@ -1,49 +1,54 @@
-//! Rebound of an oblique impact of stiff spheres: one function of one number.
+//! Rebound of an oblique impact of stiff spheres, as a function Φ of one number, the reduced slip.
 //!
-//! In units of the effective mass M, the normal speed u_n and the normal stiffness the overlap δ(t) of a given
-//! restitution is one known curve, and so is the normal force f. The slip is σ = s/(μ u_n), and the shear ξ stands in
-//! units of μ times a length. The tangential motion is ξ' = σ, (M_t/M) σ' = -F, F = k ξ + c σ, at most max(f, 0). It
-//! knows neither μ nor sizes nor speeds: σ' = Φ(σ_0) (Becker et al. 2008, Phys. Rev. E 77, 011304, propose such a map).
+//! The units are the effective mass M, the normal speed u_n and the normal stiffness. In these units, the overlap δ(t)
+//! and the normal force f are fixed functions for a given restitution. The reduced slip is σ = s/(μ u_n), and the shear
+//! ξ has the unit of length times μ. The tangential motion is ξ' = σ, (M_t/M) σ' = -F, F = k ξ + c σ with |F| at most
+//! max(f, 0). Neither μ nor sizes nor speeds appear, so σ after the impact is Φ(σ_0) (Becker et al. 2008, Phys. Rev. E
+//! 77, 011304, propose such a map).
 //!
-//! The linear law has δ = exp(-ζt) sin(ω_d t)/ω_d in units of its frequency. Hertz's law has the same curve for w =
-//! δ^(5/4) as a function of the oscillator's time (Antypov and Elliott 2011, EPL 94, 50004).
+//! The linear law has δ = exp(-ζt) sin(ω_d t)/ω_d, with time in units of 1/ω_0. For Hertz's law, w = δ^(5/4) is the
+//! same function of the oscillator's time (Antypov and Elliott 2011, EPL 94, 50004).
 
 use super::{NormalSpring, SpringDashpotSlider, TangentialLaw};
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
-/// Steps of the classical Runge-Kutta method in an impact: an error of some 1e-8 (linear) and 1e-6 (Hertz).
+/// Number of steps of the classical Runge-Kutta method in an impact. The error is about 1e-8 (linear law) and 1e-6
+/// (Hertz's law).
 const STEPS: u32 = 120;
 
-/// Points of a table up to the slip beyond which all impacts slide to their end, and as many beyond: linear
-/// interpolation errs by 1e-6, and near the slips at which phases change by 1e-5 at most.
+/// Number of points of a table up to the slip beyond which all impacts slide to their end, and number of points beyond
+/// this slip. The error of linear interpolation is 1e-6, and at most 1e-5 near the slips at which the sequence of
+/// phases changes.
 const POINTS: usize = 4096;
 
-/// An oblique impact of two bodies under a normal and a tangential law, in units of M, u_n and the normal stiffness.
+/// Oblique impact of two bodies with a normal and a tangential law, in units of M, u_n and the normal stiffness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObliqueImpact {
-    /// [-] normal damping ratio ζ, 0 <= ζ < 1, of the linear oscillator.
+    /// [-] normal damping ratio ζ of the linear oscillator, 0 <= ζ < 1.
     pub damping_ratio: f64,
-    /// Stiffness k_t and dashpot c_t in these units; with Mindlin's law k_t/sqrt(δ) and c_t/δ^(1/4).
+    /// [-] tangential stiffness k_t and dashpot c_t in these units; for Mindlin's law k_t/sqrt(δ) and c_t/δ^(1/4).
     pub tangential: SpringDashpotSlider,
-    /// [-] M_t/M.
+    /// [-] effective mass M_t of the slip over the effective mass M.
     pub mass: f64,
 }
 
-/// An instant of an impact: the normal force and the tangential spring of the overlap.
+/// Instant of an impact: limit of the tangential force, and tangential spring at the current overlap. All values are in
+/// the units of [`ObliqueImpact`].
 #[derive(Clone, Copy, Debug)]
 struct ImpactInstant {
-    /// Largest tangential force max(f, 0), and its rate.
+    /// Largest tangential force max(f, 0), followed by its time derivative.
     limit: f64,
     limit_rate: f64,
     spring: SpringDashpotSlider,
-    /// δ'/δ, by which the overlap changes the spring.
+    /// Relative rate δ'/δ of the overlap, by which the spring changes.
     rate: f64,
-    /// Time per unit of the variable that is stepped.
+    /// Time per unit of the integration variable.
     pace: f64,
 }
 
-/// State of an impact: the stepped variable, the slip against the first slip's direction, and the shear.
+/// State of an impact: the integration variable, the slip (positive in the direction of the initial slip), and the
+/// shear.
 #[derive(Clone, Copy, Debug)]
 struct State {
     at: f64,
@@ -51,23 +56,23 @@ struct State {
     shear: f64,
 }
 
-/// Way in which the surfaces move on one another.
+/// Phase of the tangential motion: the surfaces stick together or slide.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum SlipPhase {
     Stick,
-    /// With the sign of the force.
+    /// The surfaces slide. The number is the sign of the tangential force.
     Slide(f64),
 }
 
 impl ObliqueImpact {
-    /// Impact under the linear laws: κ = k_t/k_n, the dashpot c_t/(M ω_0), and M_t/M [-].
+    /// Impact with linear laws, from the ratio κ = k_t/k_n, the dashpot c_t/(M ω_0) and the mass ratio M_t/M [-].
     pub fn linear(damping_ratio: f64, stiffness: f64, dashpot: f64, mass: f64) -> Self {
         let tangential = SpringDashpotSlider { stiffness, dashpot, ..SpringDashpotSlider::without_memory(mass) };
         Self { damping_ratio, tangential, mass }
     }
 
-    /// Impact of surfaces with restitution e, 0 < e <= 1, of bodies with that M_t/M [-], under a tangential law that
-    /// remembers. `shear` is Mindlin's stiffness over Hertz's elastic constant [-]; a linear law has none.
+    /// Impact with restitution e, 0 < e <= 1, and mass ratio `mass` M_t/M [-], for a tangential law with memory.
+    /// `shear` [-] is Mindlin's tangential stiffness over Hertz's elastic constant; linear laws ignore it.
     pub fn of_law(law: &TangentialLaw, restitution: f64, mass: f64, shear: f64) -> Self {
         let ln = restitution.ln();
         let damping_ratio = -ln / (PI * PI + ln * ln).sqrt();
@@ -92,8 +97,9 @@ impl ObliqueImpact {
         PI / self.damped()
     }
 
-    /// Instants that no step may cross. From the largest overlap on (ω_d t = arccos ζ) a spring is rescaled. At twice
-    /// that phase f = 0: from there on damping pulls, and the limit is 0. The third is the end.
+    /// Values of the integration variable that no step may cross. From the largest overlap on (ω_d t = arccos ζ), the
+    /// spring may be rescaled. At twice this phase f = 0: damping makes the normal force attractive from then on, and
+    /// the limit is 0. The third value is the end of the contact.
     fn stops(&self) -> [f64; 3] {
         let phase = self.damping_ratio.acos();
         if self.is_hertzian() {
@@ -104,7 +110,7 @@ impl ObliqueImpact {
         }
     }
 
-    /// Share at which the phase has that value.
+    /// Integration variable (0 to 1, Hertz's law) at which the oscillator has a phase [rad].
     fn share_of(&self, phase: f64) -> f64 {
         let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..60 {
@@ -124,13 +130,14 @@ impl ObliqueImpact {
         let envelope = (-ratio * time).exp();
         let overlap = envelope * sin / damped;
         let rate = envelope * cos - ratio * overlap;
-        // δ'' = -δ - 2ζ δ'
+        // equation of motion: δ'' = -δ - 2ζ δ'
         let force = overlap + 2.0 * ratio * rate;
         let (limit, limit_rate) = if force > 0.0 { (force, rate - 2.0 * ratio * force) } else { (0.0, 0.0) };
         ImpactInstant { limit, limit_rate, spring: self.tangential, rate: 0.0, pace: 1.0 }
     }
 
-    /// In units of M, u_n and k_H, at a share of the phase that is crowded at both ends.
+    /// Instant of an impact with Hertz's law, in units of M, u_n and k_H. `share` is the integration variable, 0 to 1;
+    /// its steps are short in time at both ends.
     fn hertzian(&self, share: f64) -> ImpactInstant {
         let (ratio, frequency) = (self.damping_ratio, 0.8f64.sqrt()); // ω_0² = 4 k_H/(5 M), Antypov and Elliott
         let damped = frequency * self.damped();
@@ -146,7 +153,7 @@ impl ObliqueImpact {
         let overlap = w.powf(0.8);
         let (root, dashpot) = (overlap.sqrt(), hertz_dashpot(ratio));
         let force = overlap * root + dashpot * root.sqrt() * rate;
-        // δ'' = -f
+        // equation of motion: δ'' = -f
         let viscous = dashpot * root.sqrt() * (0.25 * rate * rate / overlap - force);
         let pulls = force <= 0.0;
         let (limit, limit_rate) = if pulls { (0.0, 0.0) } else { (force, 1.5 * root * rate + viscous) };
@@ -180,15 +187,16 @@ impl ObliqueImpact {
         State { at, slip, shear }
     }
 
-    /// Positive while the phase goes on: the distance to the limit, or the rate of sliding.
+    /// Number that is positive while a phase lasts. For sticking it is the distance of the force from the limit. For
+    /// sliding it is the rate at which the force of a sticking contact would exceed the limit.
     fn goes_on(&self, phase: SlipPhase, state: &State) -> f64 {
         let ImpactInstant { limit, limit_rate, spring, rate, .. } = self.instant(state.at);
         match phase {
             SlipPhase::Stick => limit - (spring.stiffness * state.shear + spring.dashpot * state.slip).abs(),
-            // the dashpot alone is at the limit: the spring is not stretched
+            // the dashpot alone reaches the limit, so the spring is not stretched
             SlipPhase::Slide(sign) if limit <= spring.dashpot * state.slip * sign => f64::INFINITY,
             SlipPhase::Slide(sign) => {
-                // rate of the force if it stuck, over that of the limit
+                // rate of the force of a sticking contact, minus the rate of the limit
                 let changes = self.tangential.rates(rate);
                 let of_spring = spring.stiffness * (state.slip + changes.force * state.shear);
                 let of_dashpot = spring.dashpot * (changes.dashpot * state.slip - sign * limit / self.mass);
@@ -197,7 +205,7 @@ impl ObliqueImpact {
         }
     }
 
-    /// Phase that a state on the limit is about to take.
+    /// Next phase of a state whose force is at the limit.
     fn next_phase(&self, state: &State) -> SlipPhase {
         let spring = self.instant(state.at).spring;
         let force = spring.stiffness * state.shear + spring.dashpot * state.slip;
@@ -205,20 +213,20 @@ impl ObliqueImpact {
         if self.goes_on(SlipPhase::Slide(sign), state) > 0.0 { SlipPhase::Slide(sign) } else { SlipPhase::Stick }
     }
 
-    /// Phase of an impact that begins with that slip.
+    /// First phase of an impact with the slip of `state`.
     fn first_phase(&self, state: &State) -> SlipPhase {
         if !self.is_hertzian() {
             let on_limit = self.instant(0.0).limit <= self.tangential.dashpot * state.slip;
             return if on_limit { self.next_phase(state) } else { SlipPhase::Stick };
         }
-        // at a small overlap δ = t the dashpots act with t^(1/4), and the springs with t^(3/2)
+        // at a small overlap δ = t, dashpot forces grow with t^(1/4) and spring forces with t^(3/2)
         let dashpots = self.tangential.dashpot * state.slip - hertz_dashpot(self.damping_ratio);
         let springs = self.tangential.stiffness * self.tangential.growth(0.0, 1.0).1 * state.slip - 1.0;
         let beyond = if dashpots == 0.0 { springs } else { dashpots };
         if beyond > 0.0 { SlipPhase::Slide(1.0) } else { SlipPhase::Stick }
     }
 
-    /// Reduced slip Φ(σ_0) [-] after the impact, from that before it, `slip` σ_0 >= 0 [-].
+    /// [-] reduced slip Φ(σ_0) after the impact. `slip` is the reduced slip σ_0 >= 0 [-] before it.
     pub fn rebound(&self, slip: f64) -> f64 {
         let mut state = State { at: 0.0, slip, shear: 0.0 };
         let mut phase = self.first_phase(&state);
@@ -237,7 +245,7 @@ impl ObliqueImpact {
                 let there = self.step(phase, &state, middle * step);
                 if self.goes_on(phase, &there) >= 0.0 { low = middle } else { high = middle }
             }
-            // a little beyond, so that time goes on
+            // a minimum step beyond the change of phase, so that time advances
             state = self.step(phase, &state, high.max(1e-9) * step);
             phase = match phase {
                 SlipPhase::Stick => {
@@ -251,18 +259,18 @@ impl ObliqueImpact {
     }
 }
 
-/// Dashpot of Hertz's law in units of M and k_H (Antypov and Elliott 2011).
+/// [-] dashpot of Hertz's law in units of M and k_H (Antypov and Elliott 2011).
 fn hertz_dashpot(damping_ratio: f64) -> f64 {
     5.0f64.sqrt() * damping_ratio
 }
 
-/// A share of 0 to 1 that is crowded at both ends, and its slope (the polynomial "smoothstep").
+/// Function from 0 to 1 whose slope vanishes at both ends, and its slope (the polynomial "smootherstep").
 fn crowded(share: f64) -> (f64, f64) {
     let at = share * share * share * (10.0 - 15.0 * share + 6.0 * share * share);
     (at, 30.0 * (share * (1.0 - share)).powi(2))
 }
 
-/// Φ of an [`ObliqueImpact`], tabulated when it is first asked for: soft runs never ask.
+/// Table of the function Φ of an [`ObliqueImpact`]. It is computed at the first use, because soft runs do not need it.
 #[derive(Clone, Debug)]
 pub struct ReboundTable {
     /// [-] restitution of the surfaces.
@@ -271,18 +279,18 @@ pub struct ReboundTable {
     points: OnceLock<ReboundPoints>,
 }
 
-/// Points of a table.
+/// Points of a table of Φ.
 #[derive(Clone, Debug)]
 struct ReboundPoints {
-    /// [-] slip up to which `near` holds.
+    /// [-] largest reduced slip σ_0 in `near`.
     most: f64,
-    /// Φ at equal distances of σ_0 from 0 to `most`.
+    /// [-] Φ at equal intervals of σ_0 from 0 to `most`.
     near: Vec<f64>,
-    /// σ_0 - Φ at equal distances of 1/σ_0 from 0 to 1/`most`.
+    /// [-] σ_0 - Φ at equal intervals of 1/σ_0 from 0 to 1/`most`.
     far: Vec<f64>,
 }
 
-/// Linear interpolation at a place >= 0 counted in points.
+/// Linear interpolation at `place` >= 0, in units of the distance between points.
 #[inline]
 fn interpolate(points: &[f64], place: f64) -> f64 {
     let k = (place as usize).min(points.len() - 2);
@@ -291,36 +299,36 @@ fn interpolate(points: &[f64], place: f64) -> f64 {
 
 impl ReboundPoints {
     fn of(impact: &ObliqueImpact) -> Self {
-        // an impact that slides throughout takes ∫ max(f, 0) dt/(M_t/M) <= 2 (M/M_t) from the slip
+        // an impact that slides to its end reduces the slip by ∫ max(f, 0) dt/(M_t/M) <= 2 (M/M_t)
         let most = 4.0 / impact.mass;
         let near = (0..=POINTS).map(|k| impact.rebound(most * k as f64 / POINTS as f64)).collect();
         let taken = |slip: f64| slip - impact.rebound(slip);
-        // the limit 1/σ_0 -> 0 by a slip that is huge
+        // a huge slip stands for the limit 1/σ_0 -> 0
         let far = (0..=POINTS).map(|k| taken(most * POINTS as f64 / (k as f64).max(1e-3))).collect();
         Self { most, near, far }
     }
 }
 
 impl PartialEq for ReboundTable {
-    /// Tables of equal impacts are one table.
+    /// Compares restitutions and impacts, which determine the table.
     fn eq(&self, other: &Self) -> bool {
         (self.restitution, self.impact) == (other.restitution, other.impact)
     }
 }
 
 impl ReboundTable {
-    /// Table of Φ for surfaces with that restitution [-].
+    /// Makes a table of Φ for surfaces with the given restitution [-].
     pub fn new(restitution: f64, impact: ObliqueImpact) -> Self {
         Self { restitution, impact, points: OnceLock::new() }
     }
 
-    /// Distance [-] of the table from one for surfaces with that restitution and bodies with that M_t/M.
+    /// [-] difference between this table and the given restitution and mass ratio M_t/M.
     #[inline]
     pub fn distance(&self, restitution: f64, mass: f64) -> f64 {
         2.0 * (self.restitution - restitution).abs() + (self.impact.mass - mass).abs()
     }
 
-    /// Reduced slip Φ(σ_0) [-] after an impact.
+    /// [-] reduced slip Φ(σ_0) after an impact. `slip` is the reduced slip σ_0 >= 0 [-] before it.
     #[inline]
     pub fn rebound(&self, slip: f64) -> f64 {
         let ReboundPoints { most, near, far } = self.points.get_or_init(|| ReboundPoints::of(&self.impact));
@@ -338,7 +346,7 @@ mod tests {
 
     const MASS: f64 = 2.0 / 7.0;
 
-    /// A sphere at a wall, in units of its speed: W1 to W4 of the reference values, (angle [°], R ω_0/V, v_t'/V).
+    /// Sphere at a wall, in units of its speed, for the reference values W1 to W4: (angle [°], R ω_0/V, v_t'/V).
     fn rebound(impact: ObliqueImpact, restitution: f64, friction: f64, (angle, spin): (f64, f64), table: bool) -> f64 {
         let (sin, cos) = f64::to_radians(angle).sin_cos();
         let (slip, unit) = (sin - spin, friction * cos);
@@ -346,7 +354,7 @@ mod tests {
             true => ReboundTable::new(restitution, impact).rebound(slip.abs() / unit),
             false => impact.rebound(slip.abs() / unit),
         };
-        // M_t (s - s') is what the motion along the wall has lost
+        // M_t (s - s') is the momentum that the motion along the wall loses
         sin - MASS * (slip - slip.signum() * unit * after)
     }
 
@@ -355,7 +363,7 @@ mod tests {
         ObliqueImpact::linear(-ln / (PI * PI + ln * ln).sqrt(), stiffness, dashpot, MASS)
     }
 
-    /// Reference values computed independently (RA), with the limit μ max(f_n, 0).
+    /// Reference values were computed independently (RA), with the limit μ max(f_n, 0).
     #[test]
     fn rebounds_are_those_of_the_reference() {
         let w1 = (impact(1.0, 0.8604651163, 0.0), 1.0, 0.092);
@@ -398,18 +406,19 @@ mod tests {
         }
     }
 
-    /// Section 4 of the reference: without sliding β_0 = -cos(ω_t T_c).
+    /// Section 4 of the reference: an impact without sliding has β_0 = -cos(ω_t T_c).
     #[test]
     fn small_slips_rebound_by_the_closed_form_where_nothing_slides() {
-        // a limit that falls to zero slides at the end unless the spring is at rest then: κ = 2/7 at e = 1
+        // as the limit falls to zero, the contact slides at the end unless the spring is unstretched then: κ = 2/7 at e
+        // = 1
         let still = impact(1.0, 2.0 / 7.0, 0.0);
         assert!((still.rebound(1.0) + 1.0).abs() < 1e-9);
         let smooth = impact(1.0, 1e-12, 0.0);
         assert!((smooth.rebound(1.0) - 1.0).abs() < 1e-9);
     }
 
-    /// Reference values computed independently (RD, Chung and Ooi's test 5): e = 1, ν = 0.3, for the three histories;
-    /// the slip after over μ u_n.
+    /// Reference values were computed independently (RD, Chung and Ooi's test 5): e = 1, ν = 0.3, for the three
+    /// histories. They are the slip after the impact over μ u_n.
     #[test]
     fn rebounds_of_hertz_and_mindlin_are_those_of_the_reference() {
         // steel on a rigid plane, ν 0.3: k_t/k_H = 6 G*/E*

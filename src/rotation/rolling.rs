@@ -1,37 +1,38 @@
-//! Rolling and twisting resistance of contacts that last: equal and opposite torques on the two bodies, without a force
-//! on their centres.
+//! Rolling and twisting resistance of soft contacts: equal and opposite torques on two bodies, without a force on their
+//! centres.
 //!
-//! With the effective radius R_eff and the normal n towards particle i the surfaces roll on one another at the velocity
-//! v = R_eff (ω_i - ω_j) × n (Luding 2008, Granular Matter 10, 235). They twist at R_eff (ω_i - ω_j)·n along n. A
-//! resistance f [N] against this motion gives the torque R_eff f as a couple. Impacts leave both resistances out: they
-//! begin to act when a contact has lasted longer than an impact of its speed.
+//! R_eff is the effective radius, and the normal n points to particle i. The surfaces roll on one another with the
+//! velocity v = R_eff (ω_i - ω_j) × n (Luding 2008, Granular Matter 10, 235). They twist with the velocity R_eff (ω_i -
+//! ω_j)·n along n. A resistance f [N] against this motion gives a couple, the torque R_eff f. Hard impacts have no such
+//! resistance: it acts in contacts that last longer than an impact.
 
 use super::slider::SpringDashpotSlider;
 use super::tangential::NormalSpring;
 use serde::{Deserialize, Serialize};
 
-/// Law of rolling resistance; types A to C of Ai et al. (2011, Powder Technol. 206, 269). Torques are at most μ_r R_eff
-/// max(f_n, 0), or that times the speed.
+/// Law of rolling resistance, of the types A to C of Ai et al. (2011, Powder Technol. 206, 269). Torques are at most
+/// μ_r R_eff max(f_n, 0), for type B times the rolling speed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RollingLaw {
-    /// Type C: a spring and a dashpot with a limit. Spheres can rest on a slope.
+    /// Type C: a spring and a dashpot whose force is limited. Spheres can rest on a slope.
     Spring {
-        /// [-] μ_r.
+        /// [-] rolling friction μ_r.
         friction: f64,
-        /// [-] stiffness of the spring over k_n R_eff². `None`: 2.25 μ_r² (Iwashita and Oda 1998, as Ai et al.).
+        /// [-] stiffness of the spring over k_n R_eff². `None`: 2.25 μ_r² (Iwashita and Oda 1998, cited by Ai et al.).
         stiffness: Option<f64>,
-        /// [-] share η_r of critical damping, which acts below the limit.
+        /// [-] fraction η_r of critical damping, which acts below the limit.
         damping: f64,
     },
-    /// Type A: a constant torque against the rolling, but at most what stops it in a step. Spheres cannot rest on a slope.
+    /// Type A: a constant torque against the rolling motion, at most the torque that stops it in a step. Spheres cannot
+    /// rest on a slope.
     Constant {
-        /// [-] μ_r.
+        /// [-] rolling friction μ_r.
         friction: f64,
     },
-    /// Type B: a torque in proportion to the rolling speed (Zhou et al. 1999, Physica A 269, 536).
+    /// Type B: a torque proportional to the rolling speed (Zhou et al. 1999, Physica A 269, 536).
     Viscous {
-        /// [s/m] torque over R_eff f_n and over the rolling speed.
+        /// [s/m] torque divided by R_eff f_n and by the rolling speed.
         coefficient: f64,
     },
 }
@@ -40,28 +41,28 @@ pub enum RollingLaw {
 /// radius of the contact (Marshall 2009, J. Comput. Phys. 228, 1541).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TwistingLaw {
-    /// [-] share of critical damping, which acts below the limit.
+    /// [-] fraction of critical damping, which acts below the limit.
     pub damping: f64,
 }
 
-/// Coefficients of rolling and twisting friction of a surface; `None`: that of the law.
+/// Coefficients of rolling and twisting friction of a surface; `None`: the coefficient of the law.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ResistanceFriction {
-    /// [-] μ_r.
+    /// [-] rolling friction μ_r.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rolling: Option<f64>,
-    /// [-] coefficient that takes the place of sliding friction in the limit of twisting.
+    /// [-] twisting friction, which replaces the sliding friction μ in the limit of twisting.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub twisting: Option<f64>,
 }
 
 impl ResistanceFriction {
-    /// True if the surface has no coefficients other than those of the law.
+    /// True if the surface has no coefficients of its own.
     pub fn is_of_law(&self) -> bool {
         *self == Self::default()
     }
 
-    /// These coefficients, or those of `usual` where a surface has none.
+    /// Returns these coefficients, with those of `usual` in place of missing ones.
     pub fn or(self, usual: Self) -> Self {
         Self { rolling: self.rolling.or(usual.rolling), twisting: self.twisting.or(usual.twisting) }
     }
@@ -70,27 +71,30 @@ impl ResistanceFriction {
 /// Resistance of a contact to rolling or twisting.
 #[derive(Clone, Copy, Debug)]
 pub struct Resistance {
-    /// Spring and dashpot [N/m, N s/m] against the motion of the surfaces; no stiffness of a law without memory.
+    /// Spring [N/m] and dashpot [N s/m] against the motion of the surfaces; the stiffness is 0 for a law without
+    /// memory.
     pub spring: SpringDashpotSlider,
-    /// [-] limit over max(f_n, 0).
+    /// [-] limit of the resistance force over max(f_n, 0).
     pub friction: f64,
-    /// [s/m] of a viscous law, friction over the speed; else 0.
+    /// [s/m] friction divided by the speed, for a viscous law; otherwise 0.
     pub viscosity: f64,
 }
 
-/// Bodies of a contact as a resistance needs them.
+/// Properties of the bodies in a contact from which its rolling and twisting resistance is computed.
 #[derive(Clone, Copy, Debug)]
 pub struct RollingBodies {
-    /// [m] effective radius R_eff = 1/(1/r_i + 1/r_j); at a wall the radius.
+    /// [m] effective radius R_eff = 1/(1/r_i + 1/r_j); at a wall the radius of the sphere.
     pub radius: f64,
-    /// [kg] mass of the motion under a couple: 1/(R_eff² (1/I_i + 1/I_j)), with moments of inertia I.
+    /// [kg] effective mass of rolling or twisting by a couple: 1/(R_eff² (1/I_i + 1/I_j)), with the moments of inertia
+    /// I.
     pub mass: f64,
-    /// [kg m²] I_r = 1/(1/(I_i + m_i r_i²) + 1/(I_j + m_j r_j²)), of bodies that roll about their contact.
+    /// [kg m²] I_r = 1/(1/(I_i + m_i r_i²) + 1/(I_j + m_j r_j²)), for bodies that roll about their contact point.
     pub rolling_inertia: f64,
 }
 
 impl RollingBodies {
-    /// Bodies with that mass [kg], radius [m] and moment of inertia [kg m²] each. A wall has none.
+    /// Makes the properties from mass [kg], radius [m] and moment of inertia [kg m²] of each particle; a wall is left
+    /// out.
     pub fn of(bodies: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Self {
         let sum = |of: &dyn Fn((f64, f64, f64)) -> f64| bodies.clone().map(of).sum::<f64>();
         let radius = 1.0 / sum(&|(_, radius, _)| 1.0 / radius);
@@ -100,14 +104,15 @@ impl RollingBodies {
     }
 }
 
-/// Constants of a spring with that stiffness [N/m] and share of critical damping, for a mass [kg].
+/// Constants of a spring with the given stiffness [N/m] and fraction of critical damping. `mass` [kg] is the effective
+/// mass of the motion, and `own_mass` [kg] is the mass for which the critical damping is computed.
 fn damped(stiffness: f64, half_powers: u8, damping: f64, mass: f64, own_mass: f64) -> SpringDashpotSlider {
     let dashpot = 2.0 * damping * (stiffness * own_mass).sqrt();
     SpringDashpotSlider { stiffness, dashpot, half_powers, ..SpringDashpotSlider::without_memory(mass) }
 }
 
 impl RollingLaw {
-    /// Resistance between two bodies with that normal spring.
+    /// Resistance between two bodies with the given normal spring.
     pub fn between(&self, normal: &NormalSpring, bodies: &RollingBodies) -> Resistance {
         let without = SpringDashpotSlider::without_memory(bodies.mass);
         match *self {
@@ -122,7 +127,7 @@ impl RollingLaw {
         }
     }
 
-    /// The law with another rolling friction [-], if there is one. A viscous law has none.
+    /// Returns the law with another rolling friction [-], if one is given. A viscous law does not change.
     pub fn with_friction(self, other: Option<f64>) -> Self {
         let Some(friction) = other else { return self };
         match self {
@@ -132,7 +137,7 @@ impl RollingLaw {
         }
     }
 
-    /// [-] rolling friction μ_r; `None` of a viscous law.
+    /// [-] rolling friction μ_r; `None` for a viscous law.
     pub fn friction(&self) -> Option<f64> {
         match self {
             Self::Spring { friction, .. } | Self::Constant { friction } => Some(*friction),
@@ -142,7 +147,8 @@ impl RollingLaw {
 }
 
 impl TwistingLaw {
-    /// Resistance between two bodies at overlap δ [m], with their tangential spring and sliding friction μ [-].
+    /// Resistance between two bodies at the overlap δ [m], from their tangential spring and their sliding friction μ
+    /// [-].
     pub fn between(
         &self,
         tangential: &SpringDashpotSlider,
@@ -150,7 +156,7 @@ impl TwistingLaw {
         overlap: f64,
         bodies: &RollingBodies,
     ) -> Resistance {
-        // k_t a²/2 over R_eff², with a² = R_eff δ
+        // k_t a²/2 divided by R_eff², with a² = R_eff δ
         let stiffness = 0.5 * tangential.stiffness / bodies.radius;
         let own_mass = bodies.mass;
         let spring = damped(stiffness, tangential.half_powers + 2, self.damping, bodies.mass, own_mass);

@@ -1,24 +1,26 @@
-//! Tangential laws of contacts that last.
+//! Tangential laws of soft contacts.
 
 use super::slider::{SpringDashpotSlider, SpringHistory};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Law of the tangential force of a contact that lasts.
+/// Law of the tangential force of a soft contact.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TangentialLaw {
-    /// Coulomb's law without memory: μ |f_n| against the slip, but never more than stops it within a step.
+    /// Coulomb's law without memory: a force μ |f_n| against the slip, at most the force that stops the slip within a
+    /// step.
     Coulomb,
-    /// A linear spring beside a linear dashpot, together at most μ max(f_n, 0) (Cundall and Strack 1979, Géotechnique
-    /// 29, 47).
+    /// A linear spring parallel to a linear dashpot, whose total force is at most μ max(f_n, 0) (Cundall and Strack
+    /// 1979, Géotechnique 29, 47).
     Linear(LinearTangential),
-    /// Mindlin's stiffness 8 G* a of two elastic spheres, which grows with the radius a = sqrt(R δ) of the contact, beside
-    /// a dashpot, together at most μ max(f_n, 0) (Mindlin 1949, J. Appl. Mech. 16, 259). It belongs to Hertz's law.
+    /// Mindlin's law for two elastic spheres with Hertz's normal law (Mindlin 1949, J. Appl. Mech. 16, 259). The
+    /// stiffness is 8 G* a, where a = sqrt(R δ) is the radius of the contact area. The total force of this spring and a
+    /// dashpot is at most μ max(f_n, 0).
     Mindlin {
-        /// Quantity that the contact remembers while its stiffness changes.
+        /// Quantity that the contact stores while its stiffness changes.
         history: SpringHistory,
-        /// [-] c_t/c_n, both proportional to δ^(1/4).
+        /// [-] ratio c_t/c_n of the dashpot constants, which are both proportional to δ^(1/4).
         dashpot: f64,
     },
 }
@@ -27,44 +29,44 @@ pub enum TangentialLaw {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LinearTangential {
-    /// Spring and dashpot in units of the normal ones.
+    /// Constants of spring and dashpot over those of the normal law.
     Ratios {
-        /// [-] κ = k_t/k_n.
+        /// [-] ratio of the stiffnesses, κ = k_t/k_n.
         stiffness: f64,
-        /// [-] c_t/c_n.
+        /// [-] ratio of the dashpot constants, c_t/c_n.
         dashpot: f64,
     },
-    /// [-] β_0, 0 < β_0 <= 1, of impacts that stick: spring and dashpot swing for half a period in the contact time
-    /// (equal half periods; Deen et al. 2007, Chem. Eng. Sci. 62, 28).
+    /// [-] tangential restitution β_0 of impacts that stick, 0 < β_0 <= 1. Spring and dashpot make half an oscillation
+    /// in the contact time (equal half periods; Deen et al. 2007, Chem. Eng. Sci. 62, 28).
     Restitution(f64),
 }
 
-/// Normal contact of two bodies as a tangential law needs it.
+/// Constants of the normal contact of two bodies, from which a tangential law derives its own.
 #[derive(Clone, Copy, Debug)]
 pub struct NormalSpring {
-    /// [N/m] k_n.
+    /// [N/m] normal stiffness k_n.
     pub stiffness: f64,
-    /// [N s/m] c_n.
+    /// [N s/m] normal dashpot constant c_n.
     pub dashpot: f64,
-    /// [s] contact time T_c of a linear law; infinite for others, whose time depends on the speed.
+    /// [s] contact time T_c of a linear law; infinite for other laws, whose contact time depends on the speed.
     pub contact_time: f64,
-    /// [N/m] slope of the elastic force at an overlap of 1 m, and twice the power of the overlap by which it grows.
+    /// [N/m] derivative of the elastic force with respect to the overlap, at an overlap of 1 m.
     pub tangent: f64,
-    /// See `tangent`; 0 of a linear law.
+    /// [-] twice the power of the overlap to which `tangent` is proportional; 0 for a linear law.
     pub half_powers: u8,
-    /// [N/m^1.5] Mindlin's tangential stiffness over the root of the overlap, 8 G* sqrt(R); 0 of a law that has none.
+    /// [N/m^1.5] Mindlin's tangential stiffness over the root of the overlap, 8 G* sqrt(R); 0 for other laws.
     pub shear_stiffness: f64,
 }
 
 impl NormalSpring {
-    /// Linear spring [N/m] and dashpot [N s/m] of two bodies whose impacts last `contact_time` [s].
+    /// Linear spring [N/m] and dashpot [N s/m] of two bodies with the contact time `contact_time` [s].
     pub fn linear(stiffness: f64, dashpot: f64, contact_time: f64) -> Self {
         Self { stiffness, dashpot, contact_time, tangent: stiffness, half_powers: 0, shear_stiffness: 0.0 }
     }
 }
 
 impl TangentialLaw {
-    /// Constants between two bodies with an effective mass `mass` M_t [kg] of their slip.
+    /// Constants of the tangential law between two bodies. `mass` is the effective mass M_t [kg] of their slip.
     pub fn between(&self, normal: impl FnOnce() -> NormalSpring, mass: f64) -> SpringDashpotSlider {
         match self {
             Self::Coulomb => SpringDashpotSlider::without_memory(mass),
@@ -87,7 +89,7 @@ impl TangentialLaw {
         }
     }
 
-    /// True if contacts remember how far they have been sheared.
+    /// True if contacts store a shear.
     pub fn has_memory(&self) -> bool {
         !matches!(self, Self::Coulomb)
     }

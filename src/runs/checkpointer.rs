@@ -18,14 +18,14 @@ use std::time::{Duration, Instant};
 /// Stores the states of the runs of a command, and checks whether the command is to stop.
 pub struct Checkpointer {
     signals: Signals,
-    /// Store for checkpoints; `None` if the user wants none.
+    /// Store for checkpoints; `None` if the command writes no checkpoints.
     store: Option<Store>,
     every: Option<Duration>,
     /// Time of the last checkpoint, or of the start of the command.
     last: Instant,
     /// Stored state of the run that was in progress when the command was stopped.
     under_way: Option<(RunIdentity, StoredRun)>,
-    /// [s] simulated time of the stored state of the run in progress.
+    /// [s] simulated time of the last stored state of the run in progress; `None` if no state is stored.
     stored: Option<f64>,
     /// True if other runs or a report remain to be done after the run in progress.
     more: bool,
@@ -37,21 +37,21 @@ pub struct Checkpointer {
     resumed: bool,
     /// Command that resumes the stopped command, for messages.
     remedy: String,
-    /// Treatment of the end of a run, which differs if several processes do the runs.
+    /// Form in which the end of a run is stored or sent; it depends on the processes that do the runs.
     ends: Ends,
 }
 
 /// Treatment of the end of a run: its final state and the data of its observers.
 #[derive(Clone, Default)]
 enum Ends {
-    /// The end of the run is stored in a file, if other work remains or the run took long.
+    /// The end of the run is stored in a file, if other work remains or if a state of the run was stored before.
     #[default]
     Stored,
-    /// The end of the run is for another process. When the run is over, its end is held here as bytes.
+    /// Another process requires the end of the run. When the run is over, its end is kept here as bytes.
     Caught(Vec<u8>),
     /// The end of the run was received from another process, as bytes.
     Received(Vec<u8>),
-    /// The end of the run is not stored; the result computed from it is stored instead.
+    /// The end of the run is not stored, because the result computed from it is stored instead.
     Replaced,
 }
 
@@ -67,8 +67,8 @@ impl Checkpointer {
         case: &Case,
         runs: &[ResumableRun],
     ) -> Result<Self, StudyError> {
-        // the replicas of a variant share one name; the identity of the first of them in the list is compared; a run
-        // whose result is stored is identified by its name alone
+        // replicas of a variant have one name: the identity of the first of them is compared; if results are stored,
+        // the name alone identifies a run, and no identity is compared
         let mut first: Vec<RunIdentity> = Vec::new();
         for run in runs.iter().filter(|_| !settings.keeps_results).map(|run| &run.identity) {
             if first.iter().all(|known| known.name != run.name) {
@@ -102,8 +102,8 @@ impl Checkpointer {
         Ok(checkpointer)
     }
 
-    /// Creates the checkpointer for a helper, a process to which the lead process of the command sends runs. States are
-    /// stored in the folder of the lead process, and the ends of runs are sent to the lead process.
+    /// Creates the checkpointer of a helper. A helper is a process that does runs for the lead process of the command.
+    /// It stores states in the folder of the lead process, and sends the ends of runs to the lead process.
     ///
     /// # Errors
     /// The system refuses the signal handlers.
@@ -170,16 +170,16 @@ impl Checkpointer {
         self.stored = None;
     }
 
-    /// Stores the command line, so that the command can be begun again even if it is killed before any state is stored.
+    /// Stores the command line. The command can then be begun again if it is killed before a state is stored.
     fn begin(&mut self, command: &StoredCommand, folder: &Path) -> Result<(), OutputError> {
         match &self.store {
             Some(store) => store.begin(command),
-            // files of an earlier command in this folder must not be mistaken for files of the present command
+            // files of an earlier command in this folder must not be taken for files of the present command
             None => Store::of(folder).remove(),
         }
     }
 
-    /// Looks up the stored state of the run that was in progress.
+    /// Finds the stored state of the run that was in progress when the command was stopped.
     fn find_stored(&mut self) {
         self.resumed = true;
         let Some(store) = &mut self.store else { return };
@@ -206,7 +206,7 @@ impl Checkpointer {
             Ok(Some(kept)) => {
                 self.say(format!("\"{}\" is over already", run.name));
                 if let Ends::Caught(bytes) = &mut self.ends {
-                    // these bytes have been serialised before, so this cannot fail
+                    // this cannot fail, because the bytes were made from such data before
                     *bytes = seal(&(run, &kept)).unwrap_or_default();
                 }
                 return Some(kept);
@@ -228,18 +228,19 @@ impl Checkpointer {
         }
     }
 
-    /// Sets the flag for work that remains after the next run.
+    /// Records whether work remains after the next run.
     pub fn set_more(&mut self, more: bool) {
         self.more = more;
     }
 
-    /// True if the run in progress should pause at the end of this window, to be stored or stopped.
+    /// True if the run in progress should pause at the end of this window, because a checkpoint is due or the user
+    /// stops it.
     pub fn is_due(&self) -> bool {
         self.signals.say_stop() || self.every.is_some_and(|every| self.last.elapsed() >= every)
     }
 
-    /// Stores one of the parts into which several processes divide the state of a run. If `over` is true, the state is
-    /// the end of the run. The rest of the state is stored afterwards.
+    /// Stores one part of the state of a run that several processes share. If `over` is true, the state is the end of
+    /// the run. The rest of the state is stored after its parts.
     ///
     /// # Errors
     /// The part cannot be written.
@@ -252,8 +253,8 @@ impl Checkpointer {
         self.store.as_ref().and_then(|store| store.part(run, over, number).ok()).unwrap_or_default()
     }
 
-    /// Stores the state of a run before its end, after its `parts` were written; returns true if the run is to stop. If
-    /// the state cannot be stored, the run continues, and the state stored before remains.
+    /// Stores the state of a run that is not over, after its `parts` were written. Returns true if the user has stopped
+    /// the command. If the state cannot be stored, the run continues, and the state stored before remains.
     pub fn keep(&mut self, run: &RunIdentity, kept: &StoredRun, parts: Result<(), OutputError>) -> bool {
         if let Some(store) = &mut self.store {
             match parts.and_then(|()| store.keep(run, kept)) {
@@ -274,8 +275,8 @@ impl Checkpointer {
         tell(format!("warning: no checkpoint at this time: {why}; {stored}"));
     }
 
-    /// True if the final state of a run and the data of its observers are to be stored. This is so if work remains
-    /// after the run, or if the run took so long that its state was stored before. A report alone is then not enough.
+    /// True if the final state of a run and the data of its observers are to be stored, or sent to another process.
+    /// They are stored if work remains after the run, or if a state of the run was stored before.
     pub fn wants_the_end(&self) -> bool {
         match self.ends {
             Ends::Caught(_) => true,
@@ -284,8 +285,8 @@ impl Checkpointer {
         }
     }
 
-    /// Stores the final state of a run and the data of its observers, after its `parts` were written. If they are for
-    /// another process, they are held as bytes instead.
+    /// Stores the final state of a run and the data of its observers, after its `parts` were written. If another
+    /// process requires these data, they are kept in memory as bytes instead.
     ///
     /// # Errors
     /// The end cannot be serialised for another process.
@@ -335,7 +336,7 @@ impl Checkpointer {
         }
     }
 
-    /// Stored result of a run that is over; `None` unless the command was resumed and stores results.
+    /// Stored result of a run that is over; `None` if there is none, or if the command was not resumed.
     pub fn result(&self, run: &RunIdentity) -> Option<Vec<u8>> {
         self.store.as_ref().filter(|_| self.resumed)?.result(run)
     }
@@ -383,7 +384,8 @@ impl Checkpointer {
         })
     }
 
-    /// Result of writing a report. If writing failed, the error names the command that writes the report later.
+    /// Returns the result of writing a report. If writing failed, the error names the command that writes the report
+    /// later.
     ///
     /// # Errors
     /// The given error, with its remedy.
@@ -436,7 +438,7 @@ fn refuse_changes(earlier: &StoredCommand, now: &StoredCommand, case: &Case) -> 
     Ok(())
 }
 
-/// Error for a checkpoint file that cannot be used, if there is no other state to resume.
+/// Error for a checkpoint file that cannot be used, if no other file can be used either.
 pub fn unusable(path: &Path, why: &Unreadable) -> StudyError {
     StudyError::Input(format!("error: the checkpoint {} {why}", path.display()))
 }

@@ -24,7 +24,7 @@ use std::sync::Arc;
 /// Runs a variant from `start` to its end, or to a failure, which is part of the outcome. `others` are observers in
 /// addition to the standard ones. Returns the outcome and the final state in the order of ids.
 pub fn execute(experiment: &Experiment, start: Particles, others: &mut [&mut dyn Observer]) -> (Outcome, Particles) {
-    // the whole loop runs on a thread of the pool: another thread would be put to sleep and woken at every parallel
+    // the whole loop runs on a thread of the pool, because any other thread would sleep and be woken at every parallel
     // loop
     keep_workers_spinning(|| {
         let mut seen = StandardObservers::new(experiment, start.fingerprint());
@@ -40,8 +40,8 @@ pub fn execute(experiment: &Experiment, start: Particles, others: &mut [&mut dyn
     })
 }
 
-/// Runs a variant like [`execute`], with a checkpointer that stores the run at intervals and may stop it. A stored run
-/// continues from its stored state, and a run that is over is not run again.
+/// Runs a variant like [`execute`], with a checkpointer that stores the run at intervals and may stop it. A run that
+/// was stored before its end continues from the stored state. A run that is over is not repeated.
 ///
 /// # Errors
 /// The stored state belongs to another run.
@@ -53,8 +53,8 @@ pub fn execute_with_checkpoints(
     keep_workers_spinning(|| simulate_with_checkpoints(run, others, checkpointer, None))
 }
 
-/// Runs a variant together with the other processes, which have received its index in the list of runs. The final state
-/// is returned if it is requested; otherwise the returned state has no particles.
+/// Runs a variant that all processes share, after sending them its index in the list of runs. The final state is
+/// returned if `gives_end` is true; otherwise the returned state has no particles.
 ///
 /// # Errors
 /// Errors of [`execute_with_checkpoints`].
@@ -93,8 +93,8 @@ pub struct SharedRun<'a> {
 }
 
 /// Takes part in a run that all processes share, in a process other than the lead. `others` are the observers that work
-/// on parts of the particles. They have the order of those in the lead process, where they come before all other
-/// additional observers.
+/// on parts of the particles, in the order of the lead process. In the lead process they precede all other additional
+/// observers.
 pub fn follow(run: &ResumableRun, others: &mut [&mut dyn Observer], ranks: &Ranks) {
     let experiment = &run.experiment;
     let Ok(start) = run.start() else { return };
@@ -165,7 +165,7 @@ fn simulate_with_checkpoints(
             Ok(false) => None,
             Err(failure) => Some(Some(failure)),
         };
-        // final data that could not be written are not stored: the run can be resumed from the state stored before
+        // after a failure to write, the run is resumed from the state stored before, so no final data are stored
         let unwritten = matches!(over, Some(Some(Failure::Unwritten { .. })));
         if unwritten || over.is_some() && !checkpointer.wants_the_end() {
             continue;
@@ -238,7 +238,7 @@ impl Beginning {
         }
     }
 
-    /// Message from the lead process to the other processes, which contains the distribution.
+    /// Message that tells the other processes the distribution of the particles.
     fn told(self) -> Vec<u8> {
         vec![self as u8]
     }
@@ -251,8 +251,8 @@ impl From<Vec<u8>> for Beginning {
     }
 }
 
-/// Ends this process, and with it all other processes. If one process continued without the others, its state would
-/// differ from theirs.
+/// Ends this process, and with it all other processes. Otherwise the state of this process would differ from those of
+/// the others.
 fn leave(why: &StoreError) -> ! {
     tell(format!("error: the processes cannot go on together: {why}"));
     std::process::exit(1);
@@ -266,7 +266,8 @@ fn begin(experiment: &Experiment, start: Start, communicator: Option<&dyn Commun
     }
 }
 
-/// Shares the simulation with all processes. Each process continues with its part, or the lead has all particles.
+/// Shares the simulation with all processes. Either each process continues with its part, or the lead has all
+/// particles.
 fn share(simulation: Simulation, with: Arc<dyn Communicator>, observers: usize, in_parts: bool) -> Simulation {
     if in_parts { simulation.shared_in_parts(with, observers) } else { simulation.shared(with, observers) }
 }

@@ -30,12 +30,12 @@ pub trait RunResult: Send + Sized {
     /// The run could not begin, and the command does not accept this as a result.
     fn of(run: &ResumableRun, outcome: Result<Outcome, StudyError>) -> Result<Self, StudyError>;
 
-    /// Bytes of the result, which are sent to another process instead of the final state of the run and its observer
-    /// data. `None` if these data are to be sent.
+    /// Bytes of the result, to be sent to the lead process. `None` if the final state of the run and the data of its
+    /// observers are to be sent instead.
     fn to_bytes(&self) -> Option<Vec<u8>>;
 
-    /// Result from bytes that another process has sent; `None` if the bytes contain the final state of the run and its
-    /// observer data instead.
+    /// Result from bytes that another process has sent. `None` if the bytes contain the final state of the run and the
+    /// data of its observers instead.
     fn from_bytes(bytes: &[u8]) -> Option<Self>;
 }
 
@@ -69,9 +69,9 @@ pub struct Executor<'a> {
 }
 
 impl<'a> Executor<'a> {
-    /// Opens the folder for the results of `runs` and looks up their stored results. All processes must pass equal
-    /// lists of runs. In a helper process this call works until the command ends, and then returns `None`. `R` is the
-    /// result of [concurrent](Self::concurrently) runs.
+    /// Opens the folder for the results of `runs` and finds their stored states. All processes must pass equal lists of
+    /// runs. In a helper process this call does runs for the lead until the command ends, and then returns `None`. `R`
+    /// is the result of [concurrent](Self::concurrently) runs.
     ///
     /// # Errors
     /// The list of runs could not be made or differs between processes; the system refused the folder or a thread.
@@ -112,6 +112,14 @@ impl<'a> Executor<'a> {
         }
     }
 
+    /// Adds a run that depends on the results of the others, and returns its index. It must be done
+    /// [alone](Self::alone), since helper processes do not have it in their lists.
+    pub fn add(&mut self, run: ResumableRun) -> usize {
+        self.progress.add(&run.experiment);
+        self.runs.push(run);
+        self.runs.len() - 1
+    }
+
     /// Does or resumes one run, with observers in addition to the standard ones. The trajectory of the run is written
     /// if it is requested; if it cannot be written, the run fails. Returns the outcome and the final state in the order
     /// of ids. With several processes the final state is returned only if `gives_end` is true.
@@ -132,8 +140,8 @@ impl<'a> Executor<'a> {
         std::thread::scope(|scope| {
             let mut trajectory =
                 run.trajectory.as_ref().map(|(name, asked)| Trajectory::new(scope, folder, name, *asked));
-            // the trajectory is the first observer here because it is the first one in the other processes of a shared
-            // run
+            // in the other processes of a shared run the trajectory is the first observer, so it must be the first one
+            // here too
             let first = trajectory.as_mut().map(|trajectory| trajectory as &mut dyn Observer);
             let mut observers: Vec<&mut dyn Observer> = first.into_iter().collect();
             observers.push(&mut watch);
@@ -143,7 +151,7 @@ impl<'a> Executor<'a> {
                 None => execute_with_checkpoints(run, &mut observers, checkpointer)?,
             };
             let written = trajectory.map_or(Ok(()), Trajectory::written);
-            // if the folder has been removed, the run cannot be resumed from it
+            // without the folder there is no stored state from which the run can be resumed
             let is_gone = matches!(written, Err(OutputError::Gone { .. }));
             if let Err(why) = written {
                 let time = outcome.simulated_seconds;
@@ -161,9 +169,9 @@ impl<'a> Executor<'a> {
         R::from_bytes(&self.checkpointer.result(&self.runs[index].identity)?)
     }
 
-    /// Does the runs at these indices concurrently, as many as there are threads, and in all processes. Results do not
-    /// depend on the number of threads or processes. `finished` is called with the index and the result of each run, in
-    /// the order in which runs end. If the user stops the command, unfinished runs are stored and left out.
+    /// Does the runs at these indices at the same time, in all processes and as many as there are threads. Results do
+    /// not depend on these numbers. `finished` is called with the index and the result of each run, in the order in
+    /// which runs end. If the user stops the command, unfinished runs are stored and left out.
     ///
     /// # Errors
     /// The first error of `finished`; a run could not begin, or its stored state belongs to another run; a result
@@ -254,7 +262,8 @@ impl<R: RunResult> RunList for ResumableRuns<'_, R> {
             self.progress.ended_elsewhere(index);
             return Ok(result);
         }
-        // the outcome is computed from the stored final data, as for a run that was over before the command was resumed
+        // the outcome is computed from the received final data, as for a run that was over before the command was
+        // resumed
         let run = &self.runs[index];
         let mut own = self.checkpointer.for_run(&run.identity);
         own.receive(&run.identity, bytes)?;

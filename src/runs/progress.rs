@@ -2,8 +2,8 @@
 //! output is piped, one line is printed per interval.
 //!
 //! A run stores the time that it has reached in its clock, also within a window (the time between two exchanges of
-//! momentum with the gas). The display reads this clock from a separate thread. So the display is also updated during a
-//! long window, and it does not slow the run down.
+//! momentum with the gas). A separate thread reads this clock and updates the display. So the display changes during a
+//! long window too, and does not slow the run down.
 
 use super::terminal::tell;
 use crate::clock::Reached;
@@ -28,12 +28,12 @@ const REFRESH: Duration = Duration::from_millis(200);
 /// Number of positions of the progress bar.
 const TICKS: u64 = 10_000;
 
-/// Share of the wall time of a run, counted back from the present, over which its speed is measured. The speed may
-/// change: a settling bed, for example, becomes slower.
+/// [-] fraction of the wall time of a run over which the present speed is measured. The speed may change: a settling
+/// bed, for example, becomes slower.
 const RECENT: f64 = 1.0 / 3.0;
 
-/// [s] wall time before which the remaining time is not estimated, because the first part of a run makes lists and
-/// tables.
+/// [s] wall time from which on the remaining time is estimated. In the first part of a run, lists and tables are made,
+/// so its speed is not typical.
 const UNKNOWN: f64 = 1.0;
 
 /// Progress of all runs of a command, and the thread that displays it.
@@ -49,7 +49,7 @@ struct Board {
     said: Instant,
 }
 
-/// Way in which progress is shown.
+/// Form in which progress is displayed: nothing, a bar, or lines of text.
 enum ProgressDisplay {
     Silent,
     Bar(ProgressBar),
@@ -63,6 +63,18 @@ struct RunProgress {
     /// [s] simulated duration of the whole run.
     duration: f64,
     stage: RunStage,
+}
+
+impl RunProgress {
+    /// Progress of a run that has not begun.
+    fn of(experiment: &Experiment) -> Self {
+        Self {
+            name: legible::message(&experiment.name).into_owned(),
+            model: experiment.model(),
+            duration: experiment.run.duration,
+            stage: RunStage::Waiting,
+        }
+    }
 }
 
 enum RunStage {
@@ -116,7 +128,7 @@ impl Track {
 }
 
 impl Progress {
-    /// Progress of the runs of these experiments; nothing is displayed if `quiet` is true.
+    /// Creates the progress of runs with the given experiments; nothing is displayed if `quiet` is true.
     pub fn new<'a>(experiments: impl IntoIterator<Item = &'a Experiment>, quiet: bool) -> Self {
         let display = if quiet {
             ProgressDisplay::Silent
@@ -125,13 +137,8 @@ impl Progress {
         } else {
             ProgressDisplay::Lines
         };
-        let of = |experiment: &Experiment| RunProgress {
-            name: legible::message(&experiment.name).into_owned(),
-            model: experiment.model(),
-            duration: experiment.run.duration,
-            stage: RunStage::Waiting,
-        };
-        let board = Board { runs: experiments.into_iter().map(of).collect(), display, said: Instant::now() };
+        let runs = experiments.into_iter().map(RunProgress::of).collect();
+        let board = Board { runs, display, said: Instant::now() };
         let silent = matches!(board.display, ProgressDisplay::Silent);
         let board = Arc::new(Mutex::new(board));
         let show = (!silent).then(|| {
@@ -154,6 +161,11 @@ impl Progress {
 }
 
 impl Progress {
+    /// Adds the run of an experiment.
+    pub fn add(&self, experiment: &Experiment) {
+        lock(&self.board).runs.push(RunProgress::of(experiment));
+    }
+
     /// Records that another process has begun the run at this index, or has reached `time` [s] in it.
     pub fn is_elsewhere(&self, run: usize, time: f64) {
         let stage = &mut lock(&self.board).runs[run].stage;
@@ -199,13 +211,13 @@ impl Drop for Progress {
     }
 }
 
-/// Locks the board, also after a panic of a thread that held the lock: no entry of the board can be incomplete.
+/// Locks the board, even after a panic of a thread that held the lock, because every entry of the board is complete.
 fn lock(board: &Mutex<Board>) -> MutexGuard<'_, Board> {
     board.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Observer of one run that is called at its start and at its end. Between these calls the display reads the clock of
-/// the run. In a resumed run the first call is at the next sample.
+/// Observer of one run that is called at the start of the run and at its end. In between, the display reads the clock
+/// of the run. In a resumed run the first call is at the next sample.
 pub struct Watch {
     board: Arc<Mutex<Board>>,
     run: usize,
@@ -239,7 +251,7 @@ impl Board {
         };
         let Some(run) = self.runs.iter().rposition(|run| matches!(run.stage, RunStage::Running(_))) else { return };
         if !due {
-            // the speed is measured from the stored points
+            // this call stores the points from which the speed is measured
             self.rates();
             return;
         }
@@ -345,7 +357,7 @@ fn share(time: f64, duration: f64) -> f64 {
     if duration > 0.0 { (time * (1.0 + 1e-9) / duration).min(1.0) } else { 1.0 }
 }
 
-/// Style of the progress line for a terminal of any width. Text that is too long is cut off instead of wrapped.
+/// Style of the progress line for a terminal of any width; text that is too long is cut off.
 fn style() -> ProgressStyle {
     let template = "{percent:>3} % {bar:16} {wide_msg}";
     // if the template is not valid, the default bar is used
@@ -434,8 +446,8 @@ mod tests {
         assert!(known.starts_with("90 seconds left") || known.starts_with("2 minutes left"), "{known}");
     }
 
-    /// The hard run simulated 1 s in 10 s. The soft run has simulated half of 1 s in 40 s. Another soft run and another
-    /// hard run have not begun.
+    /// Checks a finished hard run of 1 s that took 10 s, and a soft run that has simulated half of 1 s in 40 s. Another
+    /// soft run and another hard run have not begun.
     #[test]
     fn the_time_left_is_that_of_all_runs() {
         let waiting = |model| RunProgress { stage: RunStage::Waiting, ..running(model, 1.0, 0.0, 0.0) };
@@ -451,7 +463,7 @@ mod tests {
         assert!((done - 0.375).abs() < 1e-6 && text.starts_with("all 4 runs: 1 done, about 2 minutes left"), "{text}");
     }
 
-    /// A run that was fast for nine tenths and is slow now is not nearly over.
+    /// Checks a run that simulated nine tenths fast and is slow now, so that much time is left.
     #[test]
     fn the_speed_is_that_of_late() {
         let mut run = running(Model::Soft, 1.0, 0.95, 60.0);

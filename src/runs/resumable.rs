@@ -14,12 +14,12 @@ pub struct ResumableRun {
     pub experiment: Experiment,
     /// Identity of the run.
     pub identity: RunIdentity,
-    /// True if no other run is done at the same time, so that the wall time of this run can be measured. If all runs of
-    /// the command are of this kind, all processes share each run.
+    /// True if no other run is done at the same time, so that the wall time of this run can be measured. If this is
+    /// true for all runs of the command, all processes share each run.
     pub is_lone: bool,
     /// Trajectory to be written, with the name of its files; only a run that is done alone has one.
     pub trajectory: Option<(String, Trajectories)>,
-    /// Initial state; it is taken out when the run begins.
+    /// Initial state; `None` before it is made, and after the run has begun.
     start: Mutex<Option<Start>>,
 }
 
@@ -60,12 +60,12 @@ fn identity(experiment: &Experiment, start: u64) -> Result<RunIdentity, StudyErr
         .map_err(|why| StudyError::Failed(format!("error: cannot store the command: {why}")))
 }
 
-/// Checksum of a list of runs in their order.
+/// Checksum of a list of runs; it depends on their order.
 pub fn mark(runs: &[ResumableRun]) -> u32 {
     mark_of(runs.iter().map(|run| run.identity.checksum()))
 }
 
-/// Checksum of a list of experiments in their order, independent of their starts.
+/// Checksum of a list of experiments; it depends on their order but not on their initial states.
 pub fn mark_of_experiments<'a>(experiments: impl Iterator<Item = &'a Experiment>) -> u32 {
     mark_of(experiments.map(|experiment| identity(experiment, 0).map_or(0, |identity| identity.checksum())))
 }

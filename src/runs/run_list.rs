@@ -10,7 +10,7 @@ use std::sync::{Mutex, PoisonError};
 use std::thread::scope;
 use std::time::{Duration, Instant};
 
-/// Time between two checks for messages from other processes. The functions of MPI that wait would keep a core busy.
+/// Time between two checks for messages from other processes. The waiting functions of MPI would keep a core busy.
 pub const POLL_INTERVAL: Duration = Duration::from_millis(1);
 
 /// Time between two messages of a helper about the progress of its runs.
@@ -152,8 +152,8 @@ fn pools(share: ThreadBudget, count: usize) -> Result<Vec<ThreadPool>, StudyErro
     })
 }
 
-/// Starts a worker thread for each pool. The threads do the runs whose indices are sent to them, and end when the
-/// sender is dropped.
+/// Starts a worker thread for each pool. The threads do the runs whose indices are sent through the returned sender,
+/// and end when this sender is dropped.
 fn crew<'scope, 'env, A: Send + 'scope>(
     scope: &'scope std::thread::Scope<'scope, 'env>,
     pools: &'env [ThreadPool],
@@ -178,7 +178,7 @@ fn crew<'scope, 'env, A: Send + 'scope>(
     (orders, answers)
 }
 
-/// Next event for which a process waits.
+/// Event for which a process waits.
 enum Heard<A> {
     /// A run is over in this process.
     Here(usize, A),
@@ -188,8 +188,8 @@ enum Heard<A> {
     Nothing,
 }
 
-/// Waits for the next event. If there are other processes, the wait is at most [`REPORT_INTERVAL`]. `None` if no
-/// further event is possible.
+/// Waits for the next event. If there are other processes, the wait is at most [`REPORT_INTERVAL`]. `None` if no event
+/// can follow.
 fn wait<A>(answers: &Receiver<(usize, A)>, ranks: &Ranks) -> Option<Heard<A>> {
     if ranks.count() == 1 {
         return answers.recv().ok().map(|(index, answer)| Heard::Here(index, answer));

@@ -38,8 +38,8 @@ pub struct CommandSettings {
     pub quiet: bool,
     /// Number of threads of a process; `None` if the user gave none.
     pub threads: Option<u16>,
-    /// True if the results of runs are stored, and remain after the command is over, instead of the final states of the
-    /// runs.
+    /// True if the result of each run is stored in place of its final state. Stored results remain after the command is
+    /// over.
     pub keeps_results: bool,
     /// True if the runs are done one after the other, each with all threads.
     pub in_turn: bool,
@@ -105,7 +105,7 @@ pub fn read(path: &Path, input: &Input) -> Result<Case, StudyError> {
     Ok(Case::read(path, &input.sets())?)
 }
 
-/// Makes the folder of a command. A folder that cannot be written to counts as wrong input, since nothing has been
+/// Makes the folder of a command. A folder that cannot be written to is reported as wrong input, since nothing has been
 /// computed yet.
 pub fn folder(output: &Output, case: &Path, command: &str) -> Result<Folder, StudyError> {
     make(place(output, case, command), output.overwrite)

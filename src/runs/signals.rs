@@ -31,8 +31,8 @@ impl Signals {
             flag::register_conditional_shutdown(signal, ENDED, Arc::clone(&stop))?;
             flag::register(signal, Arc::clone(&stop))?;
         }
-        // a file that exceeds the size limit of a shell causes an error that is reported, instead of the end of the
-        // program
+        // without this handler, a file that exceeds the size limit of the shell would end the program instead of
+        // causing an error
         #[cfg(unix)]
         flag::register(signal_hook::consts::SIGXFSZ, Arc::new(AtomicBool::new(false)))?;
         Ok(Self(stop))

@@ -3,7 +3,7 @@
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Model, SoftStepping};
 use crate::observe::{
-    EnergyBooks, ImpactSeries, Kinds, Mixing, MomentumBooks, Motion, Observer, Paths, Rings, Series, Stresses,
+    EnergyBooks, GasFlows, ImpactSeries, Kinds, Mixing, MomentumBooks, Motion, Observer, Paths, Rings, Series, Stresses,
 };
 use crate::outcome::{Averaged, Outcome, Timing};
 use crate::schedule::Schedule;
@@ -24,6 +24,7 @@ pub(crate) struct StandardObservers<'a> {
     energy: EnergyBooks,
     momentum: MomentumBooks,
     stresses: Stresses,
+    gas: GasFlows,
     series: Series,
     paths: Paths,
     kinds: Kinds,
@@ -46,6 +47,7 @@ impl<'a> StandardObservers<'a> {
             energy: EnergyBooks::default(),
             momentum: MomentumBooks::new(&schedule),
             stresses: Stresses::new(experiment, &schedule),
+            gas: GasFlows::new(&schedule),
             series: Series::new(experiment, &schedule),
             paths: Paths::new(&schedule),
             kinds: Kinds::new(experiment, &schedule),
@@ -57,9 +59,9 @@ impl<'a> StandardObservers<'a> {
     /// All standard observers, followed by the `others`.
     pub fn with<'b>(&'b mut self, others: &'b mut [&mut dyn Observer]) -> Vec<&'b mut dyn Observer> {
         let Self { profiles, motion, pairs, walls, energy, momentum, .. } = self;
-        let Self { stresses, series, paths, kinds, rings, mixing, .. } = self;
-        let own: [&mut dyn Observer; 12] =
-            [profiles, motion, pairs, walls, energy, momentum, stresses, series, paths, kinds, rings, mixing];
+        let Self { stresses, gas, series, paths, kinds, rings, mixing, .. } = self;
+        let own: [&mut dyn Observer; 13] =
+            [profiles, motion, pairs, walls, energy, momentum, stresses, gas, series, paths, kinds, rings, mixing];
         own.into_iter().chain(others.iter_mut().map(|other| &mut **other as &mut dyn Observer)).collect()
     }
 
@@ -95,6 +97,7 @@ impl<'a> StandardObservers<'a> {
                 pair_rate: self.pairs.batches(first, steadiness.from),
                 wall_rate: self.walls.batches(first, steadiness.from),
                 temperature: self.motion.batches(first),
+                shear_stress: self.motion.stress_batches(first),
                 replicas: None,
             },
             places_kept: self.mixing.remembered(steadiness.from),
@@ -104,6 +107,7 @@ impl<'a> StandardObservers<'a> {
             energy_at_end: self.energy.at_end,
             balance: self.momentum.balance(first),
             stress: self.stresses.averages(first),
+            gas: self.gas.averages(self.experiment.scene.fluid.as_ref(), steadiness.from),
             series: self.series,
             paths: self.paths,
             counters: simulation.counters(),

@@ -18,8 +18,8 @@ pub fn tell(line: impl Display) {
     let _ = writeln!(stderr().lock(), "{}", legible::lines(&line));
 }
 
-/// Prints the final sentences of a study and the path of the file with all results, on standard output. If they cannot
-/// be printed, a warning is printed instead: all results are in the folder nevertheless.
+/// Prints the final sentences of a study and the path of the file with all results, on standard output. If this fails,
+/// a warning is printed; all results are in the folder nevertheless.
 pub fn conclude(sentences: &[String], what: &str, file: &Path) {
     let lines: String = sentences.iter().map(|sentence| format!("{sentence}\n")).collect();
     if let Err(why) = answer(&format!("{lines}{what}: {}\n", file.display())) {

@@ -14,8 +14,9 @@ pub fn share_threads(effort: &Effort, ranks: &Ranks) -> Result<(), StudyError> {
     start_threads(threads, rayon::ThreadPoolBuilder::new().num_threads(threads))
 }
 
-/// Sets the number of threads of the whole process, if the user gives it. A single thread is the calling thread itself.
-/// If the calling thread waited for another thread in each window, small scenes on a busy machine would mostly wait.
+/// Sets the number of threads of the whole process, if the user gives it. With one thread, the calling thread itself
+/// does the work. Otherwise it would wait for another thread in each window, which takes most of the time of small
+/// scenes on a busy machine.
 pub fn use_threads(threads: Option<usize>) -> Result<(), StudyError> {
     let Some(threads) = threads else { return Ok(()) };
     let mut pool = rayon::ThreadPoolBuilder::new().num_threads(threads);

@@ -4,11 +4,12 @@ use super::{Scene, Species};
 use crate::fluid::Buoyancy;
 use nalgebra::Vector3;
 
-/// Coefficient of the added mass of a sphere: it accelerates half of its volume of gas (Maxey and Riley 1983).
+/// Coefficient of the added mass of a sphere: the sphere accelerates gas of half its own volume (Maxey and Riley 1983).
 pub const ADDED_MASS: f64 = 0.5;
 
 impl Species {
-    /// [-] share of the acceleration of gravity that buoyancy and added mass take in a gas of a density [kg/m³].
+    /// [-] relative reduction of the acceleration of gravity by buoyancy and added mass, in a gas with the density
+    /// `gas` [kg/m³].
     fn carried_by(&self, gas: f64) -> f64 {
         (gas + self.added_density) / self.inertial_density()
     }
@@ -17,8 +18,8 @@ impl Species {
 impl Scene {
     /// Gives all species the added mass of spheres in the gas of the scene. A scene without gas does not change.
     ///
-    /// A sphere of volume V in a gas of density ρ_f then has the inertia of m + ρ_f V/2. Masses, momenta and energies of
-    /// the simulation contain that of the gas which moves with the spheres. Call it before
+    /// A sphere of mass m and volume V in a gas of density ρ_f then has the inertia of the mass m + ρ_f V/2. Masses,
+    /// momenta and energies of the simulation include the gas that moves with the spheres. Call this method before
     /// [`add_buoyancy`](Self::add_buoyancy) and before particles are made.
     pub fn add_added_mass(&mut self) {
         let Some(fluid) = &self.fluid else { return };
@@ -26,12 +27,12 @@ impl Scene {
     }
 
     /// Adds the buoyancy of the particles to a scene with gas and gravity; other scenes do not change. The acceleration
-    /// of a species of density ρ_p becomes g (1 - ρ_f/ρ_p), where ρ_f is the density of the gas. With the added mass ρ_a it
-    /// becomes g (ρ_p - ρ_f)/(ρ_p + ρ_a). A second call changes nothing.
+    /// of a species becomes g (1 - ρ_f/ρ_p), with the densities ρ_f of the gas and ρ_p of the particles. With the added
+    /// mass ρ_a [kg/m³] it becomes g (ρ_p - ρ_f)/(ρ_p + ρ_a). A second call changes nothing.
     ///
-    /// Engines move all particles in one falling frame. So [`gravity`](Self::gravity) becomes the acceleration of the
-    /// densest species, and the simulation adds the differences of the others in half-kicks before and after each
-    /// window. A species whose particles fly freely then moves exactly, and contacts are of second order in the window.
+    /// Engines use one acceleration for all particles: [`gravity`](Self::gravity), which becomes that of the densest
+    /// species. The simulation adds the differences of the other species in half-kicks before and after each window.
+    /// The free flight of such a species is exact, and the error in its contacts is of second order in the window.
     pub fn add_buoyancy(&mut self) {
         let gravity = self.gravity;
         let Some(fluid) = self.fluid.as_mut().filter(|fluid| fluid.buoyancy.is_none()) else { return };
@@ -56,14 +57,14 @@ impl Scene {
     }
 
     /// [m/s²] acceleration of each species by weight and buoyancy, minus [`gravity`](Self::gravity). The list is empty
-    /// if all species have the acceleration `gravity`.
+    /// if this difference is zero for all species.
     pub fn differences_in_gravity(&self) -> &[Vector3<f64>] {
         let buoyancy = self.fluid.as_ref().and_then(|fluid| fluid.buoyancy.as_ref());
         buoyancy.map_or(&[], |buoyancy| &buoyancy.differences)
     }
 
-    /// True if kicks change the velocities of particles between two windows: those of drag and lift, or of buoyancy of
-    /// species of different densities.
+    /// True if kicks change the velocities of particles between two windows. Kicks come from drag, from lift, or from
+    /// the buoyancy of species of different densities.
     pub fn is_kicked(&self) -> bool {
         let dragged = self.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some() || fluid.lift.is_some());
         dragged || !self.differences_in_gravity().is_empty()

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};
 
-/// Distribution of the diameters of a species, by number: it gives the share of the particles that has each diameter.
+/// Distribution of the diameters of a species, by number: the share of the particles with each diameter.
 ///
 /// ```
 /// use diptych::scene::SizeDistribution;
@@ -22,12 +22,12 @@ pub enum SizeDistribution {
         /// [m] the largest diameter.
         to: f64,
     },
-    /// The logarithm of the diameter is normally distributed, and diameters beyond the two cut-offs are left out.
+    /// The logarithm of the diameter is normally distributed. Diameters outside `from` and `to` are left out.
     LogNormal {
         /// [m] median of the distribution before the cut.
         median: f64,
         /// [-] geometric standard deviation before the cut, more than 1. Two thirds of the diameters lie between the
-        /// median divided by this deviation and the median times it.
+        /// median divided by this deviation and the median times this deviation.
         geometric_deviation: f64,
         /// [m] the smallest diameter.
         from: f64,
@@ -64,7 +64,7 @@ impl SizeDistribution {
         }
     }
 
-    /// [m] diameter that is not exceeded by the share `share` [-] of the particles, 0 to 1.
+    /// [m] diameter below or at which the share `share` [-] of the particles lies, 0 to 1.
     pub fn quantile(&self, share: f64) -> f64 {
         let diameter = match self {
             Self::Uniform { from, to } => from + share * (to - from),
@@ -86,7 +86,8 @@ impl SizeDistribution {
         diameter.clamp(self.smallest(), self.largest())
     }
 
-    /// [-] share of the uncut distribution that lies between its two cut-offs.
+    /// [-] share of the log-normal distribution that lies between its limits `from` and `to`; 1 for other
+    /// distributions.
     pub fn left(&self) -> f64 {
         match self {
             Self::Uniform { .. } | Self::Table(_) => 1.0,
@@ -97,14 +98,14 @@ impl SizeDistribution {
         }
     }
 
-    /// [m^k] mean of the diameter to the power k, in closed form. For the log-normal distribution with median m, let
-    /// σ be ln of the geometric standard deviation. The mean is then m^k exp(k²σ²/2) times a ratio of shares between
-    /// the cut-offs: the share of a normal variable shifted by kσ, over the share without the shift.
+    /// [m^k] mean of the diameter to the power k, in closed form. For the log-normal distribution with median m and σ =
+    /// ln(geometric deviation), the mean is m^k exp(k²σ²/2) A(kσ)/A(0). A(s) is the share between the cut-offs of a
+    /// normal distribution whose mean is shifted by s.
     pub fn mean_power(&self, k: i32) -> f64 {
         match self {
             Self::Uniform { from, to } => {
-                // (b^(k+1) - a^(k+1))/((k + 1)(b - a)) without the difference b - a, which is small where a = from and
-                // b = to are near
+                // (b^(k+1) - a^(k+1))/((k + 1)(b - a)) with a = from and b = to, as a sum without the differences,
+                // whose rounding errors are large where a is close to b
                 let terms = (0..=k).map(|i| from.powi(i) * to.powi(k - i));
                 terms.sum::<f64>() / f64::from(k + 1)
             }

@@ -7,8 +7,8 @@ use serde::Serialize;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StartRegion {
-    /// The particles are wholly inside a body.
+    /// The interior of a body, which contains each particle wholly.
     Body(Hollow),
-    /// The centre of each particle is inside one of the walls with these indices in the scene.
+    /// The interior of the walls with these indices in the scene. One of them contains the centre of each particle.
     InsideWalls(Vec<u32>),
 }

@@ -9,8 +9,8 @@ use crate::neighbours::overlapping;
 /// Summary of all contacts in progress. Both numbers are 0 if collisions are instantaneous.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactSummary {
-    /// Number of particles in contact, counted once per contact: two for a contact of a pair, one for a contact with a
-    /// wall.
+    /// Number of particles in contact, counted once per contact: two for each contact of a pair, one for each contact
+    /// with a wall.
     pub ends: u64,
     /// [-] largest overlap over the diameter of the smaller particle.
     pub largest_overlap: f64,
@@ -18,32 +18,32 @@ pub struct ContactSummary {
 
 impl Simulation {
     /// [J] kinetic and rotational energy of all particles plus the energy stored in contacts. Before the first window,
-    /// the stored energy is that of the initial overlaps. This number is a sum over the [`sample`](Self::sample).
+    /// the stored energy is that of the initial overlaps. The energy is a sum over the [`sample`](Self::sample).
     pub fn energy(&self) -> f64 {
         let sample = self.sample();
         sample.kinetic_energy() + sample.rotational_energy() + self.elastic_energy()
     }
 
     /// [J] energy stored in the contacts of all particles. Before the first window, it is that of the initial overlaps.
-    /// This number is a sum over the [`sample`](Self::sample).
+    /// It is a sum over the [`sample`](Self::sample).
     pub fn elastic_energy(&self) -> f64 {
         self.unseen.unwrap_or_else(|| self.engine.elastic_energy())
     }
 
-    /// [J] parts of the elastic energy in tangential, rolling and twisting springs, of all particles. It is a sum of the
-    /// [`sample`](Self::sample).
+    /// [J] parts of the elastic energy of all particles that are stored in tangential, rolling and twisting springs.
+    /// Each is a sum over the [`sample`](Self::sample).
     pub fn spring_energies(&self) -> [f64; 3] {
         self.engine.spring_energies()
     }
 
-    /// Pairs of overlapping bodies, given by their indices in the store, with their overlap [m] (soft engine).
+    /// Pairs of bodies in contact, given by their indices in the store, each with its overlap [m] (soft engine).
     pub fn contacts(&self) -> Vec<(Couple, f64)> {
         let mut contacts = Vec::new();
         self.for_each_contact(|couple, overlap| contacts.push((couple, overlap)));
         contacts
     }
 
-    /// Calls `visit` with each pair of overlapping bodies, given by their indices in the store, and their overlap [m]
+    /// Calls `visit` with each pair of bodies in contact, given by their indices in the store, and with its overlap [m]
     /// (soft engine).
     pub fn for_each_contact(&self, mut visit: impl FnMut(Couple, f64)) {
         let mut look = |couple: Couple| {
@@ -70,8 +70,9 @@ impl Simulation {
         overlaps
     }
 
-    /// Contacts with particles in other processes: index of the particle in this process, and overlap [m] (soft
-    /// engine). Both processes list the contact. The list is empty unless each process holds a part of the particles.
+    /// Contacts with particles of other processes, each as the index of the particle in this process and the overlap
+    /// [m] (soft engine). Both processes list the contact. The list is empty unless each process has a part of the
+    /// particles.
     pub fn contacts_abroad(&self) -> Vec<(u32, f64)> {
         self.touching_abroad().into_iter().map(|(place, overlap)| (place, overlap.depth)).collect()
     }
@@ -80,7 +81,7 @@ impl Simulation {
         self.engine.distributed().map_or_else(Vec::new, Distributed::touching_abroad)
     }
 
-    /// Summary of the contacts in progress of all particles, computed as a sum over the [`sample`](Self::sample).
+    /// Summary of the contacts in progress of all particles, a sum over the [`sample`](Self::sample).
     pub fn touching(&self) -> ContactSummary {
         let abroad = self.touching_abroad();
         let deepest = abroad.iter().map(|(_, overlap)| overlap.depth / overlap.diameter).fold(0.0, f64::max);

@@ -12,7 +12,8 @@ use std::ops::{Deref, DerefMut};
 
 /// Engine of a simulation.
 pub enum SimulationEngine {
-    /// An engine that runs in one process. If processes share the simulation, the lead process does all its work.
+    /// An engine that runs in one process. If processes share the simulation, this engine runs in the lead process
+    /// alone.
     Single(Box<dyn Engine>),
     /// An engine whose run several processes can share.
     Distributed(Box<dyn Distributed>),
@@ -35,7 +36,7 @@ impl SimulationEngine {
         }
     }
 
-    /// True if the particles are divided between processes, so that each holds only those of its block of the domain.
+    /// True if the particles are divided between processes. Each process then has only the particles of its block.
     pub fn is_cut(&self) -> bool {
         self.distributed().is_some_and(Distributed::is_cut)
     }
@@ -61,7 +62,8 @@ impl DerefMut for SimulationEngine {
     }
 }
 
-/// [s] longest allowed soft time step of an experiment with `particles` particles; infinite if nothing can touch.
+/// [s] soft time step of an experiment with `particles` particles; infinite if the step is set per contact and no
+/// contact is possible.
 pub fn soft_step(experiment: &Experiment, particles: usize) -> f64 {
     match experiment.soft.time_step {
         TimeStep::Fixed(step) => step,
@@ -72,7 +74,7 @@ pub fn soft_step(experiment: &Experiment, particles: usize) -> f64 {
     }
 }
 
-/// True if the soft particles of an experiment, of which there are `particles`, can touch one another or a wall.
+/// True if soft particles of an experiment with `particles` particles can touch one another or a wall.
 pub fn may_touch(experiment: &Experiment, particles: usize) -> bool {
     let shortest = experiment.law().and_then(|law| ContactTimes::of(experiment, &law, particles).governing());
     shortest.is_some()
@@ -80,6 +82,7 @@ pub fn may_touch(experiment: &Experiment, particles: usize) -> bool {
 
 /// Makes the engine for an experiment with `particles` particles.
 pub fn engine(experiment: &Experiment, particles: usize) -> SimulationEngine {
+    let sheared = experiment.scene.domain.shear.is_some();
     let engine: Box<dyn Distributed> = match experiment.run.spheres {
         Spheres::Soft(law) => {
             let settings = &experiment.soft;
@@ -97,5 +100,6 @@ pub fn engine(experiment: &Experiment, particles: usize) -> SimulationEngine {
             Box::new(Hybrid::new(law, settings.integrator, step, experiment.hybrid.clearance))
         }
     };
-    SimulationEngine::Distributed(engine)
+    // blocks of the domain do not know images that slide
+    if sheared { SimulationEngine::Single(engine) } else { SimulationEngine::Distributed(engine) }
 }

@@ -1,4 +1,4 @@
-//! Kicks of drag: the gas changes the velocities of all particles, while these stay where they are.
+//! Kicks of drag: the gas changes the velocities of all particles and leaves their positions as they are.
 
 use super::Simulation;
 use crate::drag::Kick;
@@ -10,13 +10,14 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 
 impl Simulation {
-    /// Local volume fractions of the particles of all processes, in `cells` cells along x, y and z.
+    /// Local volume fractions of the particles of all processes, with `cells` cells along x, y and z.
     pub(super) fn fractions(&self, cells: [u32; 3]) -> LocalFractions {
         LocalFractions::of(&self.particles, &self.scene.domain, cells, self.parts())
     }
 
-    /// Books a kick. `sums` contains the impulse [kg m/s] along x, y and z and the work [J] of the particles of this
-    /// process, and `entry` makes an entry of the ledger from the totals over all processes.
+    /// Adds a kick to the ledger and to the total momentum. `sums` contains the impulse [kg m/s] along x, y and z and
+    /// the work [J] of the particles of this process. `entry` makes the entry of the ledger from the totals over all
+    /// processes.
     pub(super) fn book_kick(&mut self, mut sums: [ExactSum; 4], entry: fn(Vector3<f64>, f64) -> Ledger) {
         self.sample().total(&mut sums.each_mut());
         if self.is_follower() {
@@ -29,13 +30,13 @@ impl Simulation {
     }
 }
 
-/// Applies drag alone to all particles in a gas with the given profile. Returns sums over all particles: the impulse
+/// Applies drag alone to all particles, in a gas with the given profile. Returns sums over all particles: the impulse
 /// [kg m/s] of drag along x, y and z, and the work [J] of drag.
 pub fn kick(particles: &mut Particles, profile: &Profile, kick: &Kick) -> [ExactSum; 4] {
     kick_among(particles, profile, kick, None)
 }
 
-/// Applies [`kick`], by a law that depends on the local volume fractions of the particles if these are given.
+/// Applies [`kick`]. With `fractions`, the drag depends on the local volume fractions of the particles.
 pub(super) fn kick_among(
     particles: &mut Particles,
     profile: &Profile,
@@ -54,8 +55,8 @@ pub(super) fn kick_among(
 /// Positions [m], masses [kg], species and radii [m] of the particles of one chunk.
 type Dragged<'a> = (&'a [Vector3<f64>], (&'a [f64], (&'a [u16], &'a [f64])));
 
-/// Applies [`kick`] on one thread, in three short loops over some particles at a time. Each loop does little work per
-/// particle, so that the processor computes several particles at once instead of waiting for one long chain of results.
+/// Applies [`kick`] on one thread, in three short loops over one block of particles at a time. The short loops let the
+/// processor compute several particles at once.
 fn kick_chunk(
     velocity: &mut [Vector3<f64>],
     (position, (mass, (species, radius))): Dragged,

@@ -1,4 +1,4 @@
-//! Kicks of lift: the gas turns the slip of each particle and changes its spin, while the particles stay in position.
+//! Kicks of lift: the gas turns the slip velocity of each particle and changes its spin. The positions do not change.
 
 use super::Simulation;
 use crate::exact::{self, ExactSum};
@@ -8,16 +8,16 @@ use crate::record::Ledger;
 use crate::work_sharing;
 use nalgebra::Vector3;
 
-/// Place of a kick of lift: before or after a window. The order of its parts is opposite, so that both together are of
-/// second order.
+/// Place of a kick of lift: before or after a window. Before a window the torque acts first, after a window the force
+/// acts first, so that both kicks together have an error of second order in the window.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum LiftKick {
     BeforeWindow,
     AfterWindow,
 }
 
-/// New velocity [m/s] and spin [rad/s] of a particle, if it rotates, and what it gains: the impulse [kg m/s] along x, y and
-/// z, and the work [J].
+/// New velocity [m/s] of a particle, and new spin [rad/s] if it rotates. The numbers are the impulse [kg m/s] along x,
+/// y and z and the work [J] of lift.
 type Lifted = (Vector3<f64>, Option<Vector3<f64>>, [f64; 4]);
 
 impl Simulation {
@@ -27,13 +27,15 @@ impl Simulation {
             return;
         };
         let began = self.clock.now();
+        let before = self.slice_sums(None);
         let sums = apply(&mut self.particles, (fluid, lift), duration, kick);
+        self.owe_lift(before);
         self.book_kick(sums, |drag_impulse, drag_work| Ledger { drag_impulse, drag_work, ..Ledger::default() });
         self.spent.drag += self.clock.now() - began;
     }
 }
 
-/// Applies lift to all particles; returns sums over all of them.
+/// Applies lift to all particles. Returns sums over all particles: impulse [kg m/s] along x, y and z, and work [J].
 fn apply(particles: &mut Particles, gas: (&Fluid, Lift), duration: f64, kick: LiftKick) -> [ExactSum; 4] {
     let places: Vec<usize> = (0..particles.len()).collect();
     let one = |places: &[usize]| -> Vec<Lifted> {

@@ -1,11 +1,12 @@
-//! Simulation shared by several processes. The lead process runs the simulation as if it were alone, and the other
-//! processes execute its orders on their particles.
+//! Simulation shared by several processes. The lead process runs the simulation as a single process would. The other
+//! processes execute the orders of the lead on their particles.
 
 use super::Simulation;
 use crate::communicator::Communicator;
 use crate::engine::distributed::Distributed;
 use crate::exact::values;
 use crate::experiment::Experiment;
+use crate::fluid::LoadedFlow;
 use crate::particles::{Particles, Sample, fingerprint_of, for_each_slice};
 use crate::record::Record;
 use crate::stored::{StoreError, Stored};
@@ -16,44 +17,45 @@ use std::sync::Arc;
 /// Connection of a simulation to the other processes that share its run.
 pub struct SharedSimulation {
     communicator: Arc<dyn Communicator>,
-    /// For each shared observer, true if the other processes have received the earlier data of the observer in the lead
-    /// process.
+    /// One entry for each shared observer: true if the other processes have received the data that the observer has
+    /// collected in the lead process.
     informed: Vec<bool>,
 }
 
 /// Description of the particles gathered from all processes, which temporarily replace those of the lead process.
 pub struct GatheredParticles {
-    /// Step in the ids: every `every`-th particle is gathered.
+    /// Step in the ids: 1 for all particles, 2 for every second particle, and so on.
     every: u32,
     /// [m/s] root mean square of the velocities of all particles about their mean velocity. `None` if all particles are
     /// gathered.
     pub agitation: Option<f64>,
 }
 
-/// Order of the lead process to the other processes, which do the same work on their particles.
+/// Order from the lead process. The lead does the same work on its own particles.
 #[derive(Clone, Serialize, Deserialize)]
 pub enum Order {
-    /// Apply drag alone for a duration [s], as the kick with this number.
+    /// Apply drag alone for a duration [s], as the kick with a number.
     Kick(f64, u64),
     /// Advance the engine from a start time through a window [s].
-    Advance(f64, f64),
-    /// Store the velocities. A half-kick is applied afterwards, and observers are called.
+    ///
+    /// A gas that feels the particles is sent too, since processes without particles have not followed it.
+    Advance(f64, f64, Option<Box<LoadedFlow>>),
+    /// Store the velocities, before a half-kick for observers.
     Keep,
-    /// Replace the velocities by those stored before.
+    /// Restore the stored velocities.
     TakeBack,
-    /// Send the lead every n-th particle by id.
+    /// Send the lead every n-th particle by id, where n is the number given.
     Show(u32),
     /// Check that the particles of the process are inside the domain.
     Check,
     /// Compute the checksum of the state of all processes.
     Fingerprint,
-    /// Send all records to the lead, and then each part of the state, one after the other.
+    /// Send all records to the lead, and then each part of the state in turn.
     Give,
-    /// Call the observers at these indices with the part of the particles in the process. The numbers are the time [s]
-    /// and the momentum [kg m/s] of all particles.
+    /// Call the observers at these indices for the particles of the process. The first two values are the time [s] and
+    /// the momentum [kg m/s] of all particles.
     ///
-    /// An observer that is called in this way for the first time continues from the data of its copy in the lead
-    /// process.
+    /// At its first call in this way, an observer continues from the stored data of its copy in the lead process.
     See(f64, Vector3<f64>, Vec<(usize, Option<Stored>)>),
     /// The run is over.
     End,
@@ -71,7 +73,7 @@ impl SharedSimulation {
 }
 
 impl Drop for SharedSimulation {
-    /// Ends the work of the other processes.
+    /// Ends the work of the other processes, if this process is the lead.
     fn drop(&mut self) {
         if self.communicator.is_lead() {
             self.tell(&Order::End);
@@ -81,9 +83,9 @@ impl Drop for SharedSimulation {
 
 impl Simulation {
     /// Shares this simulation with other processes. While this saves time, each process moves the particles in its own
-    /// block of the domain. The lead process continues as if it were alone, with identical bits. The other processes
-    /// have made a simulation of an equal scene and engine. They [`follow`](Self::follow) the lead until its simulation
-    /// is dropped; their previous particles are discarded. The first `observers` observers of the lead exist in all
+    /// block of the domain. The lead process then returns the bits of a run in one process. Each other process must
+    /// make a simulation of an equal scene and engine, whose particles are discarded. It must [`follow`](Self::follow)
+    /// the lead until the simulation of the lead is dropped. The first `observers` observers of the lead exist in all
     /// processes.
     pub fn shared(mut self, communicator: Arc<dyn Communicator>, observers: usize) -> Self {
         let told = communicator.broadcast(postcard::to_stdvec(&self.totals).unwrap_or_default());
@@ -99,15 +101,15 @@ impl Simulation {
         self
     }
 
-    /// Creates a simulation at time 0 in which each process holds a part of the particles, without initial overlaps.
-    /// The parts are those in [blocks of one size](crate::domain::blocks::Blocks::of_one_size). All processes must call
-    /// this function, and then share the simulation.
+    /// Creates a simulation at time 0 in which each process has a part of the particles, without initial overlaps. The
+    /// parts are those in [blocks of one size](crate::domain::blocks::Blocks::of_one_size). All processes must call
+    /// this function, and must then call [`shared_in_parts`](Self::shared_in_parts).
     pub fn part(experiment: &Experiment, particles: Particles, communicator: &dyn Communicator) -> Self {
         Self::of(experiment, particles, Some(communicator))
     }
 
-    /// Shares the simulation as [`shared`](Self::shared) does. Each process holds a [`part`](Self::part) of the
-    /// particles already, and continues with this part.
+    /// Shares the simulation as [`shared`](Self::shared) does, after [`part`](Self::part). Each process continues with
+    /// its own part of the particles.
     pub fn shared_in_parts(mut self, communicator: Arc<dyn Communicator>, observers: usize) -> Self {
         let sample = Sample::part(&self.particles, Some(&*communicator));
         if let Some(engine) = self.engine.distributed_mut() {
@@ -124,24 +126,27 @@ impl Simulation {
         self
     }
 
-    /// Executes the orders of the lead for the particles of this process, until the lead ends. `see` calls the observer
-    /// at an index with the simulation. At the first call the observer continues from the data of its copy in the lead
-    /// process.
+    /// Executes the orders of the lead for the particles of this process until the lead ends. `see` calls the observer
+    /// at an index with the simulation. At its first call, the observer continues from the stored data of its copy in
+    /// the lead.
     pub fn follow(mut self, see: &mut dyn FnMut(&Self, usize, Option<&Stored>)) {
-        let mut kept = Particles::default();
+        let (mut kept, mut kept_gas) = (Particles::default(), None);
         while let Some(share) = &self.share {
             match share.told() {
                 Order::Keep => {
                     self.particles.keep_kicked(&mut kept);
                     kept.eddies.clone_from(&self.particles.eddies);
+                    kept_gas.clone_from(&self.loaded_flow);
                 }
                 Order::TakeBack => {
                     self.particles.take_back(&mut kept);
                     self.particles.eddies = kept.eddies.take();
+                    self.take_gas(kept_gas.take());
                 }
                 Order::Kick(duration, number) => self.kick(duration, number),
-                Order::Advance(time, window) => {
+                Order::Advance(time, window, gas) => {
                     self.time = time;
+                    self.take_gas(gas);
                     // only the lead reports failures
                     let _ = self.advance(window);
                 }
@@ -160,9 +165,9 @@ impl Simulation {
         }
     }
 
-    /// If processes share the run, gathers every `every`-th particle by id in the lead process, and the particles in
-    /// contact with these. With `every` = 1, all particles and all records are gathered. The next window ends this
-    /// state.
+    /// If processes share the run, gathers every `every`-th particle by id and the particles in contact with one of
+    /// them in the lead process. With `every` = 1, all particles and all records are gathered. The next window replaces
+    /// the gathered particles by those of the process.
     pub fn show(&mut self, every: u32) {
         if self.share.is_none() || self.shown.as_ref().is_some_and(|shown| [1, every].contains(&shown.every)) {
             return;
@@ -181,13 +186,13 @@ impl Simulation {
         }
     }
 
-    /// True if the observer at an index exists in all processes.
+    /// True if the observer at an index exists in all processes that share the run.
     pub(crate) fn is_seen_by_all(&self, place: usize) -> bool {
         self.share.as_ref().is_none_or(|share| place < share.informed.len())
     }
 
-    /// Makes the other processes call the observers at these indices with their parts of the particles. The lead calls
-    /// this method before its own observers. `kept` returns the stored data of an observer.
+    /// Makes the other processes call the observers at these indices with their parts of the particles. The lead must
+    /// call this method before its own observers. `kept` returns the stored data of the observer at an index.
     pub(crate) fn show_parts(&mut self, places: &[usize], kept: impl Fn(usize) -> Stored) {
         if self.shown.as_ref().is_some_and(|shown| shown.every > 1) {
             self.hide();
@@ -228,7 +233,7 @@ impl Simulation {
         }
     }
 
-    /// Number of parts into which the state is divided between processes; 0 if this process holds the whole state.
+    /// Number of parts into which the state is divided between processes; 0 if this process has the whole state.
     pub fn parts_of_state(&mut self) -> usize {
         if self.shown.as_ref().is_some_and(|shown| shown.every > 1) {
             self.hide();
@@ -237,8 +242,8 @@ impl Simulation {
         self.parts().filter(|_| gives_parts).map_or(0, Communicator::size)
     }
 
-    /// Adds up all records for a [`snapshot`](Self::snapshot), and calls `take` with each part of the state, one after
-    /// the other, so that only one part is in memory.
+    /// Adds up all records for a [`snapshot`](Self::snapshot). Then calls `take` with each part of the state in turn,
+    /// so that only one part is in memory.
     pub fn give_parts(&mut self, take: &mut dyn FnMut(Vec<u8>)) {
         self.order(&Order::Give);
         self.collect_records();
@@ -251,8 +256,8 @@ impl Simulation {
         }
     }
 
-    /// Continues from the `count` parts of a stored state. `next` returns the part with a given number. At the same
-    /// time the other processes receive their parts by [`take_dealt`](Self::take_dealt).
+    /// Continues from the `count` parts of a stored state, in the lead process. `next` returns the part with a given
+    /// number. At the same time the other processes must call [`take_dealt`](Self::take_dealt) to receive their parts.
     ///
     /// # Errors
     /// The parts do not contain all particles.
@@ -270,7 +275,7 @@ impl Simulation {
         }
     }
 
-    /// Receives that part of a stored state from the lead which belongs to this process.
+    /// Receives from the lead the part of a stored state that belongs to this process.
     ///
     /// # Errors
     /// The data from the lead do not fit the engine.
@@ -283,7 +288,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Checksum of the [`state`](Self::state) over the particles of all processes: their [`Particles::fingerprint`].
+    /// Checksum of the [`state`](Self::state) of the particles of all processes, as [`Particles::fingerprint`] computes
+    /// it.
     pub fn fingerprint(&mut self) -> u64 {
         if self.shown.as_ref().is_some_and(|shown| shown.every > 1) {
             self.hide();
@@ -297,18 +303,18 @@ impl Simulation {
         fingerprint_of(&self.particles, self.parts())
     }
 
-    /// Sample of the particles, from which sums over the particles of all processes are computed. While each process
-    /// holds a part of the particles, all processes must request the same sums.
+    /// Sample of the particles, from which sums over the particles of all processes are computed. If each process has a
+    /// part of the particles, all processes must request the same sums.
     pub fn sample(&self) -> Sample<'_> {
         Sample::part(&self.particles, self.parts())
     }
 
-    /// Connection to the other processes while each process holds a part of the particles; otherwise `None`.
+    /// Connection to the other processes, if each process has a part of the particles; otherwise `None`.
     pub(crate) fn parts(&self) -> Option<&dyn Communicator> {
         self.share.as_ref().filter(|_| self.engine.is_cut()).map(|share| &*share.communicator)
     }
 
-    /// Sends the other processes the next order, if this process is the lead.
+    /// Sends an order to the other processes, if this process is the lead.
     pub(super) fn order(&self, order: &Order) {
         if let Some(share) = self.share.as_ref().filter(|share| share.communicator.is_lead()) {
             share.tell(order);

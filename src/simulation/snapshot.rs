@@ -4,14 +4,15 @@ use super::totals::SimulationTotals;
 use super::{Simulation, SimulationTimes};
 use crate::communicator::Communicator;
 use crate::experiment::Experiment;
+use crate::fluid::LoadedFlow;
 use crate::particles::Particles;
 use crate::predict::energy::Bound;
 use crate::record::Record;
 use crate::stored::{StoreError, Stored};
 use serde::{Deserialize, Serialize};
 
-/// All data that a simulation stores from one window to the next, as one value. A simulation of an equal experiment
-/// continues from this value with identical bits. `docs/design/runs.md` lists the contents.
+/// All data that a simulation needs to continue after a window. A simulation of an equal experiment continues from a
+/// snapshot with identical bits. `docs/design/runs.md` lists the contents.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Snapshot {
     /// The particles, in the order of the store; empty if the state is divided into parts.
@@ -29,13 +30,15 @@ pub struct Snapshot {
     pub spent: SimulationTimes,
     /// Sums over all particles.
     totals: SimulationTotals,
-    /// True if the drag of the last window has been applied completely, so that velocities and positions belong to one
+    /// True if the drag of the last window has been applied completely. Velocities and positions then belong to one
     /// time.
     half_kicked: bool,
-    /// Limit of the growth of the energy by errors of the soft scheme; it depends on the start.
+    /// Limit of the growth of the energy by errors of the soft scheme. It depends on the initial state.
     bound: Option<Bound>,
     /// [J] elastic energy of the initial overlaps, until the engine has processed the start (soft).
     unseen: Option<f64>,
+    /// Gas that feels the particles; `None` if the gas is frozen.
+    loaded_flow: Option<Box<LoadedFlow>>,
     /// State of the engine.
     engine: Stored,
 }
@@ -53,9 +56,9 @@ impl Snapshot {
 }
 
 impl Simulation {
-    /// Creates a snapshot from which a simulation of an equal experiment can continue. If several processes share the
-    /// run and each holds a part of the particles, the snapshot does not contain these parts. Then
-    /// [`give_parts`](Self::give_parts) must be called before.
+    /// Creates a snapshot from which a simulation of an equal experiment can continue. If each process has a part of
+    /// the particles, the snapshot does not contain the particles. Call [`give_parts`](Self::give_parts) before this
+    /// method then.
     ///
     /// # Errors
     /// An engine of the calling program cannot store its state.
@@ -72,6 +75,7 @@ impl Simulation {
             half_kicked: self.half_kicked,
             bound: self.bound.clone(),
             unseen: self.unseen,
+            loaded_flow: self.loaded_flow.clone(),
             engine: self.engine.stored()?,
         })
     }
@@ -85,17 +89,19 @@ impl Simulation {
         Self::new(experiment, snapshot.particles.clone()).resume(snapshot)
     }
 
-    /// Continues from a snapshot with the engine of this simulation, which may be one of the calling program. The scene
-    /// and the settings do not change; particles and records are taken from the snapshot.
+    /// Continues from a snapshot with the engine of this simulation, which the calling program may have supplied. The
+    /// scene and the settings do not change; particles and records are those of the snapshot.
     ///
     /// # Errors
     /// The snapshot was taken with another engine.
     pub fn resume(mut self, snapshot: Snapshot) -> Result<Self, StoreError> {
         let Snapshot { particles, record, time, windows, spent, totals, .. } = snapshot;
-        let Snapshot { half_kicked, bound, unseen, engine, .. } = snapshot;
+        let Snapshot { half_kicked, bound, unseen, loaded_flow, engine, .. } = snapshot;
         self.engine.restore(&engine)?;
+        self.take_gas(loaded_flow);
         let by_walls = record.ledger.by_walls();
-        let run = Self { particles, record, time, windows, spent, totals, by_walls, ..self };
+        let mut run = Self { particles, record, time, windows, spent, totals, by_walls, ..self };
+        run.scene.domain = run.scene.domain.at(time).into_owned();
         Ok(Self { half_kicked, bound, unseen, ..run })
     }
 }

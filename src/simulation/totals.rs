@@ -13,12 +13,12 @@ pub struct SimulationTotals {
     pub mean_radius: f64,
     /// [kg] mass of all particles at the start.
     pub mass: f64,
-    /// [kg m/s] momentum of all particles, from the changes since the start.
+    /// [kg m/s] momentum of all particles: the initial one plus all changes since the start.
     pub momentum: Vector3<f64>,
 }
 
 impl SimulationTotals {
-    /// Computes the sums over the particles of a sample. Other processes may hold a part of these particles.
+    /// Computes the sums over the particles of a sample, including particles of other processes.
     pub fn of(sample: &Sample) -> Self {
         let [mean_radius, ..] = sample.mean_radii(1.0);
         Self { count: sample.count(), mean_radius, mass: sample.total_mass(), momentum: sample.momentum() }

@@ -1,5 +1,5 @@
-//! Kicks of drag in a turbulent gas: the fluctuation of the gas velocity that each particle sees changes together with
-//! the velocity of the particle. `docs/design/turbulence.md` gives the equations.
+//! Kicks of drag in a turbulent gas. The velocity of each particle changes together with the fluctuation of the gas
+//! velocity that it sees. `docs/design/turbulence.md` gives the equations.
 
 use super::Simulation;
 use crate::drag::Kick;
@@ -13,20 +13,20 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 
 impl Simulation {
-    /// Number of the kick at the end of the last window. A whole kick and the half-kick of an observer have one number,
-    /// because only one of them remains.
+    /// Number of the kick at the end of the last window. A whole kick and the half-kick for observers have one number,
+    /// because the half-kick is undone before the whole kick.
     pub(super) fn number_of_kick(&self) -> u64 {
         2 * self.windows
     }
 
-    /// Number of the half-kick before the next window, if a half-kick has ended the last window.
+    /// Number of the half-kick before the next window, for a run whose last window ended with a half-kick.
     pub(super) fn number_of_first_half(&self) -> u64 {
         2 * self.windows + 1
     }
 }
 
-/// Draws the eddies that particles see at the start, unless the particles have some already. The Gaussian numbers have
-/// the variance 1, which is that of the local turbulence.
+/// Draws the initial eddies of particles that have none: Gaussian numbers with the variance 1, which is that of the
+/// fluctuation of the gas over its standard deviation.
 pub(super) fn draw_first_eddies(particles: &mut Particles, seed: u64) {
     let Particles { eddies, id, .. } = particles;
     eddies.get_or_insert_with(|| {
@@ -35,8 +35,8 @@ pub(super) fn draw_first_eddies(particles: &mut Particles, seed: u64) {
     });
 }
 
-/// Mirrors the eddies of particles that have come from a wall within the last `window` [s]: the component along the
-/// normal changes its sign. Such a particle is in front of a wall, and its free path back in time leads through the wall.
+/// Mirrors the eddies of particles that a wall has reflected within the last `window` [s]: the component along the
+/// normal changes its sign. Such a particle has a positive gap, but its free flight back in time leads into the wall.
 pub(super) fn mirror_at_walls(particles: &mut Particles, scene: &Scene, window: f64) {
     let Some(mut eddies) = particles.eddies.take() else { return };
     let all = &*particles;
@@ -63,11 +63,11 @@ pub(super) fn mirror_at_walls(particles: &mut Particles, scene: &Scene, window: 
 
 /// Kick of drag in a turbulent gas.
 pub(super) struct TurbulentKick<'a> {
-    /// Mean velocity of the gas.
+    /// Profile of the mean velocity of the gas.
     pub profile: &'a Profile,
     /// Turbulence of the gas.
     pub turbulence: &'a Turbulence,
-    /// Kick in a gas of constant velocity.
+    /// Kick of drag in a gas of constant velocity.
     pub kick: &'a Kick,
     /// Local volume fractions of the particles, if the drag law depends on them.
     pub fractions: Option<&'a LocalFractions>,
@@ -111,7 +111,8 @@ impl TurbulentKick<'_> {
         sums
     }
 
-    /// [m/s] change of the velocity `v` [m/s] of the particle at an index. Advances the eddy that it sees.
+    /// [m/s] change of the velocity `v` [m/s] of the particle at an index. The method also advances the eddy of this
+    /// particle.
     #[inline]
     fn change(
         &self,
@@ -124,7 +125,7 @@ impl TurbulentKick<'_> {
         let local = self.turbulence.at(self.profile, position);
         let velocity = v - Vector3::new(0.0, 0.0, self.profile.velocity_at(position));
         let ratio = |slip: Vector3<f64>| self.ratio(all, place, slip.norm_squared());
-        // the share of the slip that remains is exp(-h/τ); that of a long kick is 0 up to rounding of the table
+        // the share of the slip that remains is exp(-h/τ); for a long kick it is 0 up to rounding of the table
         let lost = ratio(velocity - *eddy * local.deviation).max(-1.0);
         let response = -self.kick.duration() / lost.ln_1p();
         let seen = EddySeen { fluctuation: *eddy, velocity, response };
@@ -135,8 +136,8 @@ impl TurbulentKick<'_> {
         slip * ratio(slip)
     }
 
-    /// [-] change of the slip velocity of the particle at an index divided by the slip velocity, whose square is
-    /// `square` [m²/s²].
+    /// [-] change of the slip velocity of the particle at an index, divided by the slip velocity. `square` [m²/s²] is
+    /// the square of the slip velocity.
     #[inline]
     fn ratio(&self, all: &Particles, place: usize, square: f64) -> f64 {
         let (species, radius) = (all.species[place], all.radius[place]);

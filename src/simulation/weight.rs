@@ -1,4 +1,4 @@
-//! Weight of the particles: its work and impulse, and buoyancy that gives species different accelerations.
+//! Weight of the particles: its work and impulse, and the differences in acceleration of species with buoyancy.
 
 use super::Simulation;
 use crate::exact::{self, BLOCK, ExactSum};
@@ -17,8 +17,8 @@ impl Simulation {
         self.record.ledger.gravity_impulse / self.time
     }
 
-    /// Adds the work and the impulse of gravity, in a window of length `window` of which the time `reached` has passed
-    /// [s], to the ledger. `by_walls` [kg m/s] is the momentum that walls have given to the particles in this time.
+    /// Adds the work and the impulse of gravity to the ledger, for the time `reached` [s] of a window of length
+    /// `window` [s]. `by_walls` [kg m/s] is the momentum that walls have given to the particles in this time.
     pub(super) fn book_gravity(&mut self, by_walls: Vector3<f64>, [window, reached]: [f64; 2]) {
         let g = self.scene.gravity;
         // The work of gravity is computed from the momentum of all particles. Momentum exchanged between particles
@@ -34,8 +34,8 @@ impl Simulation {
         self.totals.momentum += weight + by_walls;
     }
 
-    /// Accelerates each particle for `duration` [s] by that part of weight and buoyancy which its species does not
-    /// share with the densest species. The engine computes the other part.
+    /// Accelerates each particle for `duration` [s] by the difference between its species and the densest species in
+    /// weight and buoyancy. The engine applies the acceleration of the densest species.
     pub(super) fn add_differences_in_gravity(&mut self, duration: f64) {
         let differences = self.scene.differences_in_gravity();
         if differences.is_empty() {
@@ -56,8 +56,8 @@ impl Simulation {
 /// Velocities [m/s], masses [kg] and species of the particles of one chunk.
 type Weighed<'a> = (&'a mut [Vector3<f64>], (&'a [f64], &'a [u16]));
 
-/// Adds the velocity `changes` [m/s] of its species to each particle. Returns sums over all particles: the impulse
-/// [kg m/s] along x, y and z, and the work [J].
+/// Adds to the velocity of each particle the entry of `changes` [m/s] of its species. Returns sums over all particles:
+/// the impulse [kg m/s] along x, y and z, and the work [J].
 fn accelerate(particles: &mut Particles, changes: &[Vector3<f64>]) -> [ExactSum; 4] {
     let Particles { velocity, mass, species, .. } = particles;
     let chunks = velocity.chunks_mut(CHUNK).zip(mass.chunks(CHUNK).zip(species.chunks(CHUNK)));

@@ -6,16 +6,17 @@
 use super::errors::{Estimate, FEWEST_BLOCKS, LARGEST_CORRELATION, block_size, inflation, mean};
 use nalgebra::{DMatrix, DVector};
 
-/// [-] largest ratio of the block lengths of two runs for which the correlations between their blocks are taken as
-/// equal. These correlations are then measured in both runs together.
+/// [-] largest ratio of the block lengths of two runs for which their blocks are assumed to have equal correlations.
+/// The correlations are then measured in both runs together.
 const SAME_LENGTH: f64 = 1.25;
 
 /// Smallest number of independent runs for an error. With two runs the tails of Student's distribution are too wide for
 /// a useful error.
 pub const FEWEST_RUNS: usize = 3;
 
-/// Largest number of stated values whose errors are independent: one less than the number of runs that are made up for
-/// each, a power of two. With so many runs Student's distribution is the normal one within 0.2 %.
+/// Largest number of stated values (see [`Batches::of_stated`]) with independent errors. Each stated value is
+/// represented by 1024 made-up runs, one more than this number. With so many runs, Student's distribution is the normal
+/// one within 0.2 %.
 pub const MOST_STATED: usize = 1023;
 
 /// Several averages over a run, or over the replicas of a run, with their values in each block of time.
@@ -34,7 +35,7 @@ pub struct Batches {
     pub from: f64,
     /// [s] length of each block of time.
     pub length: f64,
-    /// [s] time between samples. The last sample of a block is taken one such time before the end of the block.
+    /// [s] time between samples. The last sample of a block is taken one interval before the end of the block.
     pub interval: f64,
 }
 
@@ -71,9 +72,9 @@ impl Batches {
         }
     }
 
-    /// Value with a stated standard error, in the unit of the value. The error is taken as known from very many
-    /// independent runs: the blocks are made up so that they have this mean and this error of the mean. The errors of
-    /// two values are independent if their numbers, below [`MOST_STATED`], differ.
+    /// Blocks of a value with a stated standard error, both in the unit of the value. The error is taken as known from
+    /// very many independent runs: the blocks are made up so that they have this mean and this error of the mean. Two
+    /// values whose `number`s differ (both below [`MOST_STATED`]) have independent errors.
     pub fn of_stated(value: f64, error: f64, number: usize) -> Self {
         let apart = error * (MOST_STATED as f64).sqrt();
         // Walsh functions: each has as many runs above as below the value, and any two are orthogonal
@@ -122,10 +123,10 @@ impl Batches {
         Some(Estimate::new(value, covariance(&first, &deviations, &guesses)[(0, 0)].sqrt()))
     }
 
-    /// Averages over several runs of one variant. With at least 8 runs each run is one block, and nothing is assumed
-    /// about the correlation within a run. With fewer runs the blocks of all runs are used, one run after the other,
-    /// unless `by_runs` is true. `by_runs` is for quantities that do not mix within a run: for these, only the scatter
-    /// between runs is valid for other runs. `None` without a run.
+    /// Averages over several runs of one variant. With at least 8 runs, or if `by_runs` is true, each run is one block,
+    /// and nothing is assumed about the correlation within a run. Otherwise the blocks of all runs are used, one run
+    /// after the other. `by_runs` is for particles that do not mix within a run, since only the scatter between runs
+    /// then gives a valid error. `None` without a run.
     pub fn pool(runs: &[&Self], by_runs: bool) -> Option<Self> {
         let first = *runs.first()?;
         if runs.len() == 1 {
@@ -149,7 +150,7 @@ impl Batches {
         Some(Self { values, blocks: components.map(blocks).collect(), per_run: shortest, ..*first })
     }
 
-    /// Weighted sum of averages of independent runs, block by block. The scatter of the sum is then that of all runs
+    /// Weighted sum of averages of independent runs, block by block. The blocks of the sum scatter as much as all runs
     /// together. `None` without parts, or if the blocks of the runs differ.
     pub fn sum(parts: &[(f64, &Self)]) -> Option<Self> {
         let (_, first) = parts.first()?;
@@ -170,13 +171,13 @@ impl Batches {
         })
     }
 
-    /// Averages up to a time [s]: means over those blocks all of whose samples are taken up to this time. If each run
-    /// is one block, nothing is cut off.
+    /// Averages up to a time [s], over the blocks whose samples all lie before or at this time. If each run is one
+    /// block, all blocks are used.
     pub fn until(&self, time: f64) -> Self {
         if self.per_run <= 1 {
             return self.clone();
         }
-        // times are sums of many steps: their rounding must not exclude a block
+        // sample times are sums of many steps, and their rounding must not exclude a block
         let blocks = (time + self.interval - self.from) / self.length * (1.0 + 1e-9);
         let last = blocks.floor().max(0.0) as usize;
         if last >= self.per_run {
@@ -205,7 +206,8 @@ impl Batches {
         DMatrix::from_fn(self.count(), self.values.len(), |block, k| self.blocks[k][block] - centres[k])
     }
 
-    /// [-] correlation of neighbouring blocks of one component: mean product of their deviations over the mean square.
+    /// [-] correlation of neighbouring blocks of one component: mean product of their deviations divided by the mean
+    /// square.
     fn neighbours(&self, deviations: &DMatrix<f64>, component: usize) -> f64 {
         let column: Vec<f64> = deviations.column(component).iter().copied().collect();
         let square = column.iter().map(|d| d * d).sum::<f64>() / column.len() as f64;
@@ -230,12 +232,12 @@ pub enum Correlation {
 pub struct Prior {
     /// [-] mean of the correlations.
     mean: f64,
-    /// [-] variance between components in excess of the variance by chance.
+    /// [-] true variance between components: the measured variance minus the sampling variance.
     between: f64,
 }
 
 impl Prior {
-    /// Distribution computed from measured correlations, each with its variance by chance.
+    /// Distribution computed from measured correlations, each with its sampling variance.
     pub fn of(measured: &[(f64, f64)]) -> Self {
         let count = measured.len() as f64;
         if count < 2.0 {
@@ -249,9 +251,9 @@ impl Prior {
         Self { mean: centre, between: (spread - chance).max(0.0) }
     }
 
-    /// Best estimate of a correlation that was measured with the variance `chance`, and the variance of this estimate.
-    /// The measured value is moved towards the mean of all components (James and Stein). It is moved by at most one
-    /// standard error, so that a component with a high correlation remains high (Efron and Morris 1972).
+    /// Best estimate of a correlation that was measured with the sampling variance `chance`, and the variance of this
+    /// estimate. The measured value is moved towards the mean of all components (James and Stein). It is moved by at
+    /// most one standard error, so that a component with a high correlation remains high (Efron and Morris 1972).
     fn guess(&self, measured: f64, chance: f64) -> (f64, f64) {
         let weight = self.between / (self.between + chance);
         let width = chance.sqrt();
@@ -267,7 +269,7 @@ pub struct Contrast {
     pub difference: DVector<f64>,
     /// Covariance of each of the two sets.
     covariances: [DMatrix<f64>; 2],
-    /// Degrees of freedom of each set for each component, for a correlation that is known exactly.
+    /// Degrees of freedom of the variance of each set, as if the correlation were known exactly.
     freedoms: [f64; 2],
     /// [-] contribution of the uncertain correlation to the inverse of the degrees of freedom.
     unsure: f64,
@@ -289,8 +291,8 @@ impl Contrast {
             let guesses: Vec<(f64, f64)> = guesses(&correlations[place], correlation);
             covariances[place] = covariance(run, &deviations[place], &guesses);
             let square = guesses.iter().map(|guess| guess.0 * guess.0).fold(0.0, f64::max);
-            // for an exponentially correlated series, the variance is as uncertain as that of this number of
-            // independent blocks
+            // degrees of freedom of independent blocks whose variance is as uncertain as that of this exponentially
+            // correlated series
             freedoms[place] = (count - 1.0) * (1.0 - square) / (1.0 + square);
             // the inflation (1 + ρ)/(1 - ρ) of a variance has the relative variance 4 var(ρ)/(1 - ρ²)²
             let relative = guesses.iter().map(|&(rho, variance)| 2.0 * variance / (1.0 - rho * rho).powi(2));
@@ -334,20 +336,20 @@ impl Contrast {
     }
 }
 
-/// Measured correlations between neighbouring blocks of all components of two runs, each with its variance by chance.
-/// They are the input of a [`Prior`]. Empty if there are no neighbouring blocks.
+/// Measured correlations between neighbouring blocks of all components of two runs, each with its sampling variance:
+/// the input of [`Prior::of`]. Empty if there are no neighbouring blocks.
 pub fn measured(a: &Batches, b: &Batches) -> Vec<(f64, f64)> {
     let runs = [a, b];
     if !runs.iter().all(|run| run.tells_errors()) {
         return Vec::new();
     }
     let [first, second] = correlations(runs, &runs.map(Batches::deviations));
-    // if both runs have one block length, their correlations have been measured in both runs together
+    // if the two runs have nearly equal block lengths, their correlations were measured in both runs together
     let both = if first == second { first } else { first.into_iter().chain(second).collect() };
     both.into_iter().filter(|one| one.1 > 0.0).collect()
 }
 
-/// Correlation that is used for each component, with its variance.
+/// Correlation to be used for each component, with its variance.
 fn guesses(measured: &[(f64, f64)], correlation: Correlation) -> Vec<(f64, f64)> {
     match correlation {
         Correlation::Each(prior) => measured.iter().map(|&(rho, chance)| prior.guess(rho, chance)).collect(),
@@ -364,7 +366,7 @@ fn guesses(measured: &[(f64, f64)], correlation: Correlation) -> Vec<(f64, f64)>
 fn covariance(run: &Batches, deviations: &DMatrix<f64>, guesses: &[(f64, f64)]) -> DMatrix<f64> {
     let count = run.count() as f64;
     // factor: variance of the mean, times the number of blocks, over the variance of a block. The mean follows slow
-    // fluctuations, so the scatter about the mean is too small by a factor of 1 - inflation/count
+    // fluctuations, so the scatter about the mean is smaller than the variance by the factor 1 - inflation/count
     let widths = guesses.iter().map(|&(rho, _)| {
         let factor = inflation(rho, run.per_run);
         (factor / (1.0 - factor / count).max(0.05)).sqrt()
@@ -374,7 +376,7 @@ fn covariance(run: &Batches, deviations: &DMatrix<f64>, guesses: &[(f64, f64)]) 
     scatter.component_mul(&(&widths * widths.transpose()))
 }
 
-/// Measured correlation between neighbouring blocks of every component of one run, and its variance by chance.
+/// Measured correlation between neighbouring blocks of every component of one run, and its sampling variance.
 fn own_correlations(run: &Batches, deviations: &DMatrix<f64>) -> Vec<(f64, f64)> {
     let count = run.count() as f64;
     let one = |component: usize| {
@@ -390,7 +392,7 @@ fn own_correlations(run: &Batches, deviations: &DMatrix<f64>) -> Vec<(f64, f64)>
     (0..run.values.len()).map(one).collect()
 }
 
-/// Measured correlation between neighbouring blocks of every component of two runs, and its variance by chance.
+/// Measured correlation between neighbouring blocks of every component of two runs, and its sampling variance.
 fn correlations(runs: [&Batches; 2], deviations: &[DMatrix<f64>; 2]) -> [Vec<(f64, f64)>; 2] {
     let ratio = runs[0].length / runs[1].length;
     let alike = (1.0 / SAME_LENGTH..SAME_LENGTH).contains(&ratio) && runs.iter().all(|run| run.per_run > 1);
@@ -435,8 +437,8 @@ mod tests {
         let mean = |of: &dyn Fn(&(f64, f64)) -> f64| found.iter().map(of).sum::<f64>() / TRIALS as f64;
         let rho = mean(&|one| one.0);
         let scatter = mean(&|one| (one.0 - rho).powi(2));
-        // the correction is of first order in 1/20, so terms of second order remain: a few times 1/400; without the
-        // correction the value would be 0.29
+        // the correction is of first order in 1/20 (20 blocks), so errors of second order remain, a few times 1/400;
+        // without the correction the value would be 0.29
         let error = (scatter / TRIALS as f64).sqrt();
         assert!((rho - RHO).abs() < 3.0 * error + 4.0 / 400.0, "{rho} +- {error}");
     }

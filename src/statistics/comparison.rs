@@ -71,17 +71,17 @@ pub struct Judged {
     pub detected: bool,
     /// Answer for this observable.
     pub answer: Answer,
-    /// [-] smallest margin, over the scale, within which the observable would be equivalent.
+    /// [-] smallest margin, relative to the scale, within which the observable would be equivalent.
     pub reached: f64,
-    /// [-] smallest margin, over the scale, within which the observable would be equivalent if the difference is
+    /// [-] smallest margin, relative to the scale, within which the observable would be equivalent if the difference is
     /// smooth.
     pub reached_smooth: f64,
-    /// [-] interval, over the scale, that contains the differences at all positions. If both its ends are within the
-    /// margin, the observable is equivalent.
+    /// [-] interval, relative to the scale, that contains the differences at all positions. If both its ends are within
+    /// the margin, the observable is equivalent.
     pub interval: [f64; 2],
     /// True if the difference that a report names first is shown to exceed the margin, by a one-sided test.
     pub beyond: bool,
-    /// [-] smallest smooth difference, over the scale, that would be found in 80 % of cases.
+    /// [-] smallest smooth difference, relative to the scale, that would be found in 80 % of cases.
     pub detectable: f64,
     /// [-] factor by which the run would have to be longer to show equal systems equivalent in all observables in 80 %
     /// of cases.
@@ -93,7 +93,7 @@ pub struct Judged {
 pub struct Comparison {
     /// Answer for all observables together: the worst of their answers, where "different" is the worst.
     pub answer: Answer,
-    /// [-] requested margin, over the scale of each observable.
+    /// [-] requested margin, relative to the scale of each observable.
     pub margin: f64,
     /// Observables with error bars, each with its answer.
     pub judged: Vec<Judged>,
@@ -138,7 +138,7 @@ pub fn compare(a: &[Observable], b: &[Observable], margin: f64, levels: ErrorLev
     Comparison { answer, margin, judged, unknown }
 }
 
-/// Margin and error levels of the tests of one among several observables.
+/// Margin and error levels for the test of one observable among several.
 struct EquivalenceTest {
     margin: f64,
     /// [-] level of the test for a difference in one observable.

@@ -19,14 +19,14 @@ use std::borrow::Cow;
 /// [-] probability of a false answer "equivalent" if the true difference is as large as the margin. This is the usual
 /// value for two one-sided tests.
 pub const EQUIVALENCE_LEVEL: f64 = 0.05;
-/// [-] share of equal systems that may not be shown equivalent after a run of the recommended length.
+/// [-] accepted probability that equal systems are not shown equivalent after a run of the recommended length.
 const FAILED: f64 = 0.2;
-/// [-] number of standard errors below which a normally distributed variable is with a probability of 80 %.
+/// [-] 80 % quantile of the standard normal distribution.
 const POWER: f64 = 0.8416;
-/// [-] scatter or difference over the scale, below which it is attributed to rounding.
+/// [-] scatter relative to the scale up to which it is attributed to rounding; a difference may be ten times as large.
 const ROUNDING: f64 = 1e-12;
-/// Smallest number of degrees of freedom for each tested shape. With fewer degrees of freedom Hotelling's distribution
-/// has so long tails that one more shape reduces the power of the test.
+/// Smallest number of degrees of freedom for each tested shape. With fewer degrees of freedom, Hotelling's distribution
+/// has such long tails that one more shape reduces the power of the test.
 const FREEDOM_PER_SHAPE: f64 = 4.0;
 
 /// Quantity that is compared between two runs: a number, a profile over slices, or a curve over time.
@@ -46,8 +46,8 @@ pub struct Observable {
     pub scale: f64,
     /// Description of the scale, in words that follow "% of".
     pub scale_is: &'static str,
-    /// Average at each position with its blocks of time, as one component each. A single number has one position.
-    /// `None` if the average is unknown.
+    /// Average at each position with its blocks of time: one [`Batches`] with one component per position. A single
+    /// number has one position. `None` if the average is unknown.
     pub parts: Vec<Option<Batches>>,
 }
 
@@ -56,7 +56,7 @@ pub struct Observable {
 pub struct Deviation {
     /// Centre of the slice [m] or time [s]; `None` for the mean over all positions, or for a single number.
     pub place: Option<f64>,
-    /// Difference at this position.
+    /// Difference at `place`.
     pub difference: f64,
     /// Standard error of the difference; 0 if neither run scatters.
     pub error: f64,
@@ -65,7 +65,7 @@ pub struct Deviation {
 }
 
 impl Deviation {
-    /// [-] two-sided probability of a difference at least this large between equal systems, by Student's t test.
+    /// [-] two-sided probability that equal systems show at least this difference, by Student's t test.
     pub fn chance(&self) -> f64 {
         if self.error > 0.0 {
             two_sided(self.difference / self.error, self.freedom)
@@ -85,7 +85,8 @@ impl Deviation {
     }
 }
 
-/// Tests of one observable of two runs. Differences and bounds are in the unit of the observable, probabilities [-].
+/// Results of the tests of one observable of two runs. Differences and bounds are in the unit of the observable,
+/// probabilities [-].
 #[derive(Clone, Debug, Serialize)]
 pub struct Tested {
     /// Name of the observable.
@@ -103,10 +104,10 @@ pub struct Tested {
     pub largest: Option<Deviation>,
     /// [-] probability that equal systems show a difference of at least this size in the smooth shapes.
     pub smooth_chance: f64,
-    /// [-] probability that equal systems show a difference of at least this size at any position; `None` for a single
-    /// number.
+    /// [-] probability that equal systems show at least the largest difference found at one position; `None` for a
+    /// single number.
     pub local_chance: Option<f64>,
-    /// [-] probability that equal systems show any of these differences.
+    /// [-] probability that equal systems show a difference of at least this size in any of the tests.
     pub chance: f64,
     /// Upper bound of the difference at any position, from two one-sided tests at every position. Their level is 5 %
     /// unless there are several interim tests.
@@ -128,8 +129,8 @@ pub struct Tested {
 }
 
 impl Tested {
-    /// Difference that a report names first. It is that of the mean if this is the most significant one, otherwise the
-    /// largest one at a position.
+    /// Difference that a report names first: the difference of the mean, or the largest difference at a position if
+    /// that is more significant.
     pub fn headline(&self) -> Option<Deviation> {
         match (self.mean, self.largest) {
             (Some(mean), Some(largest)) if mean.chance() > largest.chance() => Some(largest),
@@ -151,7 +152,7 @@ impl Tested {
         self.first_error * (bound + POWER)
     }
 
-    /// Number of tests that are made of the observable.
+    /// Number of tests of the observable.
     fn tests(&self) -> f64 {
         match (self.mean, self.largest) {
             (_, None) => 1.0,
@@ -172,9 +173,9 @@ impl Tested {
         self.places.iter().filter(|one| one.error > 0.0).count()
     }
 
-    /// Half-width with which equal systems are shown equivalent in 80 % of cases, at the position with the largest
-    /// error, in the unit of the observable. `places` is the number of positions, over all observables, that must be
-    /// shown equivalent. `level` [-] is the level of each one-sided test.
+    /// Smallest margin within which equal systems are shown equivalent in 80 % of cases, at the position with the
+    /// largest error, in the unit of the observable. `places` is the number of positions, over all observables, that
+    /// must be shown equivalent. `level` [-] is the level of each one-sided test.
     pub fn width_needed(&self, level: f64, places: usize) -> f64 {
         let surely =
             Normal::new(0.0, 1.0).map_or(0.0, |law| law.inverse_cdf(1.0 - 0.5 * FAILED / places.max(1) as f64));
@@ -183,7 +184,7 @@ impl Tested {
     }
 }
 
-/// One observable of two runs, folded about the mid-plane, so that it can be tested. Folding averages both halves.
+/// Observable of two runs, folded about the mid-plane for the tests. Folding averages the values of mirrored positions.
 pub struct Folded {
     name: Cow<'static, str>,
     unit: &'static str,
@@ -192,7 +193,7 @@ pub struct Folded {
     /// Positions of the slices after folding.
     places: Vec<f64>,
     batches: [Batches; 2],
-    /// Values of the smooth shapes at these positions.
+    /// Values of each smooth shape at the folded positions.
     shapes: Vec<Vec<f64>>,
     /// True if the first shape is the mean.
     has_mean: bool,
@@ -284,7 +285,7 @@ impl Folded {
     }
 }
 
-/// Positions `kept` in units in which the positions `all` extend from -1 to 1.
+/// Positions `kept`, scaled so that the positions `all` extend from -1 to 1.
 fn places_across(all: &[f64], kept: &[f64]) -> Vec<f64> {
     let (Some(first), Some(last)) = (all.first(), all.last()) else { return vec![0.0] };
     let (middle, half) = (0.5 * (first + last), 0.5 * (last - first));
@@ -331,7 +332,7 @@ impl Smooth {
         }
     }
 
-    /// Difference of the mean over the positions, which is the first shape.
+    /// Difference of the mean over the positions; the mean is the first shape.
     fn mean(&self, rounding: f64) -> Option<Deviation> {
         (!self.shapes.is_empty()).then(|| deviation(&self.contrast, 0, None, rounding))
     }

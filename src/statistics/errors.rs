@@ -14,7 +14,8 @@ pub const FEWEST_BLOCKS: usize = 8;
 /// only the fast noise would be resolved, and slow fluctuations would be missed. Fewer blocks would leave too little
 /// data for an estimate.
 const BLOCKS: usize = 20;
-/// Largest accepted correlation between neighbouring blocks. Above it the series consists of a single fluctuation.
+/// [-] largest accepted correlation between neighbouring blocks. A series with a higher correlation is a single slow
+/// fluctuation.
 pub(super) const LARGEST_CORRELATION: f64 = 0.9;
 
 /// Value and its standard error, in the unit of the value.
@@ -75,8 +76,8 @@ pub fn estimate(samples: &[f64]) -> Option<Estimate> {
     value.is_finite().then(|| Estimate { value, error: standard_error(samples, Removed::Mean) })
 }
 
-/// Number of pieces that are merged into each block, for an error estimate from `count` equal pieces. Callers leave the
-/// remainder out at the beginning.
+/// Number of pieces that are merged into each block, for an error estimate from `count` equal pieces. If pieces are
+/// left over, callers omit them at the beginning of the series.
 pub(super) fn block_size(count: usize) -> usize {
     (count / BLOCKS).max(1)
 }
@@ -150,7 +151,7 @@ pub(super) fn inflation(correlation: f64, count: usize) -> f64 {
 }
 
 /// [-] ratio of the correlations of block means at successive lags beyond the first lag, for an exponentially
-/// correlated signal. It is computed from the correlation of neighbouring blocks. It is smaller than this correlation,
+/// correlated signal with the given `correlation` of neighbouring blocks. The ratio is smaller than `correlation`,
 /// since neighbouring blocks also share fluctuations across their border.
 fn decay(correlation: f64) -> f64 {
     // with blocks of b relaxation times the correlation is (1 - exp(-b))^2 / 2(b - 1 + exp(-b)), which falls with b
@@ -223,7 +224,7 @@ mod tests {
                 "relaxation {relaxation}, white {white}: error {ratio:.3} of exact, {:.2} % beyond 3",
                 100.0 * beyond
             );
-            // the run contains only 15 slow fluctuations, so the estimated error is too large rather than too small
+            // the run contains only 15 slow fluctuations, so the estimated error may exceed the exact error
             let high = if relaxation > 30.0 { 1.30 } else { 1.15 };
             assert!((0.97..=high).contains(&ratio), "relaxation {relaxation}, white {white}: {ratio}");
             let expected = two_sided(3.0, 8.0);

@@ -1,7 +1,7 @@
 //! Averages over many particles, and their uncertainty.
 //!
-//! Samples are taken at fixed times, and sums are stored per slice and per block of time. So every number gets a
-//! standard error from the scatter between blocks, and the start of averaging can be chosen after the run.
+//! Samples are taken at fixed times, and sums are stored per slice and per block of time. The scatter between blocks
+//! gives every average a standard error. The start of averaging can be chosen after the run.
 
 mod batches;
 mod comparison;

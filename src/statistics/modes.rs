@@ -11,12 +11,11 @@ pub enum Parity {
     Neither,
 }
 
-/// Largest number of shapes of one parity. So many shapes can describe smooth differences, and so few can be tested
-/// together.
+/// Largest number of shapes of one parity: enough for smooth differences, and few enough for one test.
 const SHAPES: usize = 3;
 
-/// Indices of the slices at which the folded slices are located, and the weights that fold `count` slices about the
-/// mid-plane.
+/// Indices of the slices that remain after `count` slices are folded about the mid-plane, and for each of these a row
+/// with the weights of all slices.
 pub fn fold(count: usize, parity: Parity) -> (Vec<usize>, Vec<Vec<f64>>) {
     let unit = |place: usize| {
         let mut row = vec![0.0; count];
@@ -41,9 +40,9 @@ pub fn fold(count: usize, parity: Parity) -> (Vec<usize>, Vec<Vec<f64>>) {
 }
 
 /// Legendre polynomials with the given parity at positions from -1 to 1, with one row per polynomial. The first even
-/// one is constant. The polynomials are made orthogonal on these positions, with a mean square of 1. With few positions
-/// there are fewer polynomials. `skip` is the number of polynomials left out at the beginning, because their
-/// coefficients are known to vanish.
+/// polynomial is constant. The polynomials are made orthogonal on these positions, with a mean square of 1. With few
+/// positions there are fewer polynomials. The first `skip` polynomials are left out, because their coefficients are
+/// known to vanish.
 pub fn shapes(places: &[f64], parity: Parity, skip: usize) -> Vec<Vec<f64>> {
     let (first, step, wanted) = match parity {
         Parity::Even => (0, 2, SHAPES),

@@ -14,7 +14,7 @@ pub struct SliceRow {
     /// [m] centre of the slice.
     pub y: f64,
     /// Averages in the order of [`SLICE_COLUMNS`], in their SI units. The number density is that of particle centres,
-    /// over its mean in the whole domain. In slices at walls no centre can be within one radius of the wall; the
+    /// divided by its mean in the whole domain. In slices at walls no centre can be within one radius of the wall; the
     /// density is not corrected for this (20.3 % of a 1 mm slice for spheres of 406 um). Moments are relative to the
     /// mean over the slice and the averaging period.
     pub estimates: [Option<Estimate>; SLICE_QUANTITIES],
@@ -29,13 +29,12 @@ pub struct ProfileTable {
     pub slices: Vec<SliceRow>,
     /// Number of blocks of time for each standard error; with fewer than 8 blocks there are no errors.
     pub blocks: usize,
-    /// [s] time of the first sample in the averages. This is the first sample of the first block that starts at the
-    /// requested start of averaging or later.
+    /// [s] time of the first sample in the averages, which begins the first block after the requested start of
+    /// averaging.
     pub from: f64,
     /// [s] time of the last sample in the averages.
     pub until: f64,
-    /// Blocks of time of each estimate in each slice, in the order of the row. `None` if the value or its error is
-    /// unknown.
+    /// Blocks of time of each estimate, by slice and column. `None` if the value or its error is unknown.
     #[serde(skip)]
     pub batches: Vec<Vec<Option<Batches>>>,
 }
@@ -47,7 +46,7 @@ impl ProfileTable {
     }
 
     /// Averages of several runs of one variant, pooled: means over the runs, with errors from the blocks of all runs. A
-    /// value that is missing in one run is unknown. `by_runs` has the meaning that it has in [`Batches::pool`].
+    /// value that is missing in one run is unknown. For `by_runs` see [`Batches::pool`].
     pub fn pool(runs: &[&Self], by_runs: bool) -> Self {
         let Some(first) = runs.first() else { return Self::default() };
         let batches = |slice: usize| -> Vec<Option<Batches>> {

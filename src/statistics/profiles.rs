@@ -11,8 +11,8 @@ use crate::particles::Sample;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Number of sums per slice over velocities: the count, then the products of one, two and three velocity components.
-/// Where spheres rotate, the [`SPIN_SUMS`] over spins follow.
+/// Number of sums over velocities per slice: the count, then the products of one, two and three velocity components.
+/// For spheres that rotate, the [`SPIN_SUMS`] sums over spins follow.
 const SUMS: usize = VELOCITY_QUANTITIES;
 /// Components of each second moment.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
@@ -47,7 +47,7 @@ impl SampleBlock {
     }
 }
 
-/// Sums of all slices with the total number of particles counted in them; every row depends on this number.
+/// Sums of all slices, with the total number of counted particles, to which the density of each slice is related.
 struct Counted {
     sums: Vec<f64>,
     samples: f64,
@@ -114,7 +114,7 @@ impl Accumulator {
     fn sum(&self, sample: Sample, reference: Vector3<f64>) -> Vec<f64> {
         let particles = sample.particles;
         let scale = self.slices as f64 / self.height;
-        // the cast sends negative numbers to 0
+        // the cast turns negative numbers into 0
         let slice_of = |place: usize| ((particles.position[place].y * scale) as usize).min(self.slices - 1);
         let sums = sample.sums_in_groups(self.slices, |place| {
             let u = components(&particles.velocity[place]) - reference;
@@ -138,8 +138,8 @@ impl Accumulator {
     ///
     /// Values are computed from the sums over all these samples. For standard errors each value is also computed
     /// without each of 20 to 39 equal blocks of time (jackknife, since the moments are not linear in the sums). The
-    /// error is that of the mean of the resulting pseudo-values. It is computed by [`estimate`](super::estimate), which
-    /// takes the correlation of blocks into account.
+    /// mean of the resulting pseudo-values has the error that [`estimate`](super::estimate) returns, which takes the
+    /// correlation of blocks into account.
     pub fn table(&self, from: f64) -> ProfileTable {
         let full = self.blocks.iter().take_while(|b| b.samples == self.block_samples).count();
         // sample times are sums of many steps: their rounding must not exclude a sample
@@ -180,7 +180,7 @@ impl Accumulator {
     }
 
     /// One row of the table, computed from the sums of all slices, both in total and per group of blocks. Also returns
-    /// the pseudo-values of the groups for each estimate. `frame` contains the times of the groups.
+    /// the jackknife pseudo-values of the groups for each estimate. `frame` contains the times of the groups.
     fn row(
         &self,
         slice: usize,
@@ -206,7 +206,8 @@ impl Accumulator {
         };
         let pseudo = |k: usize| {
             let value = values[k]?;
-            // if only one block contains particles in this slice, there is no value without that block, and so no error
+            // if only one block contains particles in this slice, no value exists without that block, so there is no
+            // error
             let blocks = without.iter().map(|without| Some(count * value - (count - 1.0) * without[k]?));
             let blocks = blocks.collect::<Option<Vec<f64>>>().filter(|blocks| !blocks.is_empty())?;
             Some(Batches { values: vec![value], blocks: vec![blocks], ..frame.clone() })
@@ -226,8 +227,8 @@ fn components(velocity: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(velocity.z, velocity.y, velocity.x)
 }
 
-/// Mean velocity as (u, v, w), which serves as reference velocity. Any finite reference would be valid, but with the
-/// mean the sums are small.
+/// Mean velocity as (u, v, w), which serves as reference velocity. Any finite reference would be valid; the mean keeps
+/// the sums small.
 fn reference(sample: Sample) -> Vector3<f64> {
     let mean = components(&sample.mean_velocity());
     if mean.iter().all(|c| c.is_finite()) { mean } else { Vector3::zeros() }

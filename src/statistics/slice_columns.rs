@@ -3,7 +3,7 @@
 use super::modes::Parity;
 use super::spin_sums::SPIN_QUANTITIES;
 
-/// Number of quantities of a slice that are averages over places and velocities. They come first.
+/// Number of slice quantities computed from positions and velocities, the first in [`SLICE_COLUMNS`].
 pub const VELOCITY_QUANTITIES: usize = 20;
 /// Number of quantities averaged in each slice.
 pub const SLICE_QUANTITIES: usize = VELOCITY_QUANTITIES + SPIN_QUANTITIES;
@@ -23,25 +23,25 @@ pub struct SliceColumn {
     pub index: usize,
 }
 
-/// Number density over its mean in the whole domain.
+/// Column of the number density divided by its mean in the whole domain.
 pub const NUMBER_DENSITY: SliceColumn = SLICE_COLUMNS[0];
-/// Streamwise mean velocity U.
+/// Column of the streamwise mean velocity U.
 pub const U: SliceColumn = SLICE_COLUMNS[1];
-/// Streamwise normal stress <u''u''>.
+/// Column of the streamwise normal stress <u''u''>.
 pub const UU: SliceColumn = SLICE_COLUMNS[4];
-/// Wall-normal stress <v''v''>.
+/// Column of the wall-normal stress <v''v''>.
 pub const VV: SliceColumn = SLICE_COLUMNS[5];
-/// Spanwise normal stress <w''w''>.
+/// Column of the spanwise normal stress <w''w''>.
 pub const WW: SliceColumn = SLICE_COLUMNS[6];
-/// Shear stress <u''v''>.
+/// Column of the shear stress <u''v''>.
 pub const UV: SliceColumn = SLICE_COLUMNS[7];
 
-/// Mean spin along x, across stream and wall normal: the spin that a sheared stream causes.
+/// Column of the mean spin along x (spanwise), the component that a sheared stream causes.
 pub const MEAN_SPIN_X: SliceColumn = SLICE_COLUMNS[20];
-/// Rotational temperature T_r.
+/// Column of the rotational temperature T_r.
 pub const ROTATIONAL_TEMPERATURE: SliceColumn = SLICE_COLUMNS[23];
 
-/// Columns of scenes whose spheres rotate, or of others.
+/// Columns for scenes with spheres that rotate (`rotating`), or for other scenes.
 pub fn slice_columns(rotating: bool) -> &'static [SliceColumn] {
     if rotating { &SLICE_COLUMNS } else { &SLICE_COLUMNS[..VELOCITY_QUANTITIES] }
 }
@@ -51,13 +51,14 @@ pub fn second_moments() -> &'static [SliceColumn] {
     &SLICE_COLUMNS[UU.index..UU.index + 6]
 }
 
-/// Mean spins, and the parts of the rotational temperature.
+/// Columns of the mean spins, and of the parts of the rotational temperature.
 pub fn spin_components() -> impl Iterator<Item = SliceColumn> {
     SLICE_COLUMNS[VELOCITY_QUANTITIES..].iter().copied().filter(|column| *column != ROTATIONAL_TEMPERATURE)
 }
 
 /// All columns of a slice in their order: density ratio, mean velocities, second and third central moments; mean spins,
-/// rotational temperature and its parts. A spin is an axial vector: a mirror turns its parts along the mirror.
+/// rotational temperature and its parts. A spin is an axial vector: a reflection reverses the spin components parallel
+/// to the mirror plane.
 pub const SLICE_COLUMNS: [SliceColumn; SLICE_QUANTITIES] = {
     use Parity::{Even, Odd};
     let columns = [

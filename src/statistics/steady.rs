@@ -6,15 +6,15 @@ use serde::Serialize;
 /// Number of samples per batch in the marginal standard error rule. Averaging in batches reduces the influence of
 /// chance.
 const BATCH: usize = 5;
-/// Number of standard errors [-] beyond which a difference counts as drift. About a dozen series are judged, with
-/// errors of about ten degrees of freedom. The number was found from 400 steady channels and gases:
+/// [-] number of standard errors beyond which a difference counts as drift. About a dozen series are tested, and their
+/// errors have about ten degrees of freedom. The number was found from 400 steady channels and gases:
 /// docs/theory/statistics.md, "Steady or not".
 pub const LARGEST_DRIFT: f64 = 4.0;
-/// Drift in standard errors [-] beyond which a start of averaging at the limit of half the run is not accepted. By
-/// chance the start is seldom at the limit, and such a drift together with it is rarer still.
+/// [-] drift, in standard errors, beyond which a start of averaging is rejected if it lies at its limit, half of the
+/// run. Chance alone seldom gives such a start, and even more seldom together with such a drift.
 const SUSPECT: f64 = 2.0;
-/// [-] share by which the variance of the mean must decrease if samples at the start are dropped. Noise alone gives a
-/// decrease of a few per cent.
+/// [-] smallest relative decrease of the variance of the mean for which samples at the start are dropped. Noise alone
+/// gives a decrease of a few per cent.
 const WORTH: f64 = 0.1;
 
 /// Result of the test for a steady state, for several series together.
@@ -26,8 +26,8 @@ pub struct Steadiness {
     /// averaging must not be forced by the limit of half the run. If there are too few samples for a test, the result
     /// is false and `drift` is `None`.
     pub steady: bool,
-    /// [-] difference between the second and the first half of the averaging period, in units of its standard error.
-    /// This is the largest value over the series. `None` if unknown, infinite for a drift without any noise.
+    /// [-] largest drift of any series: difference between the second and the first half of the averaging period, in
+    /// units of its standard error. `None` if unknown, infinite for a drift without any noise.
     pub drift: Option<f64>,
 }
 
@@ -39,13 +39,14 @@ pub struct SteadySeries<'a> {
     /// Scale of the changes, in the unit of the observable. Regular changes below a thousandth of this scale do not
     /// count. If the scale is 0, every change counts.
     pub scale: f64,
-    /// Smallest drift that counts, in the unit of the observable. If it is 0, every drift counts.
+    /// Largest difference between the two halves that does not count as drift, in the unit of the observable. If it is
+    /// 0, every difference counts.
     pub step: f64,
 }
 
 impl SteadySeries<'_> {
-    /// First `count` values. All are set to 0 if they differ by no more than the rounding of a long run, as the values
-    /// of a conserved mean velocity do. Rounding errors add up like a random walk, which would otherwise count as a
+    /// First `count` values. If they differ by no more than the rounding of a long run, all are set to 0. An example is
+    /// a conserved mean velocity: its rounding errors add up like a random walk, which would otherwise count as a
     /// drift.
     fn without_rounding(&self, count: usize) -> Vec<f64> {
         /// [-] share of the scale that is attributed to rounding: a hundred times the error of 10^4 roundings of
@@ -66,9 +67,8 @@ impl SteadySeries<'_> {
     }
 }
 
-/// Tests if several series are steady, which were sampled at common, equally spaced `times` [s]. `from` is the start of
-/// averaging. If it is `None`, the start is found by the marginal standard error rule, which drops at most half of the
-/// run.
+/// Tests if several series, sampled at common, equally spaced `times` [s], are steady. `from` [s] is the start of
+/// averaging. If it is `None`, the marginal standard error rule finds the start, and drops at most half of the run.
 pub fn judge(times: &[f64], series: &[SteadySeries], from: Option<f64>) -> Steadiness {
     let count = series.iter().map(|s| s.values.len()).fold(times.len(), usize::min);
     let times = &times[..count];
@@ -90,17 +90,17 @@ pub fn judge(times: &[f64], series: &[SteadySeries], from: Option<f64>) -> Stead
     }
 }
 
-/// Number of samples to drop at the start, and true if the relaxation continues beyond the limit of half the run. This
-/// is so if the number is at the limit and the values show a drift even after half of these samples are dropped.
+/// Number of samples to drop at the start, and true if the initial relaxation lasts longer than half of the run. This
+/// is so if the number is at its limit and the values still drift after half of these samples are dropped.
 fn start(values: &[f64], series: &SteadySeries) -> (usize, bool) {
     let (start, at_limit) = truncation(values);
     let drifts = || series.drift(&values[start / 2..]).is_some_and(|drift| drift > SUSPECT);
     (start, at_limit && drifts())
 }
 
-/// Number of samples to drop at the start, and true if this number is at the limit of half the run. With this number
+/// Number of samples to drop at the start, and true if this number is at its limit, half of the run. With this number,
 /// the squared standard error of the remaining samples, taken as independent, is smallest (MSER-5; White 1997). No
-/// sample is dropped if that reduces the square by less than a tenth.
+/// sample is dropped if the square would decrease by less than a tenth.
 fn truncation(values: &[f64]) -> (usize, bool) {
     let batches: Vec<f64> = values.chunks_exact(BATCH).map(mean).collect();
     let count = batches.len();
@@ -125,7 +125,7 @@ fn truncation(values: &[f64]) -> (usize, bool) {
     if best.0 > (1.0 - WORTH) * whole {
         return (0, false);
     }
-    // noise shifts the minimum a little, so the last tenth before the limit counts as being at the limit
+    // noise shifts the minimum a little, so a number in the last tenth below the limit also counts as at the limit
     (best.1 * BATCH, 10 * best.1 >= 9 * (count / 2))
 }
 
@@ -241,7 +241,7 @@ mod tests {
         let values: Vec<f64> = times.iter().map(&mut step).collect();
         let judged = |scale: f64| judge(&times, &[SteadySeries { values: &values, scale, step: 0.0 }], None);
         assert!(judged(1.0).steady && judged(1.0).from == 0.0);
-        // for an observable whose scale has this size, the series drifts
+        // the same series drifts if the scale of the observable has the size of its changes
         assert!(!judged(1e-13).steady);
     }
 

@@ -86,7 +86,7 @@ impl VelocitySpread {
     }
 
     /// Averages of each slice along y: number of particles, mean velocity [m/s], and parts of the granular temperature
-    /// [m²/s²] relative to this mean along x, y and z. Means need one particle, temperatures two.
+    /// along x, y and z [m²/s²] relative to this mean. A mean needs one particle, a temperature two.
     pub fn of_slices(&self) -> impl Iterator<Item = (f64, Option<Vector3<f64>>, Option<Vector3<f64>>)> + '_ {
         self.slices.iter().map(|slice| {
             let mean = (slice.count > 0.0).then(|| self.reference + slice.sum / slice.count);
@@ -124,7 +124,7 @@ mod tests {
         assert!((one.components().unwrap() - Vector3::new(4.0, 0.0, 100.0) / 3.0).norm() < 1e-12);
         let each: Vec<_> = VelocitySpread::of(&particles, 2, 1.0).of_slices().collect();
         assert_eq!(each[1], (2.0, Some(Vector3::new(0.0, 0.0, 110.0)), Some(Vector3::new(2.0, 0.0, 0.0))));
-        // relative to the mean of all particles, for any slices: squares of ±1 and ±5
+        // variance about the mean of all particles, for any number of slices: squares of ±1 and ±5
         let two = VelocitySpread::of(&particles, 2, 1.0);
         assert!((two.variance() - 26.0).abs() < 1e-12 && (two.mean() - Vector3::new(0.0, 0.0, 105.0)).norm() < 1e-12);
         // a particle outside the box counts in the nearest slice

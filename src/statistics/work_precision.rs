@@ -33,8 +33,8 @@ pub fn power_law(points: &[(f64, f64)]) -> Option<PowerLaw> {
 }
 
 /// Indices of the points (cost, error) on the Pareto front, sorted by cost. A point is not on the front if another
-/// point has both cost and error no larger, and one of them smaller. Of equal points all are on the front. Points that
-/// are not numbers are left out.
+/// point has both cost and error no larger, and one of them smaller. Equal points are all on the front or all off it.
+/// Points that are not numbers are left out.
 pub fn pareto_front(points: &[(f64, f64)]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len()).filter(|&k| !points[k].0.is_nan() && !points[k].1.is_nan()).collect();
     order.sort_by(|&a, &b| points[a].0.total_cmp(&points[b].0).then(points[a].1.total_cmp(&points[b].1)));

@@ -7,10 +7,10 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// [characters] longest name of a case for which the questions of all cases are indented to the right of the names.
+/// [characters] width of the column of case names; the questions of the cases are printed to its right.
 const NAMES: usize = 30;
 
-/// Prints the built-in cases with their questions, and the sets of values.
+/// Prints the built-in cases with their questions, and the built-in sets of values.
 ///
 /// # Errors
 /// The list cannot be written.
@@ -37,7 +37,7 @@ fn question(heading: &str) -> Option<String> {
     Some(after[..end].split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
-/// Writes a built-in case to a new file, and the files that the case names to the folder of this file.
+/// Writes a built-in case to a new file, and the files named in the case to the same folder.
 ///
 /// # Errors
 /// There is no such case, or the file exists or cannot be written: bad input.
@@ -59,7 +59,7 @@ pub fn init(args: &Init) -> Result<(), StudyError> {
     write(&path, case.text.as_bytes(), "another file")?;
     for (name, bytes) in built_in::files_of(&case) {
         let beside = path.with_file_name(&name);
-        // if a file with equal contents exists, written for another case that also names it, it is used for both cases
+        // a file with equal contents, written for another case, serves both cases
         if std::fs::read(&beside).is_ok_and(|there| there == bytes) {
             continue;
         }
@@ -75,7 +75,7 @@ pub fn init(args: &Init) -> Result<(), StudyError> {
 fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
-    // temporary files are private: the file gets the permissions of an ordinary file
+    // temporary files can be read by their owner only; the new file gets ordinary permissions
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644));
     let mut aside = builder.prefix(".diptych-").tempfile_in(folder)?;

@@ -1,8 +1,9 @@
-//! Measurements on which a plan depends: the agitation of the particles, and the cost of a window on this machine.
+//! Measurements on which a plan depends: the agitation of the particles, and the cost of a window on this machine. A
+//! window is the time between two exchanges of momentum with the gas.
 //!
 //! The physics is measured in a short run in a smaller periodic box. The length of this run is given by numbers of
 //! windows and collisions, so it is equal on every machine. Wall times are measured in a few windows of the case at its
-//! full size; no recommendation depends on them. A window is the time between two exchanges of momentum with the gas.
+//! full size; no recommendation depends on them.
 
 use super::trust::granular_temperature;
 use crate::contact_law::ContactLaw;
@@ -31,11 +32,11 @@ const PARTICLE_WINDOWS: f64 = 4e6;
 /// Number of collisions in the short run, computed by kinetic theory from the start; such a run takes some seconds.
 const COLLISIONS: f64 = 5e5;
 
-/// [-] smallest width of the smaller box over the particle diameter.
+/// [-] smallest width of the smaller box divided by the particle diameter.
 const NARROWEST: f64 = 10.0;
 
-/// Smallest number of impacts from which their speed distribution is taken as known. Ten of these impacts are beyond
-/// the 99 % quantile.
+/// Smallest number of impacts from which the distribution of their speeds is computed: ten impacts then lie beyond the
+/// 99 % quantile.
 const IMPACTS: u64 = 1000;
 
 /// [s] wall time that is spent on timing the windows of one collision model.
@@ -55,8 +56,8 @@ pub struct Physics {
     pub temperatures: Vec<f64>,
     /// Variation of the agitation with the position and the direction.
     pub spread: AgitationSpread,
-    /// [m/s] normal speeds of the collisions of pairs, if there were enough collisions and the temperature changes
-    /// during the run. In such a run the speeds cannot be computed from the mean temperature.
+    /// [m/s] normal speeds of the collisions of pairs; `None` if there were too few, or if the temperature does not
+    /// change during the run. With a changing temperature, the speeds cannot be computed from the mean temperature.
     pub pair_speeds: Option<Histogram>,
     /// [m/s] normal speeds of the wall impacts; `None` if there were too few.
     pub wall_speeds: Option<Histogram>,
@@ -162,8 +163,8 @@ fn conserves(experiment: &Experiment) -> bool {
     scene.fluid.is_none() && scene.gravity.norm() == 0.0 && lossless.all(|lossless| lossless)
 }
 
-/// The case with shorter periodic sides of its box, and so with fewer particles, at equal number density. It has hard
-/// spheres, and a duration that takes little wall time.
+/// Case with shorter periodic sides of its box, so with fewer particles at equal number density. The spheres are hard,
+/// and the duration is so short that the run takes little wall time.
 fn smaller(experiment: &Experiment) -> Experiment {
     let mut small = experiment.clone();
     let count: usize = experiment.count();
@@ -203,8 +204,8 @@ fn smaller(experiment: &Experiment) -> Experiment {
     small
 }
 
-/// [m²/s²] granular temperature of each species. The mean `variance` is distributed in the ratios of the final state
-/// `end`.
+/// [m²/s²] granular temperature of each species. Their mean is `variance`, and their ratios are those of the final
+/// state `end`.
 fn by_species(end: &Particles, variance: f64, species: usize) -> Vec<f64> {
     let mean = end.velocity.iter().sum::<Vector3<f64>>() / end.len().max(1) as f64;
     let mut sums = vec![(0.0, 0.0); species];
@@ -234,8 +235,8 @@ fn temperature_error(outcome: &Outcome) -> Option<f64> {
     errors.get(errors.len() / 2).copied()
 }
 
-/// The experiment with the engine settings of `choice`. A soft engine gets the contact law `law` or, without this
-/// argument, the law of the case; `None` if there is neither.
+/// Experiment with the engine settings of `choice`. A soft engine gets the contact law `law` or, if that is `None`, the
+/// law of the case; without any law the result is `None`.
 pub fn with_choice(experiment: &Experiment, choice: EngineChoice, law: Option<ContactLaw>) -> Option<Experiment> {
     let mut chosen = experiment.clone();
     chosen.soft.law = law.or(experiment.soft.law);
@@ -257,7 +258,7 @@ pub fn with_choice(experiment: &Experiment, choice: EngineChoice, law: Option<Co
 
 /// Timing of some windows of a run, extrapolated to the cost of the whole run.
 pub struct Timed {
-    /// [s] wall time of the whole run; if the run failed, wall time until then.
+    /// [s] extrapolated wall time of the whole run; if the run failed, wall time until the failure.
     pub seconds: f64,
     /// Number of whole windows that were timed.
     pub windows: u64,
@@ -267,8 +268,8 @@ pub struct Timed {
     pub failure: Option<Failure>,
 }
 
-/// Times some windows of every collision model with all particles of the case. If there was a calibration, the
-/// particles have the agitation that it found.
+/// Cost of every collision model, from the timing of some windows with all particles of the case. The particles `start`
+/// have the agitation of the calibration, if there was one.
 pub fn costs(experiment: &Experiment, start: &Particles, law: Option<ContactLaw>) -> Vec<PredictedCost> {
     EngineChoice::ALL
         .into_iter()
@@ -334,9 +335,9 @@ pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
     }
 }
 
-/// [s] `window`, or a part of it that takes little wall time, since a window of a long run may contain any number of
-/// impacts. The first part that is tried is ten times the time in which the fastest particle moves by the largest
-/// diameter. Each next part is twice as long.
+/// [s] `window`, or a shorter time that takes little wall time, since a window of a long run may contain any number of
+/// impacts. The first trial is ten times the time in which the fastest particle moves by the largest diameter. Each
+/// further trial is twice as long.
 fn short_enough(experiment: &Experiment, start: &Particles, window: f64) -> f64 {
     let diameter = 2.0 * start.radius.iter().copied().fold(0.0, f64::max);
     let speed = start.largest_speed(Vector3::zeros()) + (experiment.scene.gravity.norm() * diameter).sqrt();
@@ -379,8 +380,8 @@ fn resident() -> Option<f64> {
     Some(1024.0 * kibibytes)
 }
 
-/// The case with windows of equal length. If a gas drives the particles, they start with the agitation `temperatures`
-/// [m²/s²]; otherwise they start as in the case.
+/// Case with windows of equal length. If a gas drives the particles, each species starts with its granular temperature
+/// in `temperatures` [m²/s²]; otherwise the particles start as in the case.
 pub fn agitated(experiment: &Experiment, temperatures: &[f64]) -> Experiment {
     let mut moved = experiment.clone();
     for population in moved.start.iter_mut().filter(|_| experiment.scene.fluid.is_some()) {

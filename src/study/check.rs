@@ -1,4 +1,4 @@
-//! `diptych check CASE`: lists the runs that a case defines, with predictions for them, without doing any run.
+//! `diptych check CASE`: lists the runs that a case defines, with predictions, and runs nothing.
 
 use crate::case::{Case, Checked, Diagnostic, describe, name_of};
 use crate::cli::Check;
@@ -15,19 +15,19 @@ use serde::Serialize;
 use std::collections::HashSet;
 use std::fmt::Write;
 
-/// Largest number of particles for which `check` makes a start, to find anything that would prevent a run. A start with
-/// more particles takes seconds; `plan` makes such a start.
+/// Largest number of particles for which `check` makes a start, to find reasons that would prevent a run. A start with
+/// more particles takes seconds, and only `plan` makes it.
 const MOST: usize = 1_000_000;
 
-/// Limit of the effort for making a start; this effort takes some 5 s. A position that is tried counts as 1; a round
-/// over all particles counts as their number.
+/// Limit of the effort for making a start, some 5 s of wall time. Each tried position counts as 1, and each round over
+/// all particles counts as the number of particles.
 const EFFORT: u64 = 5_000_000;
 
 /// Smallest limit of the number of rounds over all particles. Ten rounds are enough where insertion is quick.
 const ROUNDS: u64 = 20;
 
-/// Largest number of kinds of contact that are listed. The listed ones are those with the shortest contacts, on which
-/// the time step depends.
+/// Largest number of kinds of contact in the list. The list contains the kinds with the shortest contacts, on which the
+/// time step depends.
 const LISTED: usize = 20;
 
 /// Checks a case and prints the runs that it defines.
@@ -82,7 +82,7 @@ struct CheckReport {
 #[derive(Serialize)]
 struct Varied {
     key: String,
-    /// Values as they are typed.
+    /// Values of the key as typed.
     values: Vec<String>,
 }
 
@@ -114,13 +114,13 @@ struct CheckedVariant {
 }
 
 impl CheckReport {
-    /// Checks a case. If one model cannot run a case that `run` accepts, the report says so, with the reason.
+    /// Checks a case. If one model cannot run a case that `run` accepts, the report gives the reason.
     fn of(case: &Case) -> Result<Self, Diagnostic> {
         let sweep = varied(case)?;
         let (run, variants) = (case.experiment(None, None), case.variants(None));
         let (variants, refused) = match variants {
             Ok(variants) => (variants, None),
-            // the case does not list its variants; perhaps it is made for one of the models only
+            // the case does not list its variants, so it may be made for one of the models only
             Err(why) if run.is_ok() && !case.names_variants() => (Vec::new(), Some(why)),
             Err(why) => return Err(run.err().filter(|_| !case.names_variants()).unwrap_or(why)),
         };
@@ -222,7 +222,7 @@ impl CheckedVariant {
         }
     }
 
-    /// Report as text: the scene, and for each variant contact times, time step, window and length.
+    /// Report as text: the scene, and for each variant time step, contact times and windows.
     fn text(&self) -> String {
         let mut text = String::new();
         if let (Some(law), Some(step), Some(steps)) = (&self.contact_law, self.time_step, self.steps) {

@@ -88,14 +88,14 @@ impl Looks {
         (look * self.piece).min(self.most)
     }
 
-    /// Indices of the replicas of each variant that are run between the previous interim test and this one. The first
-    /// run of each variant is not included.
+    /// Indices of the replicas of each variant that are run between the previous interim test and the test `look`. The
+    /// first run of each variant is not included.
     fn range(self, look: usize) -> Range<usize> {
         self.replicas(look - 1).max(1)..self.replicas(look)
     }
 }
 
-/// Results of a comparison so far, and settings for their judgement.
+/// Results of a comparison so far, and the settings by which they are judged.
 struct VariantComparison<'a> {
     variants: &'a Variants,
     looks: Looks,
@@ -146,8 +146,7 @@ impl VariantComparison<'_> {
     }
 }
 
-/// True if more replicas would not change the answers: every comparison is decided, or all replicas of a variant
-/// stopped.
+/// True if the comparison can end: every comparison is decided, or a replica of some variant stopped early.
 fn is_decided(findings: &VariantFindings) -> bool {
     let stopped = findings.outcomes.iter().any(|one| one.failure.is_some());
     stopped || findings.comparisons.iter().all(|one| one.answer != Answer::Unresolved)

@@ -19,8 +19,8 @@ pub struct FluidSummary {
     pub bulk_velocity: f64,
     /// [m/s] greatest velocity of the gas.
     pub maximum_velocity: f64,
-    /// [-] Reynolds number with the mean velocity as speed. Its length is the distance between the walls of the gas, or
-    /// the diameter of the pipe that contains the gas.
+    /// [-] Reynolds number of the mean velocity and the distance between the walls of the gas, or the diameter of the
+    /// pipe.
     pub reynolds_number: f64,
     /// [m/s] friction velocity u_τ; `None` for a profile without one.
     pub friction_velocity: Option<f64>,
@@ -72,7 +72,7 @@ pub fn fluid(args: &Args) -> Result<(), StudyError> {
     let case = read(&args.case, &args.input)?;
     let checked = match case.experiment(None, None) {
         Ok(checked) => checked,
-        // if the case cannot be run with its own model, its variants may nevertheless define a gas
+        // if the model of the case cannot run, the variants of the case may still define a gas
         Err(why) => case.variants(None).ok().and_then(|list| list.into_iter().next()).ok_or(why)?,
     };
     let scene = &checked.0.scene;
@@ -115,8 +115,8 @@ pub fn fluid(args: &Args) -> Result<(), StudyError> {
 }
 
 /// Writes the profile of the gas between walls at y = 0 and y = `height` [m]. A k-epsilon profile is written at its
-/// nodes, mirrored, together with points of the law of the wall (without k, ε, ν_t). Any other profile is written at
-/// equal distances.
+/// nodes in both halves, together with points of the law of the wall (without k, ε, ν_t). Any other profile is written
+/// at equal distances.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -222,13 +222,12 @@ fn width(profile: &Profile, height: f64) -> f64 {
     high - low
 }
 
-/// [m/s] mean velocity over the height. A channel flow contains its mean; other profiles are averaged over the rows
-/// that are written.
+/// [m/s] mean velocity over the height: stored for a channel flow, else averaged over [`ROWS`] equally spaced points.
 fn bulk_velocity(profile: &Profile, height: f64) -> f64 {
     profile.bulk_velocity().unwrap_or_else(|| mean(profile, height))
 }
 
-/// [m/s] mean over the height by the trapezoidal rule, on the rows that are written.
+/// [m/s] mean velocity over the height by the trapezoidal rule, from [`ROWS`] equally spaced points.
 fn mean(profile: &Profile, height: f64) -> f64 {
     let sample = profile.sample(height, ROWS);
     sample.windows(2).map(|pair| 0.5 * (pair[0].1 + pair[1].1)).sum::<f64>() / (ROWS - 1) as f64

@@ -21,10 +21,11 @@ use std::path::Path;
 /// Built-in case that runs if no case is named.
 const DEFAULT_CASE: &str = "impact";
 
-/// Largest number of points of a path. With 24 bytes each, they are stored, written and drawn: some hundred megabytes.
+/// Largest number of points of a path. To store, write and draw so many points of 24 bytes takes some hundred
+/// megabytes.
 const MOST_POINTS: f64 = 1e7;
 
-/// Number of points of a path if no time step sets this number.
+/// Number of points of a path, unless time steps give the number.
 const POINTS: f64 = 400.0;
 
 /// The two bodies that collide, and the surface properties of their contact.
@@ -131,7 +132,7 @@ fn sentence(bounce: &Bounce, asked: f64) -> String {
     }
 }
 
-/// Refuses a soft impact whose path would fill the memory, since the path has a point for every time step.
+/// Refuses a soft impact with so many time steps that its path, with one point per step, would fill the memory.
 fn check_path(experiment: &Experiment, particles: usize, case: &Path) -> Result<(), StudyError> {
     let steps = experiment.run.duration / soft_step(experiment, particles);
     if experiment.model() != Model::Soft || steps <= MOST_POINTS {
@@ -144,7 +145,7 @@ fn check_path(experiment: &Experiment, particles: usize, case: &Path) -> Result<
     )))
 }
 
-/// Refuses two spheres that would collide by chance, if at all.
+/// Refuses an impact of two spheres under the DSMC model, in which pairs collide at random.
 fn check_chance(experiment: &Experiment, meeting: &ImpactPair, case: &Path) -> Result<(), StudyError> {
     if experiment.model() != Model::Dsmc || matches!(meeting.partner, Partner::Wall(_)) {
         return Ok(());
@@ -296,7 +297,7 @@ fn closed_form(experiment: &Experiment, meeting: &ImpactPair, first: PathPoint) 
     let mut times: Vec<f64> = (0..=POINTS as usize).map(|k| duration * k as f64 / POINTS).collect();
     // the path has corners at the beginning and the end of the contact, which the picture must contain
     times.extend([touch * (1.0 - f64::EPSILON), end].iter().filter(|t| **t < duration));
-    // a contact may be much shorter than the run
+    // points within the contact, which may be much shorter than the run
     let during = (1..POINTS as usize).map(|k| touch + contact_time * k as f64 / POINTS);
     times.extend(during.filter(|t| contact_time > 0.0 && *t < duration));
     times.sort_by(f64::total_cmp);

@@ -43,7 +43,7 @@ pub use plan::{PlannedExperiment, plan, plan_of};
 pub use replicas::pool;
 pub use resume::resume;
 pub use run::run;
-pub use sensitivity::sensitivity;
+pub use sensitivity::{needs, sensitivity};
 pub use sweep::sweep;
 pub use trust_sheet::trust_sheet;
 pub use validate::validate;

@@ -1,5 +1,5 @@
-//! Oblique impacts of the two bodies of `diptych impact`. For each variant they give the reduced slip after an impact
-//! as a function of that before, for comparison with measured points. The reduced slip is s/(μ u_n).
+//! Oblique impacts of the two bodies of `diptych impact`, for comparison with measured points. Each variant gives a
+//! curve: the reduced slip s/(μ u_n) after an impact as a function of the reduced slip before it.
 
 use super::impact::ImpactPair;
 use crate::engine::Partner;
@@ -13,11 +13,11 @@ use nalgebra::Vector3;
 /// Number of points of a curve.
 const POINTS: usize = 28;
 
-/// [-] largest reduced slip of a curve, over the reduced slip at which sticking ends under Walton's rule with β_0 = 0.
+/// [-] largest reduced slip of a curve, divided by the reduced slip at which sticking ends under Walton's rule with β_0
+/// = 0.
 const REACH: f64 = 2.0;
 
-/// Number of windows per contact time in the simulation of an impact. The next constant is the largest number of
-/// contact times.
+/// Number of windows per contact time in the simulation of an impact. `LONGEST` is the largest number of contact times.
 const WINDOWS: f64 = 10.0;
 const LONGEST: u64 = 60;
 

@@ -1,5 +1,5 @@
-//! `diptych plan CASE`: predictions for a case, and the engine, stiffness, time step and length that it needs, before
-//! it is run.
+//! `diptych plan CASE`: predictions for a case before it is run, with the recommended engine, stiffness, time step and
+//! length.
 
 use super::calibration::{Physics, agitated, costs, is_gas, physics, start_variances, variance_of, with_choice};
 use crate::case::{Case, Checked, Diagnostic, name_of};
@@ -53,7 +53,7 @@ pub fn plan(args: &Arguments) -> Result<(), StudyError> {
     if args.json { answer_json(&document) } else { answer(&document) }
 }
 
-/// Experiment of the case with the model that it names or, if that cannot run it, with any model that can. The choice
+/// Experiment of the case with its own model or, if that model cannot run the case, with any model that can. The choice
 /// of a model is the purpose of a plan.
 pub fn any_model(case: &Case, seed: Option<u64>) -> Result<Checked, Diagnostic> {
     case.experiment(None, seed).or_else(|why| {
@@ -105,8 +105,8 @@ pub fn plan_of(experiment: &Experiment, target: f64, timed: bool) -> Result<Plan
     plan.averaging = averaging(experiment, &plan).filter(|_| plan.transient.is_none());
     if timed {
         plan.costs = costs(&moved, &particles, law);
-        // the timing is of flying particles; in a bed at rest islands hold all particles, and local steps cost more
-        // than uniform steps
+        // the timing is valid for flying particles; in a bed at rest one island contains all particles, and local steps
+        // cost more than uniform steps
         let local = |cost: &&mut PredictedCost| {
             matches!(cost.model, EngineChoice::SoftLocal | EngineChoice::Hybrid) && cost.failure.is_none()
         };
@@ -245,7 +245,7 @@ fn kinds(
     let temperature = |species: usize| temperatures.get(species).copied().unwrap_or(0.0);
     if plan.gas.is_some() {
         let spread = measured.map_or_else(AgitationSpread::even, |found| found.spread.clone());
-        // with several species a histogram does not show which of them collided
+        // with several species, a histogram does not tell which species collided
         let counted = measured.filter(|_| experiment.scene.species.len() == 1);
         let speeds = |variance, counted: Option<&Histogram>, parts: &[[f64; 2]]| match counted {
             Some(speeds) => ImpactSpeeds::Measured { variance, speeds: speeds.clone() },
@@ -274,7 +274,7 @@ fn averaging(experiment: &Experiment, plan: &RunPrediction) -> Option<Averaging>
     let size: [f64; 3] =
         std::array::from_fn(|axis| if domain.periodic[axis] { side.min(domain.size[axis]) } else { domain.size[axis] });
     let particles = (plan.particles as f64 * size.iter().product::<f64>() / domain.volume()).round().max(1.0);
-    // samples less than a mean free time apart are not independent
+    // samples less than a mean free time apart are not independent, so the averaging time has a lower limit
     let shortest = FREE_TIMES / gas.collision_rate;
     Some(Averaging {
         size,

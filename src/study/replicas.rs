@@ -42,8 +42,8 @@ pub fn pool(first: Outcome, others: Vec<Outcome>) -> (Outcome, Vec<Outcome>) {
     (outcome, rest)
 }
 
-/// [-] share of particles that keep their positions above which averages of one run are not valid for other runs. The
-/// uncertainty of this share is about 0.05.
+/// [-] share of particles that keep their positions, above which averages of one run are not valid for other runs. The
+/// share has an uncertainty of about 0.05.
 pub const FROZEN: f64 = 0.2;
 
 fn merge(first: &Outcome, others: &[Outcome]) -> Outcome {
@@ -63,6 +63,7 @@ fn merge(first: &Outcome, others: &[Outcome]) -> Outcome {
         pair_rate: pooled(|averaged| &averaged.pair_rate),
         wall_rate: pooled(|averaged| &averaged.wall_rate),
         temperature: pooled(|averaged| &averaged.temperature),
+        shear_stress: pooled(|averaged| &averaged.shear_stress),
         replicas: Some(Replicas { count: all.len(), scatter_over_errors: scatter_over_errors(&all) }),
     };
     let profiles = ProfileTable::pool(&all.iter().map(|run| &run.profiles).collect::<Vec<_>>(), by_runs);
@@ -72,7 +73,7 @@ fn merge(first: &Outcome, others: &[Outcome]) -> Outcome {
     outcome.pair_rate = estimate(&averaged.pair_rate);
     outcome.wall_rate = estimate(&averaged.wall_rate);
     outcome.temperature = estimate(&averaged.temperature);
-    // by chance one run in twenty appears unsteady
+    // one steady run in twenty appears unsteady by chance
     outcome.steadiness.steady = 2 * steady > all.len();
     outcome.places_kept = places_kept;
     outcome.profiles = profiles;

@@ -2,7 +2,7 @@
 
 use super::compare::compare_on;
 use super::run::run_on;
-use super::sensitivity::sensitivity_on;
+use super::sensitivity::{Question, sensitivity_on};
 use super::sweep::sweep_on;
 use crate::checkpoint::{Store, Unreadable};
 use crate::cli::{Cli, Command, Effort, Output, Resume};
@@ -33,7 +33,7 @@ pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
         ))
     })?;
     let origin = CommandOrigin::Resumed { folder, command, quiet: args.quiet };
-    // only these commands are stored
+    // only the following commands store their state
     if let Command::Run(mut run) = cli.command {
         adopt(args, &mut run.output, &mut run.effort);
         run_on(&run, origin, ranks)
@@ -42,7 +42,10 @@ pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
         compare_on(&compare, origin, ranks).map(|_| ())
     } else if let Command::Sensitivity(mut study) = cli.command {
         adopt(args, &mut study.output, &mut study.effort);
-        sensitivity_on(&study, origin, ranks).map(|_| ())
+        sensitivity_on(&study, Question::Sensitivity, origin, ranks).map(|_| ())
+    } else if let Command::Needs(mut study) = cli.command {
+        adopt(args, &mut study.output, &mut study.effort);
+        sensitivity_on(&study.as_sensitivity(), Question::Needs, origin, ranks).map(|_| ())
     } else if let Command::Sweep(mut sweep) = cli.command {
         adopt(args, &mut sweep.output, &mut sweep.effort);
         sweep_on(&sweep, origin, ranks)

@@ -120,7 +120,7 @@ fn budgets(moments: &SecondMoments, outcome: &Outcome, folder: &Folder) -> Resul
     Ok(MOMENTS.iter().zip(&budgets.whole).map(sentence).chain([walls]).collect())
 }
 
-/// Changes the experiment to the engine that its plan recommends; returns a line for the user about this choice.
+/// Changes the experiment to the engine that its plan recommends. Returns the reason as a line for the user.
 fn choose(experiment: &mut Experiment) -> Result<String, StudyError> {
     let planned = plan_of(experiment, USUAL_TARGET, false)?;
     let recommendation = &planned.recommendation;

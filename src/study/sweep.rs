@@ -175,7 +175,7 @@ struct SweepPlan {
     names: Vec<String>,
     /// Identities of the runs, by which equal runs are found.
     known: HashSet<String>,
-    /// Index of the variant with which the others are compared: the first hard one.
+    /// Index of the first variant with hard spheres, with which the others are compared.
     reference: Option<usize>,
     /// True if the case requests trajectories, which a sweep does not write.
     has_trajectories: bool,
@@ -234,7 +234,8 @@ impl SweepPlan {
     }
 }
 
-/// Index of the value on each axis, for the point with the number `index`. The value of the last axis changes fastest.
+/// Indices of the values on all axes, for the point with the number `index`. The value of the last axis changes
+/// fastest.
 fn at(axes: &[SweepAxis], mut index: usize) -> Vec<usize> {
     let mut at: Vec<usize> = Vec::new();
     for axis in axes.iter().rev() {
@@ -255,7 +256,7 @@ mod tests {
             |identity: &str, wall_seconds| SweepRun { identity: identity.into(), wall_seconds, ..SweepRun::default() };
         let identities = ["seed 1", "seed 2", "seed 3"].map(String::from).to_vec();
         let mut rows = [SweepRow { at: vec![0], variant: 0, identities: identities.clone(), runs: Vec::new() }];
-        // the replica of the last seed ends first
+        // the replica with the last seed ends first
         for (seconds, identity) in [(1.0, "seed 3"), (2.0, "seed 1"), (3.0, "seed 2")] {
             give(&mut rows, &run(identity, seconds));
         }

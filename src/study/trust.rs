@@ -7,11 +7,11 @@ use crate::predict::gas;
 use crate::statistics::{Estimate, UU, VV, WW};
 use crate::study::judge::not_steady;
 
-/// [-] difference between the given and the realised restitution from which on a note is written. Restitution is given
-/// to two digits, and this is half of the last digit.
+/// [-] smallest difference between the given and the realised restitution for which a note is written. Restitution is
+/// given to two digits, and this is half of the last digit.
 pub(super) const MISS: f64 = 0.005;
 
-/// One sentence on a run: its length, wall time and impacts, or its failure.
+/// One sentence on a run: simulated time, wall time and impacts, or the failure.
 pub fn verdict(outcome: &Outcome) -> String {
     let how = match &outcome.failure {
         Some(why) => format!("stopped after {} s: {why}", numbers::significant(outcome.simulated_seconds, 4)),

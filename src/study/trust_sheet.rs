@@ -12,11 +12,11 @@ const SUSPECT: f64 = 3.0;
 /// [-] largest share of the energy that may remain unexplained in the energy balance. The error of the integrator at 20
 /// steps per contact is much smaller.
 const RESIDUAL: f64 = 1e-3;
-/// [-] limit of the overlap at the mean impact speed, over the diameter of the smaller particle: λ in the paper's Eq.
-/// 11.
+/// [-] limit of the overlap at the mean impact speed, divided by the diameter of the smaller particle: λ in the paper's
+/// Eq. 11.
 const MEAN_OVERLAP: f64 = 0.01;
-/// [-] limit of the largest overlap, over the diameter of the smaller particle: the weaker of the two limits below the
-/// paper's Eq. 10.
+/// [-] limit of the largest overlap, divided by the diameter of the smaller particle: the weaker of the two limits
+/// below the paper's Eq. 10.
 const LARGEST_OVERLAP: f64 = 0.1;
 /// [-] reduction of the diameter by softness that lowers the collision rate by 1 %. The rate of a dilute gas is
 /// proportional to the diameter squared.
@@ -39,8 +39,8 @@ fn certain(value: f64) -> Estimate {
     Estimate::without_error(value)
 }
 
-/// Makes one check of the sheet. If the expected value is `Equals`, the result is suspect if it differs by more than
-/// `allowed`. If there is a standard error, it must also differ by more than 3 standard errors.
+/// Makes one check of the sheet. With the expectation `Equals`, the result is suspect if the difference exceeds
+/// `allowed` and, if there is a standard error, also exceeds 3 standard errors.
 fn check(name: &'static str, unit: &'static str, found: Estimate, expected: Expected, allowed: f64) -> TrustCheck {
     let mut check =
         TrustCheck { name, unit, found: Some(found), expected, judgement: Judgement::Stated, remark: String::new() };
@@ -167,7 +167,7 @@ fn energy(outcome: &Outcome) -> TrustCheck {
     }
     remarked(
         check(NAME, "", outcome.energy_residual.over(through), Expected::AtMost(RESIDUAL), 0.0),
-        "through: start + |drag| + |gravity| + |moving walls|; rounding for hard spheres, the integrator's gain or loss for soft ones",
+        "through: start + |drag| + |gravity| + |moving walls| + |shear|; rounding for hard spheres, the integrator's gain or loss for soft ones",
     )
 }
 

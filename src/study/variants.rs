@@ -26,7 +26,7 @@ use std::sync::Arc;
 pub struct Variants {
     /// Case from which the variants are made.
     pub case: Case,
-    /// Experiment of each variant.
+    /// Experiment of each variant, with the warnings about it.
     pub checked: Vec<Checked>,
     /// Number of runs of each variant, with different seeds.
     pub replicas: u16,
@@ -97,7 +97,7 @@ impl Variants {
     }
 }
 
-/// Results of the variants so far, and the executor with the folder to which they are written.
+/// Results of the variants so far, and the executor of their runs, which has the folder of results.
 pub struct VariantResults<'a> {
     variants: &'a Variants,
     executor: Executor<'a>,
@@ -109,7 +109,7 @@ pub struct VariantResults<'a> {
     frames: Vec<Frames>,
 }
 
-/// Results of the variants in the form in which they are written to a document.
+/// Results of the variants, prepared for a document.
 #[derive(Default)]
 pub struct VariantFindings {
     /// Outcome of each variant, averaged over its replicas.
@@ -125,8 +125,8 @@ pub struct VariantFindings {
 }
 
 impl<'a> VariantResults<'a> {
-    /// Prepares the runs of the variants; `scene` is a description of their scene. In a helper process this call does
-    /// the helper's work until the command is over, and then returns `None`.
+    /// Prepares the runs of the variants; `scene` is a description of their scene. A helper process executes its part
+    /// of the runs in this call until the command is over, and then returns `None`.
     ///
     /// # Errors
     /// The scene is too crowded to start; and the errors of [`Executor::begin`].
@@ -236,7 +236,7 @@ impl<'a> VariantResults<'a> {
         self.executor.checkpointer.with_remedy(write(&self.executor.folder, &study))
     }
 
-    /// Ends the command after all results were written, and prints these sentences.
+    /// Ends the command after all results were written, and prints `sentences`.
     ///
     /// # Errors
     /// Some variants failed; a stored state cannot be removed.

@@ -9,9 +9,8 @@ use crate::schedule::Schedule;
 use crate::statistics::Estimate;
 use std::convert::Infallible;
 
-/// Ratio of the length of the run to that of the test. The test is done once with the original settings and once with
-/// half the step, which costs twice as much if all particles move in time steps. Together this is three fifteenths of
-/// the run.
+/// Ratio of the length of the run to that of the test. The test is done with the original settings and with half the
+/// step, which costs up to twice as much. Together this is up to three fifteenths of the cost of the run.
 const PARTS: f64 = 15.0;
 
 /// Number of samples in the test, which is enough for the blocks of a standard error.

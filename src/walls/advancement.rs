@@ -2,25 +2,26 @@
 
 use super::{Flight, Geometry};
 
-/// [-] gap over the radius of the sphere, below which the tangent plane is used in place of the wall.
+/// [-] ratio of the gap to the radius of the sphere, below which the tangent plane is used in place of the wall.
 ///
-/// Consider the set of points that the centre of a sphere of radius r cannot reach. It is a union of balls of radius r.
-/// On a path of length s between two positions outside of it, the centre can be at most s²/(8 r) inside. With this gap
-/// the depth is 1e-17 r, which is below rounding.
+/// The centre of a sphere of radius r cannot be nearer to the wall than r. The excluded points form a union of balls of
+/// radius r. If both ends of a path of length s lie outside this union, the centre is at most s²/(8 r) inside it. For a
+/// path as long as this gap, the depth is 1e-17 r, which is below rounding.
 const CLOSE: f64 = 1e-8;
-/// Largest number of steps of a search. An approach at an angle a to the surface takes some ln(1/CLOSE)/(2 sin a)
-/// steps, so this number is enough for angles down to 1e-3. At smaller angles the normal speed is below a thousandth of
+/// Largest number of steps of a search. A flight at an angle a to the surface needs about ln(1/CLOSE)/(2 sin a) steps,
+/// so this number is enough for angles down to 1e-3 rad. At smaller angles the normal speed is below a thousandth of
 /// the speed.
 const STEPS: usize = 10_000;
 
 /// [s] time of touch as [`Geometry::touch_time`] defines it, by conservative advancement (Mirtich 1996, Impulse-based
-/// Dynamic Simulation, section 2.3). In each step the sphere, whose gap is g, advances for the shortest time in which
-/// it can cover the distance g. Within a very small gap the tangent plane gives the time of touch.
+/// Dynamic Simulation, section 2.3). In each step the sphere advances by the shortest time in which it can cover its
+/// gap. Below the gap [`CLOSE`] the tangent plane gives the time of touch.
 pub(super) fn touch_time<G: Geometry + ?Sized>(shape: &G, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
     within(shape, flight, radius, (until, STEPS)).flatten()
 }
 
-/// Time of touch as [`touch_time`], but with at most `steps` steps. The outer `None` means that more steps are needed.
+/// Time of touch as [`touch_time`] returns it, but with at most `steps` steps. The outer `None` means: more steps are
+/// needed.
 pub(super) fn within<G: Geometry + ?Sized>(
     shape: &G,
     flight: &Flight,

@@ -3,15 +3,16 @@
 use super::{Flight, Geometry, Nearest};
 use nalgebra::Vector3;
 
-/// Largest number of steps of the search. For grazing flights each step halves the error, so 64 steps reach rounding.
+/// Largest number of steps of the search. If the flight grazes the body, each step halves the error. 64 steps reach
+/// rounding.
 const STEPS: usize = 64;
 
-/// [s] time of touch as [`Geometry::touch_time`] defines it, for a convex body. `nearest` returns the body's nearest
-/// point to a given point.
+/// [s] time of touch as [`Geometry::touch_time`] defines it, for a convex body. `nearest` returns the point of the body
+/// that is nearest to a given point.
 ///
-/// The body is behind the tangent plane at its nearest point, so a flight reaches that plane before the body. Each step
-/// advances to the next tangent plane and approaches the touch from before. The convergence is quadratic unless the
-/// flight grazes the body. A flight that never reaches one of the planes misses the body.
+/// A convex body lies behind the tangent plane at its nearest point, so a flight reaches this plane before the body.
+/// Each step advances to the next tangent plane, so the time never exceeds the time of touch. The convergence is
+/// quadratic unless the flight grazes the body. A flight that does not reach one of the planes misses the body.
 pub(super) fn touch_time(
     nearest: impl Fn(&Vector3<f64>) -> Nearest,
     flight: &Flight,

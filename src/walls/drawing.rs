@@ -7,11 +7,11 @@ use std::f64::consts::TAU;
 /// Number of flat sides with which round bodies are drawn.
 const SIDES: u32 = 64;
 
-/// Surface as triangles: corner points [m], and three indices of corners for each triangle.
+/// Surface as triangles: corner points [m], and for each triangle the indices of its three corners.
 pub type Drawing = (Vec<Vector3<f64>>, Vec<[u32; 3]>);
 
-/// Surface made by rotating a line about an axis. The points of the line [m] are (distance from the axis, coordinate
-/// along the axis).
+/// Surface of revolution, made by rotating a line about an axis. The points of the line [m] are given by their distance
+/// from the axis and their coordinate along it.
 pub(super) fn turned(axle: &RoundAxis, outline: &[Vector2<f64>]) -> Drawing {
     let (mut corners, mut triangles) = (Vec::new(), Vec::new());
     for point in outline {

@@ -1,6 +1,6 @@
-//! Hollow bodies with particles inside: a box, a sphere, a closed cylinder or cone, an endless pipe. Each side is a
+//! Hollow bodies with particles inside: a box, a sphere, a closed cylinder or cone, a pipe without ends. Each side is a
 //! separate contact, so a sphere in a corner has one contact for each side that it touches. A round side has a second
-//! contact, opposite to the nearest point, for spheres that are as wide as the body.
+//! contact opposite to the nearest point, which spheres as wide as the body need.
 
 use super::drawing::turned;
 use super::round::{Bowl, Frustum, OppositeBowl, OppositeTube, RoundAxis, Tube};
@@ -107,7 +107,7 @@ impl Hollow {
         &self.room
     }
 
-    /// [m] lowest and highest corner of the box around the body; infinite along the axis of a pipe.
+    /// [m] lowest and highest corner of the smallest box around the body; infinite along the axis of a pipe.
     pub fn corners(&self) -> [Vector3<f64>; 2] {
         let round = |axle: &RoundAxis, radius: f64, half_height: f64| {
             (axle.center, Vector3::from_fn(|axis, _| if axis == axle.axis { half_height } else { radius }))
@@ -123,7 +123,7 @@ impl Hollow {
         [center - half, center + half]
     }
 
-    /// [m³] volume inside the body; for a pipe, the volume inside a domain with edges `size` [m].
+    /// [m³] volume inside the body; for a pipe, the volume inside a domain whose edges are `size` [m].
     pub fn volume(&self, size: &Vector3<f64>) -> f64 {
         match &self.room {
             Cavity::Box { half_extents, .. } => 8.0 * half_extents.product(),

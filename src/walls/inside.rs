@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use std::f64::consts::PI;
 
 impl Frustum {
-    /// True if a point [m] is between the two ends of the shell, and nearer to the axis than the shell is at that
+    /// True if a point [m] lies between the two ends of the shell and is nearer to the axis than the shell at the same
     /// height.
     pub(super) fn surrounds(&self, point: &Vector3<f64>) -> bool {
         let from = point - self.axle.center;
@@ -17,9 +17,9 @@ impl Frustum {
 }
 
 impl Mesh {
-    /// True if the triangles cover more than half of the field of view from `point` [m]. A triangle whose corners lie
-    /// in the directions a, b, c covers the solid angle Ω with tan(Ω/2) = a·(b × c)/(1 + a·b + b·c + c·a) (van Oosterom
-    /// and Strackee 1983, IEEE Trans. Biomed. Eng. 30, 125).
+    /// True if the triangles cover more than half of the full solid angle 4π, seen from `point` [m]. A triangle with
+    /// corners in the directions a, b, c covers the solid angle Ω with tan(Ω/2) = a·(b × c)/(1 + a·b + b·c + c·a) (van
+    /// Oosterom and Strackee 1983, IEEE Trans. Biomed. Eng. 30, 125).
     pub(super) fn surrounds(&self, point: &Vector3<f64>) -> bool {
         let [low, high] = self.bounds();
         if (0..3).any(|axis| point[axis] < low[axis] || point[axis] > high[axis]) {

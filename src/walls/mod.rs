@@ -1,8 +1,8 @@
-//! Walls: all bodies other than spheres with which spheres collide.
+//! Walls: all bodies other than spheres. Spheres collide with them.
 //!
-//! For any point, a wall returns its nearest point as a signed distance and a normal. The gap of a sphere is the
+//! For any point, a wall returns its nearest point, as a signed distance and a normal. The gap of a sphere is the
 //! distance of its centre minus its radius. For soft spheres a negative gap is an overlap. For hard spheres the engine
-//! computes the time at which the gap becomes zero during a flight.
+//! computes the time in a flight at which the gap becomes zero.
 //!
 //! To add a shape, write one file with `impl Geometry`, then add a `mod` line, a variant of [`WallGeometry`] and an arm
 //! of [`WallGeometry::law`].
@@ -38,10 +38,10 @@ use nalgebra::Vector3;
 use serde::Serialize;
 use std::sync::Arc;
 
-/// Nearest point of a wall to a given point, described by distance and normal.
+/// Point of a wall that is nearest to a given point, described by its distance and its normal.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Nearest {
-    /// [m] signed distance from the surface to the given point: positive on the particles' side.
+    /// [m] signed distance from the surface to the given point; positive on the side of the particles.
     pub distance: f64,
     /// [-] unit normal at the nearest point, from the wall towards the particles.
     pub normal: Vector3<f64>,
@@ -54,13 +54,13 @@ impl Nearest {
     }
 }
 
-/// A predicted touch of a sphere and a wall.
+/// Predicted touch of a sphere and a wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
     /// [s] time of the touch, from the beginning of the flight.
     pub time: f64,
-    /// Number of the surface feature that is touched, such as a triangle; 0 if the surface is not divided. The meaning
-    /// of the number depends on the shape.
+    /// Number of the surface feature that is touched, such as a triangle. Its meaning depends on the shape. 0 if the
+    /// surface is not divided into features.
     pub place: u32,
 }
 
@@ -71,67 +71,67 @@ impl Touch {
     }
 }
 
-/// The shape of a wall. Only [`nearest`](Self::nearest) is required. A shape with a faster method for the time of touch
-/// also implements [`touch_time`](Self::touch_time). A shape that a case can contain also returns its bounds, its
-/// inside and a drawing.
+/// Shape of a wall. Only [`nearest`](Self::nearest) is required. A shape with a faster method for the time of touch
+/// also implements [`touch_time`](Self::touch_time). A shape for case files also implements its bounds, its inside and
+/// its drawing.
 pub trait Geometry: std::fmt::Debug + Send + Sync {
     /// The nearest point of the surface to `point` [m].
     fn nearest(&self, point: &Vector3<f64>) -> Nearest;
 
     /// [s] first time in `(0, until]` at which the gap of a sphere of `radius` [m] becomes zero. The flight of the
-    /// centre is x(t) = position + velocity t + gravity t²/2 (SI units). The time is 0 if the sphere overlaps the wall
-    /// and approaches already. `None` if the sphere does not touch. The default method is conservative advancement,
-    /// which requires only the nearest point.
+    /// centre is x(t) = position + velocity t + gravity t²/2 (SI units). The time is 0 if the sphere already overlaps
+    /// the wall and still approaches it. `None` if the sphere does not touch. The default method is conservative
+    /// advancement, which needs only nearest points.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         advancement::touch_time(self, flight, radius, until)
     }
 
-    /// Largest number of simultaneous contacts of the wall with one sphere. A sphere in a corner has several. Contacts
-    /// are numbered from 0.
+    /// Largest number of simultaneous contacts of the wall with one sphere. A sphere in a corner has several contacts.
+    /// They are numbered from 0.
     fn contacts(&self) -> u32 {
         1
     }
 
-    /// The nearest point for contact number `which`, to the centre `point` [m] of a sphere of `radius` [m].
+    /// Nearest point of contact number `which` to the centre `point` [m] of a sphere of `radius` [m].
     fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         let _ = (which, radius);
         self.nearest(point)
     }
 
-    /// True if the normal of contact number `which` is constant.
+    /// True if contact number `which` has a constant normal.
     fn is_flat_at(&self, which: u32) -> bool {
         let _ = which;
         false
     }
 
-    /// [-] largest jump |n - n'| of a contact's unit normal, from n to n', while a sphere slides along the wall. It is
-    /// 0 if the normal turns continuously.
+    /// [-] largest jump |n - n'| of the unit normal of a contact, from n to n', while a sphere slides along the wall. 0
+    /// if the normal turns continuously.
     fn seam(&self) -> f64 {
         0.0
     }
 
-    /// First touch for contact number `which`. Its time is defined as in [`touch_time`](Self::touch_time), and it names
-    /// the surface feature that is touched.
+    /// First touch for contact number `which`, with the surface feature that is touched. Its time is defined as in
+    /// [`touch_time`](Self::touch_time).
     fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
         let _ = which;
         self.touch_time(flight, radius, until).map(Touch::at)
     }
 
-    /// Nearest point of a contact, as [`contact`](Self::contact), but at the instant of a touch. `place` is the number
-    /// of the surface feature, which [`first_touch`](Self::first_touch) has returned.
+    /// Nearest point of a contact at the instant of a touch; otherwise as [`contact`](Self::contact). `place` is the
+    /// number of the surface feature in the result of [`first_touch`](Self::first_touch).
     fn struck(&self, which: u32, place: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         let _ = place;
         self.contact(which, point, radius)
     }
 
-    /// True if contact number `which` may begin for a sphere of `radius` [m] while its centre moves by less than half
-    /// of `skin` [m] from `point` [m].
+    /// True if contact number `which` of a sphere of `radius` [m] may begin while its centre moves less than half of
+    /// `skin` [m] from `point` [m].
     fn may_touch(&self, which: u32, point: &Vector3<f64>, radius: f64, skin: f64) -> bool {
         self.contact(which, point, radius).distance - radius < skin
     }
 
-    /// True if the gap may become positive again after the centre of a sphere has passed through the surface. This is
-    /// so for a thin sheet, and for a surface that is searched only near the sphere.
+    /// True if the gap may become positive again after the centre of a sphere has passed through the surface. This
+    /// holds for a thin sheet, and for a surface that is searched only near the sphere.
     fn is_thin(&self) -> bool {
         false
     }
@@ -154,32 +154,33 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         false
     }
 
-    /// True if the surface can move along itself with `velocity` [m/s], as a conveyor belt does. For this the velocity
-    /// must be perpendicular to all normals.
+    /// True if the surface can move along itself with `velocity` [m/s], like a conveyor belt. The velocity must be
+    /// perpendicular to all normals.
     fn slides(&self, velocity: &Vector3<f64>) -> bool {
         let _ = velocity;
         false
     }
 
-    /// True if the surface can turn while the shape stays in position: the shape is round about that axis.
+    /// True if the surface can turn while the shape stays in position: the shape is a body of revolution about the axis
+    /// of turning.
     fn turns(&self, turning: &Turning) -> bool {
         let _ = turning;
         false
     }
 
-    /// [m] lowest and highest corner of a box around the body; `None` for endless shapes, and for vessels, which
-    /// contain all particles.
+    /// [m] lowest and highest corner of a box around the body. `None` for endless shapes and for vessels, which contain
+    /// all particles.
     fn bounds(&self) -> Option<[Vector3<f64>; 2]> {
         None
     }
 
-    /// [m] lowest and highest corner of a box around the wall, also for a vessel; `None` for an endless wall.
+    /// [m] lowest and highest corner of a box around the wall, including a vessel; `None` for an endless wall.
     fn extent(&self) -> Option<[Vector3<f64>; 2]> {
         self.bounds()
     }
 
-    /// [m] lowest and highest corner of a box that contains all particles; infinite in directions without a limit.
-    /// `None` except for vessels and for flat walls perpendicular to an axis.
+    /// [m] lowest and highest corner of a box that contains all particles, infinite in directions without a limit.
+    /// `None` unless the wall is a vessel or a plane perpendicular to an axis.
     fn room_corners(&self) -> Option<[Vector3<f64>; 2]> {
         None
     }
@@ -190,19 +191,19 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         false
     }
 
-    /// [m³] volume inside a vessel, which contains all particles; `None` if the wall is no vessel. `size` [m] contains
-    /// the edges of the domain, for vessels as long as the domain.
+    /// [m³] volume inside a vessel, which contains all particles; `None` if the wall is not a vessel. `size` [m]
+    /// contains the edges of the domain, which limit the volume of a vessel without ends.
     fn vessel_volume(&self, size: &Vector3<f64>) -> Option<f64> {
         let _ = size;
         None
     }
 
-    /// True if the wall has an inside: a vessel, a shell that is open at its ends, or a sheet of triangles.
+    /// True if the wall has an inside: it is a vessel, a shell with open ends, or a sheet of triangles.
     fn has_inside(&self) -> bool {
         false
     }
 
-    /// True if `point` [m] is inside the wall; the inside of an open surface ends at its rim.
+    /// True if `point` [m] is inside the wall. The inside of a surface with open ends reaches to its rims.
     fn encloses(&self, point: &Vector3<f64>) -> bool {
         let _ = point;
         false
@@ -213,15 +214,15 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         "shape of the caller's".into()
     }
 
-    /// Surface of the wall as triangles, for pictures. An endless pipe is drawn as long as the box, whose edges are
-    /// `size` [m]. The result is empty for planes, which are drawn separately as far as the edges of the box.
+    /// Surface of the wall as triangles, for pictures. A pipe without ends is drawn as long as the domain, whose edges
+    /// are `size` [m]. The result is empty for planes, which are drawn separately up to the sides of the domain.
     fn drawing(&self, size: &Vector3<f64>) -> Drawing {
         let _ = size;
         Drawing::default()
     }
 }
 
-/// Flight of a sphere's centre without contact, in uniform gravity: a parabola.
+/// Flight of a sphere's centre between contacts, in uniform gravity: a parabola.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Flight {
     /// [m] position of the centre at time 0.
@@ -243,13 +244,13 @@ impl Flight {
         self.velocity + self.gravity * t
     }
 
-    /// Returns this flight with times counted from `t` [s] on.
+    /// Returns this flight with time counted from `t` [s].
     pub fn from(&self, t: f64) -> Self {
         Self { position: self.position_at(t), velocity: self.velocity_at(t), gravity: self.gravity }
     }
 }
 
-/// Shape of a wall: one that a case can contain, or one that the calling program defines.
+/// Shape of a wall, either of a type that a case can contain or defined by the calling program.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WallGeometry {
@@ -263,7 +264,7 @@ pub enum WallGeometry {
     Hollow(Hollow),
     /// A surface made of triangles.
     Mesh(Arc<Mesh>),
-    /// A body with its images across periodic sides. In a periodic box, a simulation uses this form for every body.
+    /// A body with its images across periodic sides. In a periodic domain, a simulation uses this form for every body.
     Repeated(Arc<Repeated>),
     /// A shape that the calling program defines; a case cannot contain it.
     #[serde(skip)]
@@ -271,7 +272,7 @@ pub enum WallGeometry {
 }
 
 impl WallGeometry {
-    /// The nearest point of the surface to `point` [m]. For planes, the most frequent walls, a virtual call is avoided.
+    /// Nearest point of the surface to `point` [m]. For planes, the most frequent walls, a virtual call is avoided.
     #[inline]
     pub fn nearest(&self, point: &Vector3<f64>) -> Nearest {
         self.plane().map_or_else(|| self.law().nearest(point), |plane| plane.nearest(point))
@@ -295,42 +296,43 @@ impl WallGeometry {
         if self.is_flat() { 1 } else { self.law().contacts() }
     }
 
-    /// The nearest point for contact number `which`, to the centre `point` [m] of a sphere of `radius` [m].
+    /// Nearest point of contact number `which` to the centre `point` [m] of a sphere of `radius` [m].
     #[inline]
     pub fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         self.plane().map_or_else(|| self.law().contact(which, point, radius), |plane| plane.nearest(point))
     }
 
-    /// True if the normal of contact number `which` is constant.
+    /// True if contact number `which` has a constant normal.
     #[inline]
     pub fn is_flat_at(&self, which: u32) -> bool {
         self.is_flat() || self.law().is_flat_at(which)
     }
 
-    /// [-] largest jump of a contact's normal, as [`Geometry::seam`].
+    /// [-] largest jump of the normal of a contact, as [`Geometry::seam`] defines it.
     pub fn seam(&self) -> f64 {
         if self.is_flat() { 0.0 } else { self.law().seam() }
     }
 
-    /// First touch for contact number `which`, as [`Geometry::first_touch`].
+    /// First touch for contact number `which`, as [`Geometry::first_touch`] defines it.
     #[inline]
     pub fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
         self.law().first_touch(which, flight, radius, until)
     }
 
-    /// Nearest point at the instant of a touch, as [`Geometry::struck`]. For planes a virtual call is avoided.
+    /// Nearest point at the instant of a touch, as [`Geometry::struck`] defines it. For planes a virtual call is
+    /// avoided.
     #[inline]
     pub fn struck(&self, which: u32, place: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         self.plane().map_or_else(|| self.law().struck(which, place, point, radius), |plane| plane.nearest(point))
     }
 
-    /// True if contact number `which` may begin, as [`Geometry::may_touch`].
+    /// True if contact number `which` may begin, as [`Geometry::may_touch`] defines it.
     pub fn may_touch(&self, which: u32, point: &Vector3<f64>, radius: f64, skin: f64) -> bool {
         self.law().may_touch(which, point, radius, skin)
     }
 
-    /// True if the surface may be within `distance` [m] of a point, as [`Geometry::is_within`]. For planes a virtual
-    /// call is avoided.
+    /// True if the surface may be within `distance` [m] of a point, as [`Geometry::is_within`] defines it. For planes a
+    /// virtual call is avoided.
     #[inline]
     pub fn is_within(&self, point: &Vector3<f64>, distance: f64) -> bool {
         self.plane()
@@ -353,8 +355,8 @@ impl WallGeometry {
 }
 
 impl WallGeometry {
-    /// [m] lowest and highest corner of a box around the body, and of boxes around its nearest images. Empty if the
-    /// shape has no bounds.
+    /// [m] lowest and highest corners of the box around the body and of the boxes around its nearest images. Empty if
+    /// the shape has no bounds.
     pub fn boxes(&self) -> Vec<[Vector3<f64>; 2]> {
         match self {
             Self::Repeated(body) => body.boxes(),
@@ -362,11 +364,11 @@ impl WallGeometry {
         }
     }
 
-    /// True if the centre of a sphere passes through a thin surface on the straight line from `from` to `to` [m]. The
-    /// result is false for surfaces that are not thin.
+    /// True if the centre of a sphere crosses a thin surface on the straight line from `from` to `to` [m]. The result
+    /// is false for surfaces that are not thin.
     pub fn is_passed(&self, from: &Vector3<f64>, to: &Vector3<f64>, radius: f64) -> bool {
-        /// [-] distance of the centre from the surface over the radius; at smaller distances the centre has passed
-        /// through the surface.
+        /// [-] distance from the surface over the radius of the sphere. A centre that comes nearer counts as having
+        /// crossed.
         const TOUCH: f64 = 1e-6;
         let flight = Flight { position: *from, velocity: to - from, gravity: Vector3::zeros() };
         self.law().is_thin() && self.law().touch_time(&flight, TOUCH * radius, 1.0).is_some()
@@ -380,15 +382,15 @@ pub struct Wall {
     pub geometry: WallGeometry,
     /// Restitution and friction between the wall and every particle.
     pub surface: Surface,
-    /// Elasticity of the wall; `None` for the elasticity of the contact law.
+    /// Elasticity of the wall; `None`: the elasticity of the contact law.
     pub elasticity: Option<Elasticity>,
-    /// [m/s] velocity of the surface along itself, as of a conveyor belt; the shape does not move.
+    /// [m/s] velocity of the surface along itself, as of a conveyor belt. The shape does not move.
     #[serde(skip_serializing_if = "is_still")]
     pub velocity: Vector3<f64>,
-    /// Rotation of the surface along itself, as of a drum or a turntable: the shape stays in position.
+    /// Rotation of the surface, as of a drum or a turntable. The shape stays in position.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turning: Option<Turning>,
-    /// Rolling and twisting friction of the wall that differ from those of the law.
+    /// Rolling and twisting friction at the wall, where they differ from those of the contact law.
     #[serde(skip_serializing_if = "ResistanceFriction::is_of_law")]
     pub resistance: ResistanceFriction,
 }
@@ -405,9 +407,9 @@ fn is_still(velocity: &Vector3<f64>) -> bool {
     *velocity == Vector3::zeros()
 }
 
-/// True if [`first_touch`] may find a time for two spheres in straight flight. The spheres must approach each other,
-/// and their smallest distance must be less than `reach` [m]. `apart` [m] and `velocity` [m/s] are relative position
-/// and velocity. The test has no branches, so that a processor can test several pairs at the same time.
+/// True if two spheres in straight flight approach each other and their smallest distance is less than `reach` [m].
+/// [`first_touch`] may find a time only then. `apart` [m] and `velocity` [m/s] are relative position and velocity. The
+/// test has no branches, so that a processor can test several pairs at once.
 #[inline(always)]
 pub fn may_touch(apart: &Vector3<f64>, velocity: &Vector3<f64>, reach: f64) -> bool {
     let closing = -apart.dot(velocity);
@@ -415,10 +417,10 @@ pub fn may_touch(apart: &Vector3<f64>, velocity: &Vector3<f64>, reach: f64) -> b
     (closing > 0.0) & (closing * closing - velocity.norm_squared() * gap_square >= 0.0)
 }
 
-/// [s] time at which two spheres in straight flight first touch: the smaller root of |r + u t| = reach. The separation
-/// r [m] is `apart`, and the relative velocity u [m/s] is `velocity`. The time is 0 for spheres that overlap (by
-/// rounding) and approach. `None` for spheres that separate or miss each other. `speeds` [m/s] is the sum of both
-/// speeds: an approach slower than its rounding is ignored.
+/// [s] first time at which two spheres in straight flight touch: the smaller root of |r + u t| = `reach` [m]. The
+/// relative position r [m] is `apart`, the relative velocity u [m/s] is `velocity`. The time is 0 for spheres that
+/// overlap (by rounding) and approach. `None` for spheres that separate or miss each other. `speeds` [m/s] is the sum
+/// of both speeds; an approach slower than the rounding of this sum is ignored.
 #[inline]
 pub fn first_touch(apart: &Vector3<f64>, velocity: &Vector3<f64>, reach: f64, speeds: f64) -> Option<f64> {
     let closing = -apart.dot(velocity);

@@ -4,15 +4,14 @@ use super::mesh::Tree;
 use super::{Nearest, Wall};
 use nalgebra::Vector3;
 
-/// Number of boxes from which a tree of boxes is used. If there are fewer boxes, every wall is tested.
+/// Number of boxes from which a tree is used. With fewer boxes, every wall is tested.
 const MANY: usize = 8;
 
-/// Search structure for the walls of a scene: a tree of the boxes around them. With the tree, few of hundreds of
-/// bodies, such as the pins of a board, need to be tested.
+/// Search structure for the walls of a scene: a tree of the boxes around them. Among hundreds of bodies, such as the
+/// pins of a board, only a few near a point need to be tested.
 #[derive(Clone, Default)]
 pub struct NearWalls {
-    /// Indices of the walls that are not in the tree and are always tested: planes, vessels, and all walls if they are
-    /// few.
+    /// Indices of the walls that are tested for every point: planes and vessels, or all walls if there are few.
     always: Vec<u32>,
     /// Index of the wall in each box of the tree.
     boxed: Vec<u32>,
@@ -39,8 +38,8 @@ impl NearWalls {
         Self { always, boxed, tree: Some(Tree::of_boxes(boxes.into_iter())) }
     }
 
-    /// Calls `visit` with the index of every wall whose surface may be within `reach` [m] of a point [m]. Some other
-    /// walls are visited too. A body with images may be visited more than once.
+    /// Calls `visit` with the index of every wall whose surface may be within `reach` [m] of a point [m]. Other walls
+    /// may be visited too, and a body with images more than once.
     #[inline]
     pub fn for_each(&self, point: &Vector3<f64>, reach: f64, mut visit: impl FnMut(u32)) {
         self.always.iter().copied().for_each(&mut visit);
@@ -49,8 +48,8 @@ impl NearWalls {
         }
     }
 
-    /// Writes into `found`, in ascending order, the indices of the walls whose surface may be within `reach` [m] of a
-    /// point [m]. The list may contain some other walls.
+    /// Writes into `found`, in ascending order, the indices of all walls whose surface may be within `reach` [m] of a
+    /// point [m]. The list may contain other walls too.
     pub fn list(&self, point: &Vector3<f64>, reach: f64, found: &mut Vec<u32>) {
         found.clear();
         self.for_each(point, reach, |wall| found.push(wall));
@@ -60,8 +59,8 @@ impl NearWalls {
         }
     }
 
-    /// Calls `visit` with the index and the nearest point of every wall that a sphere touches or is behind. Some other
-    /// walls are visited too. The sphere has its centre at `point` [m] and the radius `radius` [m].
+    /// Calls `visit` with the index and the nearest point of every wall that a sphere touches or has passed through.
+    /// Other walls may be visited too. The sphere has its centre at `point` [m] and the radius `radius` [m].
     pub fn for_each_nearest(
         &self,
         walls: &[Wall],
@@ -71,7 +70,7 @@ impl NearWalls {
     ) {
         let mut ask = |wall: u32| {
             let shape = &walls[wall as usize].geometry;
-            // for a plane, the nearest point is computed as fast as the test
+            // for a plane, the nearest point costs no more than the test
             if shape.is_flat() || !shape.law().is_clear(point, radius) {
                 visit(wall, shape.nearest(point));
             }
@@ -91,7 +90,7 @@ impl NearWalls {
         self.tree.is_none()
     }
 
-    /// Approximate number of tests for one point. A search in the tree counts as one test.
+    /// Approximate number of tests for one point; a search in the tree counts as one test.
     pub fn asked(&self) -> usize {
         self.always.len() + usize::from(self.tree.is_some())
     }

@@ -4,7 +4,7 @@ use super::{Flight, Geometry, Nearest, Turning};
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// [-] ratio below which a component counts as rounding: a component of a unit vector, or of a velocity over its
+/// [-] limit below which a component counts as rounding. It applies to unit vectors, and to velocities over their
 /// magnitude.
 const ROUNDING: f64 = 1e-9;
 
@@ -69,8 +69,8 @@ pub(super) fn is_along(velocity: &Vector3<f64>, normal: &Vector3<f64>) -> bool {
     velocity.dot(normal).abs() <= ROUNDING * velocity.norm()
 }
 
-/// [s] first time t > 0 at which g0 + v t + a t²/2 falls through zero. A negative g0 counts as zero, since the caller
-/// has excluded spheres that overlap and approach.
+/// [s] first time t > 0 at which g0 + v t + a t²/2 falls through zero. A negative g0 counts as zero, because the caller
+/// has already treated spheres that overlap and approach.
 fn first_closing(gap: f64, speed: f64, acceleration: f64) -> Option<f64> {
     let gap = gap.max(0.0);
     let discriminant = speed * speed - 2.0 * acceleration * gap;

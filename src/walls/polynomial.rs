@@ -1,9 +1,9 @@
 //! Times at which a polynomial in time rises to zero.
 
-/// First time t in `(0, until]` at which c_0 + c_1 t + c_2 t² + ... rises to zero from below; the coefficients begin
-/// with c_0. If the polynomial is not below zero at the beginning, it is at a touch. Then the result is 0 if c_1
-/// exceeds `resolution`, the accuracy of c_1. Otherwise the result is the time at which the polynomial has fallen and
-/// risen to its first value again.
+/// First time t in `(0, until]` at which c_0 + c_1 t + c_2 t² + ... rises to zero from below; `coefficients` begins
+/// with c_0. A polynomial that is not below zero at t = 0 describes a sphere that touches already. The result is then 0
+/// if c_1 exceeds `resolution`, the rounding error of c_1. Otherwise it is the time at which the polynomial, after
+/// falling, reaches its first value again.
 pub(super) fn way_out(coefficients: &[f64; 5], resolution: f64, until: f64) -> Option<f64> {
     let [at, rate, rest @ ..] = *coefficients;
     if at < 0.0 {
@@ -21,8 +21,8 @@ fn first_rise(coefficients: &[f64], until: f64) -> Option<f64> {
     rises(coefficients, until).next()
 }
 
-/// All times in `(0, until]` at which a polynomial rises to zero from below, in ascending order. The polynomial may be
-/// zero at the beginning if it then falls.
+/// All times in `(0, until]` at which a polynomial rises to zero from below, in ascending order. At time 0 the
+/// polynomial may be zero if it falls from there.
 pub(super) fn rises(coefficients: &[f64], until: f64) -> impl Iterator<Item = f64> {
     let until = until.min(farthest(coefficients));
     let mut from = 0.0;
@@ -35,8 +35,8 @@ pub(super) fn rises(coefficients: &[f64], until: f64) -> impl Iterator<Item = f6
     })
 }
 
-/// All times in `(0, until)` at which a polynomial changes sign, in ascending order. Between two successive sign
-/// changes of the derivative there is at most one.
+/// All times in `(0, until)` at which a polynomial changes sign, in ascending order. At most one of them lies between
+/// two successive sign changes of the derivative.
 fn crossings(coefficients: &[f64], until: f64) -> Vec<f64> {
     if coefficients.len() < 2 {
         return Vec::new();
@@ -51,7 +51,7 @@ fn crossings(coefficients: &[f64], until: f64) -> Vec<f64> {
     found
 }
 
-/// Bisects an interval at whose ends a polynomial has different signs, until no floating-point number lies between the
+/// Bisects an interval, at whose ends a polynomial has different signs, until no floating-point number lies between its
 /// ends. Returns the later end.
 fn bisect(coefficients: &[f64], [mut from, mut to]: [f64; 2]) -> f64 {
     let below = value(coefficients, from) < 0.0 || value(coefficients, to) > 0.0;

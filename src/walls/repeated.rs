@@ -5,32 +5,32 @@ use crate::domain::Domain;
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// Largest number of images beyond each side for which a flight is tested. A longer flight meets farther images in the
-/// next window (the time between two exchanges of momentum with the gas).
+/// Largest number of images, beyond the nearest image, that are tested on each side along an axis. A longer flight
+/// meets farther images in the next window (the time between two exchanges of momentum with the gas).
 const FARTHEST: f64 = 2.0;
 
-/// A body in a periodic domain together with its images. Particles may leave the box during a window (the time between
-/// two exchanges of momentum with the gas), and meet images there. They are moved back into the box at the end of the
-/// window.
+/// A body in a periodic domain together with its images. Particles may leave the domain during a window (the time
+/// between two exchanges of momentum with the gas), and touch images outside. They are moved back into the domain after
+/// the window.
 #[derive(Clone, Debug, Serialize)]
 pub struct Repeated {
     shape: WallGeometry,
     /// [m] lowest and highest corner of the box around the body.
     around: [Vector3<f64>; 2],
-    /// [m] edge of the domain along each periodic axis; `None` for other axes.
+    /// [m] length of the domain along each periodic axis; `None` for other axes.
     periods: [Option<f64>; 3],
 }
 
 impl Repeated {
-    /// Makes a shape that consists of a body and its images. Returns the shape unchanged if the domain is not periodic,
-    /// or if the shape has no bounds.
+    /// Makes the shape of a body with its images. Returns the shape unchanged if the domain is not periodic, or if the
+    /// shape has no bounds.
     pub fn of(shape: WallGeometry, domain: &Domain) -> WallGeometry {
         let Some(around) = shape.law().bounds().filter(|_| domain.periodic.contains(&true)) else { return shape };
         let periods = std::array::from_fn(|axis| domain.periodic[axis].then_some(domain.size[axis]));
         WallGeometry::Repeated(std::sync::Arc::new(Self { shape, around, periods }))
     }
 
-    /// Copies the walls, with images added to all bodies.
+    /// Copies of the walls, in which all bodies have images.
     pub fn all(walls: &[Wall], domain: &Domain) -> Vec<Wall> {
         let repeated = |wall: &Wall| Wall { geometry: Self::of(wall.geometry.clone(), domain), ..wall.clone() };
         walls.iter().map(repeated).collect()
@@ -47,7 +47,7 @@ impl Repeated {
         self.periods[axis].map_or(0.0, |period| ((place - center) / period).round())
     }
 
-    /// [m] image of the point that is as near to the body as the point is to the nearest image of the body.
+    /// [m] the point, shifted by whole periods so that its nearest image of the body becomes the body itself.
     pub(super) fn near(&self, point: &Vector3<f64>) -> Vector3<f64> {
         Vector3::from_fn(|axis, _| {
             point[axis] - self.periods[axis].map_or(0.0, |period| period * self.image(axis, point[axis]))
@@ -69,13 +69,13 @@ impl Repeated {
         boxes
     }
 
-    /// [m] vector from the body to an image, which is given by its numbers along the axes.
+    /// [m] vector from the body to the image with the given numbers along the axes.
     fn shift(&self, image: [f64; 3]) -> Vector3<f64> {
         Vector3::from_fn(|axis, _| self.periods[axis].map_or(0.0, |period| period * image[axis]))
     }
 
-    /// True if a condition holds for the point [m] relative to some image. Only those images are tested that are
-    /// nearest to some point within `reach` [m] of the given point.
+    /// True if a condition holds for the point [m], shifted from some image to the body. The images tested are those
+    /// nearest to any point within `reach` [m] of the given point.
     fn any_near(&self, point: &Vector3<f64>, reach: f64, is_true: impl Fn(&Vector3<f64>) -> bool) -> bool {
         let range = |axis: usize| {
             let here = self.image(axis, point[axis]);
@@ -94,12 +94,12 @@ impl Repeated {
         false
     }
 
-    /// Calls `visit` with the flight relative to every image that the flight may approach until the time `until` [s].
+    /// Calls `visit` with the flight relative to every image that it may approach until the time `until` [s].
     fn for_each_image(&self, flight: &Flight, until: f64, mut visit: impl FnMut(&Flight)) {
         let range = |axis: usize| {
             let first = self.image(axis, flight.position[axis]);
             let (v, g) = (flight.velocity[axis], flight.gravity[axis]);
-            // the coordinate is extreme where the flight turns back, or at the end
+            // along an axis the flight is farthest at its turning point or at its end
             let turn = if g != 0.0 { (-v / g).clamp(0.0, until) } else { 0.0 };
             let ends = [turn, until].map(|t| {
                 // avoids the product of zero and infinity, which is NaN

@@ -1,16 +1,17 @@
-//! Round walls about an axis of the domain: truncated cones, which are solid or thin shells, and the inner sides of
-//! pipes and cones.
+//! Walls of revolution about an axis parallel to x, y or z: truncated cones, which are solid or thin shells, and the
+//! inner sides of pipes, cones and spheres.
 
 use super::drawing::turned;
 use super::{Drawing, Flight, Geometry, Nearest, Touch, Turning, convex, polynomial, shell};
 use nalgebra::{Vector2, Vector3};
 use serde::Serialize;
 
-/// [-] distance over the radius that is returned for a side that a sphere cannot touch; it must exceed 1 (no contact).
+/// [-] distance over the radius, returned for a side that the sphere cannot touch. It exceeds 1, which means no
+/// contact.
 const OUT_OF_SIGHT: f64 = 1.25;
 
-/// A line along x, y or z, about which a wall is round. Points are described in a half-plane that begins at this axis.
-/// Their two coordinates are the distance from the axis, and the coordinate along the axis.
+/// Axis of a round wall, parallel to x, y or z. Points are described in a half-plane bounded by this axis. Their
+/// coordinates there are the distance from the axis and the coordinate along the axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RoundAxis {
     /// [m] a point of the axis.
@@ -33,8 +34,8 @@ impl RoundAxis {
         across
     }
 
-    /// Turns a direction in the half-plane into a direction in space at `point` [m]. For a point on the axis itself,
-    /// any direction outwards is correct.
+    /// Converts a direction in the half-plane into a direction in space at `point` [m]. For a point on the axis, any
+    /// direction outwards is correct.
     fn in_space(&self, direction: &Vector2<f64>, point: &Vector3<f64>) -> Vector3<f64> {
         let any = Vector3::from_fn(|k, _| if k == (self.axis + 1) % 3 { 1.0 } else { 0.0 });
         let mut vector = self.across(&(point - self.center)).try_normalize(0.0).unwrap_or(any) * direction.x;
@@ -43,15 +44,15 @@ impl RoundAxis {
     }
 }
 
-/// The inner side of an endless pipe or cone. Particles are at distances below r + s z from the axis, where z is the
+/// The inner side of an endless pipe or cone. Particles are at distances below r + s z from the axis. Here z is the
 /// coordinate along the axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Tube {
     /// Axis of the pipe or cone.
     pub axle: RoundAxis,
-    /// [m] radius r at z = 0, the centre of the axis.
+    /// [m] radius r at z = 0, the position of the axis point `center`.
     pub radius: f64,
-    /// [-] slope s, the growth of the radius along the axis; 0 for a pipe.
+    /// [-] slope s: growth of the radius per length along the axis; 0 for a pipe.
     pub slope: f64,
 }
 
@@ -64,10 +65,9 @@ impl Geometry for Tube {
     }
 
     /// Computes the time of touch as the first root of a polynomial. Let ρ(t) = |p + q t + α t²/2| be the distance of
-    /// the sphere's centre from the axis. The sphere touches the wall when ρ = a + b t + c t²/2. If the flight is
-    /// straight (for pipes: straight in the plane perpendicular to the axis), the degree is two, otherwise four.
-    /// Conservative advancement would need too many steps for a sphere that slides down a cone, since its bounces
-    /// become ever smaller.
+    /// the sphere's centre from the axis. The sphere touches the wall when ρ = a + b t + c t²/2. For a straight flight
+    /// (for pipes: straight in the plane perpendicular to the axis) the degree is two, otherwise four. Conservative
+    /// advancement would need too many steps for a sphere that slides down a cone in ever smaller bounces.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         let curved = if self.slope == 0.0 { self.axle.across(&flight.gravity) } else { flight.gravity };
         let from = flight.position - self.axle.center;
@@ -94,8 +94,8 @@ impl Geometry for Tube {
 }
 
 /// The side of a pipe or cone opposite to the nearest point. A sphere as wide as the pipe touches both sides at once.
-/// The two contacts together push the sphere towards the axis, in proportion to the distance of its centre from the
-/// axis. With a contact at the nearest point alone, the sphere would be thrown from side to side.
+/// Both contacts together push the sphere towards the axis, in proportion to the distance of its centre from the axis.
+/// A contact at the nearest point alone would throw the sphere from side to side.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct OppositeTube(pub Tube);
 
@@ -107,7 +107,7 @@ impl Geometry for OppositeTube {
         Nearest { distance, normal: axle.in_space(&(Vector2::new(1.0, slope) / length), point) }
     }
 
-    /// Returns `None`, because a sphere reaches the near side first. Only a sphere whose centre is on the axis reaches
+    /// Returns `None`, because a sphere reaches the near side first. Only a sphere with its centre on the axis reaches
     /// both sides at once.
     fn touch_time(&self, _flight: &Flight, _radius: f64, _until: f64) -> Option<f64> {
         None
@@ -127,14 +127,14 @@ impl Geometry for Bowl {
     fn nearest(&self, point: &Vector3<f64>) -> Nearest {
         let from = point - self.center;
         let distance = from.norm();
-        // at the centre all directions to the surface are equally short
+        // at the centre, the distance to the surface is equal in all directions
         let normal = if distance > 0.0 { from / -distance } else { Vector3::y() };
         Nearest { distance: self.radius - distance, normal }
     }
 
     /// Computes the time of touch as the first root of a polynomial. The centre of the particle is at the distance |p +
-    /// q t + g t²/2| from the centre of the bowl. A touch occurs when this distance is the radius of the bowl minus
-    /// that of the particle. The degree is two without gravity, and four with gravity.
+    /// q t + g t²/2| from the centre of the bowl. At a touch this distance is the radius of the bowl minus that of the
+    /// particle. The degree is two without gravity, and four with gravity.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         let (p, q, g) = (flight.position - self.center, flight.velocity, flight.gravity);
         let reach = self.radius - radius;
@@ -153,7 +153,7 @@ impl Geometry for Bowl {
     }
 }
 
-/// The point of a hollow sphere opposite to the nearest point. It is a contact for the reason given at
+/// The point of a hollow sphere opposite to the nearest point. It is a second contact for the reason given at
 /// [`OppositeTube`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct OppositeBowl(pub Bowl);
@@ -170,10 +170,10 @@ impl Geometry for OppositeBowl {
     }
 }
 
-/// [s] first time t >= 0 at which a t² + 2 b t + c becomes positive. The expression is negative while the centre of a
-/// sphere is inside the limits. At a touch (c = 0 up to rounding) the time is 0 if b exceeds `resolution`. If b is
-/// below `-resolution`, the centre moves to the other side, and the time is that of the touch there. A sphere that
-/// slides along the wall touches as soon as its approach exceeds the resolution.
+/// [s] first time t >= 0 at which a t² + 2 b t + c becomes positive. The expression is negative while the sphere does
+/// not touch the wall. At a touch (c = 0 up to rounding) the time is 0 if b exceeds `resolution`. If b is below
+/// `-resolution`, the time is that of the touch on the other side. For values between, the sphere slides, and touches
+/// as soon as its approach exceeds the resolution.
 fn first_way_out(a: f64, b: f64, c: f64, resolution: f64) -> Option<f64> {
     if c >= 0.0 {
         return if b > resolution {
@@ -210,8 +210,8 @@ pub struct Frustum {
 }
 
 impl Frustum {
-    /// [m] points of the outline in the half-plane, from the lower end of the axis to the upper end. For a shell it is
-    /// only the side.
+    /// [m] points of the outline in the half-plane. For a body the line leads from the lower end of the axis to the
+    /// upper end. For a shell it is the side alone.
     pub fn outline(&self) -> Vec<Vector2<f64>> {
         let side = [Vector2::new(self.radii[0], -self.half_height), Vector2::new(self.radii[1], self.half_height)];
         if self.solid {
@@ -227,9 +227,8 @@ impl Frustum {
         Vector2::new(side.y, -side.x) / side.norm()
     }
 
-    /// [m] signed distances of a point from the lower end, the side and the upper end, with the outward normals of the
-    /// three. For a point inside the body all distances are negative, and the largest belongs to the nearest of the
-    /// three.
+    /// [m] signed distances of a point from the lower end, the side and the upper end, each with the outward normal.
+    /// For a point inside the body all three are negative, and the largest belongs to the nearest surface.
     fn depths(&self, seen: &Vector2<f64>) -> [(f64, Vector2<f64>); 3] {
         let out = self.out();
         [
@@ -239,8 +238,8 @@ impl Frustum {
         ]
     }
 
-    /// Nearest point of the outline to a point in the half-plane. With `out` = 1 the near side is searched. With `out`
-    /// = -1 the opposite side is searched: `seen` then has the negative distance from the axis.
+    /// Nearest point of the outline to a point in the half-plane. With `out` = 1 it is on the near side. With `out` =
+    /// -1 it is on the opposite side; `seen` then has the negative distance from the axis.
     fn nearest_of_side(&self, seen: &Vector2<f64>, out: f64, point: &Vector3<f64>) -> Nearest {
         let outline = self.outline();
         let ways = outline.windows(2).map(|ends| {
@@ -276,8 +275,8 @@ impl Geometry for Frustum {
         if self.solid { 1 } else { 2 }
     }
 
-    /// For a shell, the opposite side is a contact only for a sphere inside the shell or above its rim. For a sphere
-    /// outside, the near side hides the opposite one.
+    /// Returns the opposite side of a shell only for a sphere inside the shell or above its rim. For a sphere outside,
+    /// the near side is in front of the opposite side.
     fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         let near = self.nearest(point);
         if which == 0 {
@@ -295,7 +294,7 @@ impl Geometry for Frustum {
         if which == 0 { self.touch_time(flight, radius, until).map(Touch::at) } else { None }
     }
 
-    /// Tests the near side for both contacts, since above the rim the opposite side may come within reach anywhere.
+    /// Tests the near side for both contacts, because a sphere above the rim may reach the opposite side anywhere.
     fn may_touch(&self, _which: u32, point: &Vector3<f64>, radius: f64, skin: f64) -> bool {
         self.nearest(point).distance - radius < skin
     }

@@ -1,8 +1,8 @@
 //! Solid convex bodies inside the domain, with nearest points from the library parry.
 //!
-//! parry computes the nearest point accurately at any scale. Times of touch are computed in this program, because parry
-//! computes them with absolute tolerances that are too large for particles. The double-precision build of parry is
-//! used, since overlaps of 1e-6 radii would be lost in single precision.
+//! parry computes nearest points accurately at any scale. This program computes times of touch itself, because the
+//! absolute tolerances of parry are too large for particles. The double-precision build of parry is used, because
+//! overlaps of 1e-6 radii would be lost in single precision.
 
 use super::{Drawing, Flight, Geometry, Nearest, Turning, convex};
 use nalgebra::Vector3;
@@ -12,11 +12,11 @@ use parry3d_f64::shape::{Ball, Cuboid, Cylinder};
 use serde::Serialize;
 use std::fmt;
 
-/// A solid convex body at rest; particles stay outside.
+/// A solid convex body at rest. Particles are outside.
 #[derive(Clone, Serialize)]
 pub struct Obstacle {
     center: Vector3<f64>,
-    /// Axis of the domain, 0, 1 or 2, to which the y axis of the shape is parallel.
+    /// Axis of the domain (0, 1 or 2) to which the y axis of the shape is parallel.
     axis: usize,
     shape: RoundBody,
 }
@@ -26,9 +26,9 @@ pub struct Obstacle {
 enum RoundBody {
     /// A sphere with this radius [m].
     Sphere(f64),
-    /// A box with these half lengths of its edges [m].
+    /// A box, given by half the lengths of its edges [m].
     Cuboid(Vector3<f64>),
-    /// A cylinder with its radius [m] and half its height [m].
+    /// A cylinder, given by its radius [m] and half its height [m].
     Cylinder { radius: f64, half_height: f64 },
 }
 
@@ -53,7 +53,7 @@ impl Obstacle {
         self.center
     }
 
-    /// [m] half the edges of the smallest box around the body.
+    /// [m] half the edge lengths of the smallest box around the body.
     pub fn half_extents(&self) -> Vector3<f64> {
         let local = match &self.shape {
             RoundBody::Sphere(radius) => Vector3::repeat(*radius),
@@ -63,8 +63,8 @@ impl Obstacle {
         self.turn(&local)
     }
 
-    /// Surface of the body as triangles, for pictures: corner points [m], and three indices of corners for each
-    /// triangle. Round bodies have 64 sides.
+    /// Surface of the body as triangles, for pictures: corner points [m], and for each triangle the indices of its
+    /// three corners. Round bodies have 64 sides.
     pub fn triangles(&self) -> (Vec<Vector3<f64>>, Vec<[u32; 3]>) {
         const SIDES: u32 = 64;
         let (corners, triangles) = match &self.shape {
@@ -75,7 +75,7 @@ impl Obstacle {
         (corners.into_iter().map(|corner| self.center + self.turn(&from_parry(corner))).collect(), triangles)
     }
 
-    /// Exchanges the y component of a vector and the component along the body's axis. A second call restores the
+    /// Exchanges two components of a vector: y, and the component along the body's axis. A second call restores the
     /// vector.
     fn turn(&self, vector: &Vector3<f64>) -> Vector3<f64> {
         let mut turned = *vector;
@@ -88,7 +88,8 @@ impl Geometry for Obstacle {
     fn nearest(&self, point: &Vector3<f64>) -> Nearest {
         let local = to_parry(&self.turn(&(point - self.center)));
         let projection = match &self.shape {
-            // parry divides by the distance to the centre; from the centre itself all directions are equally short
+            // parry divides by the distance to the centre; at the centre, the distance to the surface is equal in all
+            // directions
             RoundBody::Sphere(radius) if local.length_squared() == 0.0 => {
                 return Nearest { distance: -radius, normal: Vector3::y() };
             }

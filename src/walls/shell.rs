@@ -1,17 +1,17 @@
 //! Time at which a sphere touches a thin round shell.
 //!
-//! Spheres slide along a shell on either side with ever smaller and slower bounces. Each flight between two bounces is
-//! then nearly along the shell. Conservative advancement takes steps as long as the gap, and would need too many.
-//! Therefore the time of touch is then computed as the root of a polynomial.
+//! Spheres slide along a shell in ever smaller and slower bounces, with flights nearly along the shell. Steps of
+//! conservative advancement are as long as the gap, so such flights would need too many. Their time of touch is the
+//! root of a polynomial.
 
 use super::{Flight, Frustum, Geometry, Nearest, advancement, polynomial};
 use nalgebra::{Vector2, Vector3};
 
-/// Number of steps of conservative advancement. It is tried first, because it is faster if a flight is not along the
-/// shell.
+/// Number of steps of conservative advancement. This method is tried first, because it is faster for flights that are
+/// not along the shell.
 const STEPS: usize = 100;
 /// [-] largest error of the distance at a root that counts as a touch. It is relative to the radius of the sphere plus
-/// the distance of the sphere from the centre of the shell.
+/// the distance of its centre from the centre of the shell.
 const NEAR: f64 = 1e-9;
 
 /// [s] time of touch as [`Geometry::touch_time`] defines it, for a thin shell.
@@ -33,11 +33,12 @@ fn first_root(shell: &Frustum, flight: &Flight, radius: f64, until: f64) -> Opti
         let Nearest { distance, normal } = shell.nearest(&flight.position_at(root));
         let velocity = flight.velocity_at(root);
         let (gap, rate) = (distance - radius, velocity.dot(&normal));
-        // excludes roots beyond the rims, at which only the polynomial continues, and spheres that move away
+        // excludes spheres that move away, and roots beyond the rims, where the polynomial has roots but the shell has
+        // ended
         if gap.abs() > NEAR * length || rate > NEAR * velocity.norm() {
             return None;
         }
-        // the polynomial of a rim has degree eight, so one Newton step is needed to remove the rounding of its root
+        // the polynomial of a rim has degree eight; one Newton step removes the rounding error of its root
         let step = if rate < -NEAR * velocity.norm() { gap / rate } else { 0.0 };
         let better = (root - step).clamp(0.0, until);
         let closer = (shell.nearest(&flight.position_at(better)).distance - radius).abs() < gap.abs();
@@ -45,8 +46,8 @@ fn first_root(shell: &Frustum, flight: &Flight, radius: f64, until: f64) -> Opti
     })
 }
 
-/// Flight of a sphere's centre relative to a shell, described by the distance from the shell's axis and the coordinate
-/// along it.
+/// Flight of a sphere's centre relative to a shell: its distance from the axis of the shell and its coordinate along
+/// the axis.
 struct FlightAcrossShell {
     from: Vector3<f64>,
     /// [m², m²/s, ...] coefficients of the squared distance from the axis as a polynomial in time.
@@ -67,10 +68,9 @@ impl FlightAcrossShell {
         Self { from, out, along, speed: flight.velocity.norm() }
     }
 
-    /// [s] times at which the centre reaches the side of the shell, shifted outwards by `aside` [m] (inwards if `aside`
-    /// is negative). At these times the distance ρ from the axis falls or rises to (c + aside - n_z z)/n_ρ. Here c is
-    /// the distance of the side from the centre of the shell, n its outward normal, and z the coordinate along the
-    /// axis.
+    /// [s] times at which the centre reaches the side of the shell, shifted outwards by `aside` [m] (inwards if
+    /// negative). At these times the distance ρ from the axis falls or rises to (c + aside - n_z z)/n_ρ. Here c is the
+    /// distance of the side from the centre of the shell, n its outward normal, and z the coordinate along the axis.
     fn side(&self, shell: &Frustum, aside: f64, until: f64) -> Vec<f64> {
         let out: Vector2<f64> = shell.out();
         let offset = shell.outline().last().map_or(0.0, |end| end.dot(&out)) + aside;
@@ -84,9 +84,9 @@ impl FlightAcrossShell {
         self.rises(&way, size, until)
     }
 
-    /// [s] times at which the centre comes within r = `radius` [m] of a rim, a circle about the axis. The circle is
-    /// given by its radius R [m] and its coordinate along the axis [m]. With d² = ρ² + z², where z is counted from the
-    /// circle, 4 R² ρ² then rises to (d² + R² - r²)². For R = 0 the circle is a point.
+    /// [s] times at which the centre comes within r = `radius` [m] of a rim, which is a circle about the axis. The
+    /// circle is given by its radius R [m] and its coordinate along the axis [m]. With d² = ρ² + z², z counted from the
+    /// circle, the touch is the time at which 4 R² ρ² rises to (d² + R² - r²)². For R = 0 the circle is a point.
     fn rim(&self, (rim, at): (f64, f64), radius: f64, until: f64) -> Vec<f64> {
         let along = [self.along[0] - at, self.along[1], self.along[2]];
         let mut apart = self.out.to_vec();
@@ -99,14 +99,13 @@ impl FlightAcrossShell {
         apart[0] += rim * rim - radius * radius;
         let mut way: Vec<f64> = times(&apart, &apart).iter().map(|c| -c).collect();
         self.out.iter().zip(&mut way).for_each(|(out, way)| *way += 4.0 * rim * rim * out);
-        // division by 4 R² gives the polynomial the unit of a squared length, as for the side
+        // division by 4 R² gives the polynomial the unit of a squared length, as in `side`
         way.iter_mut().for_each(|way| *way /= 4.0 * rim * rim);
         self.rises(&way, rim + self.out[0].sqrt() + along[0].abs(), until)
     }
 
-    /// [s] all times at which a polynomial rises to zero. The values of the polynomial are squared lengths, and their
-    /// size is about `size`² [m²]. A polynomial that is zero at the beginning, up to rounding, is treated as slightly
-    /// negative.
+    /// [s] all times at which a polynomial rises to zero. Its values are squared lengths of the order of `size`² [m²].
+    /// A polynomial that is zero at time 0, up to rounding, is treated as slightly negative.
     fn rises(&self, way: &[f64], size: f64, until: f64) -> Vec<f64> {
         let mut way = way.to_vec();
         let resolution = 16.0 * f64::EPSILON * size * self.speed;

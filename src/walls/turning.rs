@@ -1,10 +1,10 @@
-//! Walls whose surface turns about an axis, while their shape stays in position.
+//! Walls whose surface turns about an axis while their shape stays in position.
 
 use super::{Wall, WallGeometry};
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// [-] sine of an angle, or distance over a length, below which it counts as rounding.
+/// [-] limit below which a value counts as rounding: the sine of an angle, or a distance over a length.
 const ROUNDING: f64 = 1e-9;
 
 /// Rotation of a wall's surface about an axis. The velocity of a point x is ω × (x - c).
@@ -17,7 +17,7 @@ pub struct Turning {
 }
 
 impl Turning {
-    /// True if the axis has the direction of the vector `along`, of any length.
+    /// True if the axis is parallel to the vector `along`, which may have any length.
     pub(super) fn is_about(&self, along: &Vector3<f64>) -> bool {
         self.spin.cross(along).norm() <= ROUNDING * self.spin.norm() * along.norm()
     }
@@ -46,7 +46,7 @@ impl Wall {
         }
     }
 
-    /// Part of the velocity [m/s] at `point` [m] by rotation; a body turns about its own axis in each periodic image.
+    /// [m/s] part of the velocity at `point` [m] by rotation. Each periodic image of a body turns about its own axis.
     fn turning_velocity(&self, turning: &Turning, point: &Vector3<f64>) -> Vector3<f64> {
         let near = match &self.geometry {
             WallGeometry::Repeated(body) => body.near(point),

@@ -1,10 +1,9 @@
-//! Work sharing among the threads of a run: each thread takes one piece of work after the other until none is left.
+//! Work sharing among the threads of a run: each thread takes one piece of work after another until no piece is left.
 //!
 //! A run alternates between dozens of shared loops, each of some tenths of a millisecond. A thread that starts a loop
-//! of this module works on pieces itself, and then waits for the other threads without sleeping. The loops of the
-//! library rayon put a waiting thread to sleep, and waking it takes long on a virtual machine (docs/design/islands.md).
-//! The result of a piece does not depend on the thread that computes it, so results are equal for any number of
-//! threads.
+//! of this module works on pieces too, and then waits for the other threads without sleeping. Loops of the library
+//! rayon put a waiting thread to sleep, and waking it takes long on a virtual machine (docs/design/islands.md). The
+//! result of a piece does not depend on the thread, so results are equal for any number of threads.
 
 mod spinning;
 
@@ -15,13 +14,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-/// Number of times that an idle thread searches for work before it rests. The searches take some 2 ms if no other
-/// program uses the processor. This is longer than the pause between two shared loops of an engine, and short compared
-/// with the times for which one thread works alone. The searches are counted instead of timed, because engines do not
-/// read the time.
+/// Number of searches for work after which an idle thread rests. They take about 2 ms if no other program uses the
+/// processor. This is longer than the pause between two shared loops of an engine, but short compared with the times
+/// for which one thread works alone. The searches are counted, because engines do not read the time.
 const LOOKS: u32 = 5000;
 
-/// Rest between two searches after [`LOOKS`] searches without work.
+/// Length of a rest between two searches after [`LOOKS`] searches without work.
 const RESTS: Duration = Duration::from_micros(200);
 
 /// Calls `work` on every piece, on several threads of the pool.
@@ -32,7 +30,7 @@ pub fn for_each<T: Send>(
     for_each_with(pieces, || (), |(), piece| work(piece));
 }
 
-/// Calls `work` on every piece. Each thread has its own scratch memory, made by `own`.
+/// Calls `work` on every piece. Each thread has its own scratch memory, which `own` makes.
 pub fn for_each_with<T: Send, M>(
     pieces: impl DoubleEndedIterator<Item = T> + ExactSizeIterator + Send,
     own: impl Fn() -> M + Sync,
@@ -44,7 +42,7 @@ pub fn for_each_with<T: Send, M>(
         return pieces.for_each(|piece| work(&mut memory, piece));
     }
     let (pieces, busy) = (Mutex::new(pieces), AtomicUsize::new(helpers));
-    // rayon passes on a panic in a piece: the remaining pieces are then not needed
+    // rayon passes on a panic in a piece; the remaining pieces are then not needed
     let next = |back: bool| {
         let mut pieces = pieces.lock().unwrap_or_else(PoisonError::into_inner);
         if back { pieces.next_back() } else { pieces.next() }
@@ -59,8 +57,8 @@ pub fn for_each_with<T: Send, M>(
         for _ in 0..helpers {
             scope.spawn(|_| {
                 let _done = CompletionSignal(&busy);
-                // the other threads take pieces from the end: each thread then mostly gets the pieces that it had in
-                // the previous loop, which are in its cache
+                // the other threads take pieces from the end: each thread then mostly gets its pieces of the previous
+                // loop, which are in its cache
                 do_pieces(true);
             });
         }
@@ -69,7 +67,7 @@ pub fn for_each_with<T: Send, M>(
     });
 }
 
-/// Results of `work` for all pieces, in the order of the pieces.
+/// Returns the results of `work` for all pieces, in the order of the pieces.
 pub fn map<T: Send, R: Send>(
     pieces: impl DoubleEndedIterator<Item = T> + ExactSizeIterator + Send,
     work: impl Fn(T) -> R + Sync,
@@ -77,7 +75,8 @@ pub fn map<T: Send, R: Send>(
     map_with(pieces, || (), |(), piece| work(piece))
 }
 
-/// Results of `work` for all pieces, in their order. Each thread has its own scratch memory, made by `own`.
+/// Returns the results of `work` for all pieces, in the order of the pieces. Each thread has its own scratch memory,
+/// which `own` makes.
 pub fn map_with<T: Send, R: Send, M>(
     pieces: impl DoubleEndedIterator<Item = T> + ExactSizeIterator + Send,
     own: impl Fn() -> M + Sync,
@@ -89,7 +88,7 @@ pub fn map_with<T: Send, R: Send, M>(
     results.into_iter().flatten().collect()
 }
 
-/// Reports on drop that a thread has finished its work, also if it panics.
+/// Reports on drop that a thread has finished its work, even after a panic.
 struct CompletionSignal<'a>(&'a AtomicUsize);
 
 impl Drop for CompletionSignal<'_> {
@@ -98,7 +97,8 @@ impl Drop for CompletionSignal<'_> {
     }
 }
 
-/// Waits until no thread works on pieces of the loop, and meanwhile does other available work of the pool.
+/// Waits until no other thread works on pieces of the loop. Meanwhile this thread does other available work of the
+/// pool.
 fn wait_for(busy: &AtomicUsize) {
     let mut idle = IdleThread::default();
     while busy.load(Ordering::Acquire) > 0 {
@@ -109,16 +109,16 @@ fn wait_for(busy: &AtomicUsize) {
     }
 }
 
-/// State of a thread that has no work, which counts its searches for work.
+/// Thread without work: counts its searches for work.
 #[derive(Default)]
 struct IdleThread {
-    /// Number of searches for work since the thread last did work.
+    /// Number of searches since the thread last had work.
     looks: u32,
 }
 
 impl IdleThread {
-    /// Waits until the next search for work. The wait is short, but lets other programs use the processor. After
-    /// [`LOOKS`] searches without work it is a rest of [`RESTS`].
+    /// Waits before the next search. The wait lets other programs use the processor. It is short, and a rest of
+    /// [`RESTS`] after [`LOOKS`] searches without work.
     fn look_again(&mut self) {
         self.looks = self.looks.saturating_add(1);
         if self.looks < LOOKS { std::thread::yield_now() } else { std::thread::sleep(RESTS) }

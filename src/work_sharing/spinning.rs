@@ -1,8 +1,8 @@
-//! Keeps the other threads of a run awake between the pieces of work that they share.
+//! Keeps the threads of a run awake between the pieces of work that they share.
 //!
-//! The library rayon soon puts an idle thread to sleep, and waking it takes long on a virtual machine. In a dense gas
-//! two threads were 1.4 times as fast as one. They were 1.66 times as fast if idle threads kept searching for work
-//! instead of sleeping (docs/design/islands.md). Results do not depend on this search.
+//! The library rayon soon puts an idle thread to sleep, and waking it takes long on a virtual machine. In a dense gas,
+//! two threads were 1.4 times as fast as one, and 1.66 times as fast if idle threads searched for work instead of
+//! sleeping (docs/design/islands.md). Results do not depend on the search.
 
 use super::IdleThread;
 use rayon::{Scope, Yield};
@@ -10,24 +10,24 @@ use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 thread_local! {
-    /// True if this thread runs the work of [`keep_workers_spinning`] or searches for pieces of it.
+    /// True if this thread runs the work of [`keep_workers_spinning`], or searches for pieces of this work.
     static TAKES_PART: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Runs `work` on a thread of the pool, while the other threads of the pool search for pieces of this work. A nested
-/// call does not start another search: a thread that searches for pieces within a piece could delay that piece.
+/// Runs `work` on a thread of the pool, while the other threads search for pieces of this work. A nested call does not
+/// start another search, because a thread that searches within a piece could delay this piece.
 pub fn keep_workers_spinning<R: Send>(work: impl FnOnce() -> R + Send) -> R {
     let over = AtomicBool::new(false);
     rayon::scope(|scope| {
         let _part = SpinningGuard::taken();
         keep_awake(scope, &over);
-        // the flag is also set if the work panics: the scope waits for the threads that search for pieces
+        // the flag is also set after a panic, because the scope waits for the searching threads
         let _over = Over(&over);
         work()
     })
 }
 
-/// Sets a flag on drop, by which the searching threads end their search.
+/// Sets a flag on drop, which ends the search of the other threads.
 struct Over<'a>(&'a AtomicBool);
 
 impl Drop for Over<'_> {
@@ -36,11 +36,11 @@ impl Drop for Over<'_> {
     }
 }
 
-/// Marks the present thread as one that takes part in the work, as long as this value exists.
+/// Marks the current thread as part of the work, as long as this value exists.
 struct SpinningGuard;
 
 impl SpinningGuard {
-    /// Marks the present thread; `None` if it takes part already.
+    /// Marks the current thread; `None` if it is marked already.
     fn taken() -> Option<Self> {
         (!TAKES_PART.replace(true)).then_some(Self)
     }
@@ -55,8 +55,8 @@ impl Drop for SpinningGuard {
 fn keep_awake<'scope>(scope: &Scope<'scope>, over: &'scope AtomicBool) {
     for _ in 1..rayon::current_num_threads() {
         scope.spawn(move |_| {
-            // a thread that takes part already may get this task while it waits for a piece: it must not wait here
-            // until all work is over
+            // a marked thread may get this task while it waits for a piece; it must not wait here until all work is
+            // over
             if let Some(_part) = SpinningGuard::taken() {
                 look_for_work(over);
             }

@@ -1,12 +1,12 @@
-//! Uniform steps of a run that is cut into domains.
+//! Uniform steps of a run that is divided into domains.
 
 use super::*;
 use diptych::engine::Failure;
 use diptych::record::Books as Ledger;
 use diptych::simulation::Snapshot;
 
-/// A bed of two sizes with friction, walls, gravity, and gas that flows through it. It is so dense that contacts last
-/// and cross borders of domains.
+/// Bed of two sizes with friction, walls, gravity, and gas that flows through it. It is so dense that contacts last and
+/// cross the borders of domains.
 fn bed(count: usize, volume_fraction: f64) -> (Scene, Particles) {
     let mut of = scene(count, volume_fraction);
     of.0.fluid = Some(air());
@@ -43,7 +43,7 @@ fn who_looks_at_shared_uniform_steps_sees_what_one_process_shows() {
     }
 }
 
-/// A run of uniform steps that is stopped by some processes and resumed by others; `None` means one process.
+/// Run of uniform steps that is stopped on one number of processes and resumed on another. `None` means one process.
 pub fn left_and_resumed(sizes: [Option<usize>; 2], of: &(Scene, Particles)) -> (u64, Ledger) {
     const WINDOWS: u64 = 12;
     let (window, left) = (1e-3 / WINDOWS as f64, 5);
@@ -64,7 +64,7 @@ pub fn left_and_resumed(sizes: [Option<usize>; 2], of: &(Scene, Particles)) -> (
         std::thread::scope(|scope| {
             for communicator in crew {
                 scope.spawn(|| {
-                    // the lead has the records up to now
+                    // the lead process has the records up to now
                     let mut follower = plain();
                     follower.record = Default::default();
                     follower.shared(communicator, 0).follow(&mut |_, _, _| {});
@@ -94,7 +94,7 @@ fn shared_uniform_steps_are_left_and_resumed_on_any_number_of_processes() {
 #[test]
 fn shared_uniform_steps_fail_as_those_of_one_process() {
     let of = bed(2500, 0.45);
-    // so soft that spheres overlap at most times
+    // spheres so soft that they overlap most of the time
     let engine = || soft(0.05, 1e-5, Integrator::VelocityVerlet);
     let (alone, failure) = try_run(&of.0, of.1.clone(), engine(), 1e-2, 10);
     let failure = failure.unwrap_err();

@@ -1,15 +1,15 @@
-//! Bodies to be written to files in tests: cubes, vessels, prisms.
+//! Bodies that tests write to files: cubes, vessels, prisms.
 
 use nalgebra::{Rotation3, Vector3};
 
 /// Triangles by their corners, in the unit of the file.
 pub type Heap = Vec<[Vector3<f64>; 3]>;
 
-/// A cube of 10 about the origin, in squares, whose corners are counted from 1.
+/// Cube with edges of 10 about the origin, of squares. The numbers of corners begin with 1.
 pub const CUBE: &str = "v -5 -5 -5\nv 5 -5 -5\nv 5 5 -5\nv -5 5 -5\nv -5 -5 5\nv 5 -5 5\nv 5 5 5\nv -5 5 5\n\
     f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 1 5 8 4\n";
 
-/// The outline of a comb.
+/// Outline of a comb.
 pub const COMB: [[f64; 2]; 12] = [
     [0.0, 0.0],
     [9.0, 0.0],
@@ -25,7 +25,7 @@ pub const COMB: [[f64; 2]; 12] = [
     [0.0, 5.0],
 ];
 
-/// A cube of the given half width about the origin, with outward normals.
+/// Cube with the given half width about the origin, with outward normals.
 pub fn cube(half: f64) -> [[Vector3<f64>; 3]; 12] {
     let corner =
         |k: usize| Vector3::from_fn(|axis, _| if [0x66, 0xcc, 0xf0][axis] >> k & 1 == 1 { half } else { -half });
@@ -36,7 +36,7 @@ pub fn cube(half: f64) -> [[Vector3<f64>; 3]; 12] {
     })
 }
 
-/// STL in text form: a solid of that name, seven lines for each triangle.
+/// STL in text form: a solid of this name, with seven lines per triangle.
 pub fn text(name: &str, heap: &[[Vector3<f64>; 3]]) -> Vec<u8> {
     let mut text = format!("solid {name}\n");
     for triangle in heap {
@@ -49,12 +49,12 @@ pub fn text(name: &str, heap: &[[Vector3<f64>; 3]]) -> Vec<u8> {
     (text + &format!("endsolid {name}\n")).into_bytes()
 }
 
-/// A number with at most five decimals, without zeros at the end.
+/// Number with at most five decimals, without zeros at the end.
 fn short(value: f64) -> String {
     ((value * 1e5).round() / 1e5).to_string()
 }
 
-/// STL in binary form with the given head.
+/// STL in binary form with the given header.
 pub fn binary(head: &[u8], heap: &[[Vector3<f64>; 3]]) -> Vec<u8> {
     let mut bytes = head.to_vec();
     bytes.resize(80, 0);
@@ -67,8 +67,7 @@ pub fn binary(head: &[u8], heap: &[[Vector3<f64>; 3]]) -> Vec<u8> {
     bytes
 }
 
-/// OBJ file of a prism of the given height over a counter-clockwise outline, turned by an angle. Each of its ends is
-/// one polygon.
+/// OBJ file of a prism over a counter-clockwise outline, turned by an angle. Each end of the prism is one polygon.
 pub fn prism(outline: &[[f64; 2]], height: f64, angle: f64) -> Vec<u8> {
     let turn = Rotation3::from_euler_angles(angle, 0.4 * angle, -0.7 * angle);
     let mut text = String::new();
@@ -84,7 +83,7 @@ pub fn prism(outline: &[[f64; 2]], height: f64, angle: f64) -> Vec<u8> {
     text += &format!("f{}\n", ring((count + 1..=2 * count).collect()));
     for k in 0..count {
         let next = (k + 1) % count;
-        // the line to a hole and back is no side of the prism
+        // the line to a hole and back is not a side of the prism
         let way = (0..count).any(|other| outline[other] == outline[next] && outline[(other + 1) % count] == outline[k]);
         if !way {
             text += &format!("f {} {} {} {}\n", k + 1, next + 1, count + next + 1, count + k + 1);

@@ -4,8 +4,7 @@ use super::Expected::{self, Read, Refused};
 use super::{combinations, judge, read};
 use diptych::experiment::{Amount, Experiment, Model};
 
-/// Case of a box of 20 mm, with one kind of beads or two from the file. It gives no warnings except those about the
-/// file.
+/// Case of a box of 20 mm, with one or two species of beads from the file. All of its warnings are about the file.
 const ONE: &str = "domain = { size = [\"20 mm\", \"20 mm\", \"20 mm\"], periodic = [\"x\", \"y\", \"z\"] }\n\
     particles = [{ name = \"glass\", diameter = \"2 mm\", density = \"2500 kg/m^3\", file = \"FILE\" }]\n\
     contact = { restitution = 0.9 }\nsoft = { linear_spring_dashpot = { stiffness = \"10 kN/m\" } }\nrun = { duration = \"1 ms\" }\n";
@@ -15,7 +14,7 @@ fn two() -> String {
     ONE.replace("file = \"FILE\" }]", &format!("file = \"FILE\" }}, {steel}"))
 }
 
-/// Particles as they are read: position [mm] and velocity [m/s] of each particle, by kind and in the order of the
+/// Particles after reading: position [mm] and velocity [m/s] of each particle, by species and in the order of the
 /// store.
 fn states(experiment: &Experiment) -> Vec<[f64; 6]> {
     let placed = experiment.start.iter().flat_map(|population| match &population.amount {
@@ -34,7 +33,7 @@ fn found(name: &str, text: &str, case: &str) -> Result<(Vec<[f64; 6]>, Vec<Strin
     read(name, text.as_bytes(), case, Model::Hard).map(|(experiment, told)| (states(&experiment), told))
 }
 
-/// Rows of a table: the oddity, the changes to the file, and the expected result.
+/// Rows of a table: name of the oddity, changes to the file, and expected result.
 type Rows<'a> = Vec<(&'a str, &'a [(&'a str, &'a str)], Expected)>;
 
 fn judge_rows(name: &str, whole: &str, case: &str, rows: &Rows) {
@@ -49,7 +48,7 @@ fn judge_rows(name: &str, whole: &str, case: &str, rows: &Rows) {
     }
 }
 
-/// Both beads of the files below, with the states that must be read.
+/// Both beads of the files below, with their expected positions [mm] and velocities [m/s].
 const BEADS: [[f64; 6]; 2] = [[5.0, 5.0, 5.0, 1.0, 0.25, 0.0], [15.0, 5.0, 5.0, -1.0, 0.0, 0.5]];
 
 const XYZ: &str = "2\nLattice=\"0.02 0 0 0 0.02 0 0 0 0.02\" Properties=species:S:1:pos:R:3:velo:R:3 pbc=\"T T T\" units=\"m s\"\n\
@@ -75,7 +74,7 @@ fn xyz_is_read_whatever_its_columns_are_called() {
     ] {
         let text = XYZ.replace("velo:R:3", names);
         assert_eq!(found("start.xyz", &text, ONE).unwrap(), (BEADS.to_vec(), vec![]), "{names}");
-        // the format is found from the contents, whatever the name of the file
+        // the format is found from the contents, for any name of the file
         assert_eq!(found("bed.txt", &text, ONE).unwrap(), (BEADS.to_vec(), vec![]), "{names}");
     }
 }
@@ -161,7 +160,7 @@ fn xyz_is_right_or_refused() {
         ("a tilted box", &[("0.02 0 0 0", "0.02 0.01 0 0")], Refused(&["start.xyz:2", "not rectangular"])),
     ];
     judge_rows("start.xyz", XYZ, ONE, &rows);
-    // the order of the store is that of the ids
+    // the store has the order of the ids
     let turned = XYZ.replace("species:S:1", "id:I:1").replacen('X', "1", 1).replacen('X', "0", 1);
     assert_eq!(found("start.xyz", &turned, ONE).unwrap().0, [BEADS[1], BEADS[0]]);
 }
@@ -253,7 +252,7 @@ fn lammps_data_is_right_or_refused() {
 const DUMP: &str = "ITEM: UNITS\nsi\nITEM: TIMESTEP\n100\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS pp pp pp\n0.0 0.02\n0.0 0.02\n0.0 0.02\n\
     ITEM: ATOMS id type x y z vx vy vz radius\n1 1 0.015 0.005 0.005 -1 0 0.5 0.001\n0 1 0.005 0.005 0.005 1 0.25 0 0.001\n";
 
-/// Text of a dump, and the name of the file.
+/// Text of a dump, and name of its file.
 type Named = (String, &'static str);
 
 #[test]
@@ -339,7 +338,7 @@ fn dumps_are_right_or_refused() {
     judge_rows("bed.dump", DUMP, ONE, &rows);
 }
 
-/// A row of five beads. Each overlaps the next by the share 0.03 d, as in beds of soft spheres.
+/// Row of five beads. Each bead overlaps the next one by `share` times d, such as 0.03 in beds of soft spheres.
 fn bed(share: f64) -> String {
     let line = |k: u32| format!("X {} 0.01 0.01\n", 0.005 + f64::from(k) * 0.002 * (1.0 - share));
     let head = "5\nLattice=\"0.02 0 0 0 0.02 0 0 0 0.02\" Properties=species:S:1:pos:R:3 units=\"m s\"\n";
@@ -381,7 +380,7 @@ fn overlapping_beads_are_pushed_apart_on_demand() {
             assert!((2e-3..2.05e-3).contains(&apart), "{apart}");
         }
     }
-    // no beads overlap, so none are moved
+    // without overlaps no bead is moved
     let (_, told) = read("bed.xyz", bed(0.0).as_bytes(), &case, Model::Hard).unwrap();
     assert!(told.is_empty(), "{told:#?}");
     let nonsense = read("bed.xyz", bed(0.55).as_bytes(), &case, Model::Hard).err().unwrap();

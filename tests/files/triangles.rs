@@ -1,4 +1,4 @@
-//! STL and OBJ.
+//! Files in the formats STL and OBJ.
 
 use super::Expected::{self, Read, Refused};
 use super::{combinations, judge, parts, read};
@@ -7,7 +7,7 @@ use diptych::walls::{Geometry, Mesh, WallGeometry};
 use nalgebra::Vector3;
 use parts::{COMB, CUBE, Heap, binary, cube, text};
 
-/// Case of a box of 40 mm with a bead in a corner, and the file as a wall.
+/// Case of a box of 40 mm with a bead in a corner, and with the file as a wall.
 const CASE: &str = "domain = { size = [\"40 mm\", \"40 mm\", \"40 mm\"] }\nparticles = [{ diameter = \"1 mm\", density = \"2500 kg/m^3\", at = [AT] }]\n\
     walls = [{ mesh = { file = \"FILE\", unit = \"1 mm\", position = [\"20 mm\", \"20 mm\", \"20 mm\"]EXTRA }, restitution = 0.9 }]\n\
     contact = { restitution = 0.9 }\nrun = { duration = \"1 ms\" }\n";
@@ -33,7 +33,7 @@ fn words(bytes: &[u8], from: &str, to: &str) -> Vec<u8> {
     String::from_utf8_lossy(bytes).replace(from, to).into_bytes()
 }
 
-/// A file in text form, and its number of triangles.
+/// File in text form, and its number of triangles.
 type Text = (Vec<u8>, usize);
 
 #[test]
@@ -154,7 +154,7 @@ fn text_stl_that_is_not_whole_is_refused_with_its_line() {
     }
 }
 
-/// The cube of [`CUBE`] with other faces, or unchanged.
+/// Cube of [`CUBE`] with other faces.
 fn obj(faces: &str) -> Vec<u8> {
     format!("{}{faces}\n", CUBE.split("f ").next().unwrap()).into_bytes()
 }
@@ -226,7 +226,7 @@ fn obj_is_read_however_it_is_written() {
     }
 }
 
-/// Volume [mm³] of a closed mesh, positive if its normals point outwards.
+/// Volume [mm³] of a closed mesh; positive if its normals point outwards.
 fn volume(mesh: &Mesh) -> f64 {
     let (points, triangles) = mesh.triangles();
     let each = triangles.map(|corners| {
@@ -236,8 +236,7 @@ fn volume(mesh: &Mesh) -> f64 {
     each.sum()
 }
 
-/// Prisms over polygons that are not convex, at any position and angle, are closed and have the volume given by the
-/// outline.
+/// Prisms over polygons that are not convex are closed, and have the volume of the outline, at any position and angle.
 #[test]
 fn polygons_that_are_not_convex_keep_their_volume() {
     let outlines: [(&str, Vec<[f64; 2]>); 5] = [
@@ -265,7 +264,7 @@ fn polygons_that_are_not_convex_keep_their_volume() {
     }
 }
 
-/// Distance [mm] to the surface from points on the x axis [mm], in the middle of the box.
+/// Distance [mm] to the surface from points on the x axis [mm] relative to the middle of the box.
 fn distances(experiment: &Experiment, along: &[f64]) -> Vec<f64> {
     let at = |x: &f64| mesh(experiment).nearest(&(Vector3::new(20.0 + x, 20.1, 20.2) * 1e-3)).distance * 1e3;
     along.iter().map(|x| at(x).round()).collect()
@@ -280,7 +279,7 @@ fn a_part_within_an_odd_number_of_others_faces_inwards() {
     let shell = |half: f64| cube(half).to_vec();
     let vessel = |inner: Heap| text("vessel", &[shell(15.0), inner].concat());
     let three = |inner: Heap| text("three", &[shell(15.0), inner, shell(5.0)].concat());
-    // points in the middle, in the innermost of three shells, in the wall, outside
+    // points in the middle, in the innermost of three shells, in the wall, and outside
     let along = [0.0, 7.0, 12.0, 17.0];
     let rows: Vec<(&str, Vec<u8>, &str, [f64; 4], &[&str])> = vec![
         (
@@ -323,7 +322,7 @@ fn a_part_within_an_odd_number_of_others_faces_inwards() {
         ("one skin", text("vessel", &shell(15.0)), ", inside = true", [15., 8., 3., -2.], &[]),
     ];
     for (what, bytes, extra, wanted, parts) in &rows {
-        // the bead in the corner of the box is outside the mesh, which `inside` refuses
+        // the bead in the corner of the box is outside the mesh, which the key `inside` does not allow
         let at = if extra.is_empty() { CORNER } else { "" };
         let (experiment, told) =
             read("part.stl", bytes, &case(extra, at), Model::Hard).unwrap_or_else(|error| panic!("{what}: {error}"));
@@ -333,7 +332,7 @@ fn a_part_within_an_odd_number_of_others_faces_inwards() {
         assert!(parts.iter().all(|part| told.contains(part)), "{what}: {told}");
         assert!(what.contains("inside out") || !told.contains("turned round"), "{what}: {told}");
     }
-    // two that intersect, and two side by side, are bodies
+    // two shells that intersect, and two shells side by side, are solid bodies
     let beside = |by: f64| {
         [shell(5.0), shell(4.0).into_iter().map(|three| three.map(|corner| corner + Vector3::x() * by)).collect()]
             .concat()
@@ -366,7 +365,7 @@ fn no_bead_starts_in_the_wall_of_a_vessel() {
 
 #[test]
 fn corners_that_differ_by_rounding_are_one_wherever_the_part_is() {
-    // each triangle with separate rounding of its corners, as written by programs that compute the corners one by one
+    // each triangle has its own rounding of its corners, as in files of programs that compute corners one by one
     for (size, off, unit) in [(5.0, 0.0, 1.0), (5.0, 40.0, 1.0), (500.0, 0.0, 0.01), (5e-3, 0.1, 1e3)] {
         let heap: Heap = cube(size).iter().map(|three| three.map(|corner| corner + Vector3::repeat(off))).collect();
         let mut rough = binary(b"rough", &heap);
@@ -393,11 +392,11 @@ fn corners_that_differ_by_rounding_are_one_wherever_the_part_is() {
         assert_eq!(mesh(&experiment).triangles().0.len(), 8, "{size}, {off}");
         assert!(mesh(&experiment).nearest(&Vector3::repeat(0.02)).distance < 0.0);
     }
-    // a larger distance is a slit
+    // a larger distance between corners is a slit
     let mut slit = cube(5.0);
     slit[0][0].x += 1e-4;
     judge("slit", &found("part.stl", &binary(b"slit", &slit)), &Read(12, &["not watertight"]));
-    // six digits, the last of which differs
+    // six digits; the last digit differs
     let mut rough = text("rough", &cube(5.0).map(|three| three.map(|corner| corner * 0.246_914)));
     let at = rough.windows(7).rposition(|seven| seven == b"1.23457").unwrap();
     rough[at + 6] = b'6';

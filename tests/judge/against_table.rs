@@ -1,4 +1,4 @@
-//! Variants of a case that are compared with a table of values: `against = { table = "..." }`.
+//! Variants of a case, compared with a table of values: `against = { table = "..." }`.
 
 use super::{put, summary};
 use crate::support::{case, diptych, temperature, words};
@@ -7,7 +7,7 @@ use diptych::placement::initial_state;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-/// An elastic gas in a periodic box: its temperature is that of its start, in every slice.
+/// Case of an elastic gas in a periodic box. Its temperature is that of the start, in every slice.
 const GAS: &str = r#"
 [domain]
 size = ["10 mm", "10 mm", "10 mm"]
@@ -29,7 +29,7 @@ seed = 1
 slices = 4
 "#;
 
-/// Runs `diptych compare` on the gas with one variant and a table; returns exit code, output and folder.
+/// Runs `diptych compare` on the gas with one variant and a table. Returns the exit code, the output and the folder.
 fn compared(place: &Path, against: &str, table: &str, margin: &str) -> (i32, String, PathBuf) {
     put(place, "points.csv", table);
     let text = format!("{GAS}[[compare]]\nname = \"gas\"\nagainst = {against}\n");
@@ -61,10 +61,10 @@ fn a_run_is_compared_with_the_values_of_a_table() {
     let judged = summary(&folder)["comparisons"][0]["comparison"]["judged"].clone();
     let names: Vec<&str> = judged.as_array().unwrap().iter().map(|one| one["name"].as_str().unwrap()).collect();
     assert_eq!(names, ["granular temperature", "uu"], "{judged}");
-    // a table that is 30 % too high: (1 - 1.3)/1.3 = -23 % of its value
+    // a table with values that are 30 % too high: (1 - 1.3)/1.3 = -23 % of the value
     let (code, said, _) = compared(place, TABLE, &table(1.3, &one_percent), "5%");
     assert!(code == 3 && said.contains("different by −23"), "{code} {said}");
-    // without standard errors nothing is equivalent
+    // without standard errors, nothing is found equivalent
     let (code, said, _) = compared(place, TABLE, &table(1.0, ""), "10%");
     assert!(code == 4 && said.contains("unresolved"), "{code} {said}");
 }

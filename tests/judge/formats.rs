@@ -1,4 +1,4 @@
-//! Trajectories and logs in several formats that hold the same numbers.
+//! Trajectories and logs in several formats, with the same numbers.
 
 use super::{judged, put, summary};
 use nalgebra::Vector3;
@@ -9,12 +9,13 @@ use std::fmt::Write;
 use std::path::Path;
 use tempfile::TempDir;
 
-/// Position [m] and velocity [m/s] of each particle at each instant, in a box of 1 m that starts at (1, 2, 3) m.
+/// Position [m] and velocity [m/s] of each particle at each instant, in a box of 1 m with its lower corner at (1, 2, 3)
+/// m.
 type Instants = Vec<Vec<[Vector3<f64>; 2]>>;
 
 const CORNER: [f64; 3] = [1.0, 2.0, 3.0];
 
-/// Particles in two halves along y; the upper half moves at 10 m/s along z.
+/// Particles in two halves along y. The upper half has the mean velocity 10 m/s along z.
 fn instants(count: usize, seed: u64) -> Instants {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut normal = || Vector3::from_fn(|_, _| StandardNormal.sample(&mut random));
@@ -54,7 +55,7 @@ fn xyz(folder: &Path, name: &str, instants: &Instants) -> String {
     put(folder, name, &text)
 }
 
-/// Writes a dump with the particles in the opposite order, since LAMMPS does not sort them.
+/// Writes a dump with the particles in the opposite order, because LAMMPS does not sort the particles.
 fn dump(folder: &Path, name: &str, instants: &Instants) -> String {
     let mut text = String::new();
     for (k, particles) in instants.iter().enumerate() {
@@ -101,7 +102,7 @@ fn trajectories_of_two_formats_have_the_averages_of_their_particles() {
     // standard error of a mean over 25 particles and 60 instants: 0.026 m/s
     assert!(lower.abs() < 0.11 && (upper - 10.0).abs() < 0.11, "{lower} {upper}");
     assert_eq!(means("particles[1]"), [25.0; 2]);
-    // along a wall-normal axis there is a centre of mass, along periodic ones there is none
+    // a centre of mass exists along a wall-normal axis, but not along periodic axes
     let [height, _] = means("centre_of_mass_y_m");
     assert!((height - 0.5).abs() < 1e-12, "{height}");
     assert!(!quantities.to_string().contains("centre_of_mass_x_m"));

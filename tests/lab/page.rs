@@ -1,4 +1,4 @@
-//! A page of the lab, as far as its server can distinguish it: plain requests, and a web socket.
+//! Page of the lab for tests: plain requests, and a WebSocket. The server cannot distinguish it from a real page.
 
 use diptych::lab::LabServer;
 use serde_json::{Value, json};
@@ -8,13 +8,13 @@ use std::time::{Duration, Instant};
 use tungstenite::client::IntoClientRequest;
 use tungstenite::{Message, WebSocket};
 
-/// Longest wait of a test for an event that must occur, since the machine may be busy.
+/// Longest waiting time for an event that must occur. It is long because the machine may be busy.
 pub const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Time without messages after which a test assumes that none will come.
+/// Time without messages after which a test assumes that no message will come.
 pub const SILENCE: Duration = Duration::from_millis(600);
 
-/// Status and headers of the answer to a plain request, and the rest of the answer.
+/// Status of the answer to a plain request, and its whole text.
 pub fn get(address: SocketAddr, path: &str, headers: &str) -> (u16, String) {
     let mut stream = TcpStream::connect(address).unwrap();
     write!(stream, "GET {path} HTTP/1.1\r\n{headers}Connection: close\r\n\r\n").unwrap();
@@ -27,7 +27,7 @@ pub fn path_of(lab: &LabServer) -> String {
     lab.url().split(&lab.address().to_string()).nth(1).unwrap().to_owned()
 }
 
-/// A page, as far as the server can distinguish it.
+/// Page of the lab for tests.
 pub struct Page {
     pub socket: WebSocket<TcpStream>,
     pub serial: u32,
@@ -98,7 +98,7 @@ impl Page {
         panic!("nothing was told");
     }
 
-    /// Next frame of the scene chosen last; the page draws it at once.
+    /// Next frame of the scene that was chosen last. The page reports the frame as drawn.
     pub fn frame(&mut self) -> (Value, Vec<f32>) {
         let end = Instant::now() + PATIENCE;
         while Instant::now() < end {

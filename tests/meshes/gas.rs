@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// Closed vessels of 10,000 triangles and more in a box of 16 m, or `times` as large.
+/// Closed vessels of at least 10,000 triangles, in a box of 16 m, or larger by the factor `times`.
 pub fn vessels(times: f64) -> [(&'static str, Mesh); 2] {
     let center = Vector3::repeat(8.0 * times);
     let round = |heap: Heap| mesh(&heap, Some(Sides::Inside));
@@ -21,7 +21,7 @@ pub fn vessels(times: f64) -> [(&'static str, Mesh); 2] {
     ]
 }
 
-/// An elastic gas in a vessel, with m = kT = 1.
+/// Elastic gas in a vessel, with m = kT = 1.
 struct Gas<'a> {
     vessel: &'a Mesh,
     /// [m] edge of the box around the vessel.
@@ -29,7 +29,7 @@ struct Gas<'a> {
     spheres: usize,
     /// Stiffness [N/m] of the contacts.
     stiffness: f64,
-    /// Number of steps in the shortest contact, that of a pair.
+    /// Number of steps in the shortest contact, which is that of a pair.
     steps_per_contact: f64,
 }
 
@@ -70,7 +70,7 @@ impl Gas<'_> {
         sum / area
     }
 
-    /// [J] largest change of the energy by these numbers of impacts that the methods explain.
+    /// [J] largest change of the energy that the methods explain, for the given numbers of impacts.
     ///
     /// Hard spheres: each impact has a rounding error, on average at most 1e-15 of its energy.
     ///
@@ -79,11 +79,11 @@ impl Gas<'_> {
     /// N steps; a wall has √2 times the steps of a pair. The change by Verlet's scheme depends on the phase;
     /// `gain_of_an_impact` computes its mean and deviation.
     ///
-    /// Soft spheres, at seams: the direction of a force F jumps by the angle θ, and so the power by F θ v, with v the
-    /// speed across the seam. In the step with the seam one of the two values acts for a wrong share of the step. The
-    /// error of the share is 1/6 in the root mean square (weights 1/6, 2/3, 1/6) or √(1/12) (weights 1/2, 1/2), and 0
-    /// in the mean. In a contact, which lasts π/√k with <F²> = k, seams are passed at the rate <|v|> per length and
-    /// area, and <|v|³> = 2 √(2/π).
+    /// Soft spheres, at seams: the direction of a force F jumps by the angle θ, and the power by F θ v, with the speed
+    /// v across the seam. In the step with the seam, one of the two values acts for a wrong fraction of the step. The
+    /// root mean square error of this fraction is 1/6 (weights 1/6, 2/3, 1/6) or √(1/12) (weights 1/2, 1/2), with the
+    /// mean 0. A contact lasts π/√k with <F²> = k. Seams are passed at the rate <|v|> per length and area, and <|v|³> =
+    /// 2 √(2/π).
     fn may_be_off(&self, way: Way, walls: f64, pairs: f64) -> f64 {
         let (n, k) = (self.steps_per_contact, self.stiffness);
         let (mean, square, share) = match way {
@@ -101,14 +101,14 @@ impl Gas<'_> {
         mean + 4.0 * (square + seam * walls).sqrt()
     }
 
-    /// Runs until walls have been hit `hits` times. All spheres must be inside and have their energy.
+    /// Runs until there are `hits` impacts on walls. All spheres must then be inside, and the energy must be unchanged.
     fn stays(&self, name: &str, way: Way, hits: u64) {
         let mut scene = empty([self.edge; 3], [false; 3], unit(), surface(1.0, 0.0));
         scene.walls = vec![wall(self.vessel.clone(), 1.0, 0.0)];
         let start = random(&scene, self.spheres, 1.0, 4);
         let energy = start.kinetic_energy();
         let mut simulation = Simulation::with_engine(scene, start, self.engine(way));
-        // soft spheres: none of 10^8 is faster than 6 at a wall, so overlaps are at most 6/√k
+        // overlaps of soft spheres are at most 6/√k, because no impact of 10^8 on a wall is faster than 6
         let sunk = if way == Way::Hard { 1e-11 } else { 6.0 / self.stiffness.sqrt() };
         let mut deepest = f64::INFINITY;
         while simulation.record.walls.count < hits {
@@ -133,15 +133,15 @@ fn a_gas_stays_in_a_vessel_of_triangles_and_keeps_its_energy() {
         let gas = Gas { vessel: &vessel, edge: 16.0, spheres: 40, stiffness: 2e4, steps_per_contact: 40.0 };
         gas.stays(name, Way::Hard, 5_000);
         gas.stays(name, Way::Local, 5_000);
-        // uniform steps cost more, and fewer impacts give as much information
+        // uniform steps cost more, and fewer impacts are sufficient
         gas.stays(name, Way::Uniform, 500);
     }
 }
 
-/// Divides the long test into parts, so that each can be run alone.
+/// Runs one part of the long test, so that each part can be run alone.
 fn a_million(which: usize, way: Way) {
-    // a larger vessel, so that fewer triangles are under a sphere, and softer spheres, so that a contact has longer
-    // steps
+    // the vessel is larger, so that fewer triangles are within reach of a sphere; the spheres are softer, so that
+    // contacts have longer steps
     let (name, vessel) = &vessels(2.0)[which];
     let gas = Gas { vessel, edge: 32.0, spheres: 100, stiffness: 1e3, steps_per_contact: 30.0 };
     gas.stays(name, way, 1_000_000);

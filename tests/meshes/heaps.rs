@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 /// List of triangles by their corners [m].
 pub type Heap = Vec<[Vector3<f64>; 3]>;
 
-/// A square of 2 n² triangles at y = 0 from -1 to `size` + 1.
+/// Square of 2 n² triangles at y = 0, from -1 to `size` + 1 along x and z.
 pub fn floor(size: f64, n: u32) -> Heap {
     let at = |i: u32, j: u32| {
         let along = |k: u32| -1.0 + (size + 2.0) * f64::from(k) / f64::from(n);
@@ -22,7 +22,7 @@ pub fn floor(size: f64, n: u32) -> Heap {
     heap
 }
 
-/// The faces of a box, each of 2 n² triangles.
+/// Faces of a box, each of 2 n² triangles.
 pub fn block(center: Vector3<f64>, half: Vector3<f64>, n: u32) -> Heap {
     let mut heap = Heap::new();
     for axis in 0..3 {
@@ -46,7 +46,7 @@ pub fn block(center: Vector3<f64>, half: Vector3<f64>, n: u32) -> Heap {
     heap
 }
 
-/// A sphere about `center` of 20 · 4^n triangles: an icosahedron whose triangles are divided into four, n times.
+/// Sphere about `center` of 20 · 4^n triangles: an icosahedron whose triangles are divided into four, n times.
 pub fn ball(center: Vector3<f64>, radius: f64, n: u32) -> Heap {
     let golden = 0.5 * (1.0 + 5.0f64.sqrt());
     let corners: Vec<Vector3<f64>> = (0..3)
@@ -73,7 +73,7 @@ pub fn ball(center: Vector3<f64>, radius: f64, n: u32) -> Heap {
     assert_eq!(heap.len(), 20);
     for _ in 0..n {
         let cut = |[a, b, c]: [Vector3<f64>; 3]| {
-            // both sides of an edge get an identical middle
+            // both triangles at an edge get the same midpoint, bit by bit
             let middle = |p: Vector3<f64>, q: Vector3<f64>| (p + q).normalize() * corners[0].norm();
             let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
             [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
@@ -83,7 +83,7 @@ pub fn ball(center: Vector3<f64>, radius: f64, n: u32) -> Heap {
     heap.iter().map(|triangle| triangle.map(|corner| center + corner.normalize() * radius)).collect()
 }
 
-/// A torus about the y axis of 2 · `around` · `across` triangles.
+/// Torus about the y axis of 2 · `around` · `across` triangles.
 pub fn torus(center: Vector3<f64>, [large, small]: [f64; 2], around: u32, across: u32) -> Heap {
     let at = |i: u32, j: u32| {
         let (i, j) = (f64::from(i % around) / f64::from(around) * TAU, f64::from(j % across) / f64::from(across) * TAU);

@@ -1,12 +1,12 @@
-//! Spheres of four kinds between walls that move.
+//! Spheres of four species between moving walls.
 
 use crate::support::*;
 use diptych::experiment::Model;
 use diptych::placement::initial_state;
 use diptych::study::execute;
 
-/// Case of four kinds of inelastic spheres with friction, between walls that slide past one another, and around a fixed
-/// ball.
+/// Case of four species of inelastic spheres with friction, between walls that slide relative to each other, and around
+/// a fixed ball.
 const FOUR_BETWEEN_MOVING_WALLS: &str = r#"
 [domain]
 size = ["12 mm", "10 mm", "12 mm"]
@@ -73,8 +73,8 @@ average_from = "0 s"
 slices = 4
 "#;
 
-/// Every engine accounts for the energy: hard spheres to rounding, soft ones to the error of their steps, which is
-/// linear in the step for uniform steps (docs/theory/model.md, "Energy and momentum").
+/// Energy balance of every engine: closed except for rounding for hard spheres, and except for the error of the steps
+/// for soft spheres. With uniform steps this error is linear in the step (docs/theory/model.md, "Energy and momentum").
 #[test]
 fn energy_of_four_kinds_between_moving_walls_closes() {
     let residual = |model: Model, sets: &[&str]| {

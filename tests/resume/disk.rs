@@ -1,8 +1,9 @@
-//! Runs on a disk that refuses to be written, or is full.
+//! Runs on a disk that cannot be written, or is full.
 
 use super::*;
 
-/// A shell limits the size of files, which has the effect of a full disk. The limit counts blocks of 512 or 1024 bytes.
+/// The shell limits the size of files, which has the effect of a full disk. The limit is in blocks of 512 or 1024
+/// bytes.
 #[cfg(unix)]
 #[test]
 fn a_disk_that_refuses_leaves_what_is_there() {
@@ -21,7 +22,7 @@ fn a_disk_that_refuses_leaves_what_is_there() {
     let told = words(&limited.stderr);
     assert_eq!(code(&limited), Some(1), "{told}");
     assert!(told.contains("no checkpoint at this time: cannot write") && told.contains("is still stored"), "{told}");
-    // the report does not fit on the disk either
+    // the report does not fit on the disk, either
     assert!(told.contains("error: cannot write") && told.contains("help: once it can be written"), "{told}");
     assert!(states() == before, "an earlier state has been touched");
     let output = resume(&folder);

@@ -1,4 +1,4 @@
-//! Balls that roll, slide and bounce, against closed forms and a quadrature (RE), and Chung and Ooi's (2011) test 8.
+//! Balls that roll, slide and bounce, against closed forms and a quadrature (RE), and test 8 of Chung and Ooi (2011).
 
 use super::*;
 use diptych::scene::Surface;
@@ -9,13 +9,13 @@ fn bead() -> Species {
     Species { diameter: 2e-3, density: 2500.0, ..small() }
 }
 
-/// [s] contact time of a bead at a wall over a number of steps.
+/// [s] contact time of a bead at a wall, divided by a number of steps.
 fn step_of(stiffness: f64, of: &Surface, steps: f64) -> f64 {
     let law = ContactLaw::linear(stiffness);
     law.contact_time(&law.between(&Bodies::of_wall(&bead(), of, None)), 1.0) / steps
 }
 
-/// A soft engine whose step is a share of the contact time of a bead at a wall.
+/// Soft engine whose step is the contact time of a bead at a wall, divided by `steps`.
 fn soft_beads(stiffness: f64, of: &Surface, steps: f64, stepping: SoftStepping) -> Box<dyn Engine> {
     let step = step_of(stiffness, of, steps);
     Box::new(Soft::new(ContactLaw::linear(stiffness), Integrator::VelocityVerlet, step, stepping))
@@ -25,11 +25,12 @@ fn sticking_spring() -> TangentialLaw {
     TangentialLaw::Linear(LinearTangential::Ratios { stiffness: 2.0 / 7.0, dashpot: 2.0 / 7.0 })
 }
 
-/// RE: a ball on a fixed sphere starts 10° from the top, rolls, begins to slip and leaves the sphere. The normal turns by
-/// more than 40° within one contact, and the spring has to turn with it.
+/// RE: a ball on a fixed sphere starts 10° from the top, rolls, begins to slip and leaves the sphere. The normal turns
+/// by more than 40° within one contact, and the spring must turn with the normal.
 #[test]
 fn a_ball_rolls_off_a_fixed_sphere() {
-    // friction; angle [°] at which it leaves, time in units of sqrt(D/g), speed of the centre over sqrt(D g), and r ω
+    // friction; angle [°] at which the ball leaves, time in units of sqrt(D/g), speed of the centre over sqrt(D g), and
+    // r ω over sqrt(D g)
     for (friction, angle, time, speed, spin) in
         [(0.2, 52.1130739, 2.76856667, 0.7836486, 0.553726622), (1.0, 53.9504557, 2.83040095, 0.767127498, 0.713927194)]
     {
@@ -40,7 +41,7 @@ fn a_ball_rolls_off_a_fixed_sphere() {
         let (center, apart) = (Vector3::repeat(0.02), 4e-3);
         scene.walls = vec![Wall::new(WallGeometry::Obstacle(Obstacle::sphere(center, apart - 1e-3)), of)];
         scene.rotation = Some(Rotation::new(sticking_spring(), ImpactRule::COULOMB));
-        // about an axis that is none of the box
+        // rotation about an axis that is not one of the axes of the box
         let out = Vector3::new(3.0, 0.0, 4.0) / 5.0;
         let (sin, cos) = f64::to_radians(10.0).sin_cos();
         let sunk = bead().mass() * 9.81 * cos / stiffness;
@@ -65,7 +66,7 @@ fn a_ball_rolls_off_a_fixed_sphere() {
             simulation.particles.spin_of(0).norm() * 1e-3 / (apart * 9.81).sqrt(),
         ];
         println!("μ {friction}: {found:?} for {:?}", [angle, time, speed, spin]);
-        // tolerance of the reference from k d/(m g) = 1e5 on
+        // tolerance of the reference for k d/(m g) >= 1e5
         assert!((found[0] - angle).abs() < 0.1, "{friction}: {found:?}");
         for (found, expected) in found[1..].iter().zip([time, speed, spin]) {
             assert!((found / expected - 1.0).abs() < 2e-3, "{friction}: {found} for {expected}");
@@ -74,8 +75,8 @@ fn a_ball_rolls_off_a_fixed_sphere() {
     }
 }
 
-/// RE: a floor that moves at U from time 0 takes a ball at rest along, which slides until 2U/(7 μ g) and then rolls at
-/// 2U/7.
+/// RE: a floor that moves at U from time 0 on accelerates a ball at rest. The ball slides until 2U/(7 μ g), and then
+/// rolls at 2U/7.
 #[test]
 fn a_belt_takes_a_ball_along() {
     let (belt, friction, ends) = (0.5, 0.3, 0.048541332945002666);
@@ -107,9 +108,9 @@ fn a_belt_takes_a_ball_along() {
         simulation.run(150, window).unwrap();
         let (speed, spin) = (simulation.particles.velocity[0].z, simulation.particles.spin_of(0).x * 1e-3);
         assert!((speed / (2.0 / 7.0 * belt) - 1.0).abs() < 1e-3, "{name}: {speed}");
-        // forward along z is a turn about x; it turns backwards
+        // a forward motion along z belongs to a positive spin about x; this spin is backwards
         assert!((spin / (-5.0 / 7.0 * belt) - 1.0).abs() < 1e-3, "{name}: {spin}");
-        // the belt works with μ m g U over that time; half of this is lost by sliding
+        // the work of the belt is μ m g U times this time; sliding dissipates half of it
         let work = friction * bead().mass() * 9.81 * belt * ends;
         let ledger = &simulation.record.ledger;
         assert!((ledger.wall_work / work - 1.0).abs() < 2e-3, "{name}: {} for {work}", ledger.wall_work);
@@ -118,7 +119,7 @@ fn a_belt_takes_a_ball_along() {
     }
 }
 
-/// A hard ball between two plates that face each other along y, with its velocity and its R ω along x.
+/// Hard ball between two plates across y, with a velocity and a surface speed R ω along x.
 struct BetweenPlates {
     simulation: Simulation,
     /// [s] time of flight from plate to plate.
@@ -126,7 +127,8 @@ struct BetweenPlates {
 }
 
 impl BetweenPlates {
-    /// Gravity [m/s²] acts along x, the speed across is 1 m/s. The ball starts half a flight before the lower plate.
+    /// Gravity [m/s²] acts along x, and the speed across is 1 m/s. The ball starts half a flight before its impact on
+    /// the lower plate.
     fn new(tangential_restitution: f64, gravity: f64, [along, rolls]: [f64; 2]) -> Self {
         let of = surface(1.0, 1e3);
         let mut scene = empty([0.1, 0.012, 0.1], [true, false, true], bead(), of);
@@ -140,14 +142,14 @@ impl BetweenPlates {
         Self { simulation: Simulation::with_engine(scene, particles, Box::new(Hard::new())), flight: 0.01 }
     }
 
-    /// Velocity along x and R ω, forward on the lower plate, half a flight after the next bounce.
+    /// Velocity along x, and R ω (positive: forward on the lower plate), half a flight after the next bounce.
     fn bounce(&mut self) -> [f64; 2] {
         self.simulation.run(1, self.flight).unwrap();
         [self.simulation.particles.velocity[0].x, -self.simulation.particles.spin_of(0).z * 1e-3]
     }
 }
 
-/// RE: an elastic ball that sticks to both plates in turn; fractions of the first six bounces.
+/// RE: an elastic ball that sticks to both plates in turn; velocities after the first six bounces as fractions.
 #[test]
 fn a_ball_bounces_between_plates() {
     for (beta, expected) in [
@@ -177,12 +179,12 @@ fn a_ball_bounces_between_plates() {
     }
 }
 
-/// RE: a ball that falls between vertical plates ends at a steady speed; its spin turns over at every bounce.
+/// RE: a ball that falls between vertical plates approaches a steady speed. Its spin changes sign at every bounce.
 #[test]
 fn a_ball_falls_between_vertical_plates_at_a_limit_speed() {
     for (beta, limit) in [(0.0, 1.25), (0.4, 0.25), (0.8, -11.0 / 36.0)] {
         let mut plates = BetweenPlates::new(beta, 9.81, [0.0, 0.0]);
-        // G = g T; half a flight after a bounce the ball is faster by G/2
+        // G = g T, with the time T of a flight; half a flight after a bounce, the ball is faster by G/2
         let gain = 9.81 * plates.flight;
         let last = (0..400).map(|_| plates.bounce()).last().unwrap();
         assert!((last[0] / gain - limit - 0.5).abs() < 1e-9, "β {beta}: {} for {limit}", last[0] / gain - 0.5);

@@ -1,5 +1,5 @@
 //! Gases of rough spheres: temperatures of translation and rotation against direct simulation Monte Carlo (RF), and
-//! motion that runs backwards.
+//! reversed motion.
 
 use super::*;
 use diptych::experiment::{SoftSettings, Spheres, TimeStep};
@@ -8,14 +8,14 @@ use rand_distr::StandardNormal;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
-/// One gas of the reference: restitution, β_0, friction, T_r at the start over T, and T and T_r at times τ, which are
-/// collisions per sphere.
+/// Gas of the reference: restitution, β_0, friction, ratio T_r/T at the start, and T and T_r at times τ. τ is the
+/// number of collisions per sphere.
 struct Cooling {
     restitution: f64,
     tangential_restitution: f64,
     friction: f64,
     rotates: f64,
-    /// τ, T and T_r over T at the start, of the reference (its own DSMC).
+    /// τ, and T and T_r over the initial T, as computed by the DSMC of the reference.
     expected: &'static [(f64, [f64; 2])],
 }
 
@@ -50,7 +50,7 @@ const GASES: [Cooling; 5] = [
         rotates: 1.0,
         expected: &[(1.0, [0.87081, 0.83065]), (5.0, [0.48900, 0.40292]), (20.0, [0.04778, 0.03193])],
     },
-    // elastic and perfectly rough: equipartition
+    // elastic and perfectly rough spheres: equipartition
     Cooling {
         restitution: 1.0,
         tangential_restitution: 1.0,
@@ -60,27 +60,27 @@ const GASES: [Cooling; 5] = [
     },
 ];
 
-/// Number of spheres, and of starts whose mean is compared.
+/// Number of spheres, and number of starts over which the mean is taken.
 const SPHERES: usize = 2000;
 const STARTS: u64 = 8;
 
-/// A vector of three normal numbers of variance 1.
+/// Vector of three independent normal numbers with variance 1.
 fn normal(random: &mut Xoshiro256PlusPlus) -> Vector3<f64> {
     Vector3::from_fn(|_, _| random.sample(StandardNormal))
 }
 
 impl Cooling {
-    /// Direct simulation Monte Carlo of spheres of unit mass and radius (Bird 1994, Molecular Gas Dynamics): T and T_r at
-    /// each τ. Random pairs meet along a random normal with a probability in proportion to their normal speed, and
-    /// collide by Walton's rule. With smooth spheres (β_0 = -1, e = 0.9) its T at τ = 20 is 0.2830 ± 0.0002, where Haff's
-    /// law with a2 = -0.0146 gives 0.2831.
+    /// Direct simulation Monte Carlo of spheres of unit mass and radius (Bird 1994, Molecular Gas Dynamics): T and T_r
+    /// at each τ. Random pairs have a random normal, are accepted in proportion to their normal speed, and collide by
+    /// Walton's rule. For smooth spheres (β_0 = -1, e = 0.9), T at τ = 20 is 0.2830 ± 0.0002; Haff's law with a2 =
+    /// -0.0146 gives 0.2831.
     fn dsmc(&self, count: usize, seed: u64) -> Vec<[f64; 2]> {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
         let inertia: f64 = 0.4;
         let temperature = |vectors: &[Vector3<f64>]| {
             vectors.iter().map(Vector3::norm_squared).sum::<f64>() / (3 * vectors.len()) as f64
         };
-        // exactly T = 1 and T_r as wanted at the start, so that the sample there adds no error
+        // exactly T = 1 and the wanted T_r at the start, so that the random start adds no error
         let mut start = |wanted: f64| {
             let drawn: Vec<_> = (0..count).map(|_| normal(&mut random)).collect();
             let scale = (wanted / temperature(&drawn)).sqrt();
@@ -92,7 +92,7 @@ impl Cooling {
         for (tau, _) in self.expected {
             while (collisions as f64) < 0.5 * tau * count as f64 {
                 if collisions % (count / 4) == 0 {
-                    // relative speeds of a gas at T are below 7.8 sqrt(T) but for a share of 1e-6
+                    // in a gas at T, relative speeds are below 7.8 sqrt(T), except for a fraction of 1e-6
                     fastest = 7.8 * temperature(&velocity).sqrt();
                 }
                 let [p, q] = [0, 1].map(|_| random.random_range(0..count));
@@ -103,7 +103,7 @@ impl Cooling {
                     continue;
                 }
                 let slip = relative + direction * approach - (spin[p] + spin[q]).cross(&direction);
-                // effective mass 1/2, tangential one (2/7)/2
+                // the effective mass is 1/2, that of the slip is (2/7)/2
                 let along = (1.0 + self.restitution) * 0.5 * approach;
                 let sticks = 1.0 / 7.0 * (1.0 + self.tangential_restitution);
                 let friction = slip * sticks.min(self.friction * along / slip.norm());
@@ -121,7 +121,7 @@ impl Cooling {
     }
 }
 
-/// Mean of several runs and its relative standard error, at each τ, of T and of T_r.
+/// Mean of several runs and its relative standard error, for T and T_r at each τ.
 fn mean(runs: &[Vec<[f64; 2]>]) -> Vec<[(f64, f64); 2]> {
     let count = runs.len() as f64;
     let of = |k: usize, which: usize| {
@@ -134,7 +134,7 @@ fn mean(runs: &[Vec<[f64; 2]>]) -> Vec<[(f64, f64); 2]> {
 }
 
 impl Cooling {
-    /// T and T_r at each τ of one start, over the mean energy per degree of freedom at the start.
+    /// T and T_r of one start at each τ, over the initial mean energy per degree of freedom.
     fn temperatures(&self, model: Model, until: f64, seed: u64) -> Vec<[f64; 2]> {
         let tangential_restitution = self.tangential_restitution;
         let tangential = TangentialLaw::Linear(LinearTangential::Restitution(tangential_restitution));
@@ -157,18 +157,18 @@ impl Cooling {
         let temperatures = |simulation: &Simulation| {
             let particles = &simulation.particles;
             let mass = particles.total_mass();
-            // the centre of mass moves on and does not cool
+            // the motion of the centre of mass does not cool, and is left out
             let together = 0.5 * particles.momentum().norm_squared() / mass;
             [particles.kinetic_energy() - together, particles.rotational_energy()].map(|e| 2.0 * e / (3.0 * mass))
         };
         let start = temperatures(&simulation);
         let unit = (start[0] + start[1]) / (1.0 + self.rotates);
-        // collisions per sphere and temperatures, at the start and at the end of the last window
+        // collisions per sphere and temperatures, at the beginning and at the end of the last window
         let mut last = (0.0, start);
         let mut next = last;
         let reached = self.expected.iter().filter(|(tau, _)| *tau <= until).map(|(tau, _)| {
             while next.0 < *tau {
-                // a fifth of a mean free time, 1/(12/sqrt(π) φ g(d) sqrt(T)/d)
+                // duration of a fifth of a mean free time, 1/(12/sqrt(π) φ g(d) sqrt(T)/d)
                 simulation.run(1, 0.2 * 1e-3 / (0.0694 * next.1[0].sqrt())).unwrap();
                 last = next;
                 next = (2.0 * simulation.record.pairs.count as f64 / SPHERES as f64, temperatures(&simulation));
@@ -179,9 +179,9 @@ impl Cooling {
         reached.collect()
     }
 
-    /// Compares the means over the starts with DSMC up to a time τ, and DSMC with the reference. The reference is further on
-    /// than ours by about 1 % of τ, so that its gases are colder by 2 % at τ = 20. Eight runs of this program with 20,000
-    /// spheres agree with our DSMC within 0.3 % (docs/rotation.md).
+    /// Compares the means over the starts with our DSMC up to a time τ, and our DSMC with the reference. The reference
+    /// is ahead of our DSMC by about 1 % of τ, so that its gases are colder by 2 % at τ = 20. Eight runs of this
+    /// program with 20,000 spheres agree with our DSMC within 0.3 % (docs/rotation.md).
     fn compare(&self, model: Model, until: f64) {
         let monte_carlo: Vec<_> = (0..4).into_par_iter().map(|seed| self.dsmc(16_000, seed)).collect();
         let starts: Vec<_> = (0..STARTS).into_par_iter().map(|seed| self.temperatures(model, until, seed)).collect();
@@ -201,7 +201,8 @@ impl Cooling {
                 );
                 println!("{words}");
                 assert!((reference / expected[which] - 1.0).abs() < 0.025, "{words}, {expected:?}");
-                // more than three standard errors, and 0.5 % for finite numbers and correlations of velocities
+                // more than three standard errors, plus 0.5 % for finite numbers of spheres and correlations of
+                // velocities
                 let error = error.hypot(of_reference);
                 assert!(error < 0.02 && off.abs() < 3.5 * error + 5e-3, "{words}");
             }
@@ -221,16 +222,17 @@ fn rough_gases_that_collide_by_chance_cool_as_the_reference() {
 
 #[test]
 fn soft_rough_gases_cool_as_the_reference() {
-    // with a limit of friction, or elastic: without a limit the end of an impact, where the dashpot attracts, leaves a
-    // spring that would go on swinging, and Walton's β_0 is not that of the spring (docs/rotation.md)
+    // gases with a limit of friction, or elastic ones. Without a limit, the attractive dashpot force at the end of an
+    // impact leaves a stretched spring, and Walton's β_0 is not that of the spring (docs/rotation.md)
     GASES
         .iter()
         .filter(|gas| gas.friction < NO_LIMIT || gas.restitution == 1.0)
         .for_each(|gas| gas.compare(Model::Soft, 5.0));
 }
 
-/// Elastic spheres that are perfectly smooth (β_0 = -1) or rough (β_0 = 1) go back to their start when all velocities and
-/// spins are turned round. Errors grow about tenfold per collision of a sphere, of which there are about three.
+/// Elastic spheres that are perfectly smooth (β_0 = -1) or rough (β_0 = 1) return to their start when all velocities
+/// and spins are reversed. Errors grow about tenfold per collision of a sphere, and each sphere has about three
+/// collisions.
 #[test]
 fn elastic_rough_spheres_go_back() {
     for tangential_restitution in [-1.0, 1.0] {

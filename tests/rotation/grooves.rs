@@ -1,5 +1,5 @@
-//! Spheres in grooves and corners of meshes, where the nearer contact becomes the farther one: springs stay with their
-//! faces, so that a mesh acts as the planes in which its faces lie.
+//! Spheres in grooves and corners of meshes, where the nearer contact becomes the farther one. Each spring belongs to
+//! its face, so that a mesh acts as the planes of its faces.
 
 use super::*;
 use diptych::walls::{Mesh, Sides, Wall, WallGeometry};
@@ -8,12 +8,12 @@ use diptych::walls::{Mesh, Sides, Wall, WallGeometry};
 const STIFFNESS: f64 = 1e4;
 /// [m]
 const RADIUS: f64 = 1e-3;
-/// [m] by how much the ball is away from the middle at the start, so that it touches the faces one after the other.
+/// [m] distance of the ball from the middle at the start, so that it touches the faces one after the other.
 const ASIDE: f64 = 1e-6;
 /// [m] lowest point of the groove or corner.
 const BOTTOM: [f64; 3] = [0.1, 0.1, 0.1];
 
-/// The faces at the bottom, by their normals, as planes or as one mesh.
+/// Faces at the bottom with the given normals, as planes or as one mesh.
 fn walls(normals: &[Vector3<f64>], as_mesh: bool, of: diptych::Surface) -> Vec<Wall> {
     if !as_mesh {
         return normals.iter().map(|normal| plane(BOTTOM, (*normal).into(), of)).collect();
@@ -24,12 +24,12 @@ fn walls(normals: &[Vector3<f64>], as_mesh: bool, of: diptych::Surface) -> Vec<W
     vec![Wall::new(WallGeometry::Mesh(Arc::new(mesh)), of)]
 }
 
-/// The part of a plane through `bottom` that is in front of the planes of the other `normals`, as triangles.
+/// Part of a plane through `bottom` that is in front of the planes with the other `normals`, as triangles.
 fn face(bottom: &Vector3<f64>, normal: &Vector3<f64>, normals: &[Vector3<f64>]) -> Vec<[Vector3<f64>; 3]> {
     let size = 0.05;
     let edges: Vec<Vector3<f64>> = normals.iter().filter(|other| *other != normal).map(|o| normal.cross(o)).collect();
     match edges.as_slice() {
-        // a groove: a rectangle beside the edge
+        // a groove: a rectangle next to the edge
         [edge] => {
             let along = edge.normalize() * size;
             let beside = along.cross(normal).normalize() * size;
@@ -46,8 +46,9 @@ fn face(bottom: &Vector3<f64>, normal: &Vector3<f64>, normals: &[Vector3<f64>]) 
     }
 }
 
-/// Position, velocity and speed of the surface by the spin; loss to friction [J], part of it in springs of contacts that
-/// end, mean duration of an impact [s]; number of impacts: of a ball that is thrown at `speed` [m/s] from where it rests.
+/// Motion of a ball that is thrown at `speed` [m/s] from its rest position: position, velocity and surface speed by the
+/// spin. Also its losses to friction [J], the losses of springs of contacts that end, mean duration of an impact [s],
+/// and number of impacts.
 fn thrown(
     normals: &[Vector3<f64>],
     as_mesh: bool,
@@ -61,7 +62,7 @@ fn thrown(
     scene.gravity = Vector3::new(0.0, -9.81, 0.0);
     let tangential = TangentialLaw::Linear(LinearTangential::Ratios { stiffness: 2.0 / 7.0, dashpot: 0.3 });
     scene.rotation = Some(Rotation::new(tangential, ImpactRule::COULOMB));
-    // the faces are inclined alike
+    // all faces have the same inclination
     let height = RADIUS / normals[0].y + 2.0 * ASIDE;
     let velocity = [0.3 * speed, 0.1 * speed, speed];
     let start = [BOTTOM[0] + ASIDE, BOTTOM[1] + height, BOTTOM[2] + 0.7 * ASIDE];
@@ -83,14 +84,14 @@ fn thrown(
     )
 }
 
-/// Faces whose normals are inclined to the vertical by `angle` [°], at equal angles about it.
+/// Normals of faces that are inclined to the vertical by `angle` [°], at equal angles about the vertical.
 fn inclined(count: usize, angle: f64) -> Vec<Vector3<f64>> {
     let (sin, cos) = angle.to_radians().sin_cos();
     let around = |k: usize| std::f64::consts::TAU * k as f64 / count as f64;
     (0..count).map(|k| Vector3::new(sin * around(k).cos(), cos, sin * around(k).sin())).collect()
 }
 
-/// The order of the contacts changes some hundred times in 20 ms. A mesh and planes have the same normals up to
+/// The order of the contacts changes some hundred times in 20 ms. The normals of a mesh and of planes differ by
 /// rounding of 1e-16, which grows with the number of contacts.
 #[test]
 fn a_ball_in_a_groove_or_corner_of_a_mesh_moves_as_between_planes() {

@@ -1,4 +1,4 @@
-//! A heap of three balls stands with as much friction as statics asks for.
+//! A heap of three balls is stable if the friction is at least that of statics.
 
 use super::*;
 
@@ -14,8 +14,8 @@ fn height(model: Model, sets: &[String]) -> f64 {
     1e3 * simulation.particles.position[top].y
 }
 
-/// The limits are tan 15° with rotation, and without it the root of 1.5 μ² + 2 √3 μ = 0.5. At rest the overlaps are
-/// 1e-5 of a diameter, so that the top ball sinks by as little.
+/// The limits are tan 15° with rotation, and without rotation the root of 1.5 μ² + 2 √3 μ = 0.5. At rest the overlaps
+/// are 1e-5 of a diameter, and the top ball sinks by about as much.
 #[test]
 fn three_balls_stand_where_statics_says_so() {
     let rough = f64::to_radians(15.0).tan();

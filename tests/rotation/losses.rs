@@ -1,4 +1,4 @@
-//! Parts of the losses by friction: closed forms, sums computed independently, and what a run shows of them.
+//! Parts of the losses by friction: closed forms, sums computed independently, and the results of runs.
 
 use super::*;
 use diptych::contact_law::Hertz;
@@ -20,7 +20,7 @@ struct ObliqueFall {
 }
 
 impl ObliqueFall {
-    /// A sphere under the linear laws with k_t/k_n and c_t/c_n.
+    /// Impact of a sphere under the linear laws with the ratios k_t/k_n and c_t/c_n.
     fn linear(restitution: f64, friction: f64, [stiffness, dashpot]: [f64; 2], speeds: [f64; 2]) -> Self {
         let tangential = TangentialLaw::Linear(LinearTangential::Ratios { stiffness, dashpot });
         Self { law: ContactLaw::linear(STIFFNESS), tangential, restitution, friction, speeds }
@@ -35,7 +35,7 @@ impl ObliqueFall {
         0.5 * self.effective_mass() * self.speeds[1].powi(2)
     }
 
-    /// Ledger of the impact, by soft spheres with a number of steps per contact or by hard ones.
+    /// Ledger of the impact, of soft spheres with a number of steps per contact, or of hard spheres.
     fn ledger(&self, soft: Option<(SoftStepping, f64)>, rule: ImpactRule) -> Ledger {
         let of = surface(self.restitution, self.friction);
         let mut scene = empty([0.1; 3], [true, false, true], ball(), of);
@@ -69,8 +69,8 @@ fn is_near(what: &str, found: f64, expected: f64, tolerance: f64) {
     assert!((found - expected).abs() < tolerance, "{what}: {found:.6e} for {expected:.6e}");
 }
 
-/// Gross sliding without dashpot: the spring is as long as the normal force allows, and empty at both ends. The loss is
-/// μ ∫ f_n λ dt = μ J (s - μ J/(2 M_t)) with J = 2 m u, and all of it is sliding, in every engine.
+/// Gross sliding without a dashpot: the spring has the length that the normal force allows, and zero length at both
+/// ends. The loss is μ ∫ f_n λ dt = μ J (s - μ J/(2 M_t)) with J = 2 m u. In every engine all of it is sliding.
 #[test]
 fn gross_sliding_is_all_sliding() {
     let fall = ObliqueFall::linear(1.0, 0.1, [0.3, 0.0], [1.0, 5.0]);
@@ -84,8 +84,8 @@ fn gross_sliding_is_all_sliding() {
     }
 }
 
-/// Equal half periods with hardly any sliding: the spring swings back to its rest length, and the dashpot takes
-/// ½ M_t s² (1 - β²). Walton's rule takes as much, and books it in the same place.
+/// Equal half periods with hardly any sliding: the spring returns to zero length, and the dashpot dissipates ½ M_t s²
+/// (1 - β²). Walton's rule has the same loss, in the same entry of the ledger.
 #[test]
 fn a_contact_that_sticks_for_half_a_period_loses_to_its_dashpot_only() {
     let restitution = 0.6;
@@ -101,8 +101,9 @@ fn a_contact_that_sticks_for_half_a_period_loses_to_its_dashpot_only() {
     }
 }
 
-/// Without dashpot, a contact that sticks keeps ½ M_t s² sin²(ω_t T) in its spring when the normal force ends. That is
-/// lost with the contact. The little that slips back while the normal force falls to zero is sliding.
+/// Without a dashpot, a contact that sticks has ½ M_t s² sin²(ω_t T) in its spring when the normal force ends. This
+/// energy is lost with the contact. A small part slips back while the normal force falls to zero, and counts as
+/// sliding.
 #[test]
 fn a_spring_under_tension_is_lost_where_the_contact_ends() {
     let ratio = 0.1f64;
@@ -119,8 +120,9 @@ fn a_spring_under_tension_is_lost_where_the_contact_ends() {
     }
 }
 
-/// Losses by rescaling and by sliding over the energy of the slip at the start, of Hertz's and Mindlin's laws without
-/// damping. In units of the mass, the normal speed and Hertz's constant; by many small steps that only add energies.
+/// Losses by rescaling and by sliding, over the energy of the slip at the start, with Hertz's and Mindlin's laws
+/// without damping. The units are the mass, the normal speed and Hertz's constant. The motion is computed in many small
+/// steps.
 fn stepped_by_hand(history: SpringHistory, stiffness: f64, slip: f64, friction: f64) -> [f64; 2] {
     let (steps, effective_mass) = (400_000, 2.0 / 7.0);
     let dt = 2.95 * 1.25f64.powf(0.4) / f64::from(steps) * 1.05;
@@ -176,8 +178,8 @@ fn rescaling_is_what_an_independent_sum_finds() {
     }
 }
 
-/// A ball that rolls on a floor loses its energy to rolling resistance, but for what its rolling spring holds; a ball
-/// that spins about the vertical loses it to twisting resistance.
+/// A ball that rolls on a floor loses its energy to rolling resistance, except for the energy of its rolling spring. A
+/// ball that spins about the vertical loses it to twisting resistance.
 #[test]
 fn rolling_and_twisting_balls_lose_to_their_own_resistance() {
     for stepping in [SoftStepping::Local, SoftStepping::Uniform] {
@@ -213,7 +215,7 @@ fn rolling_and_twisting_balls_lose_to_their_own_resistance() {
     }
 }
 
-/// A series of a scene that rotates has columns of friction, a series of smooth spheres none.
+/// The series of a scene with rotating spheres has columns of friction. The series of smooth spheres has none.
 #[test]
 fn columns_of_friction_appear_where_spheres_rotate() {
     let fall = ObliqueFall::linear(0.8, 0.3, [0.3, 0.5], [1.0, 0.5]);

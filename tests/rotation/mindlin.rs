@@ -1,12 +1,12 @@
-//! Hertz and Mindlin: Chung and Ooi's (2011) tests 5, 6 and 7 against answers computed independently (RD), and closed
-//! cycles of energy.
+//! Hertz and Mindlin: tests 5, 6 and 7 of Chung and Ooi (2011) against values computed independently (RD), and closed
+//! energy balances.
 
 use super::*;
 use diptych::contact_law::Hertz;
 use diptych::rotation::SpringHistory::{self, Displacement, Force, Rescaled};
 use diptych::scene::Elasticity;
 
-/// A sphere that meets a rigid plane: radius [m], density [kg/m³], Young's modulus [Pa], Poisson's ratio.
+/// Sphere for an impact on a rigid plane: radius [m], density [kg/m³], Young's modulus [Pa], Poisson's ratio [-].
 struct Sphere {
     radius: f64,
     density: f64,
@@ -31,7 +31,7 @@ const ALUMINIUM: Sphere = Sphere {
     friction: 0.4,
 };
 
-/// Stepping and steps per contact of an engine; `None`: hard spheres by the rule of the spring.
+/// Stepping and steps per contact of an engine; `None`: hard spheres with the rule of the spring.
 type Stepping = Option<(SoftStepping, f64)>;
 
 impl Sphere {
@@ -46,12 +46,12 @@ impl Sphere {
         Box::new(Soft::new(law, Integrator::VelocityVerlet, step, stepping))
     }
 
-    /// Velocity along the plane [m/s], spin [rad/s] about the axis by which it rolls forward, and rebound speed [m/s].
+    /// Velocity along the plane [m/s], spin [rad/s] (positive: rolling forward), and rebound speed [m/s].
     fn rebound(&self, history: SpringHistory, [normal, along, spin]: [f64; 3], stepping: Stepping) -> [f64; 3] {
         let of = surface(self.restitution, self.friction);
         let species = self.species();
         let mut scene = empty([20.0 * self.radius; 3], [true, false, true], species.clone(), of);
-        // a rigid plane
+        // a practically rigid plane
         let rigid = Elasticity { youngs_modulus: 1e30, poissons_ratio: 0.3 };
         scene.walls = vec![plane([0.0; 3], [0.0, 1.0, 0.0], of)];
         scene.walls[0].elasticity = Some(rigid);
@@ -70,7 +70,7 @@ impl Sphere {
         let mut simulation = Simulation::with_engine(scene, particles, engine);
         let energy = simulation.energy();
         simulation.run(4, 0.25 * (1.5 * law.contact_time(&spring, normal) + gap / normal)).unwrap();
-        // the work of rescaling is booked as friction, so that the balance closes for every history
+        // the work of rescaling counts as friction in the ledger, so that the balance closes for every history
         let residual = simulation.record.ledger.residual(energy, simulation.energy());
         let closes = if stepping.is_some_and(|(stepping, _)| stepping == SoftStepping::Uniform) { 2e-2 } else { 2e-4 };
         assert!(residual.abs() < closes * energy, "{history:?} {stepping:?}: {residual:.1e} of {energy:.1e}");
@@ -79,7 +79,7 @@ impl Sphere {
     }
 }
 
-/// Test 5: speed along the plane [m/s]; slip after and R ω' over μ u_n for the three histories.
+/// Test 5: speed along the plane [m/s]; slip after the impact and R ω', both over μ u_n, for the three histories.
 const OBLIQUE: &[(f64, [[f64; 2]; 3])] = &[
     (0.1, [[0.063652, 0.002153], [0.060511, 0.004397], [0.034561, 0.022933]]),
     (0.6, [[0.381062, 0.013527], [0.307550, 0.066036], [0.202643, 0.140969]]),
@@ -110,7 +110,7 @@ fn oblique_impacts_of_steel_are_those_of_the_reference() {
     }
 }
 
-/// Test 6: spin [rad/s]; velocity and spin after for the three histories.
+/// Test 6: spin before the impact [rad/s]; velocity and spin after it, for the three histories.
 const SPINNING: &[(f64, [[f64; 2]; 3])] = &[
     (0.175, [[-0.0033667, 0.0908328], [-0.0045680, 0.0608001], [-0.0048897, 0.0527565]]),
     (1.2, [[-0.0494663, -0.0366567], [-0.0491210, -0.0280257], [-0.0490555, -0.0263874]]),
@@ -119,7 +119,8 @@ const SPINNING: &[(f64, [[f64; 2]; 3])] = &[
     (21.0, [[-0.1237813, 17.9054672], [-0.1236560, 17.9085997], [-0.1236560, 17.9085997]]),
 ];
 
-/// In the reference the spin is such that the surface moves along +x; ours rolls forward, so its signs are turned.
+/// In the reference, the spin moves the surface along +x. Our positive spin rolls forward, so that its sign is
+/// opposite.
 #[test]
 fn a_spinning_sphere_leaves_the_plane_as_the_reference() {
     for (stepping, tolerance) in [(Some((SoftStepping::Local, 200.0)), 1e-3), (None, 1e-4)] {
@@ -127,7 +128,8 @@ fn a_spinning_sphere_leaves_the_plane_as_the_reference() {
         for (spin, expected) in SPINNING {
             for (history, [along, left]) in [Displacement, Force, Rescaled].into_iter().zip(expected) {
                 let [v, w, n] = ALUMINIUM.rebound(history, [0.2, 0.0, -spin], stepping);
-                // in units of the change of a sphere that slides: μ (1+e) u_n, and 5/2 of it over R
+                // in units of the change of a sliding sphere: μ (1+e) u_n for the velocity, and 5/2 of this over R for
+                // the spin
                 let change = 0.4 * 1.5 * 0.2;
                 let miss = ((v - along) / change).abs().max(((-w - left) * 0.1 / (2.5 * change)).abs());
                 worst = worst.max(miss);
@@ -139,7 +141,7 @@ fn a_spinning_sphere_leaves_the_plane_as_the_reference() {
     }
 }
 
-/// Test 7: two spheres whose opposite spins move their surfaces alike meet as if smooth.
+/// Test 7: two spheres with opposite spins, whose surfaces move alike, collide as if they were smooth.
 #[test]
 fn opposite_spins_do_not_slip() {
     let of = surface(0.5, 0.4);

@@ -1,8 +1,8 @@
-//! Impacts of two spheres that rotate, of finite stiffness.
+//! Impacts of two rotating spheres with finite stiffness.
 
 use super::*;
 
-/// Two spheres of a reference case.
+/// Pair of spheres of a reference case.
 struct Pair {
     /// Radius [m] and density [kg/m³] of p and of q.
     spheres: [(f64, f64); 2],
@@ -42,8 +42,8 @@ impl Pair {
         (scene, particles)
     }
 
-    /// Relative velocity [m/s] and spins [rad/s] after the impact. Momentum and angular momentum are conserved, and the
-    /// ledger accounts for the energy up to the share `unexplained` [-].
+    /// Relative velocity [m/s] and spins [rad/s] after the impact. Checks that momentum and angular momentum are
+    /// conserved, and that the ledger explains the energy up to the fraction `unexplained` [-].
     fn rebound(&self, stepping: SoftStepping, steps: f64, unexplained: f64) -> (Vector3<f64>, [Vector3<f64>; 2]) {
         let (scene, particles) = self.scene();
         let law = ContactLaw::linear(self.stiffness);
@@ -56,8 +56,8 @@ impl Pair {
         simulation.run(4, 2.0 * time).unwrap();
         let (after, turned) = (simulation.particles.momentum(), angular_momentum(&simulation.particles));
         assert!((after - momentum).norm() < 1e-13 * simulation.particles.mass[0]);
-        // each of the 8 N_c uniform steps rounds positions of 0.01 m, in free flight always the same way: 2e-18 m of arms of
-        // 4e-4 m; local stepping flies freely in one step
+        // each of the 8 N_c uniform steps rounds positions of 0.01 m, in free flight in one direction: by 2e-18 m, for
+        // lever arms of 4e-4 m; in local stepping a free flight is one step
         let uniform = 8.0 * steps * 2.0 * 2e-18 / 4e-4;
         let rounded = if stepping == SoftStepping::Uniform { uniform } else { 3e-12 };
         assert!((turned - angular).norm() < rounded * angular.norm(), "{turned} for {angular}");
@@ -80,10 +80,11 @@ pub fn angular_momentum(particles: &Particles) -> Vector3<f64> {
     (0..particles.len()).map(of).sum()
 }
 
-/// A reference case: its name, the pair, and relative velocity [m/s] and spins [rad/s] after the impact.
+/// Reference case: name, pair, and relative velocity [m/s] and spins [rad/s] after the impact.
 type ReferencePair = (&'static str, Pair, [f64; 3], [[f64; 3]; 2]);
 
-/// RB: pairs of finite stiffness with shared lever arms; RB2 in three dimensions, the spring turned with the spin about the normal.
+/// RB: pairs of finite stiffness with shared lever arms. RB2 is in three dimensions; its spring turns with the spin
+/// about the normal.
 fn reference_pairs() -> [ReferencePair; 5] {
     let (half, one) = ([(5e-4, 2500.0); 2], [(2e-4, 1038.0), (7.5e-4, 1032.0)]);
     let turned = [2.0 / 3.0, -1.0 / 3.0, 2.0 / 3.0];
@@ -156,7 +157,7 @@ fn reference_pairs() -> [ReferencePair; 5] {
     ]
 }
 
-/// [-] largest deviation of velocity and surface speeds from the reference, over the speed of approach.
+/// [-] largest deviation of velocity and surface speeds from the reference, over the approach speed.
 fn deviation((name, pair, velocity, spins): &ReferencePair, (v, w): (Vector3<f64>, [Vector3<f64>; 2])) -> f64 {
     let speed = Vector3::from(pair.velocity).norm();
     let off = (v - Vector3::from(*velocity)).norm() / speed;
@@ -174,8 +175,8 @@ fn soft_pairs_are_those_of_the_reference() {
     }
 }
 
-/// Each particle of a pair is turned, the spring turns with both spins, and friction is booked less what the spring
-/// keeps: uniform steps come to the reference as they become shorter.
+/// Each particle of a pair is turned, the spring turns with both spins, and friction is counted without the energy of
+/// the spring. The results of uniform steps converge to the reference for short steps.
 #[test]
 fn soft_pairs_by_uniform_stepping_converge() {
     for case in reference_pairs() {

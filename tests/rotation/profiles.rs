@@ -1,9 +1,9 @@
-//! Averages of spins in slices: in files where spheres rotate, and in verdicts.
+//! Averages of spins in slices: in files if spheres rotate, and in verdicts.
 
 use crate::support::{diptych, words};
 use serde_json::Value;
 
-/// Runs a command on the channel with rough walls, a sixteenth of its box; returns the summary and `profiles.csv`.
+/// Runs a command on the channel with rough walls, in a sixteenth of its box. Returns the summary and `profiles.csv`.
 fn channel(command: &str, arguments: &[&str]) -> (Value, String) {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
@@ -16,7 +16,7 @@ fn channel(command: &str, arguments: &[&str]) -> (Value, String) {
     (serde_json::from_str(&read("summary.json")).unwrap(), read("profiles.csv"))
 }
 
-/// Values of a column of `profiles.csv`; `None` if there is no such column.
+/// Values of a column of `profiles.csv`; `None` if this column does not exist.
 fn column(table: &str, name: &str) -> Option<Vec<f64>> {
     let mut lines = table.lines();
     let place = lines.next()?.split(',').position(|head| head == name)?;
@@ -28,7 +28,7 @@ fn profiles_have_spins_only_where_spheres_rotate() {
     let rule = "--set=hard.friction.walton.tangential_restitution=0.44";
     let (_, rough) = channel("run", &[rule, "--model=hard"]);
     let spin = column(&rough, "mean_spin_x").unwrap();
-    // walls turn spheres about opposite axes
+    // the two walls turn spheres about opposite axes
     assert!(spin[0] * spin[4] < 0.0 && spin[0].abs() > 3.0 * spin[2].abs(), "{spin:?}");
     let all = column(&rough, "rotational_temperature").unwrap();
     let parts = ["Rxx", "Ryy", "Rzz"].map(|name| column(&rough, name).unwrap());

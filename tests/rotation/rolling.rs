@@ -1,4 +1,4 @@
-//! Rolling and twisting resistance: closed forms (RE), balances, and contacts that are too short to resist.
+//! Rolling and twisting resistance: closed forms (RE), balances, and contacts that are too short for resistance.
 
 use super::*;
 use diptych::rotation::{ResistanceFriction, RollingLaw, TwistingLaw};
@@ -6,7 +6,7 @@ use diptych::scene::{Kind, Meeting};
 
 const STEPPINGS: [SoftStepping; 2] = [SoftStepping::Local, SoftStepping::Uniform];
 
-/// A ball of 1 mm radius at rest on a floor, in gravity that is inclined by an angle [°].
+/// Ball of 1 mm radius at rest on a floor, with gravity inclined by an angle [°].
 pub(super) struct OnFloor {
     pub(super) stiffness: f64,
     friction: f64,
@@ -30,7 +30,7 @@ impl OnFloor {
         Self { stiffness: 1e4, friction, tangential, rolling, twisting, own, of_pair, angle: 0.0, stepping }
     }
 
-    /// The ball with a speed [m/s] and a spin [rad/s], at its static overlap.
+    /// Simulation of the ball with a speed [m/s] and a spin [rad/s], at its static overlap.
     pub(super) fn simulation(&self, speed: f64, spin: Vector3<f64>, steps: f64) -> Simulation {
         self.on(None, (speed, spin), steps)
     }
@@ -68,12 +68,12 @@ impl OnFloor {
         )
     }
 
-    /// The ball at rest on a floor that turns.
+    /// Simulation of the ball at rest on a floor that turns.
     pub(super) fn turned(&self, turning: Option<diptych::walls::Turning>, steps: f64) -> Simulation {
         self.on(turning, (0.0, Vector3::zeros()), steps)
     }
 
-    /// The ball that rolls at a speed [m/s].
+    /// Simulation of the ball rolling at a speed [m/s].
     fn rolling(&self, speed: f64, steps: f64) -> Simulation {
         self.simulation(speed, Vector3::new(0.0, 0.0, -speed / 1e-3), steps)
     }
@@ -84,8 +84,8 @@ fn speeds(simulation: &Simulation) -> [f64; 2] {
 }
 
 impl OnFloor {
-    /// The energy of the ball and of its springs is what the ledger says, to that share of the energy at the start.
-    /// That of the overlap at the start has to be added: contacts are found in the first window.
+    /// Checks that the ledger explains the energy of the ball and of its springs, to the fraction `share` of the
+    /// initial energy. The energy of the initial overlap is added, because contacts are found in the first window.
     fn closes(&self, simulation: &Simulation, start: f64, share: f64) {
         let sunk = simulation.particles.mass[0] * 9.81 / self.stiffness;
         let residual =
@@ -99,8 +99,8 @@ impl OnFloor {
     }
 }
 
-/// On a level floor a rolling ball slows down by (5/7) μ_r g, with a spring (once this is at its limit) and with a
-/// constant torque; and exponentially with a viscous one.
+/// On a level floor, a rolling ball slows down by (5/7) μ_r g, with a spring at its limit and with a constant torque.
+/// With a viscous torque it slows down exponentially.
 #[test]
 fn a_ball_on_a_level_floor_slows_down() {
     let (speed, time) = (0.02, 0.02_f64);
@@ -122,7 +122,8 @@ fn a_ball_on_a_level_floor_slows_down() {
     }
 }
 
-/// With a spring it comes to rest after 7 u/(5 μ_r g) and stays; under a constant torque it trembles about rest.
+/// With a spring the ball comes to rest after 7 u/(5 μ_r g) and stays at rest. With a constant torque it oscillates
+/// slightly about rest.
 #[test]
 fn a_ball_comes_to_rest() {
     let (speed, friction) = (0.005, 0.05);
@@ -141,17 +142,18 @@ fn a_ball_comes_to_rest() {
     }
 }
 
-/// RE: below its limit a rolling spring lets the ball swing, with ω² = 5 k_r/(7 m R²) where the contact hardly slips.
+/// RE: below the limit, a rolling spring makes the ball oscillate with ω² = 5 k_r/(7 m R²), if the contact hardly
+/// slips.
 #[test]
 fn a_rolling_spring_swings_below_its_limit() {
     for stepping in STEPPINGS {
         let mut floor = OnFloor::new(SPRING, stepping);
         (floor.stiffness, floor.tangential) = (1000.0, (10.0, 0.0));
         let speed = 1e-4;
-        // the tangential spring swings six times as fast as the normal one
+        // the tangential spring has six times the frequency of the normal spring
         let mut simulation = floor.rolling(speed, 200.0);
         let energy = simulation.energy();
-        // after half a period it goes back as fast as it came
+        // after half a period, the ball goes back at its initial speed
         let period = 0.010143712503510921;
         simulation.run(100, 0.005 * period).unwrap();
         let [v, _] = speeds(&simulation);
@@ -162,8 +164,8 @@ fn a_rolling_spring_swings_below_its_limit() {
     }
 }
 
-/// RE: a ball rests on an incline of tan α <= μ_r, rolls beyond it by (5/7) g (sin α - μ_r cos α), and slips where
-/// friction cannot make it roll.
+/// RE: a ball rests on an incline with tan α <= μ_r. On a steeper incline it rolls with (5/7) g (sin α - μ_r cos α),
+/// and slips where friction is too small for rolling.
 #[test]
 fn a_ball_on_an_incline_rests_rolls_or_slips() {
     for stepping in STEPPINGS {
@@ -188,12 +190,12 @@ fn a_ball_on_an_incline_rests_rolls_or_slips() {
     }
 }
 
-/// RE: a spin about the vertical ends after 3 R² ω/(5 μ g a) where the contact resists twisting, and goes on where not.
+/// RE: a spin about the vertical ends after 3 R² ω/(5 μ g a) if the contact resists twisting, and continues otherwise.
 #[test]
 fn a_spin_about_the_vertical_slows_down() {
     let spin = Vector3::new(0.0, 100.0, 0.0);
     for stepping in STEPPINGS {
-        // until the spring is at its limit, by an angle of 4 μ N/(3 k_t a), the torque grows in proportion to the time
+        // up to the limit of the spring, an angle of 4 μ N/(3 k_t a), the torque grows linearly with time
         let (load, contact_radius) = (1.027300798e-4, 1.01355848e-5);
         let loading = 4.0 * 0.3 * load / (3.0 * 2.0 / 7.0 * 1000.0 * contact_radius) / 100.0;
         let slows = 100.0 - 100.0 / 2.011463589537948 * (0.02 - 0.5 * loading);
@@ -210,7 +212,7 @@ fn a_spin_about_the_vertical_slows_down() {
     }
 }
 
-/// An impact is over before rolling resistance begins.
+/// An impact ends before rolling resistance begins.
 #[test]
 fn impacts_leave_rolling_resistance_out() {
     for stepping in STEPPINGS {
@@ -228,8 +230,8 @@ fn impacts_leave_rolling_resistance_out() {
     }
 }
 
-/// Two spheres that are pressed together and roll and twist on one another: resistance is a couple, so that angular
-/// momentum stays, and the balance of energy closes.
+/// Two spheres that are pressed together roll and twist on each other. Resistance is a couple, so that angular momentum
+/// is conserved, and the energy balance closes.
 #[test]
 fn resistance_keeps_angular_momentum() {
     let local = pressed_and_rolling(SoftStepping::Local, 200.0);
@@ -238,7 +240,7 @@ fn resistance_keeps_angular_momentum() {
     assert!(uniform[0] > 1.9 * uniform[1] && uniform[1] > 1.9 * uniform[2] && uniform[2] < 2e-4, "{uniform:?}");
 }
 
-/// Share of the energy that the ledger does not explain.
+/// Fraction of the energy that the ledger does not explain.
 fn pressed_and_rolling(stepping: SoftStepping, steps: f64) -> f64 {
     let of = surface(0.5, 0.4);
     let mut scene = empty([0.02; 3], [true; 3], small(), of);
@@ -270,7 +272,7 @@ fn pressed_and_rolling(stepping: SoftStepping, steps: f64) -> f64 {
     simulation.record.ledger.residual(energy, simulation.energy()) / energy
 }
 
-/// Spheres that roll and twist on a floor go on with the same bits from a snapshot.
+/// Spheres that roll and twist on a floor continue with identical bits from a snapshot.
 #[test]
 fn resistance_is_remembered_by_snapshots() {
     for stepping in STEPPINGS {

@@ -1,8 +1,8 @@
-//! Slips in the record of impacts: tangential restitution and the share of impacts that slide all the time.
+//! Slips in the record of impacts: tangential restitution, and fraction of the impacts that slide all the time.
 
 use super::*;
 
-/// Tangential restitution, and whether the impact slides, of one bounce in an engine.
+/// Tangential restitution, and true if the impact slides, for one bounce in an engine.
 fn recorded(surfaces: &Surfaces, start: (f64, f64), engine: Box<dyn Engine>) -> (f64, bool) {
     let (scene, particles) = thrown(surfaces, surfaces.of_spring(), start);
     let mut simulation = Simulation::with_engine(scene, particles, engine);
@@ -11,8 +11,8 @@ fn recorded(surfaces: &Surfaces, start: (f64, f64), engine: Box<dyn Engine>) -> 
     (summary.tangential_restitution.unwrap(), summary.share_sliding.unwrap() == 1.0)
 }
 
-/// The slip is v_t - R ω. By the reference values of the spring its ratio is known, and so is the tangential impulse
-/// m |Δv_t|, which is μ (1 + e) m v_n where the surfaces slide all the time.
+/// The slip is v_t - R ω. The reference values of the spring determine the ratio of the slips and the tangential
+/// impulse m |Δv_t|. If the surfaces slide all the time, this impulse is μ (1 + e) m v_n.
 #[test]
 fn impacts_record_the_change_of_slip() {
     let mut sliding = 0;
@@ -30,12 +30,12 @@ fn impacts_record_the_change_of_slip() {
             ("stepped hard", Box::new(SteppedHard::new(0.3)), 1e-5),
             ("hybrid", Box::new(hybrid), 1e-5),
             ("local", soft(e, 100.0, SoftStepping::Local), 1e-4),
-            // of first order: the instant of the touch is known to one step
+            // error of first order, because the instant of the touch is known to one step
             ("uniform", soft(e, 400.0, SoftStepping::Uniform), 2e-2),
         ];
         for (name, engine, tolerance) in engines {
             let (found, slides) = recorded(surfaces, (*angle, *spin), engine);
-            // the reference has nine decimals, of velocities over that of approach
+            // the reference has nine decimals, for velocities over the approach velocity
             let apart = (found - expected).abs() * before.abs();
             assert!(apart < tolerance, "{name}, e {e}, {angle}°, {spin}: {found} and {expected}");
             assert_eq!(slides, at_limit > 0.999, "{name}, e {e}, {angle}°, {spin}: {at_limit}");
@@ -44,7 +44,7 @@ fn impacts_record_the_change_of_slip() {
     assert!((5..AT_WALL.len() - 5).contains(&sliding), "{sliding}");
 }
 
-/// Spheres that do not rotate have no slips in their record.
+/// Impacts of spheres that do not rotate have no slips in their record.
 #[test]
 fn slips_are_recorded_where_spheres_rotate() {
     let (mut scene, mut particles) = thrown(&W3, W3.walton(), (30.0, 0.0));

@@ -12,23 +12,23 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::f64::consts::PI;
 
-/// A crowd of rough spheres, its tangential spring k_t/k_n, and its steps per contact.
+/// Dense group of rough spheres, the ratio k_t/k_n of its tangential spring, and its steps per contact.
 struct RoughCrowd {
     crowd: Crowd,
     spring: f64,
     steps: f64,
-    /// True if neither walls nor images nor gas act on the spheres, so that angular momentum is conserved.
+    /// True if no walls, periodic images or gas act on the spheres, so that angular momentum is conserved.
     free: bool,
 }
 
-/// Two kinds of spheres: solid ones of unit mass, and smaller or larger light shells.
+/// Two species of spheres: solid spheres of unit mass, and light shells of another size.
 fn kinds(ratio: f64) -> [Species; 2] {
     let shell = Species { name: "shell".into(), diameter: ratio, inertia_factor: 2.0 / 3.0, ..unit() };
     let lighter = Species { density: shell.density * (0.9 / shell.mass()).min(1.0), ..shell };
     [unit(), lighter]
 }
 
-/// Surroundings of a seed: periodic box, plates, pipe, floor of triangles, or nothing at all.
+/// Surroundings of the crowd with this seed: periodic box, plates, pipe, floor of triangles, or free space.
 fn walls(seed: u64, size: f64, of: diptych::scene::Surface) -> ([bool; 3], Vec<Wall>) {
     let half = 0.5 * size;
     match seed % 5 {
@@ -50,9 +50,9 @@ fn walls(seed: u64, size: f64, of: diptych::scene::Surface) -> ([bool; 3], Vec<W
     }
 }
 
-/// Crowd of a seed: volume fraction 0.1 to 0.4 (less in a pipe), overlaps of 0.2 to 2 % of a diameter, 8 to 25 steps per
-/// contact. Every third is a mixture, every seventh is in a gas, every second resists rolling, and crowds with walls are
-/// in gravity.
+/// Crowd with this seed: volume fraction 0.1 to 0.4 (less in a pipe), overlaps of 0.2 to 2 % of a diameter, 8 to 25
+/// steps per contact. Every third crowd is a mixture, every seventh is in a gas, every second has rolling resistance.
+/// Crowds with walls have gravity.
 fn rough_crowd(seed: u64) -> RoughCrowd {
     let mut draw = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut log = |low: f64, high: f64| low * (high / low).powf(draw.random::<f64>());
@@ -103,7 +103,7 @@ fn rough_crowd(seed: u64) -> RoughCrowd {
     let mut start = initial_state(&gas_of).unwrap();
     let free = seed % 5 == 4;
     if free {
-        // in the middle of a box that no sphere leaves
+        // the spheres are in the middle of a box that they do not leave
         scene.domain = Domain::new(Vector3::repeat(100.0 * size), [false; 3]);
         start.position.iter_mut().for_each(|position| *position += Vector3::repeat(50.0 * size));
     }
@@ -117,7 +117,7 @@ fn rough_crowd(seed: u64) -> RoughCrowd {
     RoughCrowd { crowd, spring, steps, free: free && !gas }
 }
 
-/// Ways of stepping by name; `true` for soft spheres.
+/// Ways of stepping by name, with a flag that is true for soft spheres.
 fn engines(rough: &RoughCrowd) -> Vec<(&'static str, Box<dyn Engine>, bool)> {
     let crowd = &rough.crowd;
     let law = ContactLaw::linear(crowd.stiffness);
@@ -134,10 +134,10 @@ fn engines(rough: &RoughCrowd) -> Vec<(&'static str, Box<dyn Engine>, bool)> {
 }
 
 impl RoughCrowd {
-    /// [J] energy that uniform steps may have added or removed. The spring with the highest frequency is the normal one,
-    /// or the tangential one with ω_t² = (7/2) κ ω_0², and Verlet's method shifts 1/(1 - x²/4) - 1 of its energy (see
-    /// `soak`). A contact begins to slide or to stick anywhere within a step, in which friction does at most π/(2 N_c)
-    /// of the work of an impact.
+    /// [J] energy that uniform steps may add or remove. The spring with the highest frequency is the normal spring, or
+    /// the tangential one with ω_t² = (7/2) κ ω_0². Verlet's method shifts 1/(1 - x²/4) - 1 of its energy (see `soak`).
+    /// A contact begins to slide or to stick anywhere within a step. In this step, friction does at most π/(2 N_c) of
+    /// the work of an impact.
     fn explained(&self, simulation: &Simulation) -> f64 {
         let lightest = self.crowd.scene.species.iter().map(Species::mass).fold(1.0, f64::min);
         let stiffest = (3.5 * self.spring).max(1.0) * TOGETHER * self.crowd.stiffness / (0.5 * lightest);
@@ -148,7 +148,7 @@ impl RoughCrowd {
         verlet * (energy_of_impacts(simulation) + simulation.energy()) + 0.5 * PI / self.steps * friction
     }
 
-    /// Angular momentum that appeared, over that which the errors of the scheme and of rounding explain.
+    /// Change of the angular momentum, over the change that the errors of the scheme and of rounding explain.
     fn turned(&self, simulation: &Simulation, soft: bool) -> f64 {
         let size = self.crowd.scene.domain.size;
         let about = |particles: &Particles| {
@@ -160,10 +160,10 @@ impl RoughCrowd {
         let counters = simulation.counters();
         let changes = counters.force_evaluations + counters.events + counters.island_members;
         let speed = simulation.particles.largest_speed(Vector3::zeros());
-        // positions are rounded at the size of the box
+        // positions have the rounding error of the size of the box
         let rounding = f64::EPSILON * changes as f64 * size.x * speed;
-        // the classical Runge-Kutta method keeps no product of position and velocity: its error per contact is that of
-        // the energy (see `soak`) over the frequency
+        // the classical Runge-Kutta method does not conserve products of position and velocity: its error per contact
+        // is that of the energy (see `soak`) over the frequency
         let frequency = (self.crowd.stiffness / 0.5).sqrt() * (3.5 * self.spring).max(1.0).sqrt();
         let classical = 4.0 * PI * (frequency * self.crowd.step).powi(4) / 120.0;
         let method = if soft { classical * energy_of_impacts(simulation) / frequency } else { 0.0 };
@@ -171,7 +171,7 @@ impl RoughCrowd {
     }
 }
 
-/// Runs the crowds of these seeds; prints the worst case of each way of stepping and returns the faults.
+/// Runs the crowds with these seeds, prints the worst case of each way of stepping, and returns the faults.
 fn soak(seeds: std::ops::Range<u64>) -> Vec<String> {
     let mut faults = Vec::new();
     let mut worst = std::collections::BTreeMap::<&str, [f64; 4]>::new();

@@ -1,19 +1,19 @@
-//! Rolling and twisting friction of single walls and pairs.
+//! Rolling and twisting friction of individual walls and pairs.
 
 use super::*;
 use diptych::rotation::ResistanceFriction;
 
 const STEPPINGS: [SoftStepping; 2] = [SoftStepping::Local, SoftStepping::Uniform];
 
-/// Velocity and spin of a ball that has rolled and spun on a floor for 10 ms.
+/// Velocity and spin of a ball after rolling and spinning on a floor for 10 ms.
 fn rolled(floor: &rolling::OnFloor) -> (Vector3<f64>, Vector3<f64>) {
     let mut simulation = floor.simulation(0.02, Vector3::new(0.0, 60.0, -20.0), 30.0);
     simulation.run(20, 5e-4).unwrap();
     (simulation.particles.velocity[0], simulation.particles.spin_of(0))
 }
 
-/// A coefficient of a wall or a pair takes the place of that of the law: the motion has the same bits as with a law of
-/// that coefficient. A pair comes before its wall.
+/// A coefficient of a wall or a pair replaces that of the law: the motion has the same bits as with a law of this
+/// coefficient. A pair has priority over its wall.
 #[test]
 fn a_wall_or_a_pair_has_its_own_rolling_friction() {
     let law = |friction: f64| RollingLaw::Spring { friction, stiffness: None, damping: 0.1 };
@@ -27,14 +27,14 @@ fn a_wall_or_a_pair_has_its_own_rolling_friction() {
         assert_eq!(rolled(&floor), expected, "{stepping:?}");
         (floor.own, floor.of_pair) = (own(0.2), Some(own(0.03)));
         assert_eq!(rolled(&floor), expected, "{stepping:?}");
-        // without friction the ball rolls on
+        // without friction, the ball continues to roll
         (floor.own, floor.of_pair) = (own(0.0), None);
         let (velocity, _) = rolled(&floor);
         assert!((velocity.x / 0.02 - 1.0).abs() < 1e-6, "{stepping:?}: {velocity}");
     }
 }
 
-/// Half the coefficient of twisting friction takes half the spin about the vertical.
+/// With half the coefficient of twisting friction, the spin about the vertical falls by half as much.
 #[test]
 fn a_wall_has_its_own_twisting_friction() {
     for stepping in STEPPINGS {

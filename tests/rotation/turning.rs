@@ -1,9 +1,9 @@
-//! Walls whose surface turns in its place: turntables, drums, spheres.
+//! Walls with a surface that turns in place: turntables, drums, spheres.
 
 use super::*;
 use diptych::walls::{Cavity, Hollow, Obstacle, RoundAxis, Turning, Wall, WallGeometry};
 
-/// Engines of spheres of [`ball`], with the share of the energy that their ledger may leave unexplained.
+/// Engines for spheres of [`ball`], with the fraction of the energy that their ledger may leave unexplained.
 fn engines() -> Vec<(&'static str, f64, Box<dyn Engine>)> {
     let step = contact_time(0.8) / 100.0;
     let hybrid = Hybrid::new(ContactLaw::linear(STIFFNESS), Integrator::VelocityVerlet, step, 2.0);
@@ -17,8 +17,8 @@ fn engines() -> Vec<(&'static str, f64, Box<dyn Engine>)> {
     ]
 }
 
-/// A ball that rolls on a turntable moves on circles with 2/7 of the rate of the table (solid sphere), wherever the axis
-/// is: the force of friction makes dv/dt = (2/7) Ω × v.
+/// A solid sphere that rolls on a turntable moves on circles with 2/7 of the rate of the table, for any position of the
+/// axis. Friction gives it the acceleration dv/dt = (2/7) Ω × v.
 #[test]
 fn a_ball_on_a_turntable_moves_on_circles() {
     let of = surface(0.5, 0.9);
@@ -38,7 +38,7 @@ fn a_ball_on_a_turntable_moves_on_circles() {
         let velocity = Vector3::new(0.08, 0.0, 0.02);
         let mut particles = placed(&scene, &[([start.x, start.y, start.z], [velocity.x, 0.0, velocity.z])]);
         scene.let_rotate(&mut particles);
-        // without slip R ω × n is the velocity relative to the table
+        // without slip, R ω × n is the velocity relative to the table
         let slip = velocity - spin.cross(&(start - axis));
         particles.spin.as_mut().unwrap()[0] = Vector3::y().cross(&slip) / radius;
         let law = ContactLaw::linear(stiffness);
@@ -54,7 +54,7 @@ fn a_ball_on_a_turntable_moves_on_circles() {
         let along = simulation.particles.velocity[0];
         let off = (along - turned(velocity)).norm() / velocity.norm();
         assert!(off < 2e-3, "{stepping:?}: {along} for {}, {off:.1e}", turned(velocity));
-        // the circle: x - x_0 = (v' - v) turned by a quarter, over the rate
+        // the circle: x - x_0 is (v' - v), turned by 90 degrees, over the rate
         let change = (turned(velocity) - velocity) / (2.0 / 7.0 * rate);
         let place = start + Vector3::new(-change.z, 0.0, change.x);
         let missed = (simulation.particles.position[0] - place).norm();
@@ -66,8 +66,8 @@ fn a_ball_on_a_turntable_moves_on_circles() {
     }
 }
 
-/// Surfaces that move alike at the point of impact: a belt, a turntable with a far axis, and the side of a drum and of a
-/// ball so large that they are flat.
+/// Surfaces with the same velocity at the point of impact: a belt, a turntable with a distant axis, and the sides of a
+/// drum and of a ball so large that they are practically flat.
 fn walls_like_a_belt(of: diptych::Surface, at: Vector3<f64>, velocity: Vector3<f64>) -> [Wall; 4] {
     let far = 1e3;
     let belt = Wall { velocity, ..plane([0.0; 3], [0.0, 1.0, 0.0], of) };
@@ -76,7 +76,7 @@ fn walls_like_a_belt(of: diptych::Surface, at: Vector3<f64>, velocity: Vector3<f
         Some(Turning { center, spin: arm.cross(&velocity) / arm.norm_squared() })
     };
     let table = Wall { velocity: Vector3::zeros(), turning: turning(at + Vector3::z() * far), ..belt.clone() };
-    // its axis is along z, and it moves along x
+    // the axis is along z, and the surface moves along x
     let center = at + Vector3::y() * far;
     let pipe = Cavity::Pipe { axle: RoundAxis { center, axis: 2 }, radius: far };
     let drum = Wall { geometry: WallGeometry::Hollow(Hollow::new(pipe)), turning: turning(center), ..table.clone() };
@@ -86,7 +86,7 @@ fn walls_like_a_belt(of: diptych::Surface, at: Vector3<f64>, velocity: Vector3<f
     [belt, table, drum, globe]
 }
 
-/// An impact depends on the velocity of the surface at the contact only: in every engine, with and without rotation.
+/// An impact depends only on the velocity of the surface at the contact, in every engine, with and without rotation.
 #[test]
 fn an_impact_on_a_turning_wall_is_one_on_a_belt() {
     for rotates in [true, false] {
@@ -121,7 +121,7 @@ fn an_impact_on_a_turning_wall_is_one_on_a_belt() {
     }
 }
 
-/// Spheres in a turning drum with a turning ball in it: energy and momentum are explained in every engine.
+/// Spheres in a turning drum that contains a turning ball. The ledger explains energy and momentum in every engine.
 #[test]
 fn the_balance_of_a_turning_drum_closes() {
     let of = surface(W3.restitution, W3.friction);
@@ -166,8 +166,8 @@ fn the_balance_of_a_turning_drum_closes() {
     }
 }
 
-/// The twisting spring of a ball that lies on the axis of a turntable turns the ball with the table, and the table does
-/// the work.
+/// A ball lies on the axis of a turntable. Its twisting spring turns the ball with the table, and the work is that of
+/// the table.
 #[test]
 fn a_turntable_turns_the_ball_on_its_axis() {
     for stepping in [SoftStepping::Local, SoftStepping::Uniform] {
@@ -193,7 +193,7 @@ fn a_turntable_turns_the_ball_on_its_axis() {
     }
 }
 
-/// A shape turns only about its own axis.
+/// A wall can turn only about an axis of symmetry of its shape.
 #[test]
 fn only_round_shapes_turn_in_their_place() {
     let center = Vector3::new(0.3, 0.4, 0.5);
@@ -215,7 +215,7 @@ fn only_round_shapes_turn_in_their_place() {
     }
 }
 
-/// `check` says how the surfaces of walls move.
+/// The output of `check` contains the motion of the surfaces of walls.
 #[test]
 fn check_names_the_motion_of_walls() {
     let said = |case: &str, sets: &[&str]| {

@@ -18,8 +18,8 @@ pub struct ContactFile {
     /// Coefficient of sliding friction, μ.
     #[schemars(example = 0.1, extend("default" = 0, "x-range" = "0 ..= 100"))]
     pub friction: Option<Located<Ratio>>,
-    /// True: spheres rotate. False: they do not. Without this key they rotate if the case has a tangential law, rolling
-    /// or twisting resistance, or an impact rule.
+    /// True: spheres rotate. False: they do not rotate. Without this key they rotate if the case has a tangential law,
+    /// rolling or twisting resistance, or an impact rule.
     #[schemars(example = true, extend("x-default" = "true with `[soft.tangential]` or `[hard.friction]`"))]
     pub rotation: Option<Located<bool>>,
     /// Two kinds of particles, or a kind of particles and a wall, with contact properties that differ from `[contact]`
@@ -44,22 +44,22 @@ pub struct PairFile {
     /// Coefficient of rolling friction, μ_r, of the law in `[soft.rolling]`.
     #[schemars(example = 0.05, extend("x-default" = "that of the wall or of `[soft.rolling]`", "x-range" = "0 ..= 10"))]
     pub rolling_friction: Option<Located<Ratio>>,
-    /// Coefficient of twisting friction. Two thirds of it times the radius of the contact and the normal force is the
-    /// largest torque of `[soft.twisting]`.
+    /// Coefficient of twisting friction. The largest torque of `[soft.twisting]` is 2/3 of this coefficient, times the
+    /// radius of the contact, times the normal force.
     #[schemars(example = 0.1, extend("x-default" = "that of the wall, or `friction`", "x-range" = "0 ..= 100"))]
     pub twisting_friction: Option<Located<Ratio>>,
-    /// Stiffness of the spring between the two bodies, k_n; or give `contact_time` or `overlap`. Only
-    /// `[soft.linear_spring_dashpot]` has springs: Hertz's law computes the stiffness of a pair from the `elasticity`
-    /// of each body.
+    /// Stiffness of the spring between the two bodies, k_n; or give `contact_time` or `overlap`. This key requires
+    /// `[soft.linear_spring_dashpot]`: with Hertz's law the stiffness of a pair follows from the `elasticity` of each
+    /// body.
     #[schemars(example = &"5000 N/m", extend("x-range" = "1e-9 ..= 1e20 N/m"))]
     #[schemars(extend("x-default" = "that of `[soft.linear_spring_dashpot]`"))]
     pub stiffness: Option<Located<Stiffness>>,
-    /// Wanted duration of a contact, T_c. The stiffness of each contact follows from this duration and from the masses
-    /// of the two bodies.
+    /// Desired duration of a contact, T_c. The stiffness of each contact follows from this duration, the restitution
+    /// and the masses of the two bodies.
     #[schemars(example = &"1e-5 s", extend("x-range" = "greater than 0 s"))]
     pub contact_time: Option<Located<Time>>,
-    /// Wanted largest overlap in an impact at the speed `impact_speed`. The stiffness of each contact follows from this
-    /// overlap and from the masses of the two bodies.
+    /// Desired largest overlap in an impact at the speed `impact_speed`. The stiffness of each contact follows from
+    /// this overlap, the restitution and the masses of the two bodies.
     #[schemars(example = &"2 um", extend("x-range" = "greater than 0 m"))]
     pub overlap: Option<Located<Length>>,
     /// Normal speed of the impact that `overlap` refers to; required with `overlap`.

@@ -1,7 +1,9 @@
 //! Keys of the gas, its flow and its drag.
 
 use crate::case::de::Located;
-use crate::case::quantity::{Density, DissipationRate, KinematicViscosity, Length, Ratio, SpecificEnergy, Speed};
+use crate::case::quantity::{
+    Density, DissipationRate, KinematicViscosity, Length, PressureGradient, Ratio, SpecificEnergy, Speed,
+};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -17,19 +19,22 @@ pub struct FluidFile {
     #[schemars(example = &"1.515e-5 m^2/s")]
     #[schemars(extend("x-required" = "always", "x-range" = "1e-8 ..= 1e-2 m^2/s"))]
     pub kinematic_viscosity: Option<Located<KinematicViscosity>>,
-    /// False: leaves out buoyancy, the force -ρ_f V g of the gas on a particle of volume V. Without gravity the key does
-    /// nothing.
+    /// False: leaves out buoyancy, the force -ρ_f V g of the gas on a particle of volume V. Without gravity the key has
+    /// no effect.
     #[schemars(example = false, extend("default" = true))]
     pub buoyancy: Option<Located<bool>>,
-    /// True: adds the added mass ρ_f V/2, the inertia of the gas that a particle of volume V accelerates. Masses, momenta
-    /// and energies in results then contain it.
+    /// True: adds the added mass ρ_f V/2, the inertia of the gas that a particle of volume V accelerates. Masses,
+    /// momenta and energies in results then include the added mass.
     #[schemars(example = true, extend("default" = false))]
     pub added_mass: Option<Located<bool>>,
     /// Turbulence that particles see in addition to the mean velocity of the gas. Without this table they see the mean
     /// velocity alone.
     pub turbulence: Option<Located<SeenTurbulenceFile>>,
-    /// Lift of the gas on the particles. Without this table there is none.
+    /// Lift of the gas on the particles. Without this table there is no lift.
     pub lift: Option<Located<LiftFile>>,
+    /// Two-way coupling: the gas loses the momentum that it gives to the particles. Without this table the particles do
+    /// not change the gas.
+    pub coupling: Option<Located<CouplingFile>>,
     /// Velocity of the gas along z, usually as a function of y. Give exactly one of the tables below.
     #[schemars(extend("x-required" = "always"))]
     pub profile: Option<Located<ProfileFile>>,
@@ -39,13 +44,13 @@ pub struct FluidFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SeenTurbulenceFile {
-    /// Turbulent kinetic energy, k, where the profile of the gas does not give it: in a `uniform` gas.
+    /// Turbulent kinetic energy, k, in a `uniform` gas, whose profile does not give it.
     #[schemars(example = &"0.5 m^2/s^2", extend("x-range" = "greater than 0, up to 1e6 m^2/s^2"))]
     pub kinetic_energy: Option<Located<SpecificEnergy>>,
     /// Dissipation rate of the turbulent kinetic energy, ε, in a `uniform` gas.
     #[schemars(example = &"10 m^2/s^3", extend("x-range" = "greater than 0, up to 1e12 m^2/s^3"))]
     pub dissipation_rate: Option<Located<DissipationRate>>,
-    /// Langevin equation for the gas velocity along the way of each particle.
+    /// Langevin equation for the gas velocity along the path of each particle.
     #[schemars(extend("x-required" = "always"))]
     pub langevin: Option<Located<LangevinFile>>,
 }
@@ -57,8 +62,8 @@ pub struct LangevinFile {
     /// Kolmogorov constant C_0, which sets the Lagrangian time T_L = (k/ε)/(1/2 + 3/4 C_0).
     #[schemars(example = 5, extend("default" = 2.1, "x-range" = "0 ..= 20"))]
     pub kolmogorov_constant: Option<Located<Ratio>>,
-    /// Ratio β = T_L/T_E of the time scales of the gas along its own way and at a moving place. With 0, particles that
-    /// fall through eddies see them for as long as the gas does.
+    /// Ratio β = T_L/T_E of the Lagrangian integral time of the gas to its integral time at a point that moves with the
+    /// mean flow. With 0, a slip through eddies does not shorten the time for which particles see them.
     #[schemars(example = 0.8, extend("x-default" = "0.671, so that β² = 0.45", "x-range" = "0 ..= 10"))]
     pub time_scale_ratio: Option<Located<Ratio>>,
 }
@@ -76,6 +81,33 @@ pub struct LiftFile {
     pub spin: Option<Located<bool>>,
 }
 
+/// Table `[fluid.coupling]`: two-way coupling in a k-ε channel or pipe.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CouplingFile {
+    /// Number of equal slices from the wall to the centre plane, or to the axis of a pipe, in which the force on the
+    /// particles is summed.
+    #[schemars(example = 20, extend("default" = 20, "x-range" = "1 ..= 1000"))]
+    pub slices: Option<Located<i64>>,
+    /// Pressure drop of the gas per length, which is kept constant. It is positive if it drives the gas along +z, and
+    /// contains no hydrostatic part. Without this key the flow rate is kept constant.
+    #[schemars(example = &"40 Pa/m", extend("x-range" = "-1e6 ..= 1e6 Pa/m"))]
+    pub pressure_gradient: Option<Located<PressureGradient>>,
+    /// Effect of the particles on the turbulence of the gas, beyond that of the mean velocity.
+    #[schemars(example = &"none", extend("default" = "simonin"))]
+    pub modulation: Option<Located<ModulationFile>>,
+}
+
+/// Name of a model of turbulence modulation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ModulationFile {
+    /// No further effect.
+    None,
+    /// Damping of k and ε by the slip of the fluctuations, after Simonin (1996).
+    Simonin,
+}
+
 /// Tables `[drag.*]`: choice of a drag law.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
@@ -91,8 +123,8 @@ pub enum DragFile {
         #[schemars(extend("examples" = [[1, 20, 1]], "x-required" = "always", "x-range" = "1 ..= 10000"))]
         cells: Option<Located<[Located<i64>; 3]>>,
     },
-    /// Drag in suspensions by Gidaspow (1994): the law of Ergun where the gas fills less than 0.8 of the volume, and that of Wen
-    /// and Yu elsewhere.
+    /// Drag in suspensions by Gidaspow (1994). It is the law of Ergun if the gas fills less than 0.8 of the volume,
+    /// else that of Wen and Yu.
     Gidaspow {
         /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A cell is
         /// at least as wide as a particle.

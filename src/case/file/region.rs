@@ -17,13 +17,13 @@ pub struct RegionFile {
     /// A cylinder along an axis.
     #[schemars(extend("x-one-of" = "region"))]
     pub cylinder: Option<Located<CylinderRegionFile>>,
-    /// The `name` of a wall that encloses the centres of the particles: a vessel, a shell that is open at its ends, or
-    /// an open mesh.
+    /// The `name` of a wall that encloses the centres of the particles: a vessel, a shell with open ends, or an open
+    /// mesh.
     #[schemars(example = &"hopper", extend("x-one-of" = "region"))]
     pub inside: Option<Located<String>>,
 }
 
-/// A block that holds particles at the start.
+/// Block in which particles start.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BlockRegionFile {
@@ -36,7 +36,7 @@ pub struct BlockRegionFile {
     pub half_extents: Option<Three<Length>>,
 }
 
-/// A cylinder that holds particles at the start.
+/// Cylinder in which particles start.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CylinderRegionFile {

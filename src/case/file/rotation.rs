@@ -21,16 +21,16 @@ pub enum TangentialFile {
         /// Ratio of the tangential dashpot to the normal one, c_t/c_n.
         #[schemars(example = 0.5, extend("default" = 0, "x-range" = "0 ..= 10"))]
         dashpot_ratio: Option<Located<Ratio>>,
-        /// Ratio β_0 of the slip speed after an impact without sliding to that before. The spring and the dashpot then
-        /// swing for half a period in the contact time.
+        /// Ratio β_0 of the slip speed after an impact without sliding to that before. The tangential spring and
+        /// dashpot are chosen to swing for half a period in the contact time.
         #[schemars(example = 0.44, extend("x-range" = "greater than 0, up to 1", "x-one-of" = "spring"))]
         tangential_restitution: Option<Located<Ratio>>,
     },
     /// Mindlin's tangential stiffness of elastic spheres, 8 G* sqrt(R δ), with memory. This law requires
     /// `[soft.hertz]`.
     Mindlin {
-        /// Quantity that a contact stores while its stiffness changes. Only with "rescaled" a contact never creates
-        /// energy.
+        /// Quantity that a contact stores while its stiffness changes. Only the choice "rescaled" guarantees that a
+        /// contact never creates energy.
         #[schemars(example = &"force", extend("default" = "rescaled"))]
         history: Option<Located<HistoryFile>>,
         /// Ratio of the tangential dashpot to the normal one, c_t/c_n. Both dashpots grow with the fourth root of the
@@ -103,15 +103,16 @@ pub struct TwistingFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ImpactRuleFile {
-    /// Walton's rule: an impact changes the slip s to -β_0 s, or the surfaces slide throughout the impact.
+    /// Walton's rule: an impact changes the slip s to -β_0 s, unless friction is too small for this. The surfaces then
+    /// slide throughout the impact.
     Walton {
         /// Coefficient β_0 of an impact without sliding, which changes the slip s to -β_0 s. -1: smooth spheres, whose
         /// slip does not change. 0: the slip stops. 1: the slip is reversed.
         #[schemars(example = 0.44, extend("x-required" = "always", "x-range" = "-1 ..= 1"))]
         tangential_restitution: Option<Located<Ratio>>,
     },
-    /// Rule that stiff soft spheres with the tangential spring of the case obey at every angle of impact. This rule is
-    /// the default if the case has such a spring.
+    /// Rule computed from the tangential spring of the case: the impulse in impacts of stiff soft spheres, at every
+    /// angle of impact. It is the default if the case has such a spring.
     OfSpring {},
     /// An impact stops the slip, or the surfaces slide: Walton's rule with β_0 = 0.
     Coulomb {},

@@ -41,7 +41,7 @@ pub enum SizesFile {
         #[schemars(extend("examples" = [["300 um", "400 um"]], "x-required" = "always"))]
         #[schemars(extend("x-range" = "1e-7 m ..= 1 m"))]
         diameters: Option<Located<Vec<Located<Length>>>>,
-        /// Shares of the diameters, in the order of `diameters`; only the ratios matter, the sum need not be 1.
+        /// Shares of the diameters, in the order of `diameters`. Only their ratios matter, so their sum need not be 1.
         #[schemars(extend("examples" = [[0.25, 0.75]], "x-required" = "always"))]
         #[schemars(extend("x-range" = "greater than 0, up to 1e9"))]
         fractions: Option<Located<Vec<Located<Ratio>>>>,
@@ -57,6 +57,7 @@ pub enum SizesFile {
 pub enum ByFile {
     /// Shares of the number of particles.
     Number,
-    /// Shares of the volume, and so of the mass, as a sieve analysis gives them.
+    /// Shares of the volume of the particles, as in a sieve analysis. At equal density they are also shares of the
+    /// mass.
     Volume,
 }

@@ -46,17 +46,17 @@ pub struct WallFile {
     /// Coefficient of rolling friction, μ_r, of the law in `[soft.rolling]`.
     #[schemars(example = 0.05, extend("x-default" = "that of `[soft.rolling]`", "x-range" = "0 ..= 10"))]
     pub rolling_friction: Option<Located<Ratio>>,
-    /// Coefficient of twisting friction. Two thirds of it times the radius of the contact and the normal force is the
-    /// largest torque of `[soft.twisting]`.
+    /// Coefficient of twisting friction. The largest torque of `[soft.twisting]` is 2/3 of this coefficient, times the
+    /// radius of the contact, times the normal force.
     #[schemars(example = 0.1, extend("x-default" = "`friction`", "x-range" = "0 ..= 100"))]
     pub twisting_friction: Option<Located<Ratio>>,
-    /// Velocity of the surface in its own plane, as of a conveyor belt or a sheared side; the shape stays at rest.
-    /// Allowed for planes, pipes without ends, and meshes all of whose triangles are parallel to the velocity.
+    /// Velocity of the surface in its own plane, such as that of a conveyor belt; the shape stays at rest. Allowed for
+    /// planes, pipes without ends, and meshes all of whose triangles are parallel to the velocity.
     #[schemars(extend("examples" = [["0 m/s", "0 m/s", "0.5 m/s"]], "default" = [0, 0, 0]))]
     #[schemars(extend("x-range" = "-1e5 ..= 1e5 m/s"))]
     pub velocity: Option<Three<Speed>>,
-    /// Rotation of the surface along itself, as of a drum or a turntable; the shape stays at rest. Allowed for planes,
-    /// spheres, cylinders and cones.
+    /// Rotation of the surface along itself, such as that of a drum or a turntable; the shape stays at rest. Allowed
+    /// for planes, spheres, cylinders and cones.
     pub rotation: Option<Located<WallRotationFile>>,
     /// Elasticity of this wall, if it differs from `[soft.hertz]`.
     pub elasticity: Option<Located<ElasticityFile>>,
@@ -205,9 +205,9 @@ pub struct MeshFile {
     /// Angle of the rotation, counter-clockwise if the axis points towards the viewer.
     #[schemars(example = &"90 deg", extend("default" = 0))]
     pub angle: Option<Located<Ratio>>,
-    /// True: the particles are inside a closed surface. False: outside. Without this key a closed surface is a solid
-    /// body, and an open one a thin sheet with particles on both sides. If the wall is drawn with its thickness, `true`
-    /// keeps the particles in its cavities.
+    /// True: the particles are inside a closed surface. False: they are outside. Without this key a closed surface is a
+    /// solid body, and an open surface is a thin sheet with particles on both sides. If the mesh includes the thickness
+    /// of the wall, `true` means that the particles are in its cavities.
     #[schemars(example = true, extend("x-default" = "outside a closed surface, both sides of an open one"))]
     pub inside: Option<Located<bool>>,
 }

@@ -1,4 +1,4 @@
-//! Checks that the velocity of the gas is defined at all particles, and that the drag law is valid for them.
+//! Checks that the velocity of the gas is defined at all particles, and that the drag law is valid for all particles.
 
 use super::{Resolver, short};
 use crate::case::de::Located;
@@ -44,7 +44,7 @@ impl Resolver {
         let middle = [0.5 * domain.size.x, 0.5 * domain.size.y];
         let axis = center.map_or(middle, |center| center.value.each_ref().map(|typed| typed.value.0));
         for (name, (at, size)) in ["x", "y"].into_iter().zip(axis.iter().zip([domain.size.x, domain.size.y])) {
-            // a pipe as wide as the box fits, though computed edges are equal only up to rounding
+            // a pipe that is exactly as wide as the box fits, although rounding may have changed computed edges
             if at - 0.5 * d < -1e-9 * size || at + 0.5 * d > size * (1.0 + 1e-9) {
                 let typed = |origin, path: &str| {
                     let message = format!("the pipe of `{path}` does not fit into the box along {name}");
@@ -81,8 +81,8 @@ impl Resolver {
         Ok(constants)
     }
 
-    /// Logarithmic law in a gas of kinematic viscosity `nu` [m²/s]. The case gives exactly one of its friction velocity
-    /// and its bulk Reynolds number.
+    /// Logarithmic law of the wall in a gas of kinematic viscosity `nu` [m²/s]. The case gives exactly one of the
+    /// friction velocity and the bulk Reynolds number.
     pub(super) fn log_law(
         &self,
         given: (Option<&Located<Speed>>, Option<&Located<Ratio>>),
@@ -114,8 +114,8 @@ impl Resolver {
     }
 
     /// Checks that the rows of a gas table cover all possible positions of particle centres. For the smallest
-    /// particles, of `radius` [m], these are all heights from y = `radius` to y = `height` - `radius` [m]. An
-    /// incomplete cover leads to a warning, and fewer than two rows within the domain to an error.
+    /// particles, of `radius` [m], these are all heights from y = `radius` to y = `height` - `radius` [m]. If some are
+    /// not covered, a warning is given. Fewer than two rows within the domain are an error.
     pub(super) fn check_cover(
         &mut self,
         name: &Located<String>,
@@ -124,7 +124,7 @@ impl Resolver {
         radius: f64,
     ) -> Result<(), Diagnostic> {
         let (Some((first, _)), Some((last, _))) = (points.first(), points.last()) else { return Ok(()) };
-        // the position of a row at a wall may differ from that of the wall by rounding to six digits
+        // a row at a wall may differ from the position of the wall by rounding to six digits
         let close = 1e-6 * height;
         let rows = format!("has rows from y = {} m to {} m", short(*first), short(*last));
         let gap = format!("the gap from y = 0 to {} m", short(height));
@@ -155,8 +155,8 @@ impl Resolver {
     }
 }
 
-/// [-] largest particle Reynolds number that is known before the run: from the slip velocity at the start, or from the
-/// slip at which drag balances the weight.
+/// [-] largest particle Reynolds number that is known before the run. It is computed from the slip velocity at the
+/// start or from the slip at which drag balances the weight, whichever is larger.
 fn largest_reynolds(experiment: &Experiment, fluid: &Fluid, population: &Population) -> f64 {
     let scene = &experiment.scene;
     let (Some(species), Some(drag)) = (scene.species.get(usize::from(population.species)), &fluid.drag) else {

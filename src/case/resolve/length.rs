@@ -11,12 +11,12 @@ use crate::predict::contact::ContactTimes;
 use crate::schedule::Schedule;
 use crate::simulation::soft_step;
 
-/// Largest number of windows, or of time steps of all particles, unless the case allows more. This number is about a
-/// hundred times that of the paper's longest run (6.5e6). With so many, even a single particle takes minutes to hours.
+/// Largest number of windows, or of time steps of all particles, unless the case allows more. It is about a hundred
+/// times that of the paper's longest run (6.5e6). With this number, a run of a single particle takes minutes to hours.
 pub const MOST: f64 = 1e9;
 
-/// Largest number of time steps if only particles in contact are moved by time steps. With more steps, one step would
-/// be less than the rounding error of the time (1e-16 of the time).
+/// Largest number of time steps if only particles in contact are moved by time steps. With more steps, a step would be
+/// shorter than the rounding error of the time, which is 1e-16 of the time.
 const MOST_LOCAL: f64 = 1e15;
 
 impl Resolver {

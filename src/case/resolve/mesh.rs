@@ -12,14 +12,14 @@ use crate::memory;
 use crate::walls::{Continued, Findings, Mesh, Mismatch, Nested, Sides, continued};
 use nalgebra::{Rotation3, Unit, Vector3};
 
-/// [-] largest ratio of the longest edge of the mesh to that of the box, or of the box to the mesh. Beyond this ratio
-/// the unit of the mesh is probably wrong.
+/// [-] largest ratio of the longest edge of the mesh to that of the box, or the inverse ratio. Beyond this ratio the
+/// unit of the mesh is probably wrong.
 const ANOTHER_UNIT: f64 = 100.0;
-/// [-] distance to which a surface is continued beyond periodic sides, in units of the largest particle diameter.
-/// Contacts are searched for within 1.25 radii.
+/// [-] distance by which a surface is continued beyond periodic sides, over the largest particle diameter. It must
+/// exceed the distance within which contacts are searched for, 1.25 radii.
 const MARGIN: f64 = 2.0;
-/// [byte] memory per triangle while a wall is made from the triangles. The value was measured: growth of the peak
-/// memory of the process from 1e5 to 4e5 triangles.
+/// [byte] memory per triangle while a wall is made from the triangles. It was measured as the growth of the peak memory
+/// of the process from 1e5 to 4e5 triangles.
 const TRIANGLE: f64 = 2000.0;
 
 impl Resolver {
@@ -107,7 +107,7 @@ impl Resolver {
             }
         };
         let position = mesh.position.as_ref().map_or_else(Vector3::zeros, vector);
-        // without a rotation the corners must not change, not even by rounding
+        // without a rotation the corners must keep their exact values
         let rotation = (angle != 0.0).then(|| Rotation3::from_axis_angle(&axis, angle));
         for corner in heap.iter_mut().flatten() {
             let scaled = *corner * scale;

@@ -70,7 +70,8 @@ fn into_error(keys: &[MissingKey], sources: &Sources) -> Result<(), Diagnostic> 
     let list: Vec<String> = keys.iter().map(named).collect();
     let plural = if list.len() == 1 { "a required key is missing" } else { "required keys are missing" };
     let first_table = keys.iter().find_map(|key| key.table);
-    // if none of the keys has a table in the case, the error refers to the case file as a whole, the first source
+    // if no missing key belongs to a table of the case, the error is about the whole case file, which is the first
+    // source
     let whole = Origin { source: 0, span: 0..0 };
     let mut diagnostic = sources.error(first_table.unwrap_or(&whole), format!("{plural}: {}", list.join(", ")));
     if first_table.is_none()

@@ -1,5 +1,6 @@
 //! Turns a typed case into an experiment: checks all values, converts names, units and amounts, and reports errors.
 
+mod coupling;
 mod foreign;
 mod gas;
 mod length;
@@ -15,6 +16,7 @@ mod restitution;
 mod rotation;
 mod scene;
 mod settings;
+mod shear;
 mod sizes;
 mod start;
 mod table;
@@ -43,7 +45,7 @@ pub(super) use table::leads_out;
 pub(crate) use table::read_text;
 use table::{read_bytes, text_of};
 
-/// Choices for a variant that are made outside its tables in the case file.
+/// Choices for a variant that are made on the command line or in `[[compare]]`.
 #[derive(Clone, Debug, Default)]
 pub struct VariantChoice {
     /// Collision model, if the command line or the variant gives one.
@@ -87,14 +89,16 @@ pub fn resolve(
     let gravity = resolver.gravity(file)?;
     let contact = match &file.contact {
         Some(contact) => resolver.surface(&contact.value.restitution, &contact.value.friction)?,
-        // a case without the table `[contact]` has passed the check above only if it has a single particle
+        // a case without the table `[contact]` has passed the check above only if no two particles can touch
         None => crate::scene::Surface::new(1.0, 0.0),
     };
     let pairs = crate::scene::Pairs::default();
     let mut scene = crate::scene::Scene { domain, gravity, fluid, walls, contact, pairs, species, rotation: None };
+    resolver.check_shear(file, &scene)?;
     resolver.added_mass(file, &mut scene)?;
     resolver.buoyancy(file, &mut scene);
-    // the start depends on whether spheres rotate; the actual law is set below, when all surfaces are known
+    // the start depends on whether spheres rotate; the laws of rotation replace this value below, when all surfaces are
+    // known
     scene.rotation = Resolver::rotates(file).then_some(Rotation::new(TangentialLaw::Coulomb, ImpactRule::COULOMB));
     let start = resolver.start(file, &scene)?;
     let soft = resolver.soft(file)?;
@@ -116,6 +120,7 @@ pub fn resolve(
     resolver.check_length(file, &experiment)?;
     resolver.check_drag(file, &experiment);
     resolver.check_eddies(file, &experiment);
+    resolver.check_coupling(file, &experiment)?;
     resolver.check_trajectories(file, &experiment)?;
     Ok((experiment, resolver.warnings))
 }
@@ -163,14 +168,14 @@ impl Resolver {
     /// Adds a warning about a value to the list of warnings.
     fn warn(&mut self, origin: &Origin, message: impl Into<String>, help: impl Into<String>) {
         let warning = self.sources.warning(origin, message).help(help);
-        // a file that several species name is read once for each of them, but one warning is enough
+        // if several species name the same file, it is read once for each of them, but one warning is enough
         if !self.warnings.contains(&warning) {
             self.warnings.push(warning);
         }
     }
 
-    /// [SI] value of a key, if it is within the range declared with the key. Otherwise an error gives the range and a
-    /// remedy.
+    /// [SI] value of a key within the range declared with the key. If the value is out of range, the error contains the
+    /// range and the remedy `help`.
     fn in_range<const M: i8, const K: i8, const S: i8>(
         &self,
         value: &Located<Quantity<M, K, S>>,
@@ -180,8 +185,8 @@ impl Resolver {
         self.checked(value, |number| is_within(range, number), range, help)
     }
 
-    /// [SI] value of a key, if the condition `good` holds. Otherwise an error gives the allowed range and a remedy.
-    /// This function is for ranges that depend on other keys; fixed ranges are declared with the key.
+    /// [SI] value of a key that fulfils the condition `good`. Otherwise the error contains the `allowed` range and the
+    /// remedy `help`. This function checks ranges that depend on other keys; fixed ranges are declared with the key.
     fn checked<const M: i8, const K: i8, const S: i8>(
         &self,
         value: &Located<Quantity<M, K, S>>,
@@ -204,8 +209,8 @@ impl Resolver {
         Err(self.refuse(value, format!("is out of range; allowed: {from} ..= {to}")).help(help))
     }
 
-    /// Reads the text of the file `name`, and returns its source index and the text. The path is relative to the file
-    /// in which the name was typed. A name in a built-in text refers to a built-in file.
+    /// Reads the text of the file `name`, and returns its source index and the text. The path is relative to the folder
+    /// of the file that contains the name. A name in a built-in text refers to a built-in file.
     fn read_named(&mut self, name: &Located<String>) -> Result<(usize, Arc<str>), Diagnostic> {
         let (path, bytes, kind) = self.bytes_of(name)?;
         let text = text_of(&bytes).map_err(|why| self.unread(name, &path, &why))?;
@@ -227,8 +232,8 @@ impl Resolver {
         Ok((path, bytes, kind))
     }
 
-    /// Path of the file `name`. A case may name only files in its own folder and below, so that a case from a stranger
-    /// cannot read other data. Paths typed on the command line are not restricted.
+    /// Path of the file `name`. A case may name only files in its own folder and in folders below it, so that a case
+    /// from another person cannot read other data. Paths typed on the command line are not restricted.
     fn path_of(&self, name: &Located<String>) -> Result<PathBuf, Diagnostic> {
         let source = self.sources.get(&name.origin);
         let folder = source.map(|source| source.folder.clone()).unwrap_or_default();

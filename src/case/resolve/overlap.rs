@@ -11,12 +11,12 @@ use crate::walls::{NearWalls, Repeated};
 use rustc_hash::FxHashMap;
 use std::ops::ControlFlow;
 
-/// [-] overlap over the smaller diameter that counts as the rounding error of a touch. Positions written after a long
-/// run have this accuracy.
+/// [-] largest overlap over the smaller diameter that counts as the rounding error of two touching bodies. Positions
+/// written after a long run have this accuracy.
 const ROUNDING: f64 = 1e-9;
-/// Number of close pairs per particle above which a start is refused without examining the rest. An equal sphere
-/// without overlap has fewer than 40 others in its own cell and the 26 cells around it, which are one diameter wide and
-/// filled to 0.74.
+/// Number of close pairs per particle above which a start is refused without examining the rest. Close particles are in
+/// one cell or in neighbouring cells, one diameter wide. Without overlap, at most 0.74 of these cells is filled, so
+/// that an equal sphere has fewer than 40 others near it.
 const ENOUGH: usize = 100;
 /// [-] largest overlap over the smaller diameter with which the soft engine starts from positions given by the user.
 /// The particles then start within a contact.
@@ -25,15 +25,15 @@ const SOFT_LIMIT: f64 = 0.01;
 /// Rule for overlaps in the initial state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Rule {
-    /// Hard spheres may not overlap; soft spheres can start within a contact.
+    /// Hard spheres may not overlap; soft spheres may start in a contact.
     Events,
     /// Hard spheres of a saved state may overlap, because the stepped engine finds overlaps at the ends of steps.
     Steps,
-    /// Overlapping particles are moved apart before the start, whatever the model.
+    /// Overlapping particles are moved apart before the start, in any model.
     PushedApart,
 }
 
-/// Overlap in the initial state of the placed particle `i` with another particle or a wall.
+/// Overlap of the placed particle `i` with another particle or a wall, in the initial state.
 struct InitialOverlap {
     i: usize,
     with: OverlappedBody,
@@ -78,7 +78,7 @@ impl Resolver {
             });
         }
         let (mut looked_at, mut deepest) = (0, 0.0f64);
-        // pairs that collide by chance need no distance from each other
+        // pairs of particles that collide by chance may overlap, so only their overlaps with walls are checked
         let paired = if self.model == Model::Dsmc && rule != Rule::PushedApart { &[] } else { placed };
         let _ = for_near_pairs(paired, &scene.domain, |j, i| {
             let (a, b) = (&placed[i], &placed[j]);
@@ -88,8 +88,8 @@ impl Resolver {
             found(InitialOverlap { i, with: OverlappedBody::Particle(j), ratio, limit });
             looked_at += 1;
             deepest = deepest.max(ratio);
-            // n spheres at one position make about n² pairs, so the check ends when many pairs and one large overlap
-            // are found
+            // n spheres at one position make about n² pairs, so the check ends after many pairs if a large overlap has
+            // been found
             let enough = looked_at > ENOUGH * placed.len() && deepest > 0.5;
             if enough { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
@@ -113,10 +113,11 @@ impl Resolver {
         Err(self.sources.error(&particle.origin, message).help("move it, or make `domain.size` larger"))
     }
 
-    /// [-] largest overlap with which the model starts, over the smaller diameter. `of` are two particles, or one
-    /// particle twice if it touches a wall. Soft and hybrid spheres of a saved state or of another program's file may
-    /// overlap as during a run, and those placed by the user only a little. Stepped hard spheres may overlap only in a
-    /// saved state, event-driven ones not at all. Spheres that collide by chance may overlap each other as they like.
+    /// [-] largest overlap, over the smaller diameter, with which the model can start. `of` contains two particles, or
+    /// one particle twice if it touches a wall; `flat` is true for a flat wall. Soft and hybrid spheres from a saved
+    /// state or a file of another program may overlap as during a run, those placed by the user at most by
+    /// `SOFT_LIMIT`. Hard spheres and spheres that collide by chance may overlap only in a saved state, and
+    /// event-driven hard spheres not at all.
     fn deepest(&self, of: [&Placed; 2], rule: Rule, flat: bool) -> f64 {
         let saved = of.iter().all(|placed| placed.saved);
         let settled = of.iter().all(|placed| placed.saved || placed.foreign);
@@ -131,7 +132,7 @@ impl Resolver {
         }
     }
 
-    /// Refuses the largest of `count` overlaps, or warns about it if the model can start with it.
+    /// Refuses the start because of the largest of `count` overlaps, or warns about it if the model can start with it.
     fn judge_overlap(
         &mut self,
         worst: &InitialOverlap,
@@ -186,8 +187,8 @@ impl Resolver {
     }
 }
 
-/// Calls `visit` once for every pair whose centres may be within one largest diameter. The pairs are found with a grid
-/// of cells of at least that size. The loop ends early if `visit` returns `Break`.
+/// Calls `visit` once for every pair whose centres may be within one largest diameter. A grid of cells of at least this
+/// size yields the pairs. The loop ends early if `visit` returns `Break`.
 fn for_near_pairs(
     placed: &[Placed],
     domain: &Domain,

@@ -22,8 +22,8 @@ struct Wanted<'a> {
 }
 
 impl Resolver {
-    /// Contact properties of all pairs listed in a case; those of `scene` are still empty. A usual impact has the normal
-    /// speed `usual` [m/s].
+    /// Contact properties of all pairs listed in a case. The pairs of `scene` are still empty when this function is
+    /// called. A usual impact has the normal speed `usual` [m/s].
     pub(super) fn pairs(
         &mut self,
         file: &CaseFile,
@@ -112,9 +112,9 @@ impl Resolver {
         Ok(surface)
     }
 
-    /// Stiffness of a pair, if the case gives one by a key of the pair. A contact with damping ratio ζ, which follows
-    /// from the restitution, lasts T_c = π/(ω_0 sqrt(1 - ζ²)), where ω_0² = k_n/M. Its largest overlap is
-    /// `reduced_overlap` · u/ω_0, with the speed of approach u.
+    /// Stiffness of a pair, if a key of the pair determines it. The damping ratio ζ follows from the restitution. A
+    /// contact then lasts T_c = π/(ω_0 sqrt(1 - ζ²)), where ω_0² = k_n/M. Its largest overlap is `reduced_overlap` ·
+    /// u/ω_0, with the speed of approach u.
     fn pair_stiffness<'a>(
         &self,
         pair: &'a PairFile,
@@ -148,8 +148,8 @@ impl Resolver {
             let stiffness = mass * (reduced_overlap(surface.restitution) * speed / depth).powi(2);
             wanted.extend(pair.overlap.as_ref().map(|l| Wanted { stiffness, at_mass, key: (&l.origin, &l.path) }));
         }
-        // these keys are not declared as exclusive: a later source with another of them would then remove `overlap` but
-        // keep its `impact_speed`
+        // these keys are not declared as exclusive: otherwise one of them from a later source would remove `overlap`
+        // but keep its `impact_speed`
         if let [_, Wanted { key: (origin, path), .. }, ..] = wanted.as_slice() {
             let message = format!("`{path}` says again how stiff the pair is");
             let help = "keep one of `stiffness`, `contact_time` and `overlap`";
@@ -181,7 +181,8 @@ impl Resolver {
         }
     }
 
-    /// [-] stiffness of a pair over that of the contact law. Without a linear law the ratio is 1, with a warning.
+    /// [-] stiffness of a pair over that of the contact law. If the law is not linear, the ratio is 1, and a warning is
+    /// given.
     fn ratio(&mut self, wanted: &Wanted, soft: &SoftSettings) -> f64 {
         if let Some(ContactLaw::LinearSpringDashpot(law)) = &soft.law {
             return wanted.stiffness / law.stiffness;

@@ -27,10 +27,10 @@ const OF_MOMENTUM: usize = 15;
 /// [-] relative error of a number in single precision, which other programs write.
 const SINGLE: f64 = f32::EPSILON as f64;
 /// Number of significant digits from which on the last digit of a number may be rounded. Numbers with fewer digits are
-/// exact up to single precision.
+/// taken as exact, up to single precision.
 const ROUNDED: usize = 6;
 
-/// [-] relative error of a number that results from the number of digits in its text.
+/// [-] relative error of a number, estimated from the number of digits in its text.
 fn precision(text: &str) -> f64 {
     let digits = digits(text);
     if digits < ROUNDED { SINGLE } else { SINGLE.max(10f64.powi(1 - digits as i32)) }
@@ -38,7 +38,7 @@ fn precision(text: &str) -> f64 {
 
 impl Resolver {
     /// Particles in the file `name` that belong to the species with the given `index`. If the table has no column of
-    /// species, all rows belong to it.
+    /// species, all rows belong to this species.
     pub(super) fn placed_in_file(
         &mut self,
         name: &Located<String>,
@@ -138,7 +138,7 @@ impl Resolver {
         Ok(true)
     }
 
-    /// [m] diameter of a row, given directly or by the radius, and the index of the column that gives it.
+    /// [m] diameter of a row, from the column of the diameter or of the radius, and the index of this column.
     fn size(&self, row: TableRow<'_>) -> Result<Option<(f64, usize)>, Diagnostic> {
         let has = |column: usize| row.text(column).is_some_and(|text| !text.is_empty());
         let radius = if has(OF_RADIUS) { Some(2.0 * self.number(row, OF_RADIUS, "radius")?) } else { None };
@@ -154,8 +154,8 @@ impl Resolver {
         Ok(Some((diameter, OF_DIAMETER)))
     }
 
-    /// Refuses a value of a row that differs from the value of its species by more than rounding. The relative
-    /// difference may be `factor` times the precision of the text.
+    /// Refuses a value of a row that differs from the value of its species by more than rounding. The allowed relative
+    /// difference is `factor` times the precision of the text.
     fn agree(
         &self,
         row: TableRow<'_>,
@@ -168,7 +168,7 @@ impl Resolver {
         if (value / wanted - 1.0).abs() <= factor * precision(text) {
             return Ok(());
         }
-        // a radius was converted, so the message is about the diameter
+        // a radius was converted to a diameter, so the message is about the diameter
         let name = if column == OF_RADIUS { COLUMNS[OF_DIAMETER] } else { COLUMNS[column] };
         let message = format!("`{name}` = {value:e} {unit}, but \"{kind}\" has {wanted:e} {unit}");
         Err(self.sources.error(row.origin, message).help("name the file under the kind it belongs to"))
@@ -223,7 +223,7 @@ impl Resolver {
         }
     }
 
-    /// Warns about a table that has only a header, and so no particles.
+    /// Warns about a table that has a header but no rows, and so no particles.
     fn warn_of_no_rows(&mut self, table: &DataTable, name: &Located<String>) {
         if table.rows().next().is_none() {
             let message = format!("`{}` has a header but no line of numbers: no particles", name.value);
@@ -231,8 +231,8 @@ impl Resolver {
         }
     }
 
-    /// Warns if the box of a file differs from that of the case. Particles that touched across periodic sides of the
-    /// file may then be apart.
+    /// Warns if the box of a file differs from that of the case, since particles that touched across periodic sides of
+    /// the box in the file may then be apart.
     fn warn_of_another_box(&mut self, table: &DataTable, name: &Located<String>, scene: &Scene) {
         let own = box_lines(&scene.domain);
         for (key, value) in &table.head {

@@ -20,7 +20,7 @@ const ERROR: usize = 2;
 const Y: usize = 3;
 
 impl Resolver {
-    /// Reference of a variant.
+    /// Reads the reference of a variant: another variant, or a table of values.
     ///
     /// # Errors
     /// The table cannot be read, or contains an unknown quantity, a place outside the domain or a negative error.

@@ -28,7 +28,7 @@ impl Resolver {
         typed.map_or(tangential || rule, |typed| typed.value)
     }
 
-    /// Rolling and twisting friction of a wall or a pair. The law that uses a coefficient must be in the case.
+    /// Coefficients of rolling and twisting friction of a wall or a pair. The case must contain the law that uses them.
     pub(super) fn resistance_friction(
         &self,
         file: &CaseFile,
@@ -133,8 +133,8 @@ impl Resolver {
         self.in_range(typed, help).map(Some)
     }
 
-    /// Tangential law that a case gives. If the case gives only Walton's rule, the law is a spring with the β_0 of that
-    /// rule, or friction without memory if no such spring exists.
+    /// Tangential law that a case gives. If the case gives only Walton's rule, the law is a spring with the coefficient
+    /// β_0 of this rule or, if no such spring exists, friction without memory.
     fn tangential_law(&mut self, file: &CaseFile, soft: &SoftSettings) -> Result<TangentialLaw, Diagnostic> {
         let is_linear = soft.law.is_none_or(|law| law.is_linear());
         let is_viscoelastic = matches!(soft.law, Some(ContactLaw::KuwabaraKono(_)));
@@ -248,9 +248,8 @@ impl Resolver {
         Ok(Some(TwistingLaw { damping }))
     }
 
-    /// Rule of impacts whose restitution depends on the speed; `None` if no restitution does. The rule of a spring is a
-    /// table for each restitution, and cannot be had: models with instantaneous impacts refuse it, and for others the
-    /// rule does not count.
+    /// Rule of impacts whose restitution depends on the speed; `None` if no restitution does. The rule of a spring needs
+    /// one restitution. So models with instantaneous impacts refuse it; soft spheres do not use the rule.
     fn rule_by_speed(&self, file: &CaseFile, scene: &Scene) -> Result<Option<ImpactRule>, Diagnostic> {
         let depends = scene.depends_on_speed();
         let typed = file.hard.as_ref().and_then(|hard| hard.value.friction.as_ref()).map(|rule| &rule.origin);
@@ -266,8 +265,8 @@ impl Resolver {
         }
     }
 
-    /// Impact rule that a case gives. If the case gives none, it is the rule of the tangential spring, or Coulomb's
-    /// rule without a spring.
+    /// Impact rule that a case gives. If the case gives none, the rule is that of the tangential spring; without such a
+    /// spring it is Coulomb's rule.
     fn impact_rule(
         &mut self,
         file: &CaseFile,

@@ -12,8 +12,8 @@ use crate::fluid::{Fluid, Lift, Profile};
 use crate::scene::{ADDED_MASS, Scene, Species};
 use nalgebra::Vector3;
 
-/// [-] ratio of a force of the displaced gas to weight, below which it is left out without a warning. It equals the usual
-/// margin of comparisons.
+/// [-] ratio of a force of the displaced gas to the weight, below which no warning is given if the case leaves out the
+/// force. It equals the usual margin of comparisons.
 const SMALL: f64 = 0.01;
 
 impl Resolver {
@@ -34,7 +34,7 @@ impl Resolver {
             }
             periodic[index] = true;
         }
-        Ok(Domain::new(vector(size), periodic))
+        self.sheared(Domain::new(vector(size), periodic), domain)
     }
 
     /// [m/s²] acceleration by gravity; zero if the case gives none.
@@ -72,11 +72,11 @@ impl Resolver {
         Ok((shear || spin).then_some(Lift { shear, spin }))
     }
 
-    /// Adds added mass to the species of the scene, if the case asks for it. Otherwise a warning is given if the density
-    /// of the fluid makes added mass matter.
+    /// Adds the added mass to the species of the scene, if the case requests it. Otherwise a warning is given if added
+    /// mass matters at the density of the fluid.
     ///
     /// # Errors
-    /// Added mass without buoyancy: both are forces of the gas that is displaced.
+    /// Added mass without buoyancy, since both are forces of the displaced gas.
     pub(super) fn added_mass(&mut self, file: &CaseFile, scene: &mut Scene) -> Result<(), Diagnostic> {
         let Some(typed) = &file.fluid else { return Ok(()) };
         let of = |key: &Option<Located<bool>>| key.as_ref().map(|key| key.value);
@@ -108,8 +108,8 @@ impl Resolver {
         Ok(())
     }
 
-    /// Adds buoyancy to the scene, unless the case switches it off. In that case a warning is given if the density of the
-    /// fluid makes buoyancy matter.
+    /// Adds buoyancy to the scene, unless the case leaves it out. A warning is then given if buoyancy matters at the
+    /// density of the fluid.
     pub(super) fn buoyancy(&mut self, file: &CaseFile, scene: &mut Scene) {
         let Some(typed) = file.fluid.as_ref().and_then(|fluid| fluid.value.buoyancy.as_ref()).filter(|on| !on.value)
         else {
@@ -159,6 +159,7 @@ impl Resolver {
         let (profile, table) = self.profile(fluid, domain, nu, species)?;
         let turbulence = self.turbulence(file, &profile, &table, nu)?;
         let lift = self.lift(fluid, file)?;
+        let coupling = self.coupling(file, &fluid.value, &profile)?;
         let drag = match &file.drag {
             Some(drag) => Some(self.drag(&drag.value, domain, species)?),
             None => {
@@ -170,7 +171,7 @@ impl Resolver {
                 None
             }
         };
-        Ok(Some(Fluid { density: rho, kinematic_viscosity: nu, profile, drag, buoyancy: None, turbulence, lift }))
+        Ok(Some(Fluid { turbulence, lift, coupling, ..Fluid::new(rho, nu, profile, drag) }))
     }
 
     fn drag(&self, drag: &DragFile, domain: &Domain, species: &[Species]) -> Result<Drag, Diagnostic> {
@@ -189,7 +190,8 @@ impl Resolver {
         Ok(Drag::Suspension(SuspensionDrag { law, cells: self.cells(cells, domain, species, help)? }))
     }
 
-    /// Numbers of cells along x, y and z, none of which is narrower than a particle. `help` says how many are good.
+    /// Numbers of cells along x, y and z, none of which is narrower than a particle. `help` recommends a number, for
+    /// the error.
     pub(super) fn cells(
         &self,
         typed: &Located<[Located<i64>; 3]>,
@@ -210,7 +212,7 @@ impl Resolver {
         Ok(cells)
     }
 
-    /// Velocity profile of the gas; also y [m], k [m²/s²] and ε [m²/s³] of a table, if its file has them.
+    /// Velocity profile of the gas. For a table with turbulence, also returns its rows: y [m], k [m²/s²] and ε [m²/s³].
     fn profile(
         &mut self,
         fluid: &Located<FluidFile>,
@@ -263,7 +265,7 @@ impl Resolver {
     }
 }
 
-/// Help for a length out of range: a different unit was probably meant.
+/// Remedy for a length out of range, which was probably meant in a different unit.
 pub(super) fn unit_slip(length: f64) -> String {
     if length > 1.0 {
         let number = short(length);

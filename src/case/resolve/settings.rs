@@ -17,10 +17,11 @@ use crate::simulation::soft_step;
 
 /// [-] smallest number of steps per contact N_c by which a contact is resolved; fewer are refused.
 const FEWEST_STEPS: f64 = 5.0;
-/// [-] number of steps per contact N_c below which a warning is given (the paper's section 3.4: T_c/50 ..= T_c/15).
+/// [-] number of steps per contact N_c below which a warning is given (the paper's section 3.4: steps T_c/50 to
+/// T_c/15).
 const GOOD_STEPS: f64 = 15.0;
-/// [N/m] allowed range of spring stiffness. No real body is outside this range: a bubble has 0.1, a diamond sphere of 1
-/// mm has 1e9. Beyond it, squares of times or frequencies would exceed the range of floating-point numbers.
+/// [N/m] allowed range of spring stiffness, which includes all real bodies: a bubble has 0.1, a diamond sphere of 1 mm
+/// has 1e9. Outside the range, squares of times or frequencies would exceed the range of floating-point numbers.
 pub(super) const SPRINGS: std::ops::RangeInclusive<f64> = 1e-9..=1e20;
 /// [-] default number of steps per contact N_c.
 const DEFAULT_STEPS: f64 = 20.0;
@@ -28,8 +29,8 @@ const DEFAULT_STEPS: f64 = 20.0;
 const CLEARANCE: f64 = 2.0;
 
 impl Resolver {
-    /// Settings of the soft engine. If no contact of the model lasts, these settings are not used, and an error in them is
-    /// only a warning.
+    /// Settings of the soft engine. If the model has no lasting contacts, these settings are not used, and an error in
+    /// them is only a warning.
     pub(super) fn soft(&mut self, file: &CaseFile) -> Result<SoftSettings, Diagnostic> {
         match self.soft_settings(file) {
             Err(error) if !self.model.has_contacts() => {
@@ -137,7 +138,7 @@ impl Resolver {
         let Some(shortest) = times.governing() else { return Ok(()) };
         let step = soft_step(experiment, experiment.count());
         let steps = shortest / step;
-        // a number typed exactly at the limit, such as N_c = 5, must not be refused because of rounding
+        // a number exactly at the limit must not be refused because of rounding
         if steps >= GOOD_STEPS * (1.0 - 1e-9) {
             return Ok(());
         }
@@ -262,7 +263,7 @@ impl Resolver {
         }
     }
 
-    /// Settings of collisions by chance of so many particles.
+    /// Settings of collisions by chance for this number of `particles`.
     fn dsmc_settings(&mut self, dsmc: &DsmcFile, scene: &Scene, particles: usize) -> Result<DsmcSettings, Diagnostic> {
         let mut settings = DsmcSettings::default();
         if let Some(enskog) = &dsmc.enskog {

@@ -13,8 +13,8 @@ use crate::scene::{Fraction, SizeDistribution, Species};
 const LEAST_LEFT: f64 = 1e-6;
 
 impl Resolver {
-    /// [m] diameter of a species. If the diameters differ, the result is the diameter of the mean volume, with the size
-    /// distribution.
+    /// [m] diameter of a species. If the diameters of its particles differ, returns the diameter of the mean volume and
+    /// the size distribution.
     pub(super) fn diameter(
         &self,
         kind: &Located<ParticlesFile>,
@@ -112,7 +112,7 @@ impl Resolver {
             let share = self.in_range(fraction, help)?;
             let share = match by {
                 ByFile::Number => share,
-                // shares of the volume become shares of the number: each is divided by the volume of one particle
+                // a fraction of the volume becomes one of the number after division by the volume of one particle
                 ByFile::Volume => share / d.powi(3),
             };
             rows.push(Fraction { diameter: d, share });

@@ -17,18 +17,18 @@ use nalgebra::Vector3;
 const RANDOM_PACKING: f64 = 0.64;
 /// [-] volume fraction of the densest packing of equal spheres: π/sqrt(18).
 const DENSEST_PACKING: f64 = 0.7405;
-/// Largest number of particles. More would need more memory than a desktop computer has.
+/// Largest number of particles; more particles would need more memory than a desktop computer has.
 const MOST_PARTICLES: i64 = 50_000_000;
-/// Largest number of species. The half a million pairs of 1000 species take some 100 MB and a second to check; ten
+/// Largest number of species. The half a million pairs of 1000 species take about 100 MB and a second to check. Ten
 /// times as many species would take 10 GB.
 const MOST_KINDS: usize = 1000;
-/// [byte] memory per particle, rounded up. The value was measured as the growth of the peak memory of the process from
-/// 1e5 to 4e5 particles in gas (265 hard, 296 soft).
+/// [byte] memory per particle, rounded up. It was measured as the growth of the peak memory of the process from 1e5 to
+/// 4e5 particles in gas (265 hard, 296 soft).
 const BYTES: f64 = 300.0;
 /// [m/s] largest allowed component of a velocity; particles in a gas are slower.
 pub(super) const FASTEST: f64 = 1e5;
 
-/// Text with a number of particles, the memory that they would need, and the allowed number.
+/// Text with a number of particles, the memory that they require, and the allowed number.
 fn too_many(count: f64) -> String {
     let gigabytes = count * BYTES / 1e9;
     format!("{count:.3e} particles, which take about {gigabytes:.3e} GB of memory; allowed: up to {MOST_PARTICLES}")
@@ -237,7 +237,7 @@ impl Resolver {
         let fraction = self.need(&kind.value.volume_fraction, "particles.volume_fraction")?;
         let help = "the share of the whole box that this kind fills; spheres at random places pack no denser than 0.64";
         let phi = self.in_range(fraction, help)?;
-        // a volume fraction that was computed from a whole number of particles must give that number again
+        // a volume fraction that was computed from a whole number of particles must yield that number again
         let count = (phi * volume / species.volume() * (1.0 + 1e-12)).floor();
         if count > MOST_PARTICLES as f64 {
             let what = format!("means {}", too_many(count));

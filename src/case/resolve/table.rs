@@ -24,7 +24,7 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
         std::io::ErrorKind::NotFound => "there is no such file".to_string(),
         _ => error.to_string(),
     };
-    // checked before opening, because opening a pipe without a writer would wait for ever
+    // this is checked before opening, because opening a pipe without a writer would wait forever
     let kind = std::fs::metadata(path).map_err(told)?.file_type();
     if kind.is_dir() {
         return Err("it is a folder, not a file".into());
@@ -41,7 +41,7 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-/// True if symbolic links in the path of a file lead out of the folder. False if the file does not exist.
+/// True if symbolic links in the path of a file lead out of the `folder`. False if the file does not exist.
 pub fn leads_out(file: &Path, folder: &Path) -> bool {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     match (file.canonicalize(), folder.canonicalize()) {
@@ -93,7 +93,8 @@ pub struct DataTable {
     pub(super) rows: Vec<(csv::StringRecord, Origin)>,
 }
 
-/// Points (y, U) and (y, k, ε) of a tabulated gas, in SI; the second list is empty if the table lacks k or ε.
+/// Points (y, U) and (y, k, ε) of a gas profile from a table, in SI. The second list is empty if the table lacks k or
+/// ε.
 type TabulatedGas = (Vec<(f64, f64)>, Vec<[f64; 3]>);
 
 /// One row of a table.
@@ -125,8 +126,8 @@ impl<'a> TableRow<'a> {
     }
 }
 
-/// Splits the name of a column into name and unit, if it ends with a suitable unit: `x_mm` is `x` in mm, `vx_mm_s` is
-/// `vx` in mm/s. Wanted names that themselves end like a unit are not split.
+/// Splits the name of a column into name and unit, if it ends with a unit that fits: `x_mm` is `x` in mm, `vx_mm_s` is
+/// `vx` in mm/s. A name that is itself among the `wanted` names is not split.
 fn with_unit<'a>(column: &'a str, wanted: &[&str]) -> (&'a str, Option<String>) {
     let split = column.split_once('_').filter(|(name, _)| !wanted.contains(&column) && wanted.contains(name));
     let unit = |(name, unit): (&'a str, &str)| {
@@ -142,8 +143,8 @@ fn dimension(column: &str) -> [i8; 3] {
 }
 
 impl Resolver {
-    /// Reads the table in the file `name`. Its header contains the `required` columns and possibly some `optional`
-    /// ones, in any order. [`TableRow::text`] takes an index into these two lists, one after the other.
+    /// Reads the table in the file `name`. Its header must contain the `required` columns and may contain `optional`
+    /// columns, in any order. [`TableRow::text`] takes an index into the list of both, the required columns first.
     pub(super) fn table(
         &mut self,
         name: &Located<String>,

@@ -30,7 +30,7 @@ impl Resolver {
         Ok(Some(Turbulence { statistics, langevin }))
     }
 
-    /// Warns if a window given by the case is longer than the drift of the eddies allows.
+    /// Warns if the case gives a window that is longer than [`longest_for_eddies`] allows.
     pub(super) fn check_eddies(&mut self, file: &CaseFile, experiment: &Experiment) {
         let Some(typed) = file.run.as_ref().and_then(|run| run.value.window.as_ref()) else { return };
         let Some(window) = experiment.run.window else { return };

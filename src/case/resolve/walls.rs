@@ -16,7 +16,7 @@ const ALIGNED: f64 = 1e-9;
 /// [-] distance by which a hollow body exceeds the box, over the size of the box, that counts as rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Largest number of walls of a case; so many take 1 GB and some 10 s to check.
+/// Largest number of walls of a case; this number takes 1 GB and about 10 s to check.
 const MOST_WALLS: usize = 100_000;
 
 /// Side of a body on which the particles are: outside a solid, inside a vessel, or on both sides of a shell.
@@ -257,7 +257,7 @@ impl Resolver {
         Ok((geometry, around(axis, low.max(high), half_height)))
     }
 
-    /// Checks that a hollow body is inside the domain, so that particles in the body never leave the domain.
+    /// Checks that a hollow body lies inside the domain, so that particles inside the body never leave the domain.
     pub(super) fn keep_inside(
         &self,
         center: &Three<Length>,
@@ -314,8 +314,8 @@ impl Resolver {
         Ok(plane_geometry)
     }
 
-    /// Checks that at least a part of a body is inside the domain. Across periodic sides, the body and its own image
-    /// must be so far apart that every sphere fits between them.
+    /// Checks that at least a part of a body is inside the domain. Across periodic sides, every sphere must fit between
+    /// the body and its own periodic image.
     fn keep_from_own_image(
         &self,
         center: &Three<Length>,

@@ -27,7 +27,7 @@ pub enum PartDecision {
 struct LocalStatus {
     /// Largest distances [m] that particles reach in flights and in islands (groups of particles that may meet).
     reach: Reach,
-    /// Smallest distance [m] from the islands (groups of particles that may meet) of own particles to the end of the
+    /// Smallest distance [m] from the islands (groups of particles that may meet) of own particles to the border of the
     /// region whose particles this process stores.
     room: f64,
     /// True if an island (group of particles that may meet) is too large, or the engine failed.
@@ -92,8 +92,8 @@ impl<C> Domains<C> {
             return PartDecision::Again;
         }
         if differs > 0.0 {
-            // every process has stored all particles, so differences cannot be due to missing ones; a shorter part is
-            // tried next
+            // every process has stored all particles, so missing particles cannot cause the differences; a shorter part
+            // is tried next
             if self.width > size {
                 return PartDecision::Failed;
             }

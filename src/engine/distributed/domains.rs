@@ -125,8 +125,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         (frame, part): (Vector3<f64>, f64),
         flight: f64,
     ) -> LocalParticles<C> {
-        // partners of own particles, and the partners of these, must be stored; the distance that islands need beyond
-        // this is known only after the first part
+        // partners of own particles, and partners of these partners, must be stored; islands may need an even larger
+        // distance, which is known only after the first part
         let least = if self.width > 0.0 { SEEN } else { SEEN_AT_FIRST };
         self.width = self.width.max(least * flight);
         let (mut mine, places) = self.sort_out(work, (frame, part), flight);
@@ -150,7 +150,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
             agrees &= S::places(&carried).iter().flatten().all(|id| place(*id).is_some());
             work.lasting.push(S::moved(&carried, &|id| place(id).unwrap_or(own)));
         }
-        // state that involves a particle which stays in this process is stored already
+        // state that involves a particle of this process is stored already
         for carried in lasting {
             if S::places(&carried).iter().flatten().all(|id| strangers.contains_key(id)) {
                 work.lasting.push(S::moved(&carried, &|id| strangers.get(&id).copied().unwrap_or(id)));

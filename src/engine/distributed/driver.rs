@@ -29,8 +29,9 @@ impl<S: DistributedSolver> Driver<S> {
         (fallback_cost, speeds)
     }
 
-    /// Moves all particles through the time window by the classical algorithm. If several processes share the run, they
-    /// do so together where this pays. Otherwise the lead process receives all particles and moves them.
+    /// Moves all particles through the time window by the classical algorithm (all particles at once). If several
+    /// processes share the run and sharing pays, they move the particles together. Otherwise the lead process receives
+    /// all particles and moves them.
     pub(in crate::engine) fn by_all(&mut self, work: &mut Work<Lasting<S>>, window: Window) -> Result<(), Failure> {
         if let Some(domains) = self.islands.processes.domains() {
             if domains.is_worth_it() && self.solver.shares_steps() {

@@ -103,8 +103,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         self.is_cut = true;
     }
 
-    /// Moves the borders of the blocks if one process has many more particles than the others. Particles whose block
-    /// changes in this way are sent to its process in the next part of a time window.
+    /// Moves the borders of the blocks if one process has many more particles than the mean. Particles whose block
+    /// changes in this way are sent to the process of their new block in the next part of a time window.
     pub fn balance(&mut self, particles: &Particles, domain: &Domain) {
         let (mut most, count) = ([particles.len() as f64], self.population.count);
         self.communicator.largest(&mut most);

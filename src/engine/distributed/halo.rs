@@ -128,8 +128,8 @@ impl Halo {
         }
     }
 
-    /// Packs, into bytes, the velocities of those particles in `lent` on which forces acted. Each is preceded by its
-    /// number in `lent`.
+    /// Packs, into bytes, the velocities of those particles in `lent` on which forces acted. Each velocity is preceded
+    /// by the number of its particle in `lent`.
     pub fn pack(&self, lent: &[u32], particles: &Particles) -> Vec<u8> {
         let mut bytes = Vec::new();
         for (k, &place) in (0u32..).zip(lent) {
@@ -141,15 +141,15 @@ impl Halo {
         bytes
     }
 
-    /// Returns own and borrowed particles at the beginning of a time window. The velocities of own particles may have
-    /// changed since the last window, for instance by drag. Therefore they are sent to the processes that borrow these
-    /// particles.
+    /// Returns own and borrowed particles at the beginning of a time window. Velocities of own particles may have
+    /// changed since the last window, for instance by drag. Therefore their new values are sent to the processes that
+    /// borrow these particles.
     pub fn look(&mut self, own: &Particles, domains: &Domains<Contact>) -> Particles {
         let mut seen = std::mem::take(&mut self.seen);
         for (k, &place) in self.own.iter().enumerate() {
             seen.set_motion(place as usize, &own.motion(k));
         }
-        // kicks change the eddies that particles see; those of borrowed particles are not used
+        // kicks also change the gas fluctuations (`eddies`) at the particles; those of borrowed particles are not used
         if let (Some(eddies), Some(of_own)) = (&mut seen.eddies, &own.eddies) {
             self.own.iter().zip(of_own).for_each(|(&place, own)| eddies[place as usize] = *own);
         }
@@ -271,7 +271,7 @@ pub fn to_bytes(failure: &Option<Failure>) -> Vec<u8> {
 pub fn take_kicks(mut bytes: &[u8], borrowed: &[u32], particles: &mut Particles) {
     while let Some((number, rest)) = bytes.split_first_chunk() {
         let index = borrowed.get(u32::from_le_bytes(*number) as usize);
-        // unpacking succeeds, since all processes have the same columns
+        // unpacking succeeds, since all processes store the same quantities of particles
         let read = index.and_then(|&index| particles.unpack_kicked(index as usize, rest));
         let Some(rest) = read else { return };
         bytes = rest;

@@ -81,8 +81,9 @@ pub fn pack<C: Serialize>(particles: &Particles, places: &[u32], lasting: &[C]) 
     bytes
 }
 
-/// Appends packed particles to `particles`, and returns their carried state (such as contacts). If the bytes are not
-/// those of packed particles, nothing is appended, and the result is `None`.
+/// Appends packed particles to `particles`, and returns their carried state (such as contacts). If the particles cannot
+/// be unpacked, none is appended. The result is `None` if the bytes are too short, or if the carried state cannot be
+/// unpacked.
 pub fn take_aboard<C: DeserializeOwned>(bytes: &[u8], particles: &mut Particles) -> Option<Vec<C>> {
     let (length, rest) = bytes.split_first_chunk::<LENGTH>()?;
     let (of_particles, rest) = rest.split_at_checked(u64::from_le_bytes(*length) as usize)?;

@@ -2,7 +2,7 @@
 //!
 //! When the neighbour list is built, a process borrows copies of the particles that its own particles may touch before
 //! the next list. A contact across the border of two blocks is computed in both processes. The two results agree in all
-//! bits, because each process keeps the order that the list of all particles has.
+//! bits, because the particles of each process are in the same order as in the list of all particles.
 //!
 //! After every kick (change of velocities by forces) the processes exchange the largest speed, and the information if
 //! one has failed. Then each process sends the new velocities of own particles on which forces acted to the processes
@@ -209,7 +209,7 @@ impl SoftSolver {
         window: Window,
         domains: &mut Domains<Contact>,
     ) -> Result<(), Failure> {
-        // contacts return into new contact blocks, which first test the whole list, so `look_anew` need not be called
+        // contacts are put into new contact blocks, which first test the whole list, so `look_anew` need not be called
         self.ran_last = true;
         work.record.count(&mut work.log.impacts);
         if !domains.is_cut {
@@ -249,8 +249,8 @@ impl SoftSolver {
 
     /// Begins shared steps at a time when the lead process stores all particles.
     ///
-    /// The particles are distributed at once, unless the lead process has a list in use. In that case they are
-    /// distributed when the list is next built. Until then the other processes store no particles.
+    /// If the lead process has a neighbour list in use, the particles are distributed when the list is next built.
+    /// Until then the other processes store no particles. Otherwise the particles are distributed at once.
     fn start_together(&mut self, work: &mut Work<Contact>, domains: &mut Domains<Contact>) {
         let is_in_use = self.has_forces || self.list.allows(0.0);
         let known = (is_in_use && domains.is_lead()).then(|| (self.list.without_pairs(), self.has_forces));

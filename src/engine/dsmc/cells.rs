@@ -1,4 +1,5 @@
-//! Cells in which pairs collide by chance: their number, the volume open to centres, and local volume fractions.
+//! Cells in which pairs collide by chance: their number, the volume in which centres of particles can be, and local
+//! volume fractions.
 
 use super::DsmcSettings;
 use crate::kinetic_theory::contact_value;
@@ -11,22 +12,22 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// [-] longest edge of a cell over the mean free path, where enough particles allow it (Bird 1994, chapter 11).
+/// [-] longest edge of a cell over the mean free path, if there are enough particles (Bird 1994, chapter 11).
 const EDGE: f64 = 1.0 / 3.0;
 
 /// Mean number of particles in a cell (Bird 1994, chapter 11).
 const PER_CELL: f64 = 20.0;
 
-/// Mean number of particles in a block of cells with one volume fraction. The mean of N (N - 1) χ(N) over the scatter of
-/// N differs from its value at the mean N by the share (2 φ χ'/χ + φ² χ''/(2 χ))/N. With the contact value of Carnahan
-/// and Starling this is less than 0.01 up to φ = 0.3.
+/// Mean number of particles in a block of cells that have one volume fraction. The number N of particles in a block
+/// fluctuates, so the mean of N (N - 1) χ(N) differs from its value at the mean N. The relative difference is (2 φ χ'/χ
+/// + φ² χ''/(2 χ))/N, with the contact value χ. For that of Carnahan and Starling it is less than 0.01 up to φ = 0.3.
 const PER_BLOCK: f64 = 500.0;
 
-/// [-] volume fraction above which the contact value is not evaluated: no packing is denser than 0.7405 (Kepler).
+/// [-] largest volume fraction at which the contact value is evaluated: no packing is denser than 0.7405 (Kepler).
 const DENSEST: f64 = 0.74;
 
-/// Number of lattice points along each edge of a cell that a wall cuts: the open share is then right within about a
-/// tenth of a cell.
+/// Number of lattice points along each edge of a cell that a wall cuts. The open part of the cell is then accurate
+/// within about a tenth of the cell.
 const LATTICE: usize = 6;
 
 /// Largest number of cells along an axis that is chosen; it limits the memory in a nearly empty box.
@@ -49,7 +50,7 @@ pub struct RadiusSummary {
 }
 
 impl RadiusSummary {
-    /// Sizes of these particles.
+    /// Summary of the sizes of the given particles.
     pub fn of(particles: &Particles) -> Self {
         let radius = &particles.radius;
         let [mean, square, cube] = particles.mean_radii(1.0);
@@ -67,11 +68,11 @@ impl RadiusSummary {
     }
 
     /// [m] mean free path 1/(√2 n σ χ) in a volume [m³], where n is the number density and σ the mean cross-section of
-    /// two particles. Infinite for a single particle.
+    /// two particles. χ is 1 if `enskog` is false. The path is infinite for a single particle.
     pub fn mean_free_path(&self, volume: f64, enskog: bool) -> f64 {
         let [mean, square] = self.mean;
         let filled = (self.volume / volume).min(DENSEST);
-        // the factor of equal spheres: ξ_2 d = 3 φ/2
+        // contact value of equal spheres, for which ξ_2 d = 3 φ/2
         let factor = if enskog { contact_value(1.0, 1.0, filled, 1.5 * filled) } else { 1.0 };
         // the mean of (r_i + r_j)² is twice that of the squares plus twice the square of the mean
         let section = 2.0 * PI * (square + mean * mean);
@@ -79,7 +80,7 @@ impl RadiusSummary {
     }
 }
 
-/// Volume fraction around a pair, as the contact value needs it.
+/// Volume fraction around a pair, from which the contact value of the pair follows.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Crowding {
     /// [-] volume fraction φ.
@@ -105,11 +106,11 @@ pub struct CollisionCells {
     pub count: [usize; 3],
     /// Indices of the particles in the store, cell by cell; in a cell they are in the order of the store.
     pub order: Vec<u32>,
-    /// [m³] volume of each cell that is open to centres.
+    /// [m³] volume of each cell in which centres of particles can be.
     pub open: Vec<f64>,
     /// Number of blocks of cells along each axis; the cells of a block have one volume fraction.
     blocks: [usize; 3],
-    /// [-] volume open to spheres over that open to their centres.
+    /// [-] volume open to spheres divided by the volume open to their centres.
     shell: f64,
 }
 
@@ -117,7 +118,7 @@ impl CollisionCells {
     /// Makes the cells for particles of these sizes.
     pub fn new(scene: &Scene, sizes: &RadiusSummary, settings: &DsmcSettings) -> Self {
         let [low, high] = corners(scene, 0.0);
-        // a box narrower than its particles keeps some width
+        // limits the radius, so that a box narrower than its particles keeps some width
         let radius = sizes.range[0].min(0.25 * (high - low).min());
         let inner = corners(scene, radius);
         let region = Region::around(&scene.domain, inner, 0.0);
@@ -144,7 +145,7 @@ impl CollisionCells {
         &self.order[self.grid.items_of(cell)]
     }
 
-    /// Crowding in each block of cells.
+    /// Volume fraction and ξ_2 in each block of cells.
     pub fn crowding(&self, particles: &Particles, sizes: &RadiusSummary) -> Vec<Crowding> {
         let cells = self.open.len();
         let pieces = (0..cells.div_ceil(PIECE)).map(|piece| piece * PIECE..cells.min((piece + 1) * PIECE));
@@ -184,8 +185,8 @@ impl CollisionCells {
     }
 }
 
-/// [m] lowest and highest corner of the part of the box in which flat walls and vessels keep points that are `inwards`
-/// [m] away from them.
+/// [m] lowest and highest corner of the part of the box in which points are at least `inwards` [m] away from flat walls
+/// and vessels.
 fn corners(scene: &Scene, inwards: f64) -> [Vector3<f64>; 2] {
     let inwards = Vector3::repeat(inwards);
     let rooms = scene.walls.iter().filter_map(|wall| wall.geometry.law().room_corners());
@@ -194,7 +195,7 @@ fn corners(scene: &Scene, inwards: f64) -> [Vector3<f64>; 2] {
     })
 }
 
-/// Numbers of cells along the axes, as docs/design/dsmc.md explains.
+/// Numbers of cells along the three axes, chosen as docs/design/dsmc.md explains.
 fn numbers(scene: &Scene, region: &Region, sizes: &RadiusSummary, enskog: bool) -> [usize; 3] {
     let (size, periodic) = (region.size(), scene.domain.periodic);
     if sizes.count < 2 {
@@ -214,7 +215,8 @@ fn numbers(scene: &Scene, region: &Region, sizes: &RadiusSummary, enskog: bool) 
     std::array::from_fn(|axis| (size[axis] / edges[axis]).round().clamp(1.0, MOST_CELLS) as usize)
 }
 
-/// Numbers of blocks along the axes. Blocks grow along their shortest edge until they hold enough particles.
+/// Numbers of blocks along the three axes. Blocks are enlarged along their shortest edge until they contain enough
+/// particles.
 fn blocks(region: &Region, count: [usize; 3], particles: usize) -> [usize; 3] {
     let mut blocks = count;
     let edge = |blocks: &[usize; 3], axis: usize| region.size()[axis] / blocks[axis] as f64;
@@ -254,7 +256,7 @@ fn open_volumes(scene: &Scene, [low, size]: [Vector3<f64>; 2], count: [usize; 3]
             walls.iter().all(|&wall| scene.walls[wall as usize].geometry.nearest(&point).distance >= radius)
         };
         let points = LATTICE.pow(3);
-        // a particle in a corner that no point hits needs some volume
+        // the volume must not be 0, since a particle may be in a corner without lattice points
         ((0..points).filter(is_open).count() as f64).max(0.5) / points as f64
     };
     let pieces: Vec<_> = (0..cells.div_ceil(PIECE)).map(|k| k * PIECE..cells.min((k + 1) * PIECE)).collect();

@@ -21,30 +21,32 @@ pub struct CellState<'a> {
     pub scene: &'a Scene,
     /// Indices of the particles in the cell.
     pub members: &'a [u32],
-    /// Volume [m³] open to their centres.
+    /// Volume [m³] of the cell in which centres of particles can be.
     pub open: f64,
     /// Volume fraction for the Enskog factor; `None` without this factor.
     pub crowding: Option<Crowding>,
-    /// Largest radius [m] in the scene if all are equal; `None` if they differ.
+    /// Radius [m] of all particles if they are equal; `None` if they differ.
     pub radius: Option<f64>,
 }
 
-/// Collisions in some cells.
+/// Results of the collisions in several cells.
 #[derive(Default)]
 pub struct CellCollisions {
-    /// Particles that collided, with velocity [m/s] and spin [rad/s] afterwards. A later entry replaces an earlier one.
+    /// Index of each particle that collided, with its velocity [m/s] and spin [rad/s] afterwards. A later entry
+    /// replaces an earlier one.
     pub changed: Vec<(u32, Vector3<f64>, Vector3<f64>)>,
     /// Records of the collisions.
     pub log: Log,
-    /// Number of pairs that were drawn.
+    /// Number of pairs that were drawn as candidates for a collision.
     pub drawn: u64,
-    /// [1/s] expected number of collisions per time, times two: the rate that each particle sees, summed over all.
+    /// [1/s] twice the expected number of collisions per time, which is the sum of the collision rates of all
+    /// particles.
     pub rate: f64,
     /// True if a velocity is not a number.
     pub broken: bool,
 }
 
-/// Memory of a thread for the cell in work.
+/// Working memory of a thread for one cell.
 #[derive(Default)]
 pub struct CellMemory {
     velocity: Vec<Vector3<f64>>,
@@ -53,7 +55,7 @@ pub struct CellMemory {
     pair: Particles,
 }
 
-/// Lets the particles of a cell collide during `duration` [s].
+/// Makes the particles of a cell collide for a time of `duration` [s].
 pub fn collide(
     cell: &CellState,
     duration: f64,
@@ -79,7 +81,7 @@ pub fn collide(
         let square = (v - mean).norm_squared();
         (sum + square, most.max(square))
     });
-    // a largest value passes over numbers that are none
+    // a maximum ignores values that are not numbers, so the sum is tested
     if !squares.is_finite() {
         into.broken = true;
         return;
@@ -91,13 +93,13 @@ pub fn collide(
         PI * reach * reach * cell.crowding.map_or(1.0, |crowding| crowding.contact_value(radii))
     };
     let largest_section = section([largest; 2]);
-    // number of pairs, times cross-section over volume
+    // number of pairs, times cross-section, divided by volume
     let pairs = 0.5 * number * (number - 1.0) * largest_section / cell.open;
     // Chapman & Cowling 1970, 5.21: the mean relative speed is 4 sqrt(T/π)
     into.rate += 2.0 * pairs * 4.0 * (squares / (3.0 * (number - 1.0)) / PI).sqrt();
     let mut time = 0.0;
     loop {
-        // no relative speed exceeds twice the largest speed relative to any one velocity
+        // no relative speed exceeds twice the largest speed relative to the mean velocity
         let fastest = 2.0 * farthest.sqrt();
         time += noise.sample::<f64, _>(Exp1) / (pairs * fastest);
         // without relative motion the time is infinite or not a number
@@ -127,7 +129,7 @@ pub fn collide(
     }
 }
 
-/// Puts two members of a cell into the store `pair`, with their present velocities [m/s] and spins [rad/s].
+/// Copies two members of a cell into the store `pair`, with their present velocities [m/s] and spins [rad/s].
 fn take_pair(
     cell: &CellState,
     members: [usize; 2],
@@ -144,22 +146,22 @@ fn take_pair(
     }
 }
 
-/// Collision of the two particles of a store, whose velocity [m/s] and speed [m/s] relative to each other are given. Their
-/// impact parameter is uniform in the disc that the second shows to the first.
+/// Collision of the two particles of a store, given their relative velocity [m/s] and its magnitude `speed` [m/s]. The
+/// impact parameter is distributed uniformly over the disc that is the cross-section of the pair.
 fn by_chance(pair: &Particles, relative: Vector3<f64>, speed: f64, noise: &mut ChaCha8Rng) -> Collision {
     let along = relative / speed;
     let (aside, across) = perpendicular(&along);
     let [a, b]: [f64; 2] = UnitDisc.sample(noise);
-    // a unit vector from the second particle to the first, which approaches against it
+    // unit vector from the second particle to the first; the relative velocity points against it
     let normal = aside * a + across * b - along * (1.0 - a * a - b * b).sqrt();
     let met = Encounter { normal, gap: 0.0, velocity: relative, normal_velocity: relative.dot(&normal) };
     let couple = Couple::pair(0, 1);
-    Collision { couple, met, elastic: false, kinds: couple.kinds(pair), wall: None }
+    Collision { couple, met, elastic: false, kinds: couple.kinds(pair), wall: None, image: 0.0 }
 }
 
 /// Two unit vectors that are perpendicular to a unit vector and to each other.
 fn perpendicular(along: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
-    // the axis that is farthest from the vector keeps the cross product away from 0
+    // the cross product with the axis farthest from the vector is never close to 0
     let mut axis = Vector3::zeros();
     axis[along.iamin()] = 1.0;
     let aside = along.cross(&axis).normalize();

@@ -13,7 +13,8 @@ use nalgebra::Vector3;
 /// Number of particles that a thread moves at a time.
 const PART: usize = CHUNK / 4;
 
-/// Number of particles near walls that a thread moves at a time: one costs as much as dozens of others.
+/// Number of particles near walls that a thread moves at a time. One of them costs as much as dozens of other
+/// particles.
 const FEW: usize = 128;
 
 /// A part of a window in which particles fly.
@@ -21,30 +22,30 @@ const FEW: usize = 128;
 pub struct FlightTime {
     /// The whole window.
     pub window: Window,
-    /// [s] start of the flight, since that of the window.
+    /// [s] start of the flight, since the start of the window.
     pub start: f64,
     /// [s] length of the flight.
     pub duration: f64,
 }
 
-/// Walls of a scene, as the flight of a particle needs them.
+/// Walls of a scene, prepared for the flight of particles.
 pub struct FlightWalls {
     near: NearWalls,
     /// All flat walls.
     planes: Vec<Plane>,
-    /// True if there are no others.
+    /// True if all walls are flat.
     are_flat: bool,
 }
 
 impl FlightWalls {
-    /// Walls of a scene.
+    /// Prepares the walls of a scene.
     pub fn of(walls: &[Wall]) -> Self {
         let planes: Vec<Plane> = walls.iter().filter_map(|wall| wall.geometry.plane()).copied().collect();
         Self { near: NearWalls::of(walls), are_flat: planes.len() == walls.len(), planes }
     }
 
-    /// True if a sphere may touch a wall on its way between two points [m]. Its path is within `reach` [m], less the
-    /// radius, of the straight line between them.
+    /// True if a sphere may touch a wall on its path between two points [m]. The path is at most `reach` [m] minus the
+    /// radius away from the straight line between the points.
     #[inline]
     fn may_be_touched(&self, scene: &Scene, [from, to]: [&Vector3<f64>; 2], reach: f64) -> bool {
         // the distance from a plane is least at an end of the line
@@ -52,7 +53,7 @@ impl FlightWalls {
         self.planes.iter().any(touches) || (!self.are_flat && self.may_be_met(scene, [from, to], reach))
     }
 
-    /// True if a wall is within `reach` [m] of the ball around a straight line between two points [m].
+    /// True if a wall is within `reach` [m] of the ball whose diameter is the line between two points [m].
     fn may_be_met(&self, scene: &Scene, [from, to]: [&Vector3<f64>; 2], reach: f64) -> bool {
         let (middle, around) = ((from + to) * 0.5, reach + 0.5 * (to - from).norm());
         let mut found = false;
@@ -63,13 +64,13 @@ impl FlightWalls {
     }
 }
 
-/// Flight of one particle near walls: its state afterwards, and the reason if it could not fly on.
+/// Result of the flight of one particle near walls: its index, its new state, and the failure that stopped it, if any.
 type FlownParticle = (u32, Motion, Option<Failure>);
 
 /// Moves all particles along their parabolas, and resolves their impacts on walls. Returns the number of impacts.
 ///
 /// # Errors
-/// A particle has infinitely many impacts on a wall. The others are then at the end of the flight.
+/// A particle has infinitely many impacts on a wall. All other particles are then at the end of the flight.
 pub fn fly(
     particles: &mut Particles,
     scene: &Scene,
@@ -103,10 +104,13 @@ pub fn fly(
         log.impacts.append(&mut some.impacts);
         log.islands.push(some.ledger.to_array());
     }
+    if scene.domain.shear.is_some() {
+        log.ledger += particles.wrap(&scene.domain.at(time.window.start + time.start + time.duration));
+    }
     failed.map_or(Ok(impacts), Err)
 }
 
-/// Moves the particles that cannot touch a wall, and returns the indices of all others.
+/// Moves the particles that cannot touch a wall within `duration` [s], and returns the indices of all others.
 fn fly_freely(particles: &mut Particles, scene: &Scene, walls: &FlightWalls, duration: f64) -> Vec<u32> {
     let fall = scene.gravity * duration;
     let sag = 0.125 * scene.gravity.norm() * duration * duration;
@@ -119,7 +123,8 @@ fn fly_freely(particles: &mut Particles, scene: &Scene, walls: &FlightWalls, dur
             if walls.may_be_touched(scene, [x, &end], radii[k] + sag) {
                 near.push((part * PART + k) as u32);
             } else {
-                *x = scene.domain.wrap(&end);
+                // across a sheared side the velocity changes too
+                *x = if scene.domain.shear.is_none() { scene.domain.wrap(&end) } else { end };
                 *v += fall;
             }
         }
@@ -128,7 +133,8 @@ fn fly_freely(particles: &mut Particles, scene: &Scene, walls: &FlightWalls, dur
     near.concat()
 }
 
-/// Moves the only particle of a store through a flight, with all its impacts on walls. `found` is scratch memory.
+/// Moves the single particle of the store `one` through a flight, with all its impacts on walls. `found` is scratch
+/// memory.
 fn fly_among_walls(
     one: &mut Particles,
     scene: &Scene,
@@ -152,7 +158,7 @@ fn fly_among_walls(
         let here = FrameTime::default();
         let met = couple.strike(one, scene, here, touch.place);
         let wall = couple.wall_motion(&met, (one, scene), here);
-        let collision = Collision { couple, met, elastic: false, kinds: couple.kinds(one), wall };
+        let collision = Collision { couple, met, elastic: false, kinds: couple.kinds(one), wall, image: 0.0 };
         collision.resolve(one, scene, time.window.duration - now, log);
         if let Some(interval) = history.note(&collision, scene, time.window.start + now, None) {
             let [x, y, z] = scene.domain.wrap(&one.position[0]).into();
@@ -170,7 +176,7 @@ fn fly_among_walls(
     }
 }
 
-/// First touch of the only particle of a store with one of these walls within `until` [s].
+/// First touch of the single particle of the store `one` with one of the given walls within `until` [s].
 fn first_touch(one: &Particles, scene: &Scene, walls: &[u32], until: f64) -> Option<(Couple, Touch)> {
     let contacts = walls.iter().flat_map(|&wall| {
         (0..scene.walls[wall as usize].geometry.contacts()).map(move |which| Couple::at_wall(0, AtWall { wall, which }))

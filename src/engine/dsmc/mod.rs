@@ -1,8 +1,8 @@
 //! Collisions by chance: direct simulation Monte Carlo (DSMC). Particles fly and meet walls as hard spheres do, and
 //! collide with particles of their cell that are chosen at random, at the rate of kinetic theory.
 //!
-//! docs/design/dsmc.md explains the scheme, its sources, and what it leaves out: pairs that collide do not touch, so that
-//! collisions carry momentum over no distance and do not conserve angular momentum.
+//! docs/design/dsmc.md explains the scheme, its sources and its limits. Pairs that collide do not touch. Therefore
+//! collisions transport no momentum over a distance, and they do not conserve angular momentum.
 
 mod cells;
 mod collide;
@@ -43,12 +43,12 @@ struct DsmcState {
     counters: Counters,
     /// [1/s] collision rate of a particle, from the velocities at the last collisions; `None` before the first step.
     rate: Option<f64>,
-    /// [s] time for which particles have flown without having collided for it; negative if they have collided ahead.
+    /// [s] time of flight minus time of collisions so far; negative if collisions are ahead of the flight.
     owed: f64,
 }
 
-/// Largest number of windows between two collisions of all cells. The collision rate is known from the last ones only,
-/// and may change meanwhile.
+/// Largest number of windows between two collision steps. The collision rate is known only from the last collision
+/// step, and may have changed since.
 const MOST_WINDOWS: f64 = 16.0;
 
 /// Data that follow from the scene and from the sizes of the particles.
@@ -65,7 +65,7 @@ impl Dsmc {
         Self { settings, seed, state: DsmcState::default(), setup: None, times, clock }
     }
 
-    /// Lets pairs collide for `duration` [s]; with 0 s, only the collision rate is found.
+    /// Makes pairs collide for a time of `duration` [s]; with 0 s, only the collision rate is computed.
     fn collide(
         &mut self,
         particles: &mut Particles,
@@ -86,7 +86,7 @@ impl Dsmc {
                 let state = CellState { particles, scene, members, open, crowding, radius };
                 collide(&state, duration, noise.of(cell as u32), memory, &mut collided);
             }
-            // the centres do not touch, so that no momentum moves from one to the other
+            // the spheres of a pair do not touch, so a collision transports no momentum over a distance
             collided.log.ledger.pair_virial = Matrix3::zeros();
             collided
         };
@@ -128,7 +128,7 @@ impl Dsmc {
         Ok(())
     }
 
-    /// [s] longest step for the collision rate of the velocities.
+    /// [s] longest step for the collision rate at the present velocities.
     fn longest_step(&mut self, particles: &mut Particles, scene: &Scene) -> Result<f64, NotFinite> {
         if self.state.rate.is_none() {
             self.collide(particles, scene, 0.0, &mut Log::default())?;
@@ -149,7 +149,7 @@ impl Dsmc {
         }
         self.fly(particles, scene, FlightTime { window, start: 0.0, duration: h }, log)?;
         self.state.owed += h;
-        // collisions come in the middle of their step; the term 1e-9 allows for rounding of sums of windows
+        // collisions take place in the middle of their step; the term 1e-9 allows for rounding of sums of windows
         if self.state.owed >= (0.5 - 1e-9) * windows * h {
             self.collide_after(particles, scene, windows * h, (window, h), log)?;
         }
@@ -168,7 +168,7 @@ impl Dsmc {
         let step = window.duration / steps as f64;
         let mut flown = 0.0;
         for k in 0..=steps {
-            // two halves in a row are one flight
+            // the second half of a flight and the first half of the next are one flight
             let to = if k < steps { (k as f64 + 0.5) * step } else { window.duration };
             self.fly(particles, scene, FlightTime { window, start: flown, duration: to - flown }, log)?;
             flown = to;
@@ -181,7 +181,8 @@ impl Dsmc {
         Ok(())
     }
 
-    /// Lets pairs collide for `duration` [s], after a part of a window. Nothing happens if they have collided ahead.
+    /// Makes pairs collide for a time of `duration` [s] after a part of a window. Does nothing if this time is not
+    /// positive.
     fn collide_after(
         &mut self,
         particles: &mut Particles,

@@ -25,7 +25,7 @@ impl Calendar {
     }
 
     /// Sets the time of the next touch of the two bodies at `slot` to `time` [s since the start of the time window].
-    /// With `None` they have no touch within the window.
+    /// `None` means that no touch occurs within the window.
     pub fn set(&mut self, slot: u32, time: Option<f64>) {
         match time {
             Some(time) => {

@@ -13,9 +13,9 @@ use serde::{Deserialize, Serialize};
 /// have fewer.
 const COLLAPSE_STREAK: u8 = 200;
 
-/// [-] length of a flight over the edge of the box, below which the flight is unresolvably short. Coordinates are
-/// rounded to 2e-16 of the box at every collision. After a shorter flight, rounding determines which body a sphere
-/// meets next.
+/// [-] length of a flight divided by the longest edge of the box, below which the flight is unresolvably short.
+/// Coordinates are rounded to 2e-16 of the box at every collision. After a shorter flight, rounding determines which
+/// body a sphere meets next.
 const COLLAPSE_FLIGHT: f64 = 64.0 * f64::EPSILON;
 
 /// Number of successive flights, each shorter than the one before, after which an unresolvably short flight is a
@@ -120,8 +120,8 @@ impl Collapsed {
 }
 
 /// Normal speed [m/s] away from the wall that is given to a particle at rest on the wall, in the TC model with the
-/// contact time t_c. A particle is at rest if gravity presses it to the wall, and if the particle would rise by less
-/// than can be resolved. `None` for other particles, and without t_c.
+/// contact time t_c. A particle is at rest if gravity presses it to the wall, and if it would rise by an unresolvably
+/// small height. `None` for other particles, and without t_c.
 ///
 /// Without t_c the particle would have infinitely many collisions in finite time. In reality a contact of finite
 /// duration carries the weight during its contact time. Here the particle rebounds at a_n t_c/4, with a_n the
@@ -139,7 +139,7 @@ pub fn rests(collision: &Collision, scene: &Scene, contact_time: Option<f64>) ->
     (approach * approach <= rise && speed > approach).then_some(speed)
 }
 
-/// Recent collisions, with the index of each particle that collided less than the contact time before `now` [s]. Empty
+/// Particles that collided less than the contact time before `now` [s], each with the time of its last collision. Empty
 /// without a contact time.
 pub fn recent<'a>(
     met: impl Iterator<Item = &'a LastCollision>,

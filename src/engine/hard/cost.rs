@@ -1,5 +1,5 @@
-//! Estimated cost of one event queue for all particles, in the units of the costs of islands (groups of particles that
-//! may meet), so that both can be compared.
+//! Estimated cost of one event queue for all particles, for comparison with the cost of islands (groups of particles
+//! that may meet).
 
 use crate::engine::Window;
 use crate::engine::islands::SpeedSummary;
@@ -7,8 +7,8 @@ use crate::engine::population::PopulationSummary;
 use crate::scene::Scene;
 use std::f64::consts::{PI, SQRT_2};
 
-/// [ns] cost of predicting one touch and inserting it into the queue. Measured on one quiet core with 1000 spheres of
-/// two sizes: 55 ns, which includes building the neighbour list. The cost of building is counted separately.
+/// [ns] cost of predicting one touch and inserting it into the queue. A measurement on one quiet core with 1000 spheres
+/// of two sizes gave 55 ns, including the building of the neighbour list, whose cost is counted separately.
 const TOUCH: f64 = 40.0;
 
 /// [ns] cost per particle of building the neighbour list: cells, order and walls. It equals the cost of the search for
@@ -28,10 +28,10 @@ const DENSE: f64 = 0.2;
 /// Largest cost at which islands (groups of particles that may meet) are used in this time window, per particle and
 /// simulated time [ns/s]; with `None` islands are not tried.
 ///
-/// Without drag the event queue persists from window to window, and is used for dense systems. Drag changes velocities
-/// in every window, so that all events must be predicted again. For mixtures of sizes the costs of islands and queue
-/// are compared, because the islands of the largest spheres are the first to unite. For spheres of one size the limit
-/// is infinite: in the cases of this project islands cost between 70 % (dense gas, volume fraction 0.3) and 1 % of an
+/// Without drag the event queue remains valid from window to window; it is then used for dense systems. Drag changes
+/// velocities in every window, so all events must be predicted again. For particles of several sizes, the costs of
+/// islands and of the queue are compared, because islands of the largest spheres unite first. For spheres of one size
+/// the limit is infinite. In the cases of this project, islands cost 1 % to 70 % (dense gas, volume fraction 0.3) of an
 /// event queue that is rebuilt.
 pub fn fallback_cost(
     population: &PopulationSummary,
@@ -54,8 +54,8 @@ pub fn lasts(scene: &Scene) -> bool {
 /// Cost of moving all particles by one event queue, per particle and simulated time [ns/s].
 ///
 /// Every touch on the neighbour list is predicted at the start of a time window, and the touches of both partners are
-/// predicted again after a collision. The list is rebuilt whenever the fastest particle has moved half the skin. The
-/// returned cost is that of the cheapest skin.
+/// predicted again after a collision. Pairs are listed if their gap is smaller than a length called skin. The list is
+/// rebuilt whenever the fastest particle has moved half the skin. The returned cost is the lowest for any skin.
 fn one_calendar(population: &PopulationSummary, speeds: &SpeedSummary, window: Window) -> f64 {
     let &PopulationSummary { density, mean_radius: [mean, mean_square], largest, ref census, .. } = population;
     // [m²] mean square of the distance between centres at which two particles touch

@@ -22,13 +22,13 @@ pub struct DeflectedFlight {
     pub place: u32,
     /// Time [s] of the impulse, at which the flight begins, since the start of the time window.
     pub time: f64,
-    /// Position [m] of the flight's straight line, extended backwards, at the start of the time window.
+    /// Position [m] on the straight line of the flight, extended backwards to the start of the time window.
     pub origin: Vector3<f64>,
     /// Velocity [m/s] of the particle after the impulse.
     pub velocity: Vector3<f64>,
 }
 
-/// The beginning of a time window, up to a time at which the event loop stops.
+/// The part of a time window from its start to a time at which the event loop stops.
 #[derive(Clone, Copy)]
 pub struct WindowPart {
     /// The whole time window.
@@ -39,8 +39,8 @@ pub struct WindowPart {
 
 /// Event loop over the candidates of an island's neighbour list: pairs, and particles with walls.
 ///
-/// A stored position is the origin of the straight flight, extended back to the start of the time window. So
-/// `x(t) = origin + v t` for every particle, whatever its collisions. No particle requires a separate time, and a
+/// A stored position is a point on the straight line of the flight, extended backwards to the start of the time window.
+/// So `x(t) = origin + v t` for every particle, also after collisions. No particle requires a separate time, and a
 /// collision changes only the data of its two partners.
 #[derive(Clone, Default)]
 pub struct EventLoop {
@@ -55,8 +55,7 @@ pub struct EventLoop {
     /// Slots of each particle i in the neighbour list: `adjacent[first[i] .. first[i + 1]]`.
     first: Vec<u32>,
     adjacent: Vec<u32>,
-    /// Next free entry of each particle while slots (numbers of candidates) are filled in, stored here so that its
-    /// memory is used again.
+    /// Working memory: next free entry of each particle while slots (numbers of candidates) are filled in.
     next: Vec<u32>,
     /// For each slot of a particle and a wall, the number of the surface feature (such as a triangle) that is touched
     /// next.
@@ -133,7 +132,8 @@ impl EventLoop {
             let met = couple.strike(particles, scene, moment, self.place(slot as usize));
             let wall = couple.wall_motion(&met, (particles, scene), moment);
             let elastic = self.in_contact(&couple, window.start + now);
-            let collision = Collision { couple, met, elastic, kinds: couple.kinds(particles), wall };
+            let image = couple.image_velocity(particles, scene, &met.velocity);
+            let collision = Collision { couple, met, elastic, kinds: couple.kinds(particles), wall, image };
             let (change_i, change_j) = match rests(&collision, scene, self.contact_time) {
                 Some(speed) => {
                     let mass = particles.mass[couple.i as usize];
@@ -145,7 +145,7 @@ impl EventLoop {
             };
             self.events += 1;
             self.list.clock.tell(window.start + now);
-            // the new flight passes through the present position, so its origin must change
+            // the new flight passes through the present position, so its origin at the start of the window changes
             particles.position[couple.i as usize] -= change_i * now;
             if let Some(j) = couple.j() {
                 particles.position[j as usize] -= change_j * now;

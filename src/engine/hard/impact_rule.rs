@@ -12,9 +12,10 @@ use nalgebra::Vector3;
 pub struct RoughImpulse {
     /// [kg m/s] impulse on particle `i`.
     pub impulse: Vector3<f64>,
-    /// [J] kinetic energy of the two bodies that is lost by friction.
+    /// [J] kinetic energy of the two bodies that is lost by friction, including tangential restitution.
     pub friction_loss: f64,
-    /// [J] part of that loss by tangential restitution, in an impact that sticks.
+    /// [J] part of `friction_loss` by tangential restitution: all of it if the impact sticks (Walton's rule), otherwise
+    /// 0.
     pub tangential_restitution_loss: f64,
     /// Slip of the surfaces before and after the collision.
     pub slip: SlipChange,
@@ -60,7 +61,7 @@ impl Collision {
         let torque = met.normal.cross(&against);
         places().for_each(|place| spins[place] += torque * (arm_of(place) / inertia[place]));
         let friction_loss = tangential * (speed - 0.5 * tangential / mass);
-        // the rule of the spring does not tell its parts
+        // the loss by the rule of the spring cannot be divided into parts
         let sticks = matches!(rotation.impact, ImpactRule::Walton { .. }) && tangential < limit;
         let tangential_restitution_loss = if sticks { friction_loss } else { 0.0 };
         let slip = SlipChange::new([speed, speed - tangential / mass], tangential, limit);

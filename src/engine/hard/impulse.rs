@@ -41,6 +41,9 @@ pub struct Collision {
     pub kinds: (u16, Kind),
     /// Motion of the wall's surface; `None` between particles.
     pub wall: Option<WallMotion>,
+    /// Velocity [m/s] along z, relative to the other particle itself, of the image of it that particle `i` meets. It is
+    /// 0 unless a sheared side is between the two ([`Couple::image_velocity`]).
+    pub image: f64,
 }
 
 /// Masses and lengths of two bodies that are required for their collision.
@@ -163,6 +166,7 @@ impl Collision {
             Some(other) => {
                 ledger.pair_restitution_loss += restitution_loss;
                 ledger.pair_friction_loss += friction_loss;
+                ledger.shear_work += impulse.z * self.image;
                 ledger.pair_virial += normal * (impulse * (weights.reach + self.met.gap)).transpose();
                 (change_i, -impulse / other)
             }

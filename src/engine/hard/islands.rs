@@ -7,8 +7,8 @@ use crate::engine::Window;
 use crate::engine::islands::{GivenUp, Island, Solve, TracedIslands};
 use crate::scene::Scene;
 
-/// Solver of islands (groups of particles that may meet) by events. From window to window it keeps only the times of
-/// recent collisions, for the TC model.
+/// Solver of islands (groups of particles that may meet) by events. Between windows it stores only the times of recent
+/// collisions, for the TC model (elastic collisions within a contact time).
 #[derive(Default)]
 pub struct HardIslands {
     /// Contact time t_c [s] of the TC model, in which a collision is elastic soon after another one; `None` without

@@ -113,8 +113,8 @@ impl Hard {
 
     /// Sets the contact time of the TC model (Luding and McNamara 1998, Granular Matter 1, 113). In this model a
     /// collision is elastic if either particle collided less than `contact_time` [s] before. So spheres may rest on
-    /// each other without infinitely many collisions. Friction acts as usual. With `None` every collision has its
-    /// restitution.
+    /// each other without infinitely many collisions. Friction acts as usual. With `None` every collision has the
+    /// restitution of its surfaces.
     pub fn with_contact_time(mut self, contact_time: Option<f64>) -> Self {
         self.solver.together.contact_time = contact_time;
         self.solver.islands.contact_time = contact_time;

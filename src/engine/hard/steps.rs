@@ -2,7 +2,7 @@
 
 use super::impulse::Collision;
 use crate::clock::Clock;
-use crate::encounter::{Couple, FrameTime};
+use crate::encounter::{Couple, FrameTime, relative};
 use crate::engine::motion::{accelerate, drift};
 use crate::engine::{Counters, Engine, EngineTimes, Failure, Window};
 use crate::neighbours::{NeighbourList, Pair, along_walls};
@@ -17,10 +17,10 @@ use std::f64::consts::PI;
 /// Hard spheres with time steps. Particles fly for a step Δt. Then every pair that overlaps and approaches receives the
 /// impulse of hard spheres; positions are not corrected.
 ///
-/// The step is Δt < θ d/u_r (section 3.4 of the paper), with u_r = sqrt(8 q²/(3π)) (Eq. 8 with its root). In each time
-/// window the step is computed from the agitation q² of all particles, relative to one another and to the walls. The
-/// method misses grazing collisions that begin and end within a step, acts up to Δt late, and leaves overlaps. It is
-/// included to show these errors. Missed collisions are counted, and impacts record the overlaps.
+/// The step is Δt < θ d/u_r (section 3.4 of the paper), with u_r = sqrt(8 q²/(3π)) (Eq. 8, with the square root). In
+/// each time window the step is computed from the agitation q² of all particles, relative to one another and to the
+/// walls. The method misses grazing collisions that begin and end within a step, acts up to Δt late, and leaves
+/// overlaps. It is included to show these errors. Missed collisions are counted, and impacts record the overlaps.
 pub struct SteppedHard {
     theta: f64,
     list: NeighbourList,
@@ -41,6 +41,7 @@ impl SteppedHard {
     /// to a wall is included, and the velocity that gravity adds until the end of the window. So the step is also
     /// finite for a single falling sphere.
     pub fn longest_step(theta: f64, particles: &Particles, scene: &Scene, duration: f64) -> f64 {
+        let particles = &*particles.relative_to_flow(&scene.domain);
         let mean = along_walls(scene, particles.mean_velocity());
         let fall = (scene.gravity - along_walls(scene, scene.gravity)) * duration;
         let square = |frame: Vector3<f64>| particles.mean_square_speed(frame);
@@ -50,13 +51,12 @@ impl SteppedHard {
         theta * diameter / (8.0 * agitation / (3.0 * PI)).sqrt()
     }
 
-    /// Number of pairs that met within the last step of `dt` [s] and separate at its end, whether they overlap at that
-    /// time or not. These pairs receive no impulse.
+    /// Number of pairs that met within the last step of `dt` [s] and separate at its end, even if they still overlap.
+    /// These pairs receive no impulse.
     fn missed(&self, particles: &Particles, scene: &Scene, dt: f64) -> u64 {
         let passed = |pair: &&Pair| {
             let (i, j) = (pair.i as usize, pair.j as usize);
-            let apart = scene.domain.separation(&particles.position[i], &particles.position[j]);
-            let velocity = particles.velocity[i] - particles.velocity[j];
+            let (apart, velocity) = relative(particles, scene, [i, j], FrameTime::default());
             let reach = pair.reach(particles).powi(2);
             let since = apart.dot(&velocity) / velocity.norm_squared();
             since > 0.0
@@ -76,7 +76,9 @@ impl SteppedHard {
             let met = couple.meet(particles, scene, moment);
             if met.normal_velocity < 0.0 {
                 let wall = couple.wall_motion(&met, (particles, scene), moment);
-                let collision = Collision { couple, met, elastic: false, kinds: couple.kinds(particles), wall };
+                let image = couple.image_velocity(particles, scene, &met.velocity);
+                let kinds = couple.kinds(particles);
+                let collision = Collision { couple, met, elastic: false, kinds, wall, image };
                 collision.resolve(particles, scene, remaining, log);
                 self.counters.events += 1;
             }
@@ -103,15 +105,22 @@ impl Engine for SteppedHard {
         for step in 0..steps as u64 {
             let elapsed = step as f64 * dt;
             self.list.clock.tell(window.start + elapsed);
-            let travel =
-                |list: &NeighbourList, p: &Particles| (p.largest_speed(list.frame()) + fall * (elapsed + dt)) * dt;
+            let now = scene.at(window.start + elapsed);
+            let travel = |list: &NeighbourList, p: &Particles| {
+                let speed = p.largest_speed_in(list.frame(), &now.domain) + list.strain(p, &now.domain);
+                (speed + fall * (elapsed + dt)) * dt
+            };
             let mut distance = travel(&self.list, particles);
             if !self.list.allows(distance) {
-                self.list.build(particles, scene, dt);
+                if now.domain.shear.is_some() {
+                    record.ledger += particles.wrap(&now.domain);
+                }
+                self.list.build(particles, &now, dt);
                 distance = travel(&self.list, particles);
             }
             drift(particles, dt, scene.gravity * (dt * (elapsed + 0.5 * dt)));
             self.list.travel(distance);
+            let scene = &*scene.at(window.start + (elapsed + dt));
             self.counters.missed_collisions += self.missed(particles, scene, dt);
             self.resolve(particles, scene, elapsed + dt, window.duration - (elapsed + dt), &mut log);
         }

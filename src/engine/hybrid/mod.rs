@@ -2,17 +2,17 @@
 //! contact otherwise.
 //!
 //! This rule is applied at the exact time of every touch. T_c is the time for which an isolated contact of the two
-//! bodies would last with the contact law, at their speed of approach. Within the clear time θ T_c, two conditions must
-//! hold for an impulse as of hard spheres:
+//! bodies would last with the contact law, at their speed of approach. The touch is an impulse, as of hard spheres, if
+//! two conditions hold during the clear time θ T_c after it:
 //!
 //! * no other body that may touch one of the two can reach it, whatever the impulse does to their velocities, and
 //!   neither of the two is in contact now;
 //! * gravity does not bring the sphere back to the wall that it leaves: 2 e u_n/g_n > θ T_c.
 //!
 //! All other touches begin soft contacts, which are resolved by time steps. θ is the argument `clearance` of
-//! `Hybrid::new`. So the two models are mixed only where a contact is over before it matters to any other body. Only
-//! soft contacts continue from one window to the next. An impulse conserves momentum exactly, and the energy that it
-//! takes is recorded.
+//! `Hybrid::new`. An impulse thus replaces only a contact that would end before another body could take part in it.
+//! Only soft contacts continue from one window to the next. An impulse conserves momentum exactly, and the energy that
+//! it dissipates is recorded.
 //!
 //! A crowd is an island that is too large for local stepping, such as a bed of particles. It is moved by uniform time
 //! steps, while all other particles fly and collide.
@@ -70,8 +70,8 @@ impl Hybrid {
                     law,
                     integrator,
                     step: longest_step,
-                    // an island that has cost as much as a crowd of its size becomes a crowd: so the total is at most
-                    // twice the cost of the cheaper method
+                    // an island that has cost as much as a crowd of its size becomes a crowd, so the total cost is at
+                    // most twice that of the cheaper method
                     allowance: Allowance { each: 0.0, per_particle: many.cost_in_a_bed() },
                     instants: Impulses { law, clearance },
                 },
@@ -99,7 +99,8 @@ impl InstantaneousRule for Impulses {
         let ReachedTouch { touch, met, scene, moment, remaining } = meeting;
         let (couple, kinds) = (touch.couple, touch.couple.kinds(particles));
         let wall = couple.wall_motion(met, (particles, scene), *moment);
-        let collision = Collision { couple, met: *met, elastic: false, kinds, wall };
+        let image = couple.image_velocity(particles, scene, &met.velocity);
+        let collision = Collision { couple, met: *met, elastic: false, kinds, wall, image };
         collision.resolve(particles, scene, *remaining, log);
         let approach = -met.normal_velocity;
         let duration = self.law.contact_time(&touch.spring, approach);
@@ -174,8 +175,8 @@ impl Solver for HybridSolver {
         scene: &Scene,
         window: Window,
     ) -> Option<f64> {
-        // crowds use uniform steps with both methods, so only the cost of steps of all other particles is compared,
-        // with about one listed pair for each
+        // both methods move crowds by uniform steps, so only the cost of the steps of all other particles is compared,
+        // with about one listed pair per particle
         self.soft.fallback_cost(population, speeds, scene, window).map(|of_all| 2.0 * of_all)
     }
 

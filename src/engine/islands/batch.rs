@@ -64,10 +64,10 @@ pub struct IslandResult {
     pub counts: bool,
 }
 
-/// Change that is made to an unfinished island before it is solved again.
+/// Change of an unfinished island before it is solved again.
 pub enum Retry {
-    /// Particles left the bounds of the island: bystanders (particles that members might hit) become members, or speed
-    /// limits rise.
+    /// Particles left the bounds of the island. Bystanders among them become members; for members, the speed limits
+    /// rise.
     Stops(Vec<Stop>),
     /// The island is too expensive: it becomes a crowd, which is moved by uniform steps.
     Crowd,
@@ -85,7 +85,7 @@ pub struct Solved {
     pub ledger: Ledger,
     /// Number of impulses (hard spheres) or contact steps (soft spheres).
     pub events: u64,
-    /// Number of impulses, for an engine that has contacts and impulses.
+    /// Number of impulses in the hybrid engine, which counts its contact steps in `events`.
     pub impulses: u64,
     /// Number of uniform steps, if the island is a crowd.
     pub crowd_steps: u64,
@@ -113,7 +113,7 @@ pub struct Batch<C> {
 
 impl<C> Batch<C> {
     /// Makes an empty batch for the islands `which`. Its memory is reserved in advance, because threads delay one
-    /// another when lists grow.
+    /// another if lists grow during the work.
     pub fn of<'a, F: IslandFinder<'a>>(islands: &F, which: &[usize]) -> Self {
         let members: usize = which.iter().map(|&which| islands.members(which)).sum();
         Self {
@@ -132,8 +132,8 @@ pub struct IslandResults<'a, C> {
     pub landing: &'a Landing,
     /// Batches with the results of the islands.
     pub batches: &'a [Batch<C>],
-    /// Velocity [m/s] that gravity has added to the velocities of the particle store's frame since the beginning of the
-    /// time window.
+    /// Velocity [m/s] that gravity adds from the beginning of the time window to the end of the part. The velocities in
+    /// the particle store do not contain it yet.
     pub fallen: Vector3<f64>,
 }
 
@@ -145,15 +145,15 @@ pub struct Notes<C> {
     pub lasting: Vec<C>,
     /// Impacts that have ended in these islands, each with its two bodies.
     pub impacts: Vec<(Between, Impact)>,
-    /// A few rows whose exact sums equal those of the energies and momenta (ledgers) of all these islands.
+    /// Energies and momenta (ledgers) of all these islands, condensed to a few rows with the same exact sums.
     pub ledger: Vec<[f64; ENTRIES]>,
     /// Counts of the work done in these islands.
     pub counts: IslandCounters,
 }
 
 impl<C: Copy + Send + Sync> IslandResults<'_, C> {
-    /// Collects the events and the carried state (such as contacts) of all islands, in their order. Each group of
-    /// islands gives one `Notes`.
+    /// Collects the events and the carried state (such as contacts) of all islands, in their order. Returns one
+    /// [`Notes`] for each group of islands.
     pub fn notes(&self) -> Vec<Notes<C>> {
         work_sharing::map(self.landing.kept.chunks(BLOCK), |some| self.notes_of(some))
     }
@@ -210,7 +210,7 @@ impl<C: Copy + Send + Sync> IslandResults<'_, C> {
         });
     }
 
-    /// State at the end of the part of the member with this label; `None` if its island has no result.
+    /// State of the member with this label at the end of the part; `None` if its island has no result.
     fn state(&self, label: Label) -> Option<&HotParticle> {
         let (kept, number) = self.landing.of_member[label.member()]?;
         let IslandResult { batch, number: which, .. } = self.landing.kept[kept as usize];
@@ -237,8 +237,8 @@ pub struct Task<'a, S: Solve> {
     pub solver: &'a S,
     pub scene: &'a Scene,
     pub window: Window,
-    /// Velocity [m/s] that gravity has added to the velocities of the particle store's frame since the beginning of the
-    /// time window.
+    /// Velocity [m/s] that gravity adds from the beginning of the time window to that of the part. The velocities in
+    /// the particle store do not contain it yet.
     pub fallen: Vector3<f64>,
     /// Length [s] of this part of the time window.
     pub part: f64,
@@ -262,7 +262,7 @@ impl<S: Solve> Workbench<S> {
     }
 
     /// Stores the result of the island `which` in a batch. `stopped` contains the local index of a particle that left
-    /// its bounds, if there is one, or the reason why the island was given up.
+    /// its bounds (`None` if no particle did), or the reason why the island was given up.
     pub fn record(
         &mut self,
         batch: &mut Batch<S::Carried>,

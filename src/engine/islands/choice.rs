@@ -32,11 +32,11 @@ pub struct IslandCost {
 
 /// A part of a time window, in which islands are solved.
 pub struct WindowPiece<'a> {
-    /// Time [s] from the beginning of the time window to the beginning of the part; the frame has fallen for this time.
+    /// Time [s] from the beginning of the time window to the beginning of the part.
     pub elapsed: f64,
     /// Length [s] of the part of the time window.
     pub part: f64,
-    /// Number of pairs that the search for touches is expected to check.
+    /// Number of pairs that the search for touches will check, according to an estimate.
     pub foreseen: u64,
     /// Summary of the sizes of all particles.
     pub population: &'a PopulationSummary,
@@ -83,13 +83,22 @@ pub struct PartCosts {
     crowded: f64,
 }
 
-/// Costs of islands that reach as far as their particles might fly ([`BoundedIslands`](super::BoundedIslands)). In case
-/// D, islands have up to 20 particles for parts of 0.5 ms, and up to 200 for parts of 0.7 ms.
+/// Costs of islands that are found by bounds on the flights of their members
+/// ([`BoundedIslands`](super::BoundedIslands)). In case D, islands have up to 20 particles for parts of 0.5 ms, and up
+/// to 200 for parts of 0.7 ms.
 pub const BOUNDED: PartCosts = PartCosts { search: 90.0, pair: 1.2, island: 1400.0, reach: 1.5, crowded: 0.25 };
 
-/// Costs of islands that reach as far as their particles do fly ([`TracedIslands`](super::TracedIslands)). In scene S1,
-/// a hot particle (member of an island) costs 1.1 µs for parts of 0.375 ms, 1.2 µs for 0.5 ms, and 1.6 µs for 0.75 ms.
+/// Costs of islands that are found by the trajectories of their members ([`TracedIslands`](super::TracedIslands)). In
+/// scene S1, a hot particle (member of an island) costs 1.1 µs for parts of 0.375 ms, 1.2 µs for 0.5 ms, and 1.6 µs for
+/// 0.75 ms.
 pub const TRACED: PartCosts = PartCosts { search: 80.0, pair: 1.2, island: 1000.0, reach: 0.5, crowded: 0.15 };
+
+/// [-] largest shear of a sheared box in a part. The balls of particles are enlarged by about this fraction, so with a
+/// tenth they are little larger than needed.
+const STRAINED: f64 = 0.1;
+
+/// [-] factor for the length of a part in a sheared box, in which balls are enlarged by a fifth of the flights at most.
+const STRAINED_ROOM: f64 = 0.8;
 
 /// The part of a time window with the lowest cost per simulated time.
 #[derive(Clone, Copy)]
@@ -119,8 +128,8 @@ pub fn cheapest_part(
     let count = population.count as f64;
     let search = weights.search + HELD * held as f64 / count;
     let diameter = 2.0 * largest;
-    // distances at which two particles touch, divided by the largest diameter: their mean square over all pairs, and
-    // their mean for a largest particle. Islands of the largest particles are the first to unite.
+    // distance of the centres at touch, divided by the largest diameter: mean square over all pairs, and mean over the
+    // partners of a largest particle. Islands of the largest particles are the first to unite.
     let square = 0.5 * (mean_square + mean * mean) / (largest * largest);
     let of_largest = 0.5 * (1.0 + mean / largest);
     // rate at which a particle becomes hot (touches another): density times cross-section times mean relative speed;
@@ -128,9 +137,10 @@ pub fn cheapest_part(
     let rate = density * PI * diameter * diameter * square * speeds.mean * SQRT_2;
     let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| domain.size[axis]);
     let period = periods.fold(f64::INFINITY, f64::min);
-    // only the nearest images of two particles may meet, also if the particles approach each other through a side: the
-    // distance between them is at most half a period
+    // [s] longest part in which two particles can meet only as nearest images. Two particles half a period apart, which
+    // approach each other at twice the largest speed, do not touch within this time.
     let room = (0.5 * period - diameter) / (2.0 * speeds.largest);
+    let room = if domain.shear.is_some() { STRAINED_ROOM * room.min(STRAINED / domain.strain_rate()) } else { room };
     if room <= 0.0 {
         return None;
     }
@@ -140,7 +150,7 @@ pub fn cheapest_part(
         let part = left / pieces;
         let edge = diameter + speeds.largest * part;
         let hot = rate * part;
-        // islands of eight or fewer particles are always small enough; more particles must be dilute
+        // a run of at most eight particles has only small islands; more particles must be dilute
         let reach = diameter * of_largest + weights.reach * speeds.mean * part;
         let others = if count > 8.0 { density * hot * 4.0 / 3.0 * PI * reach.powi(3) } else { 0.0 };
         if others < weights.crowded {

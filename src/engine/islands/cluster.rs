@@ -42,19 +42,19 @@ pub struct Member {
     /// The ball that contains the particle from the first touch in its island to the end of the part of the time
     /// window. Before that touch the particle flies straight.
     pub(in crate::engine) ball: BoundingSphere,
-    /// Distance [m] from the middle of the straight flight, within which both balls (`flight` and `ball`) lie.
+    /// Radius [m] of a ball about the middle of the straight flight that contains both `flight` and `ball`.
     around: f64,
     /// Radius [m] that the ball had when particles next to this member were last added to the crowd (large island moved
     /// by uniform steps); 0 if this has not been done.
     took_in: f64,
     /// Range of the velocity changes of this particle in the list of all changes. It is `None` before the island is
-    /// solved, and for engines that do not report velocity changes. With it, the ball contains the trajectory after the
-    /// first change.
+    /// solved, and for engines that do not report velocity changes. If it is known, `ball` contains the trajectory
+    /// after the first change.
     turns: Option<Range<usize>>,
 }
 
-/// A list that rarely has more than four entries. The first four need no separate memory, so most islands allocate
-/// none.
+/// A list that rarely has more than four entries. The first four are stored in place, so most islands need no memory on
+/// the heap.
 pub type Few = SmallVec<[u32; 4]>;
 
 /// An island (group of particles that may meet) while it is being found: its members, and bounds on their speeds.
@@ -84,7 +84,8 @@ pub struct Cluster {
     pub(in crate::engine) alive: bool,
     /// Location of the island's result; `None` before the island is solved.
     solved: Option<IslandResult>,
-    /// Number of changes of the island so far. A search of the surroundings of an earlier version is out of date.
+    /// Number of changes of the island so far. The result of a search of the surroundings is valid for one version
+    /// only.
     version: u32,
     /// Version of the island for which the reach of the members was last computed.
     settled: Option<u32>,
@@ -103,8 +104,8 @@ impl Cluster {
 pub struct Landing {
     /// Location of the result of each solved island.
     pub kept: Vec<IslandResult>,
-    /// For each member, its island and its place in the island. The first number is that of the island in `kept`, the
-    /// second that of the member in the island.
+    /// For each member, the number of its island in `kept`, and the number of the member in that island; `None` if its
+    /// island has no result.
     pub of_member: Vec<Option<(u32, u32)>>,
 }
 
@@ -165,6 +166,13 @@ impl<'a> Clusters<'a> {
         }
     }
 
+    /// Velocity [m/s] of the frame of a particle, given by index: that of the search, and in a sheared box the mean flow
+    /// where the particle is when the part begins.
+    #[inline]
+    fn frame_of(&self, place: usize) -> Vector3<f64> {
+        self.frame + self.domain.mean_flow(&self.particles.position[place])
+    }
+
     /// Makes islands from all touches and from the carried state (such as contacts), whose energies [J] are given. If
     /// `many` is true, all carried state belongs to one crowd (large island moved by uniform steps).
     fn begin(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>, many: bool) {
@@ -210,7 +218,7 @@ impl<'a> Clusters<'a> {
         let is_new = self.search.label[place as usize].is_none();
         let which = self.named(place);
         if is_new {
-            let (energy, speed) = motion(self.particles, self.frame, place);
+            let (energy, speed) = motion(self.particles, self.frame_of(place as usize), place);
             let cluster = &mut self.list[which];
             (cluster.energies, cluster.speeds) = ([energy, 0.0], [speed, 0.0]);
         }
@@ -323,9 +331,8 @@ impl<'a> Clusters<'a> {
         }
     }
 
-    /// Returns the locations of all results, in order. For each member, the function also returns the number of its
-    /// island, and the number of the member in that island. Labels are kept until the results are written into the
-    /// particle store.
+    /// Returns the locations of the results of all islands, in the order of the islands and by member. The labels of
+    /// members are kept until the results are written into the particle store.
     pub fn land(self) -> Landing {
         let mut of_member = vec![None; self.members.len()];
         let mut kept = Vec::with_capacity(self.list.len());

@@ -23,8 +23,8 @@ pub struct IslandCounters {
     pub force_evaluations: u64,
     /// Number of particles moved by stages of contact steps, plus the number of gaps checked after steps.
     pub updates: u64,
-    /// Number of pairs that searches were expected to check. It is equal for any number of processes that share the
-    /// run.
+    /// Number of pairs that searches check according to an estimate. Unlike the actual number, it does not depend on
+    /// the number of processes that share the run.
     pub foreseen: u64,
     /// Number of cell grids built.
     pub neighbour_builds: u64,

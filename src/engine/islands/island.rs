@@ -39,7 +39,7 @@ pub struct Island<C> {
     pub events: u64,
     /// Number of impulses of the hybrid engine, which counts its contact steps in `events`.
     pub impulses: u64,
-    /// Number of contact forces computed in uniform steps, if the island is a crowd.
+    /// Number of uniform steps, if the island is a crowd.
     pub crowd_steps: u64,
     /// Number of contact forces computed in uniform steps.
     pub crowd_forces: u64,
@@ -50,7 +50,7 @@ pub struct Island<C> {
     /// Number of particles moved by stages of contact steps, plus the number of gaps checked after steps. It measures
     /// the work.
     pub updates: u64,
-    /// Local indices of particles that left their bounds, other than the one that the solver returns.
+    /// Local indices of the particles that left their bounds, without the one that the solver returns.
     pub also: Vec<usize>,
     /// Largest speed [m/s] so far, relative to the frame of the speed limits. It is set by solvers that cannot stop
     /// when a limit is exceeded; otherwise it is 0.
@@ -59,6 +59,9 @@ pub struct Island<C> {
     pub(super) limits: Vec<f64>,
     /// Velocity [m/s] of the moving frame of the speed limits, relative to the frame at rest.
     frame: Vector3<f64>,
+    /// [m/s] mean flow of a sheared box where each particle was at the beginning of the part, which is added to the
+    /// velocity of the frame; empty without shear.
+    pub(super) flow: Vec<Vector3<f64>>,
 }
 
 /// Speed limits of the hot particles (members) of an island.
@@ -67,12 +70,24 @@ pub struct Bounds<'a> {
     limits: &'a [f64],
     /// Velocity [m/s] of the moving frame of the speed limits, relative to the frame at rest.
     frame: Vector3<f64>,
+    /// [m/s] mean flow that is added to the velocity of the frame, by particle; empty without shear.
+    flow: &'a [Vector3<f64>],
 }
 
 impl Bounds<'_> {
     /// True if the particle at a local index may have the velocity [m/s], as in [`Island::allows`].
     pub fn allows(&self, place: usize, velocity: &Vector3<f64>) -> bool {
-        self.limits.get(place).is_some_and(|limit| (velocity - self.frame).norm() <= *limit)
+        let frame = frame_of(place, self.frame, self.flow);
+        self.limits.get(place).is_some_and(|limit| (velocity - frame).norm() <= *limit)
+    }
+}
+
+/// [m/s] velocity of the frame of the particle at a local index: the common `frame` and the mean `flow` of a sheared box.
+#[inline]
+fn frame_of(place: usize, frame: Vector3<f64>, flow: &[Vector3<f64>]) -> Vector3<f64> {
+    match flow.get(place) {
+        None => frame,
+        Some(flow) => frame + flow,
     }
 }
 
@@ -100,6 +115,7 @@ impl<C> Island<C> {
             fastest: 0.0,
             limits: Vec::new(),
             frame: Vector3::zeros(),
+            flow: Vec::new(),
         }
     }
 
@@ -117,6 +133,7 @@ impl<C> Island<C> {
     ) {
         self.places.clear();
         self.limits.clear();
+        self.flow.clear();
         for (place, limit) in hot {
             self.places.push(place);
             self.limits.push(limit);
@@ -156,33 +173,38 @@ impl<C> Island<C> {
         found.ok().map(|k| self.by_place[k])
     }
 
-    /// True if the velocity [m/s] of the particle at local index `place` is below its limit. The velocity is given in
-    /// the frame that falls with gravity from rest, beginning with the part of the time window. For a bystander
-    /// (particle that members might hit) the result is false, because a bystander must not be touched.
+    /// True if the velocity [m/s] of the particle at local index `place` does not exceed its speed limit. The velocity
+    /// is relative to a frame that falls with gravity, and that is at rest at the start of the part. The result is
+    /// false for a bystander (particle that members might hit), because a bystander must not be touched.
     pub fn allows(&self, place: usize, velocity: &Vector3<f64>) -> bool {
-        Bounds { limits: &self.limits, frame: self.frame }.allows(place, velocity)
+        Bounds { limits: &self.limits, frame: self.frame, flow: &self.flow }.allows(place, velocity)
     }
 
     /// Borrows three fields of the island at the same time: particles, log and speed limits.
     pub fn open(&mut self) -> (&mut Particles, &mut Log, Bounds<'_>) {
-        (&mut self.particles, &mut self.log, Bounds { limits: &self.limits, frame: self.frame })
+        (&mut self.particles, &mut self.log, Bounds { limits: &self.limits, frame: self.frame, flow: &self.flow })
     }
 
-    /// Records a velocity change of the particle at local index `place`, at `time` [s since the start of the part].
-    /// `origin` [m] is the position at the start of the part of the time window on the line of the new flight, extended
-    /// backwards. `velocity` [m/s] is the new velocity in the frame that falls with gravity from rest, beginning with
+    /// Records a velocity change of the particle at local index `place`, at `time` [s] since the start of the part.
+    /// `origin` [m] is the position on the line of the new flight, extended backwards to the start of the part.
+    /// `velocity` [m/s] is the new velocity, relative to a frame that falls with gravity and is at rest at the start of
     /// the part.
     pub fn turn(&mut self, place: u32, time: f64, origin: Vector3<f64>, velocity: Vector3<f64>) {
-        self.turns.push((place, VelocityChange { time, origin, velocity: velocity - self.frame }));
+        self.turns.push((place, VelocityChange { time, origin, velocity: velocity - self.frame_of(place as usize) }));
     }
 
     /// Speed [m/s] of the particle at local index `place`, relative to the moving frame of the speed limits.
     pub fn speed(&self, place: usize) -> f64 {
-        (self.particles.velocity[place] - self.frame).norm().max(self.fastest)
+        (self.particles.velocity[place] - self.frame_of(place)).norm().max(self.fastest)
     }
 
-    /// Magnitude [m/s] of the difference between the velocity `frame` and that of the frame of the speed limits. Speeds
-    /// relative to the two frames differ by no more than this magnitude.
+    /// Velocity [m/s] of the frame of the speed limit of the particle at local index `place`.
+    fn frame_of(&self, place: usize) -> Vector3<f64> {
+        frame_of(place, self.frame, &self.flow)
+    }
+
+    /// Magnitude [m/s] of the difference between the velocity `frame` [m/s] and that of the frame of the speed limits.
+    /// Speeds relative to the two frames differ by at most this magnitude.
     pub fn apart_from(&self, frame: &Vector3<f64>) -> f64 {
         (frame - self.frame).norm()
     }

@@ -10,8 +10,7 @@
 //!
 //! Some engines, such as that for hard spheres, report every velocity change of a flight. For these engines each island
 //! is first solved as if it were alone (`cluster/traced.rs`). Islands whose trajectories then meet are united and
-//! solved again. There are no bystanders, and an island reaches only as far as its particles do fly, not as far as they
-//! might.
+//! solved again. There are no bystanders, because the trajectories of members are known and need no upper limits.
 //!
 //! Islands have no data in common. They are solved in parallel and in any order, with results that are equal to the
 //! last bit.
@@ -93,7 +92,7 @@ pub trait Solve: Sync {
 
     /// Moves the particles of an island, in the frame at rest, from the start of a part of a window to its end after
     /// `end` [s]. If a particle leaves its bounds ([`Island::allows`]), the function stops and returns the local index
-    /// of that particle. If several particles do, the others are in [`Island::also`].
+    /// of that particle. If several particles leave their bounds, the others are stored in [`Island::also`].
     ///
     /// # Errors
     /// The engine fails, or the island costs more than the classical algorithm would.
@@ -161,8 +160,8 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         self.counters
     }
 
-    /// Continues a stored run with the given counts and times. The time of the next sort of the particle store depends
-    /// on the counts. Islands keep no other state between time windows.
+    /// Continues a stored run with the given counts and times. The counts determine when the particle store is next
+    /// sorted. Islands store no other state between time windows.
     pub fn resume(&mut self, counters: IslandCounters, spent: EngineTimes) {
         (self.counters, self.spent) = (counters, spent);
     }
@@ -181,7 +180,7 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
 
     /// Summary of the velocities of all particles of the run.
     pub fn speeds(&self, work: &Work<C>, population: &PopulationSummary) -> SpeedSummary {
-        let mut sums = work.particles.velocity_sums();
+        let mut sums = work.particles.relative_to_flow(&work.scene.domain).velocity_sums();
         self.processes.total(&mut sums.each_mut());
         let mean = Vector3::from(exact::values(&sums)) / population.count.max(1) as f64;
         self.speeds_seen_from(along_walls(work.scene, mean), work, population)
@@ -189,7 +188,8 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
 
     /// Summary of the velocities of all particles of the run, relative to a frame with the velocity `frame` [m/s].
     fn speeds_seen_from(&self, frame: Vector3<f64>, work: &Work<C>, population: &PopulationSummary) -> SpeedSummary {
-        let (mut squares, largest) = work.particles.square_speeds_and_largest(frame);
+        let relative = work.particles.relative_to_flow(&work.scene.domain);
+        let (mut squares, largest) = relative.square_speeds_and_largest(frame);
         let mut largest = [largest];
         self.processes.total(&mut [&mut squares]);
         self.processes.largest(&mut largest);
@@ -215,6 +215,8 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         let mut longest = f64::INFINITY;
         while done < window.duration {
             let left = window.duration - done;
+            let scene = work.scene.at(window.start + done);
+            let work = &mut work.in_scene(&scene);
             if done > 0.0 {
                 speeds = self.speeds_seen_from(self.frame, work, population);
             }
@@ -223,12 +225,12 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
                 self.processes.assemble(solver, work, &mut self.members);
                 return Err(super::not_a_number(work.particles, window.start + done));
             }
-            // contacts are copied into a crowd and back; they are many only in engines that take crowds
+            // contacts are copied into a crowd and back; only engines that take crowds may have many contacts
             let held = if solver.takes_crowds() { self.processes.held(work.lasting.len()) } else { 0 };
             let limits = PartLimits { left, fallback_cost: *fallback_cost, held, costs: S::Finder::COSTS };
             let Some(cheapest) = cheapest_part(population, &work.scene.domain, &speeds, &limits) else { break };
             self.processes.cut(solver, work);
-            // shorter parts are not tried, because islands of contacts in progress would not become smaller
+            // even shorter parts are not tried, because islands of contacts in progress would not become smaller
             let shortest = cheapest.part * 0.5f64.powi(SHORTER);
             let mut part = longest.clamp(shortest, cheapest.part);
             let stretch = Window { start: window.start + done, duration: left };
@@ -261,7 +263,7 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         if self.counters.neighbour_builds.is_multiple_of(WINDOWS_PER_SORT) {
             sort::<S>(work, &mut self.processes);
         }
-        work.particles.wrap(&work.scene.domain);
+        work.wrap();
         self.counters.neighbour_builds += 1;
         self.counters.foreseen += piece.foreseen;
         self.spent.neighbours += self.clock.now() - began;

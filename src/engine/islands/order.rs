@@ -24,7 +24,7 @@ pub fn in_order<S: Solve>(solver: &S, work: &mut Work<S::Carried>) {
 /// Sorts the particles in the store by cells, so that particles near in space are near in memory.
 pub fn sort<S: Solve>(work: &mut Work<S::Carried>, processes: &mut Processes<S::Carried>) {
     let domain = &work.scene.domain;
-    work.particles.wrap(domain);
+    work.wrap();
     let order = search::cell_order(work.particles, &processes.region(domain));
     let mut place_of = vec![0u32; order.len()];
     for (place, &from) in order.iter().enumerate() {

@@ -6,9 +6,9 @@ use super::cluster::IslandFinder;
 use super::{BATCH, IslandCounters, Solve};
 use crate::work_sharing;
 
-/// Solves all islands, and solves those again that met a particle outside the island or an unexpected speed. Returns
-/// `None` if an island is too large, or if the engine fails in one. Only islands whose leading particle satisfies
-/// `mine` are counted.
+/// Solves all islands. Islands that met a particle outside the island, or an unexpected speed, are solved again.
+/// Returns `None` if an island is too large, or if the engine fails in one. An island is counted if its leader (member
+/// with the smallest id) satisfies `mine`.
 pub fn solve_all<S: Solve>(
     islands: &mut S::Finder<'_>,
     task: &Task<S>,

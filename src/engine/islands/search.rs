@@ -21,7 +21,8 @@ const ROWS: usize = 16;
 /// Number of pairs that are collected before the data of their particles are read from the particle store.
 const BATCH: usize = 64;
 
-/// A ball. It contains a particle throughout its straight flight, relative to the moving frame of the search.
+/// Ball that contains a particle throughout its straight flight, relative to the moving frame of the search. In a sheared
+/// box, the frame of each particle also has the mean flow at the position of the particle when the part begins.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct BoundingSphere {
     /// Centre of the ball [m]: the middle of the flight, inside the box along periodic axes.
@@ -35,10 +36,23 @@ impl BoundingSphere {
     /// [m/s].
     #[inline]
     pub fn of(particles: &Particles, i: usize, domain: &Domain, frame: Vector3<f64>, part: f64) -> Self {
-        let half = (particles.velocity[i] - frame) * (0.5 * part);
+        let (position, radius) = (particles.position[i], particles.radius[i]);
+        let half = (particles.velocity[i] - (frame + domain.mean_flow(&position))) * (0.5 * part);
         // the ball is enlarged, so that rounding does not make it too small
-        let reach = particles.radius[i] + half.norm() * (1.0 + 1e-12);
-        Self { middle: domain.wrap(&(particles.position[i] + half)), reach }
+        let length = half.norm() * (1.0 + 1e-12);
+        let ball = Self { middle: domain.wrap(&(position + half)), reach: radius + length };
+        ball.strained(domain, part, radius + 2.0 * length)
+    }
+
+    /// The ball enlarged by the relative motion of the frames of two particles in a sheared box during `part` [s]. The
+    /// surface of the particle moves `way` [m] at most, plus its radius, from its first centre. Two particles that touch
+    /// were as far apart along y as the sum of both at most, so their frames have moved by the shear rate times that.
+    #[inline]
+    pub fn strained(self, domain: &Domain, part: f64, way: f64) -> Self {
+        match domain.shear {
+            None => self,
+            Some(_) => Self { reach: self.reach + domain.strain_rate() * part * way * (1.0 + 1e-9), ..self },
+        }
     }
 
     /// True if the two balls overlap.
@@ -76,8 +90,8 @@ pub struct Search {
     /// Ball that contains the straight flight of each particle, by particle index.
     pub flights: Vec<BoundingSphere>,
     packed: PackedBalls,
-    /// Label of each hot particle (member of an island), by particle index. It is `None` for other particles, and for
-    /// all particles between time windows.
+    /// Label of each hot particle (member of an island), by particle index; `None` for other particles. Between time
+    /// windows all entries are `None`.
     pub label: Vec<Option<Label>>,
     /// Search structure for the walls near a point, from the last search.
     pub near_walls: NearWalls,
@@ -86,7 +100,7 @@ pub struct Search {
     beside_walls: Vec<Vec<u32>>,
 }
 
-/// Number of a hot particle among the members of all islands, stored as an optional label in four bytes.
+/// Label of a hot particle: its number among the members of all islands. An `Option` of it takes four bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Label(NonZeroU32);
 
@@ -109,7 +123,7 @@ pub fn cell_order(particles: &Particles, region: &Region) -> Vec<u32> {
 }
 
 /// Appends the touches of pairs within `part` [s], in the order of the pairs, and clears the list of pairs. All
-/// particles are read from the particle store before any pair is checked in detail: otherwise the processor would wait
+/// particles are read from the particle store before any pair is checked in detail, so that the processor need not wait
 /// for memory at every pair.
 fn touches_of(
     pairs: &mut Vec<(u32, u32)>,
@@ -178,11 +192,13 @@ impl Search {
     /// Calls `visit` with the indices of the particles whose flights overlap a ball.
     #[inline(always)]
     pub fn for_each_beside(&self, ball: &BoundingSphere, domain: &Domain, mut visit: impl FnMut(u32)) {
-        self.packed.for_each_beside((ball.middle, ball.reach), &self.levels, &self.region, |places| {
-            places
-                .iter()
-                .filter(|&&place| ball.meets(&self.flights[place as usize], domain))
-                .for_each(|&place| visit(place));
+        domain.for_each_image(&ball.middle, ball.reach + self.levels.largest_reach(), |middle| {
+            self.packed.for_each_beside((middle, ball.reach), &self.levels, &self.region, |places| {
+                places
+                    .iter()
+                    .filter(|&&place| ball.meets(&self.flights[place as usize], domain))
+                    .for_each(|&place| visit(place));
+            });
         });
     }
 
@@ -211,8 +227,31 @@ impl Search {
             found.touches.extend(touches);
             found.checks += checks;
         }
+        self.hot_across(particles, scene, span, &mut found);
         self.hot_at_walls(particles, scene, span, &mut found);
         found
+    }
+
+    /// Finds the touches across the sheared sides of the box: the images of the lowest flights above the upper side are
+    /// compared with the flights below it.
+    fn hot_across(&self, particles: &Particles, scene: &Scene, span: &SearchInterval, found: &mut SearchResult) {
+        if scene.domain.shear.is_none() {
+            return;
+        }
+        let (mut waiting, largest) = (Vec::new(), self.levels.largest_reach());
+        for (i, flight) in (0..).zip(&self.flights) {
+            let sight = flight.reach + largest;
+            if flight.middle.y >= sight {
+                continue;
+            }
+            scene.domain.for_each_across(&flight.middle, sight, |image| {
+                self.packed.for_each_beside((image, flight.reach), &self.levels, &self.region, |others| {
+                    waiting.extend(others.iter().map(|&j| (i, j)));
+                });
+            });
+        }
+        found.checks += waiting.len() as u64;
+        touches_of(&mut waiting, (particles, scene), span.part, &mut found.touches);
     }
 
     fn hot_at_walls(&self, particles: &Particles, scene: &Scene, span: &SearchInterval, found: &mut SearchResult) {
@@ -231,8 +270,8 @@ impl Search {
     fn touch_of_wall(&self, particles: &Particles, scene: &Scene, span: &SearchInterval, i: usize) -> Option<f64> {
         let SearchInterval { elapsed, part, falls } = *span;
         let spot = &self.flights[i];
-        // this position is not wrapped into the box, as walls require; with flat walls only, it is not read from the
-        // store
+        // walls require the middle of the flight without wrapping into the box; the middle is computed only on demand,
+        // because flat walls do not need it
         let way = || particles.position[i] + particles.velocity[i] * (0.5 * part);
         let look = |(wall, shape): (usize, &Wall)| {
             // the frame moves along planes, so the ball of the flight has the right distance from planes; for other
@@ -271,8 +310,8 @@ pub struct SearchInterval {
     elapsed: f64,
     /// Length of the interval [s].
     part: f64,
-    /// Upper limit [m] of the distance by which gravity moves a particle away from its straight flight during the
-    /// interval. The limit is equal for all particles, so it is computed only once.
+    /// Upper limit [m] of the distance by which gravity moves any particle away from its straight flight in the
+    /// interval.
     falls: f64,
 }
 

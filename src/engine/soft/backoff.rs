@@ -1,54 +1,55 @@
-//! Choice between islands and uniform steps: where islands do not pay, some windows are uniform before the next trial.
+//! Choice between islands (groups of particles that may meet) and uniform steps of all particles. After a window in
+//! which islands cost more than uniform steps, islands are not tried for some windows.
 //!
-//! In a crowd islands are large, and each of their steps moves all of their particles and tests all of their gaps
-//! several times. The work of islands in a window is compared with the work of uniform steps in the same time. Both are
-//! counted, not timed, so the choice is the same on every machine. The weights are in ns on one core, from timings of a
-//! dense gas and of a bed on one machine (782 spheres at a volume fraction of 0.5; 400 settling spheres). They hold to
-//! within a factor of 2, which is enough to choose but not to predict run times.
+//! In a dense scene islands are large, and each of their steps moves all of their particles and tests all of their gaps
+//! several times. The costs of islands and of uniform steps are estimated from counts of operations. Counts, unlike
+//! measured times, lead to the same choice on every machine. The weights of the counts are in ns on one core, measured
+//! on one machine with a dense gas and a bed (782 spheres at a volume fraction of 0.5; 400 settling spheres). They are
+//! right within a factor of 2, which is enough for the choice but not for a prediction of run times.
 
 use super::UNIFORM_COST;
 use crate::engine::islands::IslandCounters;
 use serde::{Deserialize, Serialize};
 
-/// [ns] flight and cells of a search, per particle (the weight of `cheapest_part`).
+/// [ns] cost per particle of its flight, and of sorting it into cells, in a search for touches (as in `cheapest_part`).
 const SEARCH: f64 = 90.0;
 
-/// [ns] test of a pair in a search.
+/// [ns] cost of testing one pair.
 const CHECK: f64 = 1.2;
 
-/// [ns] taking a particle into an island and back: half of the weight of its whole collision in `cheapest_part`.
+/// [ns] cost of copying a particle into an island and back: half of the cost per hot particle in `cheapest_part`.
 const MEMBER: f64 = 700.0;
 
-/// [ns] force of a contact in an island.
+/// [ns] cost of one contact force in an island.
 const FORCE: f64 = 45.0;
 
-/// [ns] motion of a particle in a stage of an island's step, or test of a gap.
+/// [ns] cost of moving one particle by one stage of an island's step, or of testing one gap.
 const UPDATE: f64 = 10.0;
 
-/// [ns] test of a pair of the neighbour list in a uniform step.
+/// [ns] cost of testing one slot (candidate) of the neighbour list in a uniform step.
 const LISTED: f64 = 5.0;
 
-/// [ns] force of a contact in a uniform step, with its records.
+/// [ns] cost of one contact force in a uniform step, with its records.
 const CONTACT: f64 = 50.0;
 
-/// Longest pause of islands, in windows. A trial that fails costs some five uniform windows, so less than a tenth of
-/// the pause.
+/// Longest pause of islands, in windows. A failed trial of islands costs about five uniform windows, which is less than
+/// a tenth of this pause.
 const LONGEST: u32 = 64;
 
-/// [ns] cost of the steps of islands.
+/// [ns] cost of the steps of islands. `updates` is the number of particles moved by stages plus that of gaps tested.
 pub fn steps_cost(forces: u64, updates: u64) -> f64 {
     FORCE * forces as f64 + UPDATE * updates as f64
 }
 
-/// Work of uniform steps in a window, or in the part of it that islands did.
+/// Work of uniform steps in the simulated time that a trial of islands covered.
 pub struct Rival {
-    /// [-] number of steps times the number of stages per step.
+    /// [-] number of steps times the number of force evaluations per step.
     pub stages: f64,
     /// Number of particles.
     pub particles: usize,
-    /// Number of slots of the neighbour list.
+    /// Number of slots (candidates) of the neighbour list.
     pub slots: usize,
-    /// [-] number of forces computed.
+    /// [-] number of contact forces computed.
     pub forces: f64,
 }
 
@@ -60,28 +61,29 @@ impl Rival {
     }
 }
 
-/// Pause of islands: the number of windows in which they are not tried.
+/// Pause of islands: a number of windows in which islands are not tried.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Backoff {
-    /// Windows of the last pause.
+    /// Length of the last pause, in windows.
     stay: u32,
-    /// Windows that are left of the pause.
+    /// Number of windows that remain of the present pause.
     left: u32,
 }
 
 impl Backoff {
-    /// True if islands are not tried in this window. The window then counts as part of the pause.
+    /// Returns true if islands are not tried in this window. The window then counts as a part of the pause.
     pub fn waits(&mut self) -> bool {
         let waits = self.left > 0;
         self.left = self.left.saturating_sub(1);
         waits
     }
 
-    /// Compares the cost of islands between two counts with that of uniform steps. If islands cost more, the next
-    /// windows are uniform, twice as many as in the last pause. Otherwise the last pause counts half.
+    /// Compares the cost of islands between two counts with the cost of uniform steps (`fallback_cost`). If islands
+    /// cost more, a pause begins that is twice as long as the last one, up to `LONGEST`. Otherwise the stored length
+    /// of the last pause is halved.
     pub fn judge(&mut self, before: &IslandCounters, after: &IslandCounters, fallback_cost: &Rival) {
         if after.neighbour_builds == before.neighbour_builds {
-            // not tried
+            // islands were not tried in this window
             return;
         }
         let since = |count: fn(&IslandCounters) -> u64| (count(after) - count(before)) as f64;
@@ -94,7 +96,7 @@ impl Backoff {
                 after.updates - before.updates,
             );
         let pays = islands <= fallback_cost.cost();
-        // one cheap window does not undo what many have shown
+        // one cheap window only halves the pause, because many windows have shown that islands cost more
         self.stay = if pays { self.stay / 2 } else { (2 * self.stay).clamp(1, LONGEST) };
         self.left = if pays { 0 } else { self.stay };
     }

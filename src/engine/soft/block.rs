@@ -1,8 +1,8 @@
-//! Contacts in one part of the neighbour list.
+//! Contacts in a block: a range of slots (candidate pairs, or particles with walls) of the neighbour list.
 //!
-//! Blocks share no data that changes, so threads evaluate them at the same time. The results of blocks are added in the
-//! order of blocks, so they are the same for any number of threads. The record of a contact keeps its place in memory
-//! as long as the contact lasts. Only an index of eight bytes per contact is sorted by slot and rebuilt at every step.
+//! Blocks share no data that changes, so threads evaluate them in parallel. Their results are added in the order of
+//! blocks, so the sums are equal for any number of threads. The record of a contact keeps its place in memory while the
+//! contact lasts. Only a list of eight bytes per contact, sorted by slot, is rebuilt at every step.
 
 mod renumber;
 
@@ -23,15 +23,15 @@ use std::ops::Range;
 /// Number of contacts in a batch: all encounters of a batch (2 kB) are computed before its contacts are evaluated.
 const BATCH: usize = 32;
 
-/// Makes room for `room` elements in all, and a little more. Lists of contacts that grow by doubling would take up to
-/// twice their length.
+/// Reserves memory for `room` elements in total, plus an eighth. Lists of contacts that grow by doubling would take up
+/// to twice the memory.
 pub fn reserve<T>(list: &mut Vec<T>, room: usize) {
     if room > list.capacity() {
         list.reserve_exact(room + room / 8 + 8 - list.len());
     }
 }
 
-/// Slot where two bodies touch, and the index of its record.
+/// Slot of two touching bodies, and the index of the record of their contact.
 #[derive(Clone, Copy, Debug)]
 struct TouchingSlot {
     slot: u32,
@@ -47,17 +47,17 @@ pub struct ForceEvaluation {
     pub checks: u64,
 }
 
-/// Sums over the contacts of a force evaluation.
+/// Sums over the contacts of one block in one force evaluation.
 #[derive(Default)]
 pub struct ForceSums {
     /// Powers and forces of the contacts.
     pub rows: ContactRows,
-    /// [J] elastic energy of the contacts. It is summed for Heun's method only, because contacts do not keep the
+    /// [J] elastic energy of the contacts. It is summed only for Heun's method, because contacts do not store its
     /// predicted state.
     pub elastic_energy: f64,
-    /// Work done.
+    /// Numbers of forces and tests in the evaluation.
     pub done: ForceEvaluation,
-    /// Failure with the smallest ids, if any contact made no sense.
+    /// Failure with the smallest ids, if any contact is invalid (for instance if its overlap is too large).
     pub failure: Option<Failure>,
 }
 
@@ -68,12 +68,12 @@ impl ForceSums {
     }
 }
 
-/// Working memory of an evaluation; blocks that are evaluated one after the other share it.
+/// Working memory of an evaluation, shared by blocks that are evaluated one after the other.
 #[derive(Default)]
 pub struct BlockScratch {
     /// Powers and forces of single contacts.
     rows: ContactRows,
-    /// Contacts of the step before.
+    /// Contacts of the previous step.
     before: Vec<TouchingSlot>,
     /// Slots that overlap.
     overlapping: Vec<u32>,
@@ -81,18 +81,18 @@ pub struct BlockScratch {
     near: Vec<u32>,
 }
 
-/// Contacts of a range of slots.
+/// Contacts in a range of slots of the neighbour list.
 #[derive(Default)]
 pub struct ContactBlock {
     slots: Range<usize>,
     /// Contacts in progress, in ascending order of slot.
     touching: Vec<TouchingSlot>,
     records: PackedContacts,
-    /// Contacts that the last predicted state met first, in ascending order of slot.
+    /// Contacts that began in the last predicted state of a Runge-Kutta stage, in ascending order of slot.
     foreseen: Vec<Contact>,
     /// Slots of pairs that may overlap before the list's travelled distance exceeds `near_until`, in ascending order.
     near: Vec<u32>,
-    /// [m] travelled distance of the list up to which `near` and `near_walls` hold; `None` before the first search.
+    /// [m] travelled distance of the list up to which `near` and `near_walls` are valid; `None` before a search.
     near_until: Option<f64>,
     /// Slots of walls that may overlap before the list's travelled distance exceeds `near_until`, in ascending order.
     near_walls: Vec<u32>,
@@ -107,7 +107,7 @@ pub struct ContactBlock {
 }
 
 impl ContactBlock {
-    /// Block of a range of slots, without contacts so far.
+    /// Makes a block of a range of slots, without contacts.
     pub fn of(slots: Range<usize>) -> Self {
         Self { slots, ..Self::default() }
     }
@@ -123,8 +123,7 @@ impl ContactBlock {
         self.slots.contains(&(slot as usize))
     }
 
-    /// Takes over a contact of one of the block's slots. The contact may name its bodies in the other order than the
-    /// list.
+    /// Adds a contact at one of the block's slots. Its bodies may be in the opposite order to those of the slot.
     pub fn put(&mut self, contact: &Contact, list: &NeighbourList) {
         let Contact { touch, course, slot } = *contact;
         let course = if list.couple(slot as usize) == touch.couple { course } else { course.reversed() };
@@ -134,7 +133,7 @@ impl ContactBlock {
         self.touching.push(TouchingSlot { slot: contact.slot, record });
     }
 
-    /// Takes over a contact that the last predicted state met first.
+    /// Adds a contact that began in the last predicted state.
     pub fn put_foreseen(&mut self, contact: Contact) {
         self.foreseen.push(contact);
     }
@@ -145,7 +144,7 @@ impl ContactBlock {
         self.foreseen.sort_unstable_by_key(|contact| contact.slot);
     }
 
-    /// Frees the memory of data that is found anew for another list.
+    /// Frees the memory of data that are computed again for the next neighbour list.
     pub fn shed(&mut self) {
         (self.near, self.near_walls, self.near_until) = (Vec::new(), Vec::new(), None);
         (self.free_until, self.ended, self.pushes) = (Vec::new(), Vec::new(), ForceBuffer::default());
@@ -168,7 +167,7 @@ impl ContactBlock {
         self.touching.iter().map(|touch| list.couple(touch.slot as usize))
     }
 
-    /// Contacts in progress, in ascending order of slot; `couples` must be those of [`couples`](Self::couples).
+    /// Contacts in progress, in ascending order of slot; `couples` must be the result of [`couples`](Self::couples).
     pub fn contacts(&self, couples: impl Iterator<Item = Couple>) -> impl Iterator<Item = Contact> {
         self.touching.iter().zip(couples).map(|(&TouchingSlot { slot, record }, couple)| {
             let (constants, course) = self.records.whole(record);
@@ -176,12 +175,12 @@ impl ContactBlock {
         })
     }
 
-    /// Contacts that the last predicted state met first, in ascending order of slot.
+    /// Contacts that began in the last predicted state, in ascending order of slot.
     pub fn foreseen(&self) -> &[Contact] {
         &self.foreseen
     }
 
-    /// Finds overlaps and computes their forces. Contacts begin and end only if the evaluation `opens` contacts.
+    /// Finds overlaps and computes their forces. Contacts begin and end only if `opens` is true for the evaluation.
     pub fn evaluate(&mut self, view: ContactSearch, law: &ContactLaw, scratch: &mut BlockScratch) {
         self.sums.clear();
         let BlockScratch { rows, before, overlapping, near } = scratch;
@@ -204,8 +203,8 @@ impl ContactBlock {
         rows.leave(&mut self.sums.rows);
     }
 
-    /// Finds the slots that overlap. Most pairs and walls of the list are too far apart to touch soon. The others are
-    /// listed from time to time, and only these are tested in between: the result is the same.
+    /// Finds the slots that overlap. Most slots of the list are too far apart to touch soon. The others are listed from
+    /// time to time, and only the listed slots are tested in between, with the same result.
     fn find(&mut self, view: ContactSearch, overlapping: &mut Vec<u32>, near: &mut Vec<u32>) {
         let ContactSearch { list, particles, scene, at, .. } = view;
         overlapping.clear();
@@ -231,7 +230,7 @@ impl ContactBlock {
         self.find_walls(view, overlapping);
     }
 
-    /// Lists the walls that may be touched before the list's travelled distance reaches `until` [m].
+    /// Lists the slots of walls that may be touched before the list's travelled distance reaches `until` [m].
     fn list_walls(&mut self, until: f64, list: &NeighbourList) {
         let first = self.slots.start.max(list.pairs.len());
         self.free_until.resize(self.slots.end.saturating_sub(first), f64::NEG_INFINITY);
@@ -240,8 +239,8 @@ impl ContactBlock {
         self.near_walls.extend(slots.filter(|(_, free)| **free < until).map(|(slot, _)| slot));
     }
 
-    /// Finds the walls that overlap with their particle. A wall found apart is not tested again before its particle can
-    /// have come near.
+    /// Finds the slots of walls that overlap. A slot with a gap is not tested again until its particle can have crossed
+    /// the gap.
     fn find_walls(&mut self, view: ContactSearch, overlapping: &mut Vec<u32>) {
         let ContactSearch { list, particles, scene, .. } = view;
         let (travelled, pairs) = (list.travelled(), list.pairs.len());
@@ -259,8 +258,8 @@ impl ContactBlock {
             if gap < 0.0 {
                 overlapping.push(slot);
             } else {
-                // where contacts are numbered by distance, only the first one approaches no faster than its sphere
-                // moves: another one may appear anywhere
+                // if contacts are numbered by distance, the sphere's motion limits how fast the nearest contact
+                // approaches; a further contact may appear anywhere
                 let numbered =
                     near.at.which > 0 && scene.walls[near.at.wall as usize].geometry.law().is_nearest_first();
                 if beyond.is_some() || !numbered {
@@ -301,8 +300,8 @@ impl ContactBlock {
         }
     }
 
-    /// Evaluates all contacts in progress. The encounters of a batch are computed first: so the square root and the
-    /// divisions of one contact do not wait for those of the contact before.
+    /// Evaluates all contacts in progress. The encounters of a batch are computed before its forces, so that the
+    /// processor computes the square roots and divisions of several contacts at the same time.
     fn look_at_all(&mut self, view: ContactSearch, law: &ContactLaw, rows: &mut ContactRows) {
         let Self { touching, records, sums, pushes, .. } = self;
         if view.scene.rotation.is_some() {
@@ -335,7 +334,7 @@ impl ContactBlock {
         }
     }
 
-    /// Evaluates the predicted state of a Runge-Kutta stage: contacts in progress stay as they are.
+    /// Computes the forces in the predicted state of a Runge-Kutta stage. Contacts in progress are not changed.
     fn foresee(&mut self, view: ContactSearch, law: &ContactLaw, (overlapping, rows): (&[u32], &mut ContactRows)) {
         self.foreseen.clear();
         let mut next = 0;
@@ -361,13 +360,13 @@ impl ContactBlock {
         }
     }
 
-    /// Contact that begins at a slot.
+    /// Makes the contact that begins at a slot.
     fn open(&self, slot: u32, view: ContactSearch, law: &ContactLaw) -> Contact {
         let ContactSearch { list, at, .. } = view;
         let mut touch = view.touching(list.couple(slot as usize), law);
         let met = meet(&touch.couple, &touch.constants, view);
-        // if a predicted state met the contact first, its force has acted already: the speed of approach is that of
-        // this state
+        // if the contact began in a predicted state, its force has already acted, so the speed of approach is that of
+        // the predicted state
         let foreseen = self.foreseen.binary_search_by_key(&slot, |contact| contact.slot);
         let normal_speed = match foreseen {
             Ok(k) if at.opens => self.foreseen[k].course.normal_speed,
@@ -382,8 +381,8 @@ impl ContactBlock {
         Contact { slot, touch, course }
     }
 
-    /// Records the impact of a contact that no longer overlaps, and removes the contact. Its slot has another normal if
-    /// the contact is `gone`.
+    /// Records the impact of a contact that has ended, and removes the contact. If `gone` is true, the normal of the
+    /// contact no longer exists, and its slot has another normal.
     fn close(
         &mut self,
         TouchingSlot { slot, record }: TouchingSlot,
@@ -397,7 +396,7 @@ impl ContactBlock {
         let counts = view.counts(&couple);
         let resisted: f64 = course.resistance.map_or(0.0, |memory| memory.energies.iter().sum());
         if counts && (course.shear != Vector3::zeros() || resisted > 0.0) {
-            // friction takes what the springs still hold
+            // the energy that is left in the springs is lost by friction
             let sheared = constants.tangential.at(course.overlap).energy(&course.shear);
             let lost = (sheared + resisted) / at.dt;
             let losses = FrictionLosses { separation: lost, ..FrictionLosses::default() };
@@ -405,12 +404,12 @@ impl ContactBlock {
             rows.add_rotating(&couple, force, (view.scene, at.remaining), &mut self.sums.rows);
         }
         self.records.forget(record);
-        // a contact first seen while it opens (a start with overlap) is no impact
+        // a contact that separated when it was first found (a start with overlap) is not an impact
         if course.normal_speed <= 0.0 || !counts {
             return;
         }
         let met = meet(&couple, &constants, view);
-        // a particle that has moved far in one step may be out of reach of the surface, which then has no normal
+        // a particle that has moved far in one step may be out of reach of the surface; its normal is then zero
         let before = course.normal.filter(|_| gone || met.normal == Vector3::zeros());
         let normal = before.map_or(met.normal, |normal| normal.cast());
         let rebound = met.velocity.dot(&normal);
@@ -422,7 +421,7 @@ impl ContactBlock {
     }
 }
 
-/// Returns the failure with the smaller ids, of two failures at one instant.
+/// Returns, of two failures at the same time, the one with the smaller ids.
 #[cold]
 pub fn first_named(one: Option<Failure>, other: Failure) -> Failure {
     let name = |failure: &Failure| match failure {
@@ -433,13 +432,13 @@ pub fn first_named(one: Option<Failure>, other: Failure) -> Failure {
     one.filter(|one| name(one) <= name(&other)).unwrap_or(other)
 }
 
-/// Encounter of two bodies at the time of an evaluation.
+/// Gap, normal and relative velocity of two bodies at the time of an evaluation.
 #[inline(always)]
 fn meet(couple: &Couple, constants: &ContactConstants, view: ContactSearch) -> Encounter {
     couple.meet_at(constants.reach, view.particles, view.scene, FrameTime::fallen(view.at.fall))
 }
 
-/// Updates the state of a contact between bodies that rotate, and adds its force and its torque to the sums.
+/// Updates the state of a contact between rotating bodies, and adds its force, torque and powers to the results.
 #[inline(always)]
 fn look_rotating(
     couple: &Couple,
@@ -472,7 +471,7 @@ fn look_rotating(
     pushes.add_rotating(increment, torque);
 }
 
-/// Updates the state of a contact, and adds its force to the sums.
+/// Updates the state of a contact, and adds its force and powers to the results.
 #[inline(always)]
 fn look(
     (couple, constants, course): (&Couple, &ContactConstants, &mut ContactState),
@@ -486,7 +485,7 @@ fn look(
         sums.failure = Some(first_named(sums.failure.take(), failure));
     }
     course.note(met);
-    // contacts begin at any phase of a step, so on average the sum is the integral
+    // contacts begin at any instant of a step, so this sum equals the integral on average
     course.overlap_time += met.overlap() * at.dt;
     let moment = FrameTime::fallen(at.fall);
     let force = constants.force(couple, law, met, (particles, scene), moment, [at.dt, at.to_middle]);

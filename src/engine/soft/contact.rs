@@ -1,4 +1,4 @@
-//! One contact: its two bodies, their encounter, the contact force, and the energy that the contact takes.
+//! One contact: its two bodies, their encounter, the contact force, and the energy that the contact dissipates.
 
 use crate::contact_law::friction::{Slip, coulomb};
 use crate::contact_law::{Bodies, ContactLaw, Spring};
@@ -11,45 +11,45 @@ use crate::scene::{Kind, Scene};
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// [-] largest overlap over the (smaller) diameter at which "the normal" still has a meaning.
+/// [-] largest allowed overlap, divided by the (smaller) diameter. Beyond the limit the normal has no meaning.
 ///
-/// At a plane (`flat`) the limit is passed when the sphere is wholly behind the plane. Otherwise it is passed when the
-/// centres of a pair are nearer than half their distance at touch, or when a centre is within a body.
+/// At a plane (`flat`), a sphere beyond the limit is entirely behind the plane. In other contacts, the centres of a
+/// pair are nearer than half their distance at touch, or a centre is inside a body.
 pub fn overlap_limit(flat: bool) -> f64 {
     if flat { 1.0 } else { 0.5 }
 }
 
-/// [-] share of the radius below which a step is short: it cannot pass a surface without too large an overlap at one
-/// end.
+/// [-] ratio of the length of a step to the radius, below which the step is short. A short step cannot pass a surface
+/// without too large an overlap at its start or end.
 pub const SHORT: f64 = 0.4;
 
-/// Failure of the particle at index `i`, whose centre passes wall `wall` within one step, reported for `time` [s]. The
-/// step is a straight line of `length` [m]. On the surface the overlap of the particle is its radius.
+/// Failure of the particle at index `i`, whose centre passes through wall `wall` within one step, reported for `time`
+/// [s]. The step is a straight line of `length` [m]. When the centre is on the surface, the overlap equals the radius.
 pub fn passed(particles: &Particles, i: usize, (wall, time): (u32, f64), length: f64) -> Failure {
     let (limit, diameter) = (overlap_limit(false), 2.0 * particles.radius[i]);
     let way = Some(length / diameter);
     Failure::OverlapTooLarge { time, particle: particles.id[i], partner: Partner::Wall(wall), ratio: 0.5, limit, way }
 }
 
-/// Failure of a sphere with too large an overlap; `ratio` and `limit` are overlaps over the diameter.
+/// Failure of a sphere whose overlap is too large; `ratio` and `limit` are overlaps divided by the diameter.
 #[cold]
 fn refused(couple: Couple, particles: &Particles, time: f64, (ratio, limit): (f64, f64)) -> Failure {
     let (particle, partner) = (particles.id[couple.i as usize], couple.partner(particles));
     Failure::OverlapTooLarge { time, particle, partner, ratio, limit, way: None }
 }
 
-/// Constants of a contact between two bodies, whichever particles these are.
+/// Constants of a contact between two bodies. They contain no index, so equal pairs of bodies have equal constants.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContactConstants {
     /// Constants of the normal law.
     pub spring: Spring,
-    /// [m] smaller diameter.
+    /// [m] smaller diameter of the two bodies.
     pub diameter: f64,
     /// [-] friction coefficient μ.
     pub friction: f64,
     /// [m] distance of the centres at touch; at a wall the radius.
     pub reach: f64,
-    /// Constants of the tangential law, if spheres rotate.
+    /// Constants of the tangential law; all zero if spheres do not rotate.
     pub tangential: SpringDashpotSlider,
 }
 
@@ -70,10 +70,10 @@ impl std::ops::Deref for TouchingPair {
     }
 }
 
-/// A contact that has begun and not ended.
+/// A contact in progress.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Contact {
-    /// Slot of the neighbour list.
+    /// Slot (number of the candidate) in the neighbour list.
     pub slot: u32,
     /// The two bodies that touch, and the constants of their contact.
     pub touch: TouchingPair,
@@ -84,32 +84,32 @@ pub struct Contact {
 /// State of a contact: the present overlap and the record so far.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct ContactState {
-    /// [m/s] speed of approach at the beginning.
+    /// [m/s] speed of approach at the beginning of the contact.
     pub normal_speed: f64,
-    /// [m] overlap when first seen.
+    /// [m] overlap when the contact was first found.
     pub first_overlap: f64,
     /// [m] largest overlap so far.
     pub maximum_overlap: f64,
     /// [m] present overlap.
     pub overlap: f64,
-    /// [m/s] present growth rate of the overlap.
+    /// [m/s] present rate of change of the overlap; positive: approaching.
     pub growth: f64,
-    /// [m s] overlap integrated over time so far.
+    /// [m s] integral of the overlap over time so far.
     pub overlap_time: f64,
-    /// [s] simulated time when first seen.
+    /// [s] simulated time at which the contact was first found.
     pub began: f64,
-    /// Normal at the last evaluation, which only tells sides; `None` before the first.
+    /// Unit normal at the last evaluation, in single precision; `None` before the first evaluation.
     pub normal: Option<Vector3<f32>>,
-    /// [m] shear ξ of the tangential spring: by how much particle i has been displaced along the other surface; 0
-    /// without memory.
+    /// [m] shear ξ of the tangential spring: displacement of particle i along the surface of the other body. It is 0
+    /// for a contact without such a spring.
     pub shear: Vector3<f64>,
-    /// Memory of rolling and twisting, where contacts resist these.
+    /// State of the rolling and twisting springs; `None` if contacts do not resist rolling and twisting.
     pub resistance: Option<ResistanceMemory>,
-    /// [m/s] slip of particle i against the other body at first touch, where spheres rotate.
+    /// [m/s] slip of particle i relative to the other body at first touch; `None` if spheres do not rotate.
     pub first_slip: Option<Vector3<f32>>,
 }
 
-/// Memory of a contact that resists rolling and twisting. It does not depend on the order of the two bodies.
+/// State of the rolling and twisting springs of a contact. It does not depend on the order of the two bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ResistanceMemory {
     /// [m] shear of the rolling spring.
@@ -118,19 +118,19 @@ pub struct ResistanceMemory {
     pub twist: f64,
     /// [J] energies of the rolling and the twisting spring.
     pub energies: [f64; 2],
-    /// [s] simulated time from which the contact resists: one contact time after it began.
+    /// [s] simulated time from which the contact resists rolling and twisting: one contact time after its beginning.
     pub acts_from: f64,
 }
 
 impl Contact {
-    /// A contact that begins at the instant of touch, at simulated time `began` [s]; without a speed so far.
+    /// Makes a contact that begins with a touch at simulated time `began` [s]; its speed of approach is not yet set.
     pub fn new(slot: u32, touch: TouchingPair, began: f64) -> Self {
         Self { slot, touch, course: ContactState::new(began) }
     }
 }
 
 impl ContactState {
-    /// State of a contact that begins at simulated time `began` [s]; without a speed so far.
+    /// State of a contact that begins at simulated time `began` [s]; its speed of approach is not yet set.
     pub fn new(began: f64) -> Self {
         Self {
             normal_speed: 0.0,
@@ -147,8 +147,8 @@ impl ContactState {
         }
     }
 
-    /// State of a contact that begins at simulated time `began` [s] with a speed of approach [m/s]. A contact that has
-    /// not approached, because it was there from the start, resists rolling at once.
+    /// State of a contact that begins at simulated time `began` [s] with a speed of approach [m/s]. A contact that
+    /// exists at the start of a run without approach resists rolling at once.
     pub fn beginning(
         began: f64,
         normal_speed: f64,
@@ -164,7 +164,7 @@ impl ContactState {
         Self { normal_speed, resistance, ..Self::new(began) }
     }
 
-    /// The state of this contact with its two bodies named in the other order.
+    /// State of this contact with its two bodies in the opposite order.
     pub fn reversed(self) -> Self {
         Self {
             normal: self.normal.map(|normal| -normal),
@@ -174,11 +174,12 @@ impl ContactState {
         }
     }
 
-    /// Refuses overlaps at which "the normal" no longer has a meaning.
+    /// Returns an error if the overlap is so large that the normal has no meaning, or if the centre has passed the
+    /// other body.
     ///
-    /// These are: centres of a pair nearer than half their distance at touch, a centre within a solid body or already
-    /// beyond its middle, or a sphere wholly behind a plane. The last evaluation was one step of `dt` [s] ago; `time`
-    /// [s] is now.
+    /// The overlap is too large in three cases: the centres of a pair are nearer than half their distance at touch, a
+    /// centre is within a solid body, or a sphere is entirely behind a plane. The last evaluation was one step of `dt`
+    /// [s] before the present time `time` [s].
     #[inline(always)]
     pub fn check(
         &self,
@@ -201,11 +202,11 @@ impl ContactState {
         Err(refused(*couple, particles, time, (ratio, limit)))
     }
 
-    /// Refuses a normal that has turned round because the centre passed the other body.
+    /// Returns an error if the normal has reversed because the centre passed the other body.
     ///
-    /// The normal of a sphere that a wall holds from two sides also turns, when the other side becomes the nearer one.
-    /// But then the centre has not come to the surface. On a way through the surface it would have moved at least as
-    /// far as both distances together, since the distance from a surface changes no faster than the centre moves.
+    /// The normal of a sphere between two sides of a wall also reverses when the other side becomes the nearer one. In
+    /// that case the centre has not crossed a surface. A distance from a surface changes no faster than the centre
+    /// moves. So a centre that crosses the surface moves at least by the sum of its distances before and after.
     #[cold]
     fn refuse_to_pass(
         &self,
@@ -215,13 +216,13 @@ impl ContactState {
         (particles, scene): (&Particles, &Scene),
         (time, dt): (f64, f64),
     ) -> Result<(), Failure> {
-        /// [-] bound on the speed during a step over the speed at its end. In a contact of some twenty steps the ratio
-        /// is smaller.
+        /// [-] upper limit of the largest speed in a step over the speed at its end. In a contact of about twenty steps
+        /// the ratio is smaller.
         const FASTER: f64 = 2.0;
         let ContactConstants { diameter, reach, .. } = *constants;
         let (i, limit) = (couple.i as usize, overlap_limit(false));
         let Other::Wall(at) = couple.other else {
-            // between the two evaluations the centres of a pair have passed each other
+            // the centres of a pair have passed each other between the two evaluations
             return Err(refused(*couple, particles, time, (met.overlap().max(self.overlap) / diameter, limit)));
         };
         let way = (met.velocity + scene.walls[at.wall as usize].surface_velocity(&particles.position[i])).norm() * dt;
@@ -240,8 +241,8 @@ impl ContactState {
         self.maximum_overlap = self.maximum_overlap.max(self.overlap);
     }
 
-    /// Impact of the contact, which has ended with `rebound_speed` [m/s] at time `now` [s]; `diameter` [m] is the
-    /// smaller one.
+    /// Impact of this contact, which has ended with `rebound_speed` [m/s] at simulated time `now` [s]. `diameter` [m]
+    /// is the smaller diameter of the two bodies.
     pub fn impact(&self, diameter: f64, rebound_speed: f64, now: f64) -> Impact {
         Impact {
             normal_speed: self.normal_speed,
@@ -256,32 +257,35 @@ impl ContactState {
     }
 }
 
-/// Present force of a contact, and its powers.
+/// Present force of a contact, and the powers of its parts.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactForce {
     /// [N] force on particle i; the other body gets the opposite force.
     pub on_i: Vector3<f64>,
     /// [N] component of the force along the normal.
     pub normal: f64,
-    /// [W] taken out by the dashpot, in the middle of the kick.
+    /// [W] power dissipated by the dashpot, in the middle of the kick.
     pub restitution_power: f64,
-    /// [W] taken out by friction, in the middle of the kick.
+    /// [W] power dissipated by friction, in the middle of the kick.
     pub friction_power: f64,
-    /// [W] put in by a wall whose surface moves.
+    /// [W] power supplied by a wall whose surface moves.
     pub wall_power: f64,
-    /// [m] vector from the other centre (or the wall) to that of particle i.
+    /// [W] power of the shear, if a sheared side is between the two particles.
+    pub shear_power: f64,
+    /// [m] vector from the centre of the other particle (or from the wall) to the centre of particle i.
     pub arm: Vector3<f64>,
 }
 
 impl ContactForce {
-    /// No force, but a power [W] that friction takes.
+    /// Makes a zero force with a power [W] that friction dissipates.
     pub fn lost(friction_power: f64) -> Self {
         let none = Vector3::zeros();
-        Self { on_i: none, normal: 0.0, restitution_power: 0.0, friction_power, wall_power: 0.0, arm: none }
+        let (restitution_power, wall_power, shear_power) = (0.0, 0.0, 0.0);
+        Self { on_i: none, normal: 0.0, restitution_power, friction_power, wall_power, shear_power, arm: none }
     }
 }
 
-/// Powers [W], forces from walls on the particles [N], and the virial of pairs [N m].
+/// Sums over contacts: powers [W], forces of walls on particles [N], and the virial of pairs [N m].
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Rates {
     pub pair_restitution: f64,
@@ -290,14 +294,15 @@ pub struct Rates {
     pub wall_friction: f64,
     pub wall_work: f64,
     pub wall_force: Vector3<f64>,
-    /// [N] first moment of `wall_force` about the middle of the step, over the step's length squared.
+    /// [N] first moment of `wall_force` about the middle of the step, divided by the squared length of the step.
     pub wall_force_moment: Vector3<f64>,
     pub wall_normal_force: f64,
     pub pair_virial: Matrix3<f64>,
+    pub shear: f64,
 }
 
-/// Constants of any two particles where all particles are alike. Without them each first touch and each push would wait
-/// for memory, because the data of two particles stand far apart there.
+/// Contact constants of any two particles, if all particles are alike. Their use avoids reading the data of two
+/// particles, which are far apart in memory, at each first touch and each force.
 #[derive(Clone, Copy, Debug)]
 pub struct Alike {
     constants: ContactConstants,
@@ -307,7 +312,7 @@ pub struct Alike {
 }
 
 impl Alike {
-    /// Constants of these particles, if there are at least two and all are alike.
+    /// Returns the common constants if there are at least two particles and all are alike; otherwise `None`.
     pub fn of(particles: &Particles, scene: &Scene, law: &ContactLaw) -> Option<Self> {
         let all = |one: &[f64]| one.iter().all(|other| *other == one[0]);
         let species = *particles.species.first()?;
@@ -325,7 +330,7 @@ impl Alike {
         TouchingPair { couple, constants: self.constants }
     }
 
-    /// Species of one particle and kind of the other: all particles are of one species.
+    /// Species of one particle and kind of the other one. Both are the common species.
     pub fn kinds(&self) -> (u16, Kind) {
         (self.species, Kind::Species(self.species))
     }
@@ -383,14 +388,14 @@ impl ContactConstants {
         Self { spring, diameter, friction, reach: couple.reach(particles), tangential }
     }
 
-    /// [m/s²] relative acceleration of the two bodies along their surfaces by gravity, which walls do not feel.
+    /// [m/s²] relative acceleration along the surfaces by gravity; 0 for a pair, since both particles fall equally.
     #[inline(always)]
     pub(super) fn pull_along(couple: &Couple, met: &Encounter, scene: &Scene) -> Vector3<f64> {
         if couple.is_wall() { scene.gravity - met.normal * scene.gravity.dot(&met.normal) } else { Vector3::zeros() }
     }
 
-    /// Force of the contact of two bodies, which meet at a `moment`. Friction acts for a time step [s], the first of the times. Powers are taken
-    /// the second of them [s], `to_middle`, after the time of these velocities.
+    /// Force of the contact of two bodies at the time `moment`. Friction acts for `time_step` [s]. Powers are computed
+    /// for an instant `to_middle` [s] after that of the given velocities.
     #[inline(always)]
     pub fn force(
         &self,
@@ -416,8 +421,9 @@ impl ContactConstants {
         let restitution_power = -viscous * (met.normal_velocity + to_middle * normal / m);
         let wall = couple.wall_motion(met, (particles, scene), moment);
         let wall_power = wall.map_or(0.0, |wall| wall.power(&on_i, None));
+        let shear_power = on_i.z * couple.image_velocity(particles, scene, &met.velocity);
         let arm = met.normal * (self.reach + met.gap);
-        ContactForce { on_i, normal, restitution_power, friction_power, wall_power, arm }
+        ContactForce { on_i, normal, restitution_power, friction_power, wall_power, shear_power, arm }
     }
 }
 
@@ -432,19 +438,20 @@ impl std::ops::AddAssign for Rates {
         self.wall_force_moment += other.wall_force_moment;
         self.wall_normal_force += other.wall_normal_force;
         self.pair_virial += other.pair_virial;
+        self.shear += other.shear;
     }
 }
 
-/// Sums over a step of a contact without friction, whose normal is taken as fixed.
+/// Sums over one step of a contact without friction; its normal is taken as constant.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AlongNormal {
-    /// [W] taken out by the dashpot.
+    /// [W] power dissipated by the dashpot.
     pub restitution_power: f64,
     /// [N] force along the normal.
     pub force: f64,
-    /// [N] first moment of the force about the middle of the step, over the step's length squared.
+    /// [N] first moment of the force about the middle of the step, divided by the squared length of the step.
     pub force_moment: f64,
-    /// [N m] normal force times distance of the centres, for the virial of pairs.
+    /// [N m] normal force times the distance of the centres, for the virial of pairs.
     pub virial: f64,
 }
 
@@ -462,7 +469,8 @@ impl Rates {
         }
     }
 
-    /// Adds the rates of a contact with the weights [-] of a stage in means over the step and in first moments.
+    /// Adds the rates of a contact at one stage. `weight` [-] is that of the stage in the mean over the step, and
+    /// `moment` [-] that in the first moment.
     #[inline]
     pub fn count(&mut self, couple: &Couple, force: &ContactForce, [weight, moment]: [f64; 2]) {
         if couple.is_wall() {
@@ -476,10 +484,11 @@ impl Rates {
             self.pair_restitution += weight * force.restitution_power;
             self.pair_friction += weight * force.friction_power;
             self.pair_virial += force.arm * (force.on_i * weight).transpose();
+            self.shear += weight * force.shear_power;
         }
     }
 
-    /// Books these powers and forces for a step of `time` [s], whose middle is `remaining` [s] before the end of the
+    /// Records these powers and forces for a step of `time` [s], whose middle is `remaining` [s] before the end of the
     /// window.
     #[inline]
     pub fn add(&self, time: f64, remaining: f64, scene: &Scene, log: &mut Log) {
@@ -490,11 +499,12 @@ impl Rates {
         ledger.wall_friction_loss += self.wall_friction * time;
         ledger.wall_work += self.wall_work * time;
         ledger.pair_virial += self.pair_virial * time;
+        ledger.shear_work += self.shear * time;
         let impulse = self.wall_force * time;
         ledger.wall_impulse += impulse;
         ledger.wall_normal_impulse += self.wall_normal_force * time;
-        // For the rest of the window gravity does work on the momentum that walls add. Momentum that is added late in
-        // the step has less time.
+        // Until the end of the window, gravity does work on the momentum that walls add. The first moment corrects for
+        // momentum that is added late in the step.
         ledger.gravity_work += scene.gravity.dot(&(impulse * remaining - self.wall_force_moment * (time * time)));
     }
 }

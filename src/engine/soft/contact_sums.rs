@@ -1,10 +1,10 @@
-//! Exact sums of the powers and forces of contacts. They depend neither on the order of contacts nor on which process
-//! or thread adds them.
+//! Exact sums of the powers and forces of contacts. The sums do not depend on the order of contacts, nor on the process
+//! or thread that adds them.
 
 use super::contact::{ContactForce, Rates};
 use crate::encounter::Couple;
 use crate::exact::{ExactSum, add_rows, condense, none, values};
-use crate::record::{AT_WALLS, FrictionLosses, Ledger, OF_PAIRS, OF_SPRINGS, SOME};
+use crate::record::{AT_WALLS, BY_SHEAR, FrictionLosses, Ledger, OF_PAIRS, OF_SPRINGS, SOME};
 use crate::scene::Scene;
 use nalgebra::{Matrix3, Vector3};
 
@@ -18,23 +18,28 @@ type SumRow = [f64; SOME];
 /// Powers [W] that the springs of one contact lose, in the order of [`OF_SPRINGS`].
 type SpringRow = [f64; 4];
 
-/// Rows of contacts, one for each: those of pairs and those of walls. Contacts whose springs lose energy have a second
-/// row.
+/// Power [W] of the shear on one contact, and three numbers 0, in the order of [`BY_SHEAR`].
+type ShearRow = [f64; 4];
+
+/// Rows of powers and forces, one per contact, separate for pairs and for walls. Contacts whose springs lose energy
+/// have a second row, and so have contacts across a sheared side.
 #[derive(Default)]
 pub struct ContactRows {
     of_pairs: Vec<SumRow>,
     at_walls: Vec<SumRow>,
     of_springs: Vec<SpringRow>,
+    by_shear: Vec<ShearRow>,
 }
 
 impl ContactRows {
-    /// Adds the row of a force, `remaining` [s] before the end of the window. Full batches are condensed into `few`.
+    /// Adds the row of a force that acts `remaining` [s] before the end of the window. Full batches are condensed into
+    /// `few`.
     #[inline(always)]
     pub fn add(&mut self, couple: &Couple, force: &ContactForce, at: (&Scene, f64), few: &mut Self) {
         self.add_row(couple, force, 0.0, at, few);
     }
 
-    /// Adds the rows of a contact between bodies that rotate, of which friction takes the `losses` [W].
+    /// Adds the rows of a contact between rotating bodies; `losses` [W] are the parts of its friction power.
     #[inline(always)]
     pub fn add_rotating(
         &mut self,
@@ -62,9 +67,15 @@ impl ContactRows {
         (scene, remaining): (&Scene, f64),
         few: &mut Self,
     ) {
-        let ContactForce { on_i: f, normal, restitution_power, friction_power, wall_power, arm } = *force;
+        let ContactForce { on_i: f, normal, restitution_power, friction_power, wall_power, shear_power, arm } = *force;
+        if shear_power != 0.0 {
+            self.by_shear.push([shear_power, 0.0, 0.0, 0.0]);
+            if self.by_shear.len() == BATCH {
+                condense(&mut self.by_shear, &mut few.by_shear);
+            }
+        }
         if couple.is_wall() {
-            // for the rest of the window gravity does work on the momentum that walls add
+            // until the end of the window, gravity does work on the momentum that walls add
             let late = scene.gravity.dot(&f) * remaining;
             let given =
                 [f.x, f.y, f.z, restitution_power, wall_power, normal, late, friction_power, damped, 0.0, 0.0, 0.0];
@@ -83,11 +94,12 @@ impl ContactRows {
         }
     }
 
-    /// Condenses all rows into a few rows with the same sums in `few`.
+    /// Condenses all rows into a few rows with the same sums, which are added to `few`.
     pub fn leave(&mut self, few: &mut Self) {
         condense(&mut self.of_pairs, &mut few.of_pairs);
         condense(&mut self.at_walls, &mut few.at_walls);
         condense(&mut self.of_springs, &mut few.of_springs);
+        condense(&mut self.by_shear, &mut few.by_shear);
     }
 
     /// Removes all rows.
@@ -95,10 +107,11 @@ impl ContactRows {
         self.of_pairs.clear();
         self.at_walls.clear();
         self.of_springs.clear();
+        self.by_shear.clear();
     }
 }
 
-/// Adds rows with a weight [-] to exact sums.
+/// Adds rows, multiplied by a weight [-], to exact sums.
 fn add_weighted<const K: usize>(sums: &mut [ExactSum; K], rows: &[[f64; K]], weight: f64) {
     if rows.is_empty() || weight == 0.0 {
         return;
@@ -111,17 +124,18 @@ fn add_weighted<const K: usize>(sums: &mut [ExactSum; K], rows: &[[f64; K]], wei
     }
 }
 
-/// Exact sums of rows.
+/// Exact sums of the rows of contacts.
 pub struct ContactSums {
     of_pairs: [ExactSum; SOME],
     at_walls: [ExactSum; SOME],
     of_springs: [ExactSum; 4],
+    by_shear: [ExactSum; 4],
     is_empty: bool,
 }
 
 impl Default for ContactSums {
     fn default() -> Self {
-        Self { of_pairs: none(), at_walls: none(), of_springs: none(), is_empty: true }
+        Self { of_pairs: none(), at_walls: none(), of_springs: none(), by_shear: none(), is_empty: true }
     }
 }
 
@@ -132,13 +146,15 @@ impl ContactSums {
         add_weighted(&mut self.of_pairs, &rows.of_pairs, weight);
         add_weighted(&mut self.at_walls, &rows.at_walls, weight);
         add_weighted(&mut self.of_springs, &rows.of_springs, weight);
+        add_weighted(&mut self.by_shear, &rows.by_shear, weight);
     }
 
-    /// Adds up the sums of all processes by `total`.
+    /// Replaces the sums by their totals over all processes, which `total` computes.
     pub fn gather(&mut self, total: impl Fn(&mut [&mut ExactSum])) {
         total(&mut self.of_pairs.each_mut());
         total(&mut self.at_walls.each_mut());
         total(&mut self.of_springs.each_mut());
+        total(&mut self.by_shear.each_mut());
         self.is_empty = false;
     }
 
@@ -160,10 +176,11 @@ impl ContactSums {
             pair_virial: Matrix3::from_columns(
                 &[[p[0], p[1], p[2]], [p[4], p[5], p[6]], [p[8], p[9], p[10]]].map(Vector3::from),
             ),
+            shear: self.by_shear[0].value(),
         }
     }
 
-    /// Powers [W] of the parts of friction.
+    /// Parts [W] of the power that friction dissipates.
     pub fn friction_losses(&self) -> FrictionLosses {
         if self.is_empty {
             return FrictionLosses::default();
@@ -172,12 +189,13 @@ impl ContactSums {
         FrictionLosses::new(damped, values(&self.of_springs))
     }
 
-    /// Books the sums as acting for `time` [s].
+    /// Adds the sums, multiplied by the time `time` [s] for which they act, to the ledger.
     pub fn book(&self, time: f64, ledger: &mut Ledger) {
         if !self.is_empty {
             ledger.add_to(&OF_PAIRS, values(&self.of_pairs).map(|number| number * time));
             ledger.add_to(&AT_WALLS, values(&self.at_walls).map(|number| number * time));
             ledger.add_to(&OF_SPRINGS, values(&self.of_springs).map(|number| number * time));
+            ledger.add_to(&BY_SHEAR, values(&self.by_shear).map(|number| number * time));
         }
     }
 }

@@ -5,6 +5,7 @@ use super::contact::{Alike, Contact, ContactState, Rates, TouchingPair};
 use super::contact_sums::ContactSums;
 use super::force_buffer::ForceBuffer;
 use crate::contact_law::ContactLaw;
+use crate::domain::Domain;
 use crate::encounter::{Couple, FrameTime};
 use crate::engine::Failure;
 use crate::engine::distributed::GhostExchange;
@@ -15,17 +16,24 @@ use crate::scene::{Kind, Scene};
 use crate::work_sharing;
 use serde::{Deserialize, Serialize};
 
-/// Destination of energies, momenta and impacts during steps.
+/// Destination of the energies, momenta and impacts of time steps.
 pub struct StepRecord<'a> {
-    /// Energy, momentum, and impacts that may still be discarded.
+    /// Log of energies and momenta, and of impacts that may still be discarded.
     pub log: &'a mut Log,
-    /// Counts impacts as they end, so that those of a whole window need no memory. `None` where impacts may still be
-    /// discarded.
+    /// Record that counts impacts when they end, so that the impacts of a whole window need no memory. `None` if
+    /// impacts may still be discarded.
     pub record: Option<&'a mut Record>,
 }
 
 impl StepRecord<'_> {
-    /// Takes all impacts out of `impacts`.
+    /// Wraps the particles of a sheared box, and books what crossing its sides changes.
+    pub fn cross(&mut self, particles: &mut Particles, domain: &Domain) {
+        if domain.shear.is_some() {
+            self.log.ledger += particles.wrap(domain);
+        }
+    }
+
+    /// Moves all impacts from `impacts` to the record, or to the log if there is no record.
     fn take(&mut self, impacts: &mut Vec<(Between, Impact)>) {
         match &mut self.record {
             Some(record) => record.count(impacts),
@@ -45,20 +53,19 @@ pub struct EvaluationTime {
     pub remaining: f64,
     /// Time step.
     pub dt: f64,
-    /// Time for which touching surfaces have slipped since the last evaluation.
+    /// Time since the last evaluation, during which touching surfaces have slipped.
     pub shear_time: f64,
-    /// Time of the velocities, since the start of the window. Gravity over this time is still missing in them.
+    /// Time of the velocities, since the start of the window. The velocities do not yet contain gravity over this time.
     pub fall: f64,
-    /// Time from the given velocities to the middle of the kick, where powers are taken.
+    /// Time from the given velocities to the middle of the kick, for which powers are computed.
     pub to_middle: f64,
-    /// [-] fraction of the step for which these forces act now.
+    /// [-] fraction of the time step for which these forces act in the kick that follows.
     pub weight: f64,
-    /// True if contacts begin and end here; false in the predicted state of a Runge-Kutta stage.
+    /// True if contacts begin and end in this evaluation; false in the predicted state of a Runge-Kutta stage.
     pub opens: bool,
-    /// True if the travelled distance of the list holds for these very positions (Verlet), and not only up to the next
-    /// step.
+    /// True if the travelled distance of the list is exact for the present positions (Verlet); false for Heun's method.
     pub travel_is_exact: bool,
-    /// True if half of this kick is left to the next window.
+    /// True if the second half of this kick is applied at the start of the next window.
     pub leaves_half: bool,
 }
 
@@ -73,14 +80,14 @@ pub struct ContactSearch<'a> {
     pub scene: &'a Scene,
     /// Time of the force evaluation.
     pub at: EvaluationTime,
-    /// True for each particle of this process, by index; `None` if all particles are of this process.
+    /// For each particle, by index, true if this process owns it; `None` if this process owns all particles.
     pub mine: Option<&'a [bool]>,
     /// Properties common to all particles, if they are alike.
     pub alike: Option<&'a Alike>,
 }
 
 impl ContactSearch<'_> {
-    /// True if this process counts the contact, because it has the first of the two particles.
+    /// True if this process counts the contact, because it owns the first of the two bodies.
     #[inline(always)]
     pub fn counts(&self, couple: &Couple) -> bool {
         self.mine.is_none_or(|mine| mine[couple.i as usize])
@@ -106,17 +113,18 @@ impl ContactSearch<'_> {
 /// All contacts of a scene.
 pub struct Contacts {
     law: ContactLaw,
-    /// Parts of the neighbour list. If there are any, they hold the contacts, and `lasting` and `foreseen` are empty.
+    /// Blocks of the neighbour list. If there are any, they contain all contacts, and `lasting` and `foreseen` are
+    /// empty.
     blocks: Vec<ContactBlock>,
     /// Contacts in progress, in ascending order of slot.
     lasting: Vec<Contact>,
-    /// Contacts that the last predicted state met first, in ascending order of slot.
+    /// Contacts that began in the last predicted state of a Runge-Kutta stage, in ascending order of slot.
     foreseen: Vec<Contact>,
     /// [J] elastic energy stored in all contacts.
     elastic_energy: f64,
-    /// Powers and wall forces of the kick of which half is still to be booked.
+    /// Powers and wall forces of the last kick, whose second half is recorded in the next window.
     rates: Rates,
-    /// [W] parts of the friction of that kick.
+    /// [W] parts of the friction power of the last kick.
     losses: FrictionLosses,
     /// Sums over all steps of the window so far.
     total: ContactSums,
@@ -124,17 +132,17 @@ pub struct Contacts {
     scratch: BlockScratch,
 }
 
-/// State that the last force evaluation leaves to the next one.
+/// State that the last force evaluation passes to the next one.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Due {
-    /// Contacts that the last predicted state met first, in ascending order of slot. Their forces have acted already,
-    /// so the speed of approach is that of the predicted state.
+    /// Contacts that began in the last predicted state, in ascending order of slot. Their forces have already acted, so
+    /// their speed of approach is that of the predicted state.
     foreseen: Vec<Contact>,
     /// [J] elastic energy stored in all contacts.
     elastic_energy: f64,
-    /// Powers and wall forces of the kick of which half is still to be booked.
+    /// Powers and wall forces of the last kick, whose second half is recorded in the next window.
     rates: Rates,
-    /// [W] parts of the friction of that kick.
+    /// [W] parts of the friction power of the last kick.
     losses: FrictionLosses,
 }
 
@@ -144,7 +152,8 @@ fn block_size(list: &NeighbourList) -> usize {
     if slots <= 2 * CHUNK { slots.max(1) } else { CHUNK }
 }
 
-/// Blocks of all slots of a list, without contacts so far. The contacts of one particle with one wall are in one block.
+/// Divides the slots of a list into blocks without contacts. All contacts of one particle with one wall are in one
+/// block.
 fn blocks(list: &NeighbourList) -> Vec<ContactBlock> {
     let (slots, size) = (list.slots(), block_size(list));
     let border = |k: usize| {
@@ -154,7 +163,7 @@ fn blocks(list: &NeighbourList) -> Vec<ContactBlock> {
     (0..slots.div_ceil(size).max(1)).map(|k| ContactBlock::of(border(k)..border(k + 1))).collect()
 }
 
-/// The block of a slot, among blocks of `size` slots whose borders may have been moved to later slots.
+/// Block that contains a slot. Blocks have about `size` slots, since their borders may have been moved to later slots.
 fn block_of(blocks: &mut [ContactBlock], slot: u32, size: usize) -> &mut ContactBlock {
     let k = slot as usize / size;
     let is_before = blocks[k].begins_after(slot);
@@ -180,20 +189,20 @@ impl Contacts {
         self.elastic_energy
     }
 
-    /// State that the last evaluation leaves to the next one.
+    /// State that the last evaluation passes to the next one.
     pub fn due(&self) -> Due {
         let mut foreseen = self.foreseen.clone();
         foreseen.extend(self.blocks.iter().flat_map(ContactBlock::foreseen));
         Due { foreseen, elastic_energy: self.elastic_energy, rates: self.rates, losses: self.losses }
     }
 
-    /// Continues from the state that an evaluation left.
+    /// Continues from the state that an earlier evaluation has passed on.
     pub fn resume(&mut self, due: Due) {
         (self.foreseen, self.elastic_energy) = (due.foreseen, due.elastic_energy);
         (self.rates, self.losses) = (due.rates, due.losses);
     }
 
-    /// Begins a contact for every overlap at the start, at simulated time `now` [s].
+    /// Begins a contact for every overlap at simulated time `now` [s], the start of a run.
     pub fn find(&mut self, list: &NeighbourList, particles: &Particles, scene: &Scene, now: f64) {
         self.gather(list);
         let mut slots = Vec::new();
@@ -209,8 +218,8 @@ impl Contacts {
         }
     }
 
-    /// Returns the contacts in progress, which are removed here. The half of the last kick that is still to be booked
-    /// stays, in case the contacts come back unchanged.
+    /// Removes and returns the contacts in progress. The half of the last kick that is not yet recorded is kept, in
+    /// case the contacts are put back unchanged.
     pub fn take(&mut self, list: &NeighbourList) -> Vec<Contact> {
         self.gather(list);
         std::mem::take(&mut self.lasting)
@@ -222,25 +231,25 @@ impl Contacts {
         self.blocks.iter().flat_map(|block| block.contacts(block.couples(list))).for_each(visit);
     }
 
-    /// Makes the next evaluation test the whole list, as after a restart from a stored run. So the counted work does
+    /// Makes the next evaluation test the whole list, as after a restart from a stored run. The counts of work then do
     /// not depend on whether the run was stored.
     pub fn look_anew(&mut self) {
         self.blocks.iter_mut().for_each(ContactBlock::look_anew);
     }
 
-    /// Drops the half of the last kick that is still to be booked, because the contacts have been moved on elsewhere.
+    /// Discards the half of the last kick that is not yet recorded, because another method has moved the contacts.
     pub fn forget(&mut self) {
         self.elastic_energy = 0.0;
         (self.rates, self.losses) = (Rates::default(), FrictionLosses::default());
     }
 
-    /// Takes over contacts in progress, for a list that contains them.
+    /// Replaces the contacts in progress by `contacts`, which the neighbour list must contain.
     pub fn put(&mut self, contacts: Vec<Contact>) {
         self.keep_foreseen();
         self.lasting = contacts;
     }
 
-    /// Takes all contacts out of the blocks.
+    /// Moves all contacts from the blocks to `lasting` and `foreseen`, and removes the blocks.
     fn gather(&mut self, list: &NeighbourList) {
         // saves memory: the list does not grow by doubling, and each block is freed before the next one is read
         self.lasting.reserve_exact(self.blocks.iter().map(ContactBlock::count).sum());
@@ -250,7 +259,7 @@ impl Contacts {
         }
     }
 
-    /// Takes only the contacts that a predicted state met first out of the blocks, and drops the blocks.
+    /// Moves only the contacts that began in a predicted state from the blocks to `foreseen`, and removes the blocks.
     fn keep_foreseen(&mut self) {
         for block in std::mem::take(&mut self.blocks) {
             self.foreseen.extend(block.foreseen());
@@ -269,11 +278,12 @@ impl Contacts {
         }
     }
 
-    /// Frees memory that is of no use for the next neighbour list, because memory is short while that list is built.
-    /// Returns the couples of all contacts, since their slots have a meaning in the present list only.
+    /// Frees memory that the next neighbour list does not need, because building that list requires much memory.
+    /// Returns the two bodies of each contact, since slots are valid only in the present list.
     pub fn shed(&mut self, list: &NeighbourList) -> impl Iterator<Item = Couple> + use<> {
         self.blocks.iter_mut().for_each(ContactBlock::shed);
-        // saves memory: the list does not grow by doubling, and pairs, which come first, take half the room of couples
+        // saves memory: the list does not grow by doubling, and pairs, which come first, take half the memory of
+        // couples
         let mut pairs = Vec::with_capacity(self.blocks.iter().map(ContactBlock::count).sum());
         let mut at_walls = Vec::new();
         for couple in self.blocks.iter().flat_map(|block| block.couples(list)) {
@@ -285,8 +295,8 @@ impl Contacts {
         pairs.into_iter().map(|pair| Couple::pair(pair.i, pair.j)).chain(at_walls)
     }
 
-    /// Follows a reordered store and a rebuilt list: the particle once at index `p` is now at `place_of[p]`. `couples`
-    /// are the couples of the contacts in blocks, as they were before.
+    /// Applies a new order of the particle store and a new list: the particle that was at index `p` is now at
+    /// `place_of[p]`. `couples` are the couples of the contacts in blocks, with the old indices.
     pub fn reorder(&mut self, place_of: &[u32], mut couples: impl Iterator<Item = Couple>, list: &NeighbourList) {
         let follow = |contact: &mut Contact| {
             contact.touch.couple = contact.touch.couple.moved(|place| place_of[place as usize]);
@@ -318,7 +328,7 @@ impl Contacts {
         }
     }
 
-    /// Finds overlaps, begins and ends contacts, and puts the forces into `pushes`. Returns the work done.
+    /// Finds overlaps, begins and ends contacts, and writes the forces into `pushes`. Returns the work done.
     pub fn evaluate(
         &mut self,
         view: ContactSearch,
@@ -358,7 +368,8 @@ impl Contacts {
         Ok(done)
     }
 
-    /// Adds powers and forces of the last evaluation to the sums, once all processes agree that these forces act.
+    /// Adds powers and forces of the last evaluation to the sums, after all processes have agreed that these forces
+    /// act.
     pub fn count(&mut self, at: EvaluationTime, ghosts: &dyn GhostExchange) {
         let mut due = ContactSums::default();
         for ContactBlock { sums, .. } in &self.blocks {
@@ -373,7 +384,8 @@ impl Contacts {
         (self.rates, self.losses) = (due.rates(), due.friction_losses());
     }
 
-    /// Books the sums over steps of `dt` [s] since the last call. With several processes only the lead books.
+    /// Records the sums over all steps of `dt` [s] since the last call. Of several processes, only the lead process
+    /// records.
     pub fn book(&mut self, dt: f64, book: &mut StepRecord, ghosts: &dyn GhostExchange) {
         let mut total = std::mem::take(&mut self.total);
         ghosts.gather(&mut total);
@@ -382,8 +394,8 @@ impl Contacts {
         }
     }
 
-    /// Books the half of the last kick that was left for this window: `time` [s] is its length, `remaining` [s] that of
-    /// the whole window.
+    /// Records the half of the last kick that belongs to this window. `time` [s] is the length of this half, and
+    /// `remaining` [s] the length of the whole window.
     pub fn settle(&mut self, time: f64, remaining: f64, scene: &Scene, log: &mut Log) {
         self.rates.add(time, remaining, scene, log);
         log.ledger.friction += self.losses * time;
@@ -397,8 +409,8 @@ mod tests {
     use crate::encounter::AtWall;
     use crate::neighbours::NearWall;
 
-    /// Contacts of one particle with one wall are in one block, and a slot is found in the block that holds it. Seven
-    /// contacts of a particle do not divide the size of a block.
+    /// Checks that the contacts of one particle with one wall are in one block, and that a slot is found in its block.
+    /// Seven contacts of a particle do not divide the size of a block.
     #[test]
     fn no_border_parts_the_contacts_of_a_particle_with_a_wall() {
         let near = |k: u32| NearWall { particle: k / 7, at: AtWall { wall: 0, which: k % 7 } };

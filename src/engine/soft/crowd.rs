@@ -1,4 +1,5 @@
-//! Island that is too large for local stepping: uniform steps of its particles, as if there were no others.
+//! Crowd: an island that is too large for local stepping. Its particles are moved by uniform steps, as if there were no
+//! others.
 
 use super::backoff::Rival;
 use super::contacts::StepRecord;
@@ -11,7 +12,7 @@ use crate::engine::{Failure, Window};
 use crate::experiment::{Integrator, SoftStepping};
 use crate::scene::Scene;
 
-/// Settings of the steps.
+/// Settings of the uniform steps of a crowd.
 #[derive(Clone, Copy, Debug)]
 pub struct Steps {
     /// The contact law.
@@ -23,16 +24,16 @@ pub struct Steps {
 }
 
 impl Steps {
-    /// [ns/s] cost of one particle of a bed per simulated time, with six neighbours and four contacts, each shared by
-    /// two particles.
+    /// [ns/s] cost of uniform steps in a bed, per particle and simulated time. A particle has six neighbours and four
+    /// contacts, each shared by two particles.
     pub fn cost_in_a_bed(&self) -> f64 {
         let stages = stages(self.integrator) / self.longest;
         Rival { stages, particles: 1, slots: 3, forces: 2.0 * stages }.cost()
     }
 }
 
-/// Takes a crowd through [0, end) [s] by uniform steps. Returns the index of one particle that got out of bounds, and
-/// leaves the others in [`Island::also`].
+/// Moves a crowd by uniform steps from time 0 to `end` [s]. Returns the index of one particle that left its bounds, and
+/// stores the others in [`Island::also`].
 ///
 /// # Errors
 /// Returns the failure of the uniform steps.
@@ -47,7 +48,7 @@ pub fn solve(
     solver.contacts.put(std::mem::take(&mut island.carried));
     let mut particles = std::mem::take(&mut island.particles);
     let before: Vec<_> = particles.velocity.iter().map(|velocity| velocity + scene.gravity * end).collect();
-    // the list reorders the particles: until they are sorted back, indices replace their ids
+    // the list reorders the particles; until their order is restored, their old indices replace their ids
     let ids = std::mem::replace(&mut particles.id, (0..before.len() as u32).collect());
     let mut log = std::mem::take(&mut island.log);
     let pushed = log.ledger.wall_impulse;
@@ -71,11 +72,13 @@ pub fn solve(
     particles.id = ids;
     island.log = log;
     count(island, &solver);
-    // bystanders that have been pushed belong to the island
+    // bystanders whose velocities contacts have changed must become members of the island
     island.also = (island.hot..before.len()).filter(|&k| particles.velocity[k] != before[k]).collect();
     island.particles = particles;
     result?;
     let fastest = solver.speed.pushed + island.apart_from(&solver.list.frame());
+    // in a sheared box the list has the mean flow where particles are, the limits that where they were at the beginning
+    let fastest = fastest * (1.0 + scene.domain.strain_rate() * end);
     if fastest > island.least_limit() {
         island.fastest = fastest;
         island.also.insert(0, 0);
@@ -83,12 +86,12 @@ pub fn solve(
     Ok(island.also.pop())
 }
 
-/// Adds the work done to the counters of the island, on the scale of local stepping.
+/// Adds the work done to the counters of the island, converted to the work of local stepping.
 fn count(island: &mut Island<Contact>, solver: &SoftSolver) {
     let counters = solver.counters(&Default::default());
     island.crowd_steps += counters.steps;
     island.crowd_forces += counters.force_evaluations;
     island.force_evaluations += counters.force_evaluations;
-    // a particle or a gap in a uniform step costs half of one in an island (`backoff`)
+    // in a uniform step, a particle or a gap costs half as much as in an island (`backoff`)
     island.updates += (counters.steps * island.particles.len() as u64 + counters.pair_checks) / 2;
 }

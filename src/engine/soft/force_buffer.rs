@@ -1,4 +1,4 @@
-//! Forces of contacts, applied to their particles.
+//! Buffer of contact forces, and their application to the particles.
 
 use super::block::reserve;
 use crate::particles::Particles;
@@ -19,17 +19,17 @@ pub struct ForceIncrement {
     pub force: Vector3<f64>,
 }
 
-/// Torques of one contact on its two particles.
+/// Torques of one contact on its two bodies.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct ContactTorque {
-    /// [N] torque of the tangential force on either particle, over the radius of that particle.
+    /// [N] torque of the tangential force on either particle, divided by the radius of that particle.
     pub over_radius: Vector3<f64>,
     /// [N m] torque of rolling and twisting resistance on particle i; the other particle gets the opposite one.
     pub couple: Option<Vector3<f64>>,
 }
 
 impl ContactTorque {
-    /// Torques on the contact's other particle, named first.
+    /// Torques of the same contact with its two bodies in the opposite order.
     pub fn reversed(self) -> Self {
         Self { couple: self.couple.map(|couple| -couple), ..self }
     }
@@ -51,24 +51,25 @@ impl StoreIndex {
     }
 }
 
-/// Forces of contacts, in the order of the slots that they come from.
+/// Forces of contacts, in the order of the slots to which the contacts belong.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ForceBuffer {
-    /// Forces; a particle that appears more than once is pushed in this order.
+    /// Forces; if a particle occurs more than once, its forces are applied in this order.
     pub list: Vec<ForceIncrement>,
-    /// [N] torque of each force on either of its particles, over the radius of that particle; empty where spheres do
+    /// [N] torque of each force on either of its particles, divided by the radius of that particle; empty if spheres do
     /// not rotate.
     torques: Vec<Vector3<f64>>,
-    /// [N m] couple of each contact on particle i; empty where contacts resist neither rolling nor twisting.
+    /// [N m] torque of rolling and twisting resistance of each contact on particle i; empty if contacts have no such
+    /// resistance.
     couples: Vec<Vector3<f64>>,
     /// Range that contains the indices of all particles in `list`.
     span: Range<u32>,
 }
 
-/// Range of indices of no particle.
+/// Range that contains no index.
 const NOBODY: Range<u32> = Range { start: u32::MAX, end: 0 };
 
-/// Range extended by the indices of one more push.
+/// Range of indices, extended by those of one more force.
 #[inline]
 fn wider(span: &Range<u32>, push: &ForceIncrement) -> Range<u32> {
     let other = push.j.map_or(push.i, StoreIndex::get);
@@ -87,7 +88,7 @@ impl ForceBuffer {
         pushes
     }
 
-    /// Forces, each with its torques where spheres rotate.
+    /// Forces, each with its torques if spheres rotate.
     pub fn iter(&self) -> impl Iterator<Item = (ForceIncrement, Option<ContactTorque>)> {
         let torque = |k: usize| {
             let couple = self.couples.get(k).copied();
@@ -120,7 +121,7 @@ impl ForceBuffer {
         self.couples.clear();
     }
 
-    /// Removes the pushes on particles that are not chosen.
+    /// Removes the forces on particles that are not chosen.
     pub fn leave(&mut self, chosen: &[bool]) {
         let is_chosen = |place: u32| chosen[place as usize];
         for (k, push) in self.list.iter_mut().enumerate() {
@@ -134,7 +135,7 @@ impl ForceBuffer {
         }
     }
 
-    /// Follows a reordered store: the particle once at index `p` is now at `place_of[p]`.
+    /// Applies a new order of the particle store: the particle that was at index `p` is now at `place_of[p]`.
     pub fn reorder(&mut self, place_of: &[u32]) {
         self.span = NOBODY;
         for push in &mut self.list {
@@ -144,9 +145,9 @@ impl ForceBuffer {
         }
     }
 
-    /// Changes velocities [m/s] by force/mass·`dt` [s], for particles with masses `mass` [kg], and spins by their
-    /// torques. Returns the square of the largest speed [m/s] relative to `frame` [m/s] that a particle had after a
-    /// push.
+    /// Changes the velocities [m/s] of a block of particles by force/mass times `dt` [s], and their spins by the
+    /// torques. `mass` returns the mass [kg] of a particle. Returns the square [m²/s²] of the largest speed, relative
+    /// to `frame` [m/s], that a particle had after a force was applied.
     pub fn kick(&self, part: &mut VelocityBlock, mass: impl Fn(usize) -> f64, dt: f64, frame: Vector3<f64>) -> f64 {
         let mut most = 0.0f64;
         let places = part.first..part.first + part.velocities.len();
@@ -154,7 +155,7 @@ impl ForceBuffer {
             return most;
         }
         let mut push = |place: u32, force: Vector3<f64>| {
-            // an index before `first` wraps round to far beyond the end
+            // an index below `first` wraps round to a number far beyond the end
             let Some(v) = part.velocities.get_mut((place as usize).wrapping_sub(part.first)) else { return };
             *v += force / mass(place as usize) * dt;
             most = most.max((*v - frame).norm_squared());
@@ -197,29 +198,30 @@ pub struct VelocityBlock<'a> {
     pub first: usize,
     /// [m/s] velocities of the particles.
     pub velocities: &'a mut [Vector3<f64>],
-    /// Spins of the particles, where spheres rotate.
+    /// Spins of the particles; `None` if spheres do not rotate.
     pub spins: Option<Spins<'a>>,
 }
 
 /// Spins of particles with successive indices in the store.
 pub struct Spins<'a> {
-    /// [rad/s]
+    /// [rad/s] spins of the particles.
     pub spins: &'a mut [Vector3<f64>],
     /// Radius over moment of inertia of each particle.
     pub per_torque: PerTorque<'a>,
 }
 
-/// Radius over moment of inertia r/I [1/(kg m)], by which a torque over the radius is an angular acceleration.
+/// Radius over moment of inertia r/I [1/(kg m)]. A torque divided by the radius, times this ratio, is an angular
+/// acceleration.
 #[derive(Clone, Copy)]
 pub enum PerTorque<'a> {
-    /// r/I and 1/I [1/(kg m²)] of all particles, which are alike.
+    /// r/I [1/(kg m)] and 1/I [1/(kg m²)], equal for all particles.
     Common(f64, f64),
     /// Radii [m] and moments of inertia [kg m²] of all particles.
     Each(&'a [f64], &'a [f64]),
 }
 
 impl PerTorque<'_> {
-    /// r/I of the particle at an index.
+    /// r/I [1/(kg m)] of the particle at an index.
     #[inline(always)]
     fn of(&self, place: usize) -> f64 {
         match self {
@@ -228,7 +230,7 @@ impl PerTorque<'_> {
         }
     }
 
-    /// 1/I of the particle at an index.
+    /// 1/I [1/(kg m²)] of the particle at an index.
     #[inline(always)]
     fn of_couple(&self, place: usize) -> f64 {
         match self {
@@ -238,13 +240,13 @@ impl PerTorque<'_> {
     }
 }
 
-/// Number of forces up to which a single thread applies them: a force takes some 10 ns, and waking a thread some
-/// thousand.
+/// Number of forces up to which a single thread applies all of them. A force takes about 10 ns, and waking a thread
+/// takes a few thousand ns.
 const FEW: usize = 1024;
 
-/// Kicks the pushed particles: v += a `dt` [s]; `common` [kg] is the mass of each, if all masses are equal. Forces on a
-/// particle are applied in the order of slots, by the thread that has its velocity. Returns the largest speed [m/s]
-/// relative to `frame` [m/s] that a particle had after a push.
+/// Applies the forces to all particles: v += a `dt` [s]. `common` [kg] is the mass of each particle if all masses are
+/// equal. Each velocity is changed by one thread only, which applies its forces in the order of slots. Returns the
+/// largest speed [m/s], relative to `frame` [m/s], that a particle had after a force was applied.
 pub fn kick_all(
     pushes: &[ForceBuffer],
     (particles, common): (&mut Particles, Option<f64>),

@@ -1,4 +1,4 @@
-//! Second-order Runge-Kutta scheme, kept for comparison with the paper.
+//! Second-order Runge-Kutta scheme, included for comparison with the paper.
 
 use super::contacts::{EvaluationTime, StepRecord};
 use super::{SoftSolver, Window, instant};
@@ -11,7 +11,7 @@ use crate::scene::Scene;
 use nalgebra::Vector3;
 
 impl SoftSolver {
-    /// Heun's method: both stages use the overlaps and velocities of their own instant.
+    /// Moves all particles by Heun's method. Each of its two stages uses the overlaps and velocities of one instant.
     pub(super) fn heun(
         &mut self,
         particles: &mut Particles,
@@ -26,15 +26,17 @@ impl SoftSolver {
             let elapsed = step as f64 * dt;
             self.list.clock.tell(window.start + elapsed);
             let mut at = EvaluationTime { weight: 0.5, travel_is_exact: false, ..instant(window, elapsed, dt) };
-            self.evaluate(particles, scene, at, book)?;
+            let now = scene.at(window.start + elapsed);
+            self.evaluate(particles, &now, at, book)?;
             self.contacts.count(at, &SingleProcess);
             if self.may_pass(scene, elapsed, dt) {
                 self.refuse_to_pass(particles, scene, window, elapsed, dt)?;
             }
-            // predictor: x + v dt, v + a dt; the list is renewed between steps only, so indices stay the same
+            // predictor: x + v dt, v + a dt; the list is rebuilt only between steps, so that indices stay valid
             drift(particles, dt, scene.gravity * (dt * (elapsed + 0.5 * dt)));
-            self.kick(particles, dt);
-            let travel = (self.speed.all + fall.norm() * (elapsed + dt)) * dt;
+            let next = scene.at(window.start + (elapsed + dt));
+            self.kick(particles, &next.domain, dt);
+            let travel = (self.closing_speed(particles, &next.domain) + fall.norm() * (elapsed + dt)) * dt;
             self.list.travel(travel);
             std::mem::swap(&mut self.before, &mut self.pushes);
             at = EvaluationTime {
@@ -43,7 +45,7 @@ impl SoftSolver {
                 travel_is_exact: false,
                 ..instant(window, elapsed + dt, dt)
             };
-            self.evaluate(particles, scene, at, book)?;
+            self.evaluate(particles, &next, at, book)?;
             self.contacts.count(at, &SingleProcess);
             // corrector: the mean of both stages
             for push in self.before.iter().flat_map(|pushes| &pushes.list) {
@@ -58,9 +60,10 @@ impl SoftSolver {
                     take_back(j.get(), -push.force);
                 }
             }
-            self.kick(particles, 0.5 * dt);
+            self.kick(particles, &next.domain, 0.5 * dt);
             if !self.list.allows(2.0 * travel) {
-                self.rebuild(particles, scene, 2.0 * dt);
+                book.cross(particles, &next.domain);
+                self.rebuild(particles, &next, 2.0 * dt);
             }
         }
         self.pushes.clear();

@@ -25,6 +25,7 @@ use super::population::PopulationSummary;
 use super::{Counters, EngineTimes, Failure, Window};
 use crate::clock::Clock;
 use crate::contact_law::ContactLaw;
+use crate::domain::Domain;
 use crate::experiment::{Integrator, SoftStepping};
 use crate::neighbours::{NeighbourList, along_walls};
 use crate::particles::Particles;
@@ -47,73 +48,74 @@ const UNIFORM_COST: f64 = 5.0;
 
 /// Engine of soft spheres: spring-dashpot contacts, with time steps of islands or of all particles at once.
 ///
-/// Uniform stepping is velocity Verlet in its kick-drift-kick form, in which two half-kicks in a row are one kick. So
-/// within a window velocities are those of half steps, and only particles in contact are touched by forces. The dashpot
-/// sees the half-step velocity (stability limit ω_0 Δt < 2(sqrt(1+ζ²) - ζ)). Heun's RK2 is kept for comparison with the
-/// paper.
+/// Uniform stepping is velocity Verlet in its kick-drift-kick form, in which two successive half-kicks are one kick.
+/// Within a window, velocities are therefore those of half steps, and forces are applied only to particles in contact.
+/// The dashpot uses the half-step velocity (stability limit ω_0 Δt < 2(sqrt(1+ζ²) - ζ)). Heun's RK2 is included for
+/// comparison with the paper.
 pub type Soft = Driver<SoftSolver>;
 
 /// Solver of soft spheres: islands by local stepping, all particles at once by uniform stepping.
 pub struct SoftSolver {
     stepping: SoftStepping,
     pub(in crate::engine) islands: SoftIslands,
-    /// Decides in which windows islands are tried (auto).
+    /// Pause of islands, which determines the windows in which islands are tried (stepping `Auto`).
     patience: Backoff,
-    /// Uniform steps so far.
+    /// Number of uniform steps so far.
     steps: u64,
     pub(in crate::engine) integrator: Integrator,
     /// [s] longest step; steps may be a little shorter, so that a window is a whole number of them.
     longest_step: f64,
     pub(in crate::engine) list: NeighbourList,
     pub(in crate::engine) contacts: Contacts,
-    /// True if `contacts` holds the contacts in progress since the last uniform steps, and they are nowhere else. Where
-    /// processes share the steps, `contacts` holds copies of contacts that were handed over.
+    /// True if only `contacts` contains the contacts in progress, because the last steps were uniform. If processes
+    /// share the steps, it is false, and `contacts` contains copies of contacts that are also stored elsewhere.
     keeps_contacts: bool,
-    /// Forces of the last evaluation. At the end of a window they are due as the first half-kick of the next window
-    /// (Verlet).
+    /// Forces of the last evaluation. At the end of a window, these are the forces of the first half-kick of the next
+    /// window (Verlet).
     pub(in crate::engine) pushes: Vec<ForceBuffer>,
-    /// Working memory: forces of the first stage (Heun).
+    /// Working memory: forces of the first stage of Heun's method.
     before: Vec<ForceBuffer>,
     pub(in crate::engine) counters: Counters,
-    /// Bounds on speeds relative to the list's frame.
+    /// Upper limits of speeds relative to the frame of the neighbour list.
     pub(in crate::engine) speed: Fastest,
-    /// [m] smallest radius; `None` without thin walls.
+    /// [m] smallest radius; `None` if there are no thin walls.
     smallest: Option<f64>,
-    /// True if `pushes` holds the forces of the present state (Verlet).
+    /// True if `pushes` contains the forces of the present state (Verlet).
     pub(in crate::engine) has_forces: bool,
-    /// True if the last steps were uniform, not those of islands.
+    /// True if uniform steps, not islands, moved the particles last.
     pub(in crate::engine) ran_last: bool,
     /// Properties common to all particles during a window, if they are alike.
     pub(in crate::engine) alike: Option<Alike>,
-    /// Data that is kept while several processes share the steps.
+    /// Data used while several processes share the steps.
     pub(in crate::engine) shared: SharedSteps,
 }
 
-/// [m/s] bounds on speeds.
+/// [m/s] upper limits of speeds.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::engine) struct Fastest {
-    /// Bound for all particles.
+    /// Upper limit for all particles.
     pub(in crate::engine) all: f64,
-    /// Largest speed after any push by a contact.
+    /// Largest speed that a particle had after a contact force was applied.
     pushed: f64,
 }
 
 impl Fastest {
-    /// Raises both bounds to a speed [m/s] reached by a push.
+    /// Raises both limits to a speed [m/s] that a particle had after a force was applied.
     fn rise(&mut self, now: f64) {
         (self.all, self.pushed) = (self.all.max(now), self.pushed.max(now));
     }
 }
 
-/// State that the solver keeps from one window to the next.
+/// State that the solver stores from one window to the next.
 #[derive(Serialize, Deserialize)]
 pub struct SoftState {
     patience: Backoff,
     steps: u64,
     counters: Counters,
-    /// List as it is. A list rebuilt for the present positions would hold other pairs, in another order.
+    /// Neighbour list without changes. A list rebuilt for the present positions would contain other pairs, in another
+    /// order.
     list: NeighbourList,
-    /// Forces of the pending half-kick (Verlet).
+    /// Forces of the half-kick that is not yet applied (Verlet).
     pending: ForceBuffer,
     due: Due,
     has_forces: bool,
@@ -121,7 +123,7 @@ pub struct SoftState {
 }
 
 impl Soft {
-    /// An engine with the given law, integrator, longest time step [s] and way of stepping.
+    /// Makes an engine with the given law, integrator, longest time step [s] and way of stepping.
     pub fn new(law: ContactLaw, integrator: Integrator, longest_step: f64, stepping: SoftStepping) -> Self {
         Self::with(SoftSolver {
             stepping,
@@ -153,7 +155,7 @@ impl Soft {
 }
 
 impl SoftSolver {
-    /// Rebuilds the list for uses `between_uses` [s] apart, and moves the contacts to the new order.
+    /// Rebuilds the list for uses that are `between_uses` [s] apart, and moves contacts and forces to the new order.
     pub(in crate::engine) fn rebuild(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) {
         let couples = self.contacts.shed(&self.list);
         self.shared.slots = None;
@@ -166,7 +168,7 @@ impl SoftSolver {
         for pushes in &mut self.pushes {
             pushes.reorder(&place_of);
         }
-        self.speed.all = particles.largest_speed(self.list.frame());
+        self.speed.all = particles.largest_speed_in(self.list.frame(), &scene.domain);
     }
 
     /// Computes the forces at the present positions and velocities into `pushes`.
@@ -181,7 +183,7 @@ impl SoftSolver {
         let view = ContactSearch { list: &self.list, particles, scene, at, mine, alike: self.alike.as_ref() };
         let done = self.contacts.evaluate(view, &mut self.pushes, book)?;
         if let Some(mine) = mine {
-            // other processes push the other particles
+            // other processes apply the forces on their own particles
             self.pushes.iter_mut().for_each(|pushes| pushes.leave(mine));
         }
         self.counters.pair_checks += done.checks;
@@ -189,14 +191,22 @@ impl SoftSolver {
         Ok(())
     }
 
-    /// v += a dt for the pushed particles, at the forces of the last evaluation.
-    fn kick(&mut self, particles: &mut Particles, dt: f64) {
+    /// Applies the forces of the last evaluation: v += a dt.
+    fn kick(&mut self, particles: &mut Particles, domain: &Domain, dt: f64) {
         let mass = self.alike.as_ref().map(|alike| alike.mass);
-        self.speed.rise(kick_all(&self.pushes, (particles, mass), dt, self.list.frame()));
+        let pushed = kick_all(&self.pushes, (particles, mass), dt, self.list.frame());
+        // relative to the mean flow of a sheared box also particles that are not pushed change their speed
+        let in_flow = |_| particles.largest_speed_in(self.list.frame(), domain);
+        self.speed.rise(domain.shear.map_or(pushed, in_flow));
     }
 
-    /// Applies the half-kick that begins the steps of a window, of `dt` [s] each: by the forces that the window before
-    /// has left, or by those of the start.
+    /// [m/s] speed at which two particles of the list may come nearer to each other, per particle.
+    fn closing_speed(&self, particles: &Particles, domain: &Domain) -> f64 {
+        self.speed.all + self.list.strain(particles, domain)
+    }
+
+    /// Applies the half-kick at the start of a window, whose steps have the length `dt` [s]. Its forces are those at
+    /// the end of the previous window, or those at the start of the run.
     fn first_half_kick(
         &mut self,
         particles: &mut Particles,
@@ -206,7 +216,7 @@ impl SoftSolver {
         ghosts: &mut dyn GhostExchange,
     ) -> Result<(), Failure> {
         if !self.has_forces {
-            // a start may have contacts in progress: their first half-kick is as due as any other
+            // contacts may be in progress at the start of a run; their first half-kick is applied like any other
             let at = EvaluationTime {
                 to_middle: 0.25 * dt,
                 weight: 0.0,
@@ -218,7 +228,7 @@ impl SoftSolver {
             self.contacts.count(at, ghosts);
             self.has_forces = true;
         }
-        self.kick(particles, 0.5 * dt);
+        self.kick(particles, &scene.domain, 0.5 * dt);
         ghosts.after_kick(self, particles, Ok(()))?;
         if ghosts.is_lead() {
             self.contacts.settle(0.5 * dt, window.duration, scene, book.log);
@@ -246,15 +256,18 @@ impl SoftSolver {
                 ghosts.agree(self.refuse_to_pass(particles, scene, window, elapsed, dt))?;
             }
             drift(particles, dt, scene.gravity * (dt * (elapsed + 0.5 * dt)));
-            self.list.travel((self.speed.all + fall.norm() * (elapsed + dt)) * dt);
+            let scene = &*scene.at(window.start + (elapsed + dt));
+            let closing = self.closing_speed(particles, &scene.domain);
+            self.list.travel((closing + fall.norm() * (elapsed + dt)) * dt);
             if !self.list.allows(0.0) {
-                // these forces have been applied
+                // the forces in `pushes` have already been applied
                 self.pushes.clear();
+                book.cross(particles, &scene.domain);
                 ghosts.rebuild(self, particles, scene, [dt, 0.0]);
             }
             let last = step + 1 == steps;
             let at = EvaluationTime {
-                // the velocity that positions have just moved with is that of the half step
+                // positions have just moved with these velocities, which are those of the half step
                 fall: elapsed + 0.5 * dt,
                 to_middle: 0.5 * dt,
                 weight: if last { 0.5 } else { 1.0 },
@@ -264,7 +277,7 @@ impl SoftSolver {
             let forces = self.evaluate(particles, scene, at, book);
             ghosts.before_kick(particles);
             if forces.is_ok() {
-                self.kick(particles, at.weight * dt);
+                self.kick(particles, &scene.domain, at.weight * dt);
             }
             ghosts.after_kick(self, particles, forces)?;
             self.contacts.count(at, ghosts);
@@ -272,7 +285,7 @@ impl SoftSolver {
         Ok(())
     }
 
-    /// Prepares the steps of a window, of `dt` [s] each: finds the largest speed of all particles, and rebuilds an
+    /// Prepares the steps of a window, each of `dt` [s]: finds the largest speed of all particles, and rebuilds an
     /// outdated list.
     fn prepare(
         &mut self,
@@ -284,21 +297,21 @@ impl SoftSolver {
         let has_thin_walls = Self::has_thin_walls(scene);
         let radii: &[f64] = if has_thin_walls { &particles.radius } else { &[] };
         let smallest = radii.iter().fold(f64::INFINITY, |a: f64, &r| a.min(r));
-        let mut largest = [particles.largest_speed(self.list.frame()), -smallest];
+        let mut largest = [particles.largest_speed_in(self.list.frame(), &scene.domain), -smallest];
         ghosts.largest(&mut largest);
         self.speed.all = largest[0];
         self.smallest = has_thin_walls.then_some(-largest[1]);
         if !self.speed.all.is_finite() {
             return Err(ghosts.not_a_number(self, particles, window.start));
         }
-        if !self.list.allows(2.0 * self.speed.all * dt) {
+        if !self.list.allows(2.0 * self.closing_speed(particles, &scene.domain) * dt) {
             let due = if self.has_forces { 0.5 * dt } else { 0.0 };
             ghosts.rebuild(self, particles, scene, [2.0 * dt, due]);
         }
         Ok(())
     }
 
-    /// Moves every particle at every step, through the whole window.
+    /// Moves all particles through the whole window by uniform steps.
     pub(in crate::engine) fn uniform(
         &mut self,
         particles: &mut Particles,
@@ -313,7 +326,7 @@ impl SoftSolver {
         self.alike = Alike::of(particles, scene, &self.islands.law);
         let result = match self.integrator {
             Integrator::VelocityVerlet => self.verlet(particles, scene, (window, steps as u64), book, ghosts),
-            // Heun's method is kept for the paper, whose spheres do not rotate
+            // Heun's method is included for the paper, whose spheres do not rotate
             Integrator::Rk2 if scene.rotation.is_some() => {
                 self.verlet(particles, scene, (window, steps as u64), book, ghosts)
             }
@@ -327,7 +340,8 @@ impl SoftSolver {
         Ok(())
     }
 
-    /// Work of uniform steps in `time` [s], in which islands computed `forces` contact forces and crowds `of_crowds`.
+    /// Work of uniform steps in `time` [s]. Islands computed `forces` contact forces in the same time, and crowds
+    /// `of_crowds`.
     fn uniform_work(&self, particles: usize, time: f64, [forces, of_crowds]: [u64; 2]) -> Rival {
         let stages = stages(self.integrator);
         let local = self.islands.stages().len() as f64;
@@ -392,8 +406,8 @@ impl Solver for SoftSolver {
         _window: Window,
     ) -> Option<f64> {
         if self.stepping == SoftStepping::Auto {
-            // an island that costs half as much as uniform steps of all particles is a bed: a trial must not cost many
-            // windows
+            // an island that costs half as much as uniform steps of all particles is given up, so that a trial does not
+            // cost as much as many windows
             self.islands.allowance.each = 0.5 * self.uniform_work(population.count, 1.0, [0; 2]).cost();
         }
         match self.stepping {
@@ -436,7 +450,7 @@ impl Solver for SoftSolver {
         }
         self.contacts.look_anew();
         self.ran_last = true;
-        // impacts of the islands before these steps come first
+        // impacts of islands that were solved before these steps are counted first
         work.record.count(&mut work.log.impacts);
         let mut book = StepRecord { log: work.log, record: Some(work.record) };
         self.uniform(work.particles, work.scene, window, &mut book, &mut SingleProcess)
@@ -454,7 +468,8 @@ impl Solver for SoftSolver {
     }
 
     fn elastic_energy(&self) -> Option<f64> {
-        // contacts know the energy they store, but not in the predicted state in which a step of Heun's method ends
+        // in the predicted state in which a step of Heun's method ends, the energy does not follow from the stored
+        // contacts
         (self.ran_last && self.integrator == Integrator::Rk2).then(|| self.contacts.elastic_energy())
     }
 

@@ -1,17 +1,17 @@
-//! Compact records of the contacts in progress of one block. Most contacts are between bodies of the same kinds, whose
-//! constants are held once.
+//! Compact records of the contacts in progress of one block. Most contacts are between bodies of the same kinds, so
+//! their constants are stored only once.
 
 use super::contact::{ContactConstants, ContactState, ResistanceMemory};
 use nalgebra::Vector3;
 
-/// Number of kinds of contacts whose constants are held once for all contacts of that kind. Contacts of further kinds
-/// hold their own.
+/// Number of kinds of contacts whose constants are stored once for all contacts of that kind. Each contact of a further
+/// kind has constants of its own.
 const SHARED: usize = 16;
 
-/// Number of contacts per chunk of storage. A single list would be copied as it grows, and leave holes in memory.
+/// Number of contacts per chunk of storage. A single list would be copied when it grows, and would fragment the memory.
 const CHUNK: usize = 128;
 
-/// A contact in progress, in 64 bytes. Its two bodies are those of its slot. Data for statistics of impacts only are in
+/// A contact in progress, in 64 bytes. Its two bodies are those of its slot. Data only for statistics of impacts are in
 /// single precision.
 #[derive(Clone, Copy, Debug)]
 pub struct PackedContact {
@@ -22,7 +22,7 @@ pub struct PackedContact {
     began: f64,
     first_overlap: f32,
     maximum_overlap: f32,
-    /// Not a number before the first evaluation.
+    /// Unit normal at the last evaluation; not a number (NaN) before the first evaluation.
     normal: Vector3<f32>,
     /// Index of the contact's constants.
     constants: u32,
@@ -65,44 +65,45 @@ impl PackedContact {
     }
 }
 
-/// A contact between bodies that rotate, to be changed.
+/// Mutable access to a contact between rotating bodies.
 pub struct RotatingRecord<'a> {
     /// Constants of the contact.
     pub constants: &'a ContactConstants,
-    /// Record without springs.
+    /// Record of the contact without its springs.
     pub kept: &'a mut PackedContact,
-    /// [m] shear, where tangential springs remember.
+    /// [m] shear of the tangential spring; `None` if contacts have no such spring.
     pub shear: Option<&'a mut Vector3<f64>>,
-    /// Memory of rolling and twisting, where contacts resist these.
+    /// State of the rolling and twisting springs; `None` if contacts do not resist rolling and twisting.
     pub resistance: Option<&'a mut ResistanceMemory>,
 }
 
-/// Contacts in progress, each at an index that does not change.
+/// Contacts in progress, each at an index that does not change while the contact lasts.
 #[derive(Default)]
 pub struct PackedContacts {
     /// Chunks of contacts; all but the last are full.
     kept: Vec<Vec<PackedContact>>,
-    /// Indices in `kept` that hold no contact.
+    /// Indices in `kept` at which no contact is stored.
     free: Vec<u32>,
     /// Constants of contacts.
     constants: Vec<ContactConstants>,
     /// Indices in `constants` from `SHARED` on that no contact uses.
     unused: Vec<u32>,
-    /// [m] shears of the contacts in `kept`, in chunks as they are, where tangential springs remember; else empty.
+    /// [m] shears of the contacts in `kept`, in the same chunks; empty if contacts have no tangential springs.
     shears: Vec<Vec<Vector3<f64>>>,
-    /// Memories of rolling and twisting of the contacts in `kept`, likewise; else empty.
+    /// States of the rolling and twisting springs of the contacts in `kept`, in the same chunks; empty without such
+    /// springs.
     resistances: Vec<Vec<ResistanceMemory>>,
-    /// [m/s] slips at first touch of the contacts in `kept`, likewise, where spheres rotate; else empty.
+    /// [m/s] slips at first touch of the contacts in `kept`, in the same chunks; empty if spheres do not rotate.
     first_slips: Vec<Vec<Option<Vector3<f32>>>>,
 }
 
-/// Element at a place that is counted over all chunks.
+/// Element with the number `place`, counted over all chunks.
 #[inline(always)]
 fn in_chunks<T>(chunks: &mut [Vec<T>], place: u32) -> Option<&mut T> {
     Some(&mut chunks.get_mut(place as usize / CHUNK)?[place as usize % CHUNK])
 }
 
-/// Stores a value beside the contact at a place, and makes room for it.
+/// Stores a value for the contact at the index `place`, and adds chunks if they are needed.
 fn store_in_chunks<T: Clone + Default>(chunks: &mut Vec<Vec<T>>, place: u32, value: T) {
     while chunks.len() <= place as usize / CHUNK {
         chunks.push(vec![T::default(); CHUNK]);
@@ -180,7 +181,7 @@ impl PackedContacts {
         (&self.constants[kept.constants as usize], kept.course())
     }
 
-    /// The contact at index `place`, to be changed.
+    /// Mutable access to the contact at index `place`, with its springs.
     #[inline(always)]
     pub fn rotating(&mut self, place: u32) -> RotatingRecord<'_> {
         let kept = &mut self.kept[place as usize / CHUNK][place as usize % CHUNK];

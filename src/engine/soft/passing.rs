@@ -1,4 +1,4 @@
-//! Uniform steps that could take the centre of a sphere through a thin wall.
+//! Detection of uniform steps in which the centre of a sphere passes a thin wall.
 
 use super::SoftSolver;
 use super::contact::{SHORT, passed};
@@ -11,14 +11,14 @@ impl SoftSolver {
         scene.walls.iter().any(|wall| wall.geometry.law().is_thin())
     }
 
-    /// True if a step of `dt` [s] is long enough to take the centre of a sphere through a thin wall.
+    /// True if a step of `dt` [s] is long enough to move the centre of a sphere through a thin wall.
     pub(super) fn may_pass(&self, scene: &Scene, elapsed: f64, dt: f64) -> bool {
         let fall = scene.gravity * (elapsed + 0.5 * dt);
         self.smallest.is_some_and(|smallest| (self.speed.all + fall.norm()) * dt >= SHORT * smallest)
     }
 
-    /// Refuses a step that takes the centre of a sphere through a thin wall. Such a step may show no overlap at either
-    /// end.
+    /// Returns an error if the next step moves the centre of a sphere through a thin wall. Such a step may have no
+    /// overlap at either end.
     pub(super) fn refuse_to_pass(
         &self,
         particles: &Particles,

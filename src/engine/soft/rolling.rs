@@ -1,4 +1,4 @@
-//! Rolling and twisting resistance of a contact, as the engines evaluate it.
+//! Rolling and twisting resistance of a contact, for the engines of soft spheres.
 
 use super::contact::{ContactConstants, ResistanceMemory};
 use crate::contact_law::ContactLaw;
@@ -8,7 +8,7 @@ use crate::rotation::{Resistance, RollingBodies, Rotation, SpringDashpotSlider, 
 use crate::scene::Scene;
 use nalgebra::Vector3;
 
-/// Two touching bodies that roll and twist on one another.
+/// Rolling and twisting motion of two touching bodies, and the resistances to it.
 #[derive(Clone, Copy, Debug)]
 pub struct RollingMotion {
     /// Radii and inertia of the bodies.
@@ -17,27 +17,27 @@ pub struct RollingMotion {
     pub rolling: Vector3<f64>,
     /// [m/s] twisting speed R_eff (ω_i - ω_j)·n.
     pub twisting: f64,
-    /// Resistance to rolling.
+    /// Resistance to rolling; `None` if there is none.
     pub against_rolling: Option<Resistance>,
-    /// Resistance to twisting.
+    /// Resistance to twisting; `None` if there is none.
     pub against_twisting: Option<Resistance>,
 }
 
-/// Resistance of a contact at the end of a uniform step.
+/// Torque and power of the resistance of a contact at the end of a uniform step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ResistingCouple {
-    /// [N m] couple on particle i; the other body gets the opposite one.
+    /// [N m] torque on particle i; the other body gets the opposite torque.
     pub couple: Vector3<f64>,
-    /// [N] force f of the rolling resistance; the couple is -R_eff n × f.
+    /// [N] force f of the rolling resistance; its torque is -R_eff n × f.
     pub rolling: Vector3<f64>,
-    /// [W] taken from the rotation, in the middle of the kick.
+    /// [W] power taken from the rotation, in the middle of the kick.
     pub power: f64,
-    /// [W] parts of it that rolling and twisting resistance take.
+    /// [W] parts of `power`: rolling resistance, and twisting resistance.
     pub parts: [f64; 2],
 }
 
 impl RollingMotion {
-    /// Motion of two bodies and the resistances of their scene against it.
+    /// Rolling and twisting motion of two bodies, and the resistances of the scene to it.
     pub fn of(
         couple: &Couple,
         constants: &ContactConstants,
@@ -65,39 +65,39 @@ impl RollingMotion {
         Self { bodies, rolling, twisting, against_rolling, against_twisting }
     }
 
-    /// [1/kg] acceleration of rolling per tangential force, and of slip per rolling resistance: R_eff (r_i/I_i - r_j/I_j)
-    /// per lever arm over radius.
+    /// [1/kg] rolling acceleration per tangential force, for a lever arm equal to the radius: R_eff (r_i/I_i -
+    /// r_j/I_j). It is also the acceleration of the slip per rolling resistance.
     pub fn passed_on(&self, couple: &Couple, particles: &Particles) -> f64 {
         let inertia = particles.inertia.as_deref().unwrap_or_default();
         let of = |place: u32| particles.radius[place as usize] / inertia[place as usize];
         self.bodies.radius * (of(couple.i) - couple.j().map_or(0.0, of))
     }
 
-    /// [N m] couple on particle i of resistances [N] against rolling and twisting.
+    /// [N m] torque on particle i by the resistances [N] to rolling and twisting.
     #[inline(always)]
     pub fn couple(&self, normal: &Vector3<f64>, rolling: &Vector3<f64>, twisting: f64) -> Vector3<f64> {
         -(normal.cross(rolling) + normal * twisting) * self.bodies.radius
     }
 }
 
-/// Overlaps [m] before and after a step, its length `dt` [s], and the part of it in which the surfaces have moved.
+/// A step in which a contact resists rolling and twisting.
 #[derive(Clone, Copy, Debug)]
 pub struct ResistedStep {
-    /// [m]
+    /// [m] overlap before the step.
     pub before: f64,
-    /// [m]
+    /// [m] overlap after the step.
     pub after: f64,
-    /// [s]
+    /// [s] length of the step.
     pub dt: f64,
-    /// [s]
+    /// [s] part of the step in which the surfaces have moved.
     pub elapsed: f64,
-    /// [s] from the given velocities to the middle of the kick.
+    /// [s] time from the given velocities to the middle of the kick.
     pub to_middle: f64,
 }
 
 impl Resistance {
-    /// [N] resistance without memory against a velocity [m/s], at a normal force [N]: at most what stops the motion
-    /// within `dt` [s].
+    /// [N] force of a resistance without memory, for a velocity [m/s] and a normal force [N]. It is at most the force
+    /// that stops the motion within `dt` [s].
     #[inline(always)]
     pub fn without_memory(&self, velocity: &Vector3<f64>, normal_force: f64, dt: f64) -> Vector3<f64> {
         let speed = velocity.norm();
@@ -108,7 +108,8 @@ impl Resistance {
         velocity * (wanted.min(self.spring.mass * speed / dt) / speed)
     }
 
-    /// Force [N] at the end of a step at a velocity [m/s], and the shear [m] that is left of `shear` [m].
+    /// Force [N] at the end of a step with a velocity [m/s], and the new shear [m]; `shear` [m] is that before the
+    /// step.
     fn resist(
         &self,
         (shear, velocity): (Vector3<f64>, Vector3<f64>),
@@ -125,8 +126,9 @@ impl Resistance {
 }
 
 impl RollingMotion {
-    /// Resistance at the end of a uniform step in which the mean spin about the normal turned by `angle` [rad].
-    /// `driven` [m/s²] is the rolling acceleration by the tangential force.
+    /// Torque and power of the resistance at the end of a uniform step, in which the mean spin has turned the contact
+    /// by `angle` [rad] about the normal. `driven` [m/s²] is the rolling acceleration by the tangential force. Updates
+    /// `memory`.
     pub fn resist(
         &self,
         memory: &mut ResistanceMemory,

@@ -16,16 +16,16 @@ use nalgebra::Vector3;
 /// Motion of the surfaces of two touching bodies that rotate.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SurfaceMotion {
-    /// [m/s] slip s.
+    /// [m/s] slip s of the surfaces.
     pub slip: Vector3<f64>,
-    /// [-] lever arm over radius.
+    /// [-] lever arm divided by the radius.
     pub arm: f64,
     /// [rad/s] mean spin about the normal.
     pub twist: f64,
 }
 
 impl SurfaceMotion {
-    /// Motion of the surfaces of two bodies with a known [`reach`](Couple::reach) [m].
+    /// Motion of the surfaces of two bodies; `reach` [m] is their distance at touch ([`reach`](Couple::reach)).
     #[inline(always)]
     pub fn of(couple: &Couple, reach: f64, met: &Encounter, (particles, scene): (&Particles, &Scene)) -> Self {
         let (surface, arm) = couple.surface_velocity(particles, reach, met.gap);
@@ -41,11 +41,12 @@ impl SurfaceMotion {
 pub struct BeforeStep<'a> {
     /// True if the contact has just begun.
     pub begins: bool,
-    /// [m] overlap.
+    /// [m] overlap at the start of the step.
     pub overlap: f64,
-    /// [m] shear.
+    /// [m] shear of the tangential spring at the start of the step.
     pub shear: Vector3<f64>,
-    /// Memory of rolling and twisting, which the step changes; `None` where contacts do not resist these.
+    /// State of the rolling and twisting springs, which the step changes; `None` if contacts do not resist these
+    /// motions.
     pub resistance: Option<&'a mut ResistanceMemory>,
 }
 
@@ -55,16 +56,16 @@ pub struct RotatingForce {
     pub force: ContactForce,
     /// Torques on both bodies.
     pub torque: ContactTorque,
-    /// [m] shear ξ that is left in the tangential spring.
+    /// [m] shear ξ of the tangential spring after the step.
     pub shear: Vector3<f64>,
     /// [W] parts of the friction power of the force.
     pub losses: FrictionLosses,
 }
 
 impl ContactConstants {
-    /// Force of the contact between bodies that rotate, at the end of a step in which the surfaces have slipped for
-    /// `at.shear_time` [s]. The shear is first turned with the normal and with the mean spin about it, and then grows
-    /// by the slip.
+    /// Force and torques of a contact between rotating bodies, at the end of a step in which the surfaces have slipped
+    /// for `at.shear_time` [s]. The old shear is first turned with the normal and with the mean spin about it. Then the
+    /// slip is added.
     #[inline(always)]
     pub fn rotating_force(
         &self,
@@ -80,7 +81,7 @@ impl ContactConstants {
         let SurfaceMotion { slip, arm, twist } = *surfaces;
         let pull = Self::pull_along(couple, met, scene);
         let spring = &self.tangential.at(met.overlap());
-        // a contact that has just begun has slipped only since it began
+        // a contact that has just begun has slipped only since its beginning
         let since = if before.begins && met.normal_velocity < 0.0 {
             at.shear_time.min(-met.overlap() / met.normal_velocity)
         } else {
@@ -114,7 +115,7 @@ impl ContactConstants {
             slip_change += resisted.slip_change;
         }
         let in_the_middle = slip + slip_change * at.to_middle;
-        // the spring keeps a part of the work of the force
+        // the spring stores a part of the work of the force
         let kept = if at.shear_time > 0.0 { (spring.energy(&shear) - stored) / at.dt } else { 0.0 };
         let [rolling, twisting] = resisted.as_ref().map_or([0.0; 2], |some| some.parts);
         let rescaling = if at.shear_time > 0.0 { rescaled / at.dt } else { 0.0 };
@@ -128,6 +129,7 @@ impl ContactConstants {
             wall_power: couple
                 .wall_motion(met, (particles, scene), FrameTime::fallen(at.fall))
                 .map_or(0.0, |wall| wall.power(&on_i, resisted.as_ref().map(|some| &some.couple))),
+            shear_power: on_i.z * couple.image_velocity(particles, scene, &met.velocity),
             arm: met.normal * (self.reach + met.gap),
         };
         let torque = ContactTorque {
@@ -137,7 +139,8 @@ impl ContactConstants {
         RotatingForce { force, torque, shear, losses }
     }
 
-    /// Resistance to rolling and twisting at the end of a step, apart because few scenes have it.
+    /// Resistance to rolling and twisting at the end of a step. It is a separate function, because few scenes have
+    /// resistance.
     #[inline(never)]
     fn resist(
         &self,
@@ -161,11 +164,11 @@ impl ContactConstants {
     }
 }
 
-/// Motion of a contact in a step, for its resistance to rolling and twisting.
+/// Motion of a contact in a step, from which its resistance to rolling and twisting follows.
 struct SurfaceTurn {
-    /// [-] lever arm over radius.
+    /// [-] lever arm divided by the radius.
     arm: f64,
-    /// [rad] turn of the mean spin about the normal.
+    /// [rad] angle by which the mean spin has turned the contact about the normal.
     angle: f64,
     /// [N] tangential force.
     tangential: Vector3<f64>,
@@ -178,19 +181,19 @@ struct SurfaceTurn {
 /// Resistance of a contact to rolling and twisting.
 #[derive(Default)]
 struct Resisted {
-    /// [N m] couple on particle i.
+    /// [N m] torque on particle i.
     couple: Vector3<f64>,
-    /// [W] power taken.
+    /// [W] power taken from the rotation.
     power: f64,
-    /// [W] parts of it that rolling and twisting resistance take.
+    /// [W] parts of `power`: rolling resistance, and twisting resistance.
     parts: [f64; 2],
-    /// [m/s²] change of the slip.
+    /// [m/s²] acceleration of the slip by the resistance.
     slip_change: Vector3<f64>,
 }
 
 impl ContactState {
-    /// Slip before and after the impact of two bodies that rotate, if it was noted at first touch. It ends with the
-    /// encounter `met` and the speed of rebound [m/s].
+    /// Slip before and after the impact of two rotating bodies; `None` if no slip was stored at first touch. `met` is
+    /// the encounter at the end of the impact, and `rebound_speed` [m/s] the speed of rebound.
     pub fn slip_change(
         &self,
         couple: &Couple,

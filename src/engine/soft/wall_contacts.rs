@@ -1,15 +1,15 @@
 //! Contacts of one sphere with one wall that numbers them by distance, the nearest first, as a mesh does. Two contacts
-//! exchange their numbers when the nearer one becomes the farther one, so the springs of a contact cannot follow its
-//! number. They follow its normal, which changes little in a step.
+//! exchange their numbers when the nearer one becomes the farther one. Therefore the springs of a contact are found by
+//! its normal, which changes little in a step, and not by its number.
 
 use crate::encounter::{AtWall, Couple, Encounter, FrameTime, Other};
 use crate::particles::Particles;
 use crate::scene::Scene;
 use nalgebra::Vector3;
 
-/// [-] cosine of 45 degrees, the largest angle by which the normal of one contact turns in a step. The value was chosen
-/// for this program: walls of a corner meet at larger angles, and a step that resolves a contact turns a normal by
-/// less.
+/// [-] cosine of 45 degrees, the largest angle by which the normal of one contact may turn in a step. The value was
+/// chosen for this program. Walls of a corner meet at larger angles, and a step that resolves a contact turns a normal
+/// by less.
 const SAME: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// True if the couple is a contact with a wall that numbers several contacts by distance.
@@ -27,7 +27,7 @@ pub fn are_of_one_wall(one: &Couple, other: &Couple) -> bool {
     }
 }
 
-/// All encounters of a particle with a wall, in the order of their numbers, for any `couple` of the two.
+/// All encounters of a particle with a wall, in the order of their numbers; `couple` is any contact of the two.
 pub fn encounters(couple: &Couple, particles: &Particles, scene: &Scene, moment: FrameTime) -> Vec<Encounter> {
     let Other::Wall(AtWall { wall, .. }) = couple.other else { return vec![couple.meet(particles, scene, moment)] };
     let numbers = 0..scene.walls[wall as usize].geometry.contacts();
@@ -36,8 +36,8 @@ pub fn encounters(couple: &Couple, particles: &Particles, scene: &Scene, moment:
     met.take_while(|met| met.normal != Vector3::zeros()).collect()
 }
 
-/// For each contact, given by its `normals` some time ago, the index of its encounter among those that there are `now`;
-/// `None` if the contact is no longer there. The nearest normals belong together, and no encounter is given twice.
+/// For each contact, given by its earlier normal in `normals`, the index of its encounter in `now`; `None` if the
+/// contact no longer exists. The nearest normals are matched first, and no encounter is used twice.
 pub fn matched(normals: &[Vector3<f64>], now: &[Encounter]) -> Vec<Option<usize>> {
     let all = (0..normals.len()).flat_map(|k| (0..now.len()).map(move |n| (k, n)));
     let mut near: Vec<(f64, usize, usize)> = all.map(|(k, n)| (normals[k].dot(&now[n].normal), k, n)).collect();
@@ -69,7 +69,7 @@ mod tests {
         assert_eq!(matched(&[x, y], &[met(y), met(tilted)]), [Some(1), Some(0)]);
         // one is gone, and another one has come
         assert_eq!(matched(&[x, y], &[met(z), met(y)]), [None, Some(1)]);
-        // two have become one: the one with the nearer normal goes on
+        // two contacts have become one, which continues the contact with the nearer normal
         let [a, b] = [x + y * 0.5, x - y * 0.4].map(|normal| normal.normalize());
         assert_eq!(matched(&[a, b], &[met(x)]), [None, Some(0)]);
         assert_eq!(matched(&[x], &[]), [None]);

@@ -1,4 +1,4 @@
-//! Scene of the lab: a heap of three balls, which friction holds or not.
+//! Scene of the lab: a heap of three balls that stays in place or falls apart, depending on friction.
 
 use super::{BoxView, HYBRID, LabScene, PanelSetup, SOFT};
 use crate::experiment::Model;

@@ -1,7 +1,6 @@
-//! Scenes of the lab. A scene consists of a case of `cases/` with changes, parameters that can be set, graphs and
-//! texts.
+//! Scenes of the lab. A scene is a case of `cases/` with changes, adjustable parameters, graphs and texts.
 //!
-//! To add a scene, write a file in this folder, and name it below in `mod` and in [`SCENES`].
+//! A new scene is a file in this folder that is named below in `mod` and in [`SCENES`].
 
 mod bounce;
 mod channel;
@@ -33,7 +32,7 @@ pub struct LabScene {
     pub sets: &'static [&'static str],
     /// Setup of the left panel.
     pub left: PanelSetup,
-    /// Setups that the right panel may show; the first one is shown by default.
+    /// Setups that the right panel may show. The first one is shown by default.
     pub rights: &'static [PanelSetup],
     /// Parameters that the page can change, with their limits.
     pub knobs: &'static [ParameterRange],
@@ -68,11 +67,11 @@ pub struct PanelSetup {
 /// Part of the box that the page draws, and its axes.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct BoxView {
-    /// Axis of space on the horizontal axis: 0, 1 or 2 for x, y or z.
+    /// Coordinate drawn on the horizontal axis: 0, 1 or 2 for x, y or z.
     pub right: usize,
-    /// Axis of space on the vertical axis: 0, 1 or 2 for x, y or z.
+    /// Coordinate drawn on the vertical axis: 0, 1 or 2 for x, y or z.
     pub up: usize,
-    /// [m] part of the box that is shown: lower and upper limit on the horizontal axis, then on the vertical axis.
+    /// [m] part of the box that is drawn: lower and upper limit on the horizontal axis, then on the vertical axis.
     /// `None`: the whole box.
     pub region: Option<[f64; 4]>,
     /// [-] factor by which the drawing enlarges gaps between spheres; only for scenes of two spheres.

@@ -10,7 +10,7 @@ use crate::statistics::Estimate;
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Writes all results of a work-precision chart, and returns the path of the report. A method that failed is a result
+/// Writes all results of a work-precision chart, and returns the path of the report. Points of failed runs are results
 /// too.
 ///
 /// # Errors
@@ -21,7 +21,7 @@ pub fn write_chart(folder: &Folder, study: &ChartStudy) -> Result<PathBuf, Outpu
         provenance: study.provenance,
         failures: Vec::new(),
         verdicts: study.verdicts,
-        // the body of the page has a separate verdict for each quantity
+        // the body of the page has a separate verdict for each quantity, so that none is at the top
         answers: 0,
         front: Vec::new(),
         notes: study.notes,

@@ -1,5 +1,5 @@
-//! Report of the instantaneous impacts in hybrid runs: their share, and the contact times and overlaps that they
-//! neglect.
+//! Report of the instantaneous impacts in hybrid runs: their share of all impacts, and the neglected contact times and
+//! overlaps.
 
 use super::run::table;
 use crate::experiment::Model;
@@ -10,7 +10,7 @@ use crate::record::Impacts;
 use serde_json::{Value, json};
 
 /// Parts of the report about instantaneous impacts: their share, the neglected durations and overlaps, and the realised
-/// restitution of both kinds of impact. Empty without a hybrid variant.
+/// restitution of instantaneous impacts and of soft contacts. Empty without a hybrid variant.
 pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     if outcomes.iter().all(|outcome| outcome.experiment.model() != Model::Hybrid) {
         return Vec::new();
@@ -59,14 +59,14 @@ fn cells(impacts: &Impacts) -> [String; 8] {
     ]
 }
 
-/// [-] realised restitution of those impacts that were soft contacts.
+/// [-] realised restitution of the impacts that were soft contacts.
 fn contacts_restitution(impacts: &Impacts) -> Option<f64> {
     let before = impacts.normal_speed.sum_of_squares() - impacts.instants.approach_squares();
     let after = impacts.rebound_squares() - impacts.instants.rebound_squares();
     (impacts.count > impacts.instants.count).then(|| (after / before).sqrt())
 }
 
-/// [-] fraction of the time of a particle that the neglected contacts would have taken.
+/// [-] neglected contact time of instantaneous impacts, as a fraction of the time of a particle.
 fn time_left_out(outcome: &Outcome) -> f64 {
     let record = &outcome.record;
     let time = 2.0 * record.pairs.instants.duration() + record.walls.instants.duration();

@@ -62,7 +62,8 @@ pub fn write_impact(folder: &Folder, study: &ImpactStudy) -> Result<PathBuf, Out
     document.write(folder, numbers)
 }
 
-/// Table with two rows per variant: the computed values, and the values of its closed form if there is one.
+/// Table with the computed values of each variant, and a further row with the values of its closed-form solution, if
+/// there is one.
 fn values(study: &ImpactStudy) -> Block {
     let cells = |name: &str, model: &str, values: &BounceValues, exact: Option<&BounceValues>| {
         let off = |asked: Option<f64>| Some(values.restitution? - asked?);
@@ -90,8 +91,8 @@ fn values(study: &ImpactStudy) -> Block {
     )
 }
 
-/// Row with the amount of work of a variant. Only counts are given: the wall time of one impact is mostly spent on
-/// setting the impact up and on storing its path.
+/// Row with the amount of work of a variant. Wall time is left out, because it is mostly spent on setting up the impact
+/// and storing its path.
 fn work(bounce: &Bounce) -> TextRow {
     let step = quantity(bounce.time_step, "s", 3);
     (bounce.failure.is_some(), vec![bounce.name.clone(), step, count(bounce.work)])

@@ -1,5 +1,5 @@
-//! Parts of a report about each species of a mixture, and about the impacts of each pair of species or of a species and
-//! a wall.
+//! Parts of a report about each species of a mixture, and about impacts between two species or between a species and a
+//! wall.
 
 use crate::outcome::Outcome;
 use crate::output::document::{Block, TextRow};

@@ -1,4 +1,4 @@
-//! Document of the study of limits, with maps of where each method fails.
+//! Document of the study of limits, with maps of the settings for which each method fails.
 
 use crate::output::document::{Block, Document, TextRow, text};
 use crate::output::files::{MAPS, write_summary};
@@ -56,7 +56,7 @@ pub fn write_limits(folder: &Folder, study: &LimitsStudy) -> Result<PathBuf, Out
     Ok(page)
 }
 
-/// Table of the maps for a terminal: the number of points of each map, by their outcome.
+/// Table of the maps for a terminal: the number of points of each map with each outcome.
 pub fn limits_answers(study: &LimitsStudy) -> String {
     let rows = study.maps.iter().map(|map| -> TextRow {
         let outcomes = map.outcomes().into_iter().map(|(name, number)| format!("{} {name}", count(number)));

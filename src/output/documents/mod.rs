@@ -2,6 +2,7 @@
 
 mod chart;
 mod files_study;
+mod gas_flow;
 mod hybrid;
 mod impact;
 mod kinds;

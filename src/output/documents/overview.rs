@@ -21,8 +21,8 @@ pub fn blocks(study: &Study, figures: &[Figure]) -> Vec<Block> {
     blocks
 }
 
-/// Table of answers with a column per variant and its settings, and a row per quantity. The first row contains the
-/// answers for all quantities together.
+/// Table of answers with a column per variant and a row per quantity. Each column has the settings of its variant. The
+/// first row contains the answers for all quantities together.
 fn matrix(study: &Study) -> Matrix {
     let judged = |name: &str| study.comparisons.iter().find(|verdict| verdict.variant == name);
     let heads = study.outcomes.iter().enumerate().map(|(place, outcome)| {
@@ -31,7 +31,7 @@ fn matrix(study: &Study) -> Matrix {
         let words = [Some(set.to_owned()).filter(|set| !set.is_empty()), against].into_iter().flatten();
         (outcome.experiment.name.clone(), words.collect::<Vec<_>>().join(", "))
     });
-    // a variant without an answer serves only as the reference of other variants
+    // a variant without an answer is only a reference of other variants, and has no column
     let columns: Vec<_> = heads.zip(study.outcomes).filter(|((name, _), _)| judged(name).is_some()).collect();
     let verdicts: Vec<&Verdict> = columns.iter().filter_map(|((name, _), _)| judged(name)).collect();
     let together = verdicts.iter().map(|verdict| {
@@ -55,7 +55,7 @@ fn against(study: &Study, reference: &str) -> String {
     set.map_or_else(|| format!("against “{reference}”"), |set| format!("against “{reference}” ({set})"))
 }
 
-/// Exchanges rows and columns if there are many variants.
+/// Exchanges rows and columns of a table with more than five variants.
 fn turned(matrix: Matrix) -> Matrix {
     if matrix.head.len() <= 5 {
         return matrix;
@@ -74,7 +74,7 @@ fn judged(verdict: &Verdict) -> &[Judged] {
     verdict.comparison.as_ref().map_or(&[], |comparison| &comparison.judged)
 }
 
-/// Answer for one quantity, with the difference that its sentence contains [% of the scale of the quantity].
+/// Answer for one quantity, with the difference in its sentence, in % of the scale of the quantity.
 fn cell(verdict: &Verdict, name: &str) -> Cell {
     let Some(one) = judged(verdict).iter().find(|one| one.tested.name == name) else {
         return Cell { answer: None, words: "not compared".into() };

@@ -15,7 +15,7 @@ pub struct PlanDocument<'a> {
     pub case: String,
     /// Title of the case: the first line of the case file.
     pub title: String,
-    /// Collision model that the case itself gives.
+    /// Collision model of the case itself.
     pub model_of_the_case: String,
     /// Number of threads for which times are predicted.
     pub threads: usize,
@@ -25,7 +25,7 @@ pub struct PlanDocument<'a> {
     pub recommendation: &'a Recommendation,
 }
 
-/// Units of all numbers in the JSON: each unit with the keys of the numbers in this unit.
+/// Units of all numbers in the JSON: each unit, and the keys of the numbers in this unit.
 const UNITS: [(&str, &str); 11] = [
     (
         "s",
@@ -75,7 +75,7 @@ pub fn plan_text(document: &PlanDocument) -> String {
         Block::Paragraph(advice.headline()),
         advised(advice),
     ];
-    // the recommendation of a model does not depend on failures in the timed windows
+    // the recommended model does not depend on failures in the timed windows
     let stopped: Vec<&String> = plan.costs.iter().filter_map(|cost| cost.failure.as_ref()).collect();
     if let Some(why) = stopped.first().filter(|_| stopped.len() == plan.costs.len()) {
         blocks.push(Block::note(format!("No model comes to the end of the windows that were timed below: {why}.")));
@@ -100,7 +100,7 @@ pub fn plan_text(document: &PlanDocument) -> String {
 /// Largest number of rows in a table, so that the table fits on a screen.
 const MOST_ROWS: usize = 12;
 
-/// Note on the number of rows that a table leaves out; `None` if the table has all rows.
+/// Note on the number of rows left out of a table, beyond [`MOST_ROWS`]; `None` if the table contains all rows.
 fn left_out(rows: usize) -> Option<Block> {
     let more = rows.checked_sub(MOST_ROWS).filter(|more| *more > 0)?;
     Some(Block::Note(format!("and {} more, all with --json", counted(more, "row"))))
@@ -178,7 +178,7 @@ fn contacts(plan: &RunPrediction) -> Vec<Block> {
     if plan.contacts.is_empty() {
         return Vec::new();
     }
-    // if all contacts have one stiffness, the heading contains it
+    // if all contacts have the same stiffness, the heading contains the stiffness and the rows do not
     let own = plan.contacts.iter().any(|row| row.contact.bodies.stiffness_ratio != 1.0);
     let rows = plan.contacts.iter().take(MOST_ROWS).map(|row| -> TextRow {
         let stiffness = own.then(|| format!("{} N/m", significant(row.stiffness, 4)));

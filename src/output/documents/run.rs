@@ -1,6 +1,6 @@
 //! Document of a run or a comparison.
 
-use super::{hybrid, kinds, overview, stress, trust, verdict, work};
+use super::{gas_flow, hybrid, kinds, overview, stress, trust, verdict, work};
 use crate::outcome::Outcome;
 use crate::output::document::{Block, Document, Table, TextRow, known, status};
 use crate::output::figures::ROUNDING;
@@ -15,14 +15,14 @@ use crate::statistics::{Answer, Estimate};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// Largest number of answers at the top of a page, which would otherwise be too long.
+/// Largest number of answers at the top of a page. More answers would make the top too long.
 const ANSWERS: usize = 3;
 
 /// Number of standard errors beyond which a deviation is highlighted.
 const SUSPECT: f64 = 3.0;
 
-/// [-] share of the energy that is unexplained in the energy balance (ledger), above which the share is highlighted.
-/// The error of the integrator at 20 steps per contact is much smaller.
+/// [-] magnitude of the unexplained energy, over the energy that passes through the balance, above which it is
+/// highlighted. The error of the integrator at 20 steps per contact is much smaller.
 const SUSPECT_RESIDUAL: f64 = 1e-3;
 
 /// Writes all results of a run or a comparison, and returns the path of the report.
@@ -70,6 +70,7 @@ fn document<'a>(study: &Study<'a>) -> Result<Document<'a>, OutputError> {
     if outcomes.iter().any(|outcome| outcome.experiment.model().has_contacts()) {
         tables.push(("overlaps.csv".to_owned(), csv::overlaps(outcomes)?));
     }
+    tables.extend(gas_flow::csv(outcomes)?.map(|table| ("gas.csv".to_owned(), table)));
     tables.extend(over_time::paths(outcomes)?.map(|table| ("paths.csv".to_owned(), table)));
     let reproduction = [
         ("seed", distinct(outcomes.iter().map(|o| o.experiment.run.seed.to_string()))),
@@ -97,8 +98,8 @@ fn document<'a>(study: &Study<'a>) -> Result<Document<'a>, OutputError> {
 /// Main part of the page. The first `over_time` figures show curves over time.
 fn body(study: &Study, over_time: usize, figures: &[Figure]) -> Vec<Block> {
     let outcomes = study.outcomes;
-    // curves over time come first in two cases: averages over an unsteady run mix different states, and averages of a
-    // few bodies have little meaning
+    // curves over time come first for unsteady runs, whose averages mix different states, and for a few bodies, whose
+    // averages have little meaning
     let follows = |outcome: &Outcome| !outcome.steadiness.steady || !outcome.paths.points.is_empty();
     let transient = over_time > 0 && outcomes.iter().all(follows);
     let player = Player::of(outcomes, study.frames);
@@ -126,6 +127,8 @@ fn body(study: &Study, over_time: usize, figures: &[Figure]) -> Vec<Block> {
     body.extend(kinds::blocks(outcomes));
     body.extend(hybrid::blocks(outcomes));
     body.extend(stress::blocks(outcomes));
+    body.extend(gas_flow::blocks(outcomes));
+    body.extend(pictures(figures, &["gas"]));
     body.push(Block::heading("Energy ledger"));
     body.extend(energy(outcomes));
     if !outcomes.iter().all(|outcome| outcome.balance.is_idle()) {
@@ -141,8 +144,8 @@ fn body(study: &Study, over_time: usize, figures: &[Figure]) -> Vec<Block> {
     body
 }
 
-/// Figures with the given names, or with names that begin with a given name and a hyphen. Consecutive figures are
-/// placed next to each other.
+/// Figures whose names are given, or begin with a given name and a hyphen. Consecutive figures are placed next to each
+/// other.
 fn pictures(figures: &[Figure], names: &[&str]) -> Vec<Block> {
     let is = |figure: &Figure, name: &str| {
         figure.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'))
@@ -169,7 +172,7 @@ pub fn distinct(texts: impl Iterator<Item = String>) -> String {
     seen.join(", ")
 }
 
-/// Table with one row per variant, which begins with the name of the variant.
+/// Table with one row per variant. The first cell of a row is the name of the variant.
 pub(super) fn table(head: &str, outcomes: &[Outcome], cells: impl Fn(&Outcome) -> TextRow) -> Block {
     let row = |outcome: &Outcome| {
         let (marked, rest) = cells(outcome);
@@ -224,7 +227,7 @@ fn requested(surface: &Surface, speed: Option<f64>) -> String {
 
 fn impact_cells(impacts: &Impacts, rate: Option<Estimate>, requested: String, rotates: bool) -> Vec<String> {
     let s = impacts.summary();
-    // collisions at exact instants have overlaps only by rounding
+    // overlaps of collisions at exact instants are rounding errors
     let deep = |value: Option<f64>| known(s.largest_overlap > Some(ROUNDING), significant(value, 3));
     let mut cells = vec![
         count(s.count),
@@ -257,7 +260,7 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
     let prefix = Prefix::of(largest);
     let joule = |energy: f64| significant(energy * prefix.factor, 4);
     let through = |o: &Outcome| o.record.ledger.through(o.energy_at_start);
-    // each variant has a column, so that the terms of its balance are one below the other
+    // each variant has a column, with the terms of its balance one below the other
     let row = |name: &str, cell: &dyn Fn(&Outcome) -> String| -> TextRow {
         (false, std::iter::once(name.into()).chain(outcomes.iter().map(cell)).collect())
     };
@@ -265,7 +268,7 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
     let work = |name: &str, of: fn(&Outcome) -> f64| {
         row(name, &|o| format!("{} ({})", joule(of(o)), percent(of(o), through(o))))
     };
-    // a loss that consists only of the rounding error of impulses has no meaningful digit
+    // a loss that is only the rounding error of impulses has no meaningful digit
     let loss = |name: &str, of: fn(&Outcome) -> f64| {
         row(name, &|o| {
             let rounding = (of(o) / through(o)).abs() < 1e-12;
@@ -281,6 +284,8 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
         work("gravity", |o| o.record.ledger.gravity_work),
     ];
     rows.extend(driven.then(|| work("moving walls", |o| o.record.ledger.wall_work)));
+    let sheared = outcomes.iter().any(|o| o.experiment.scene.domain.shear.is_some());
+    rows.extend(sheared.then(|| work("shear", |o| o.record.ledger.shear_work)));
     rows.extend([
         loss("restitution between particles", |o| o.record.ledger.pair_restitution_loss),
         loss("friction between particles", |o| o.record.ledger.pair_friction_loss),
@@ -318,7 +323,7 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
         ))
     }));
     blocks.push(Block::note(
-        "Kinetic and elastic energy; in brackets the share of what went through the ledger (start + |drag| + |gravity| + |moving walls|). \
+        "Kinetic and elastic energy; in brackets the share of what went through the ledger (start + |drag| + |gravity| + |moving walls| + |shear|). \
          Unexplained: rounding for hard spheres, also the integrator’s own gain or loss for soft ones; marked above 0.1 %.",
     ));
     blocks
@@ -374,8 +379,8 @@ fn hashes(outcomes: &[Outcome]) -> Block {
     table("variant | hash of the initial state | hash of the final state", outcomes, cells)
 }
 
-/// [-] energy that is unexplained in the energy balance (ledger), over the sum of the initial energy and the magnitudes
-/// of the work of drag, gravity and moving walls. `None` if this sum is 0.
+/// [-] unexplained energy, over the sum of the initial energy and the magnitudes of the work of drag, gravity, moving
+/// walls and shear. `None` if this sum is 0.
 fn relative_residual(outcome: &Outcome) -> Option<f64> {
     let ledger = &outcome.record.ledger;
     let through = ledger.through(outcome.energy_at_start);
@@ -400,6 +405,11 @@ fn energies(outcome: &Outcome) -> Value {
         energies.remove("friction");
     } else {
         energies["friction"]["sliding"] = ledger.sliding_loss().into();
+    }
+    if let Value::Object(energies) = &mut energies
+        && outcome.experiment.scene.domain.shear.is_none()
+    {
+        energies.retain(|key, _| !key.starts_with("shear_"));
     }
     energies["dissipated"] = ledger.dissipated().into();
     energies["residual"] = ledger.residual(outcome.energy_at_start, outcome.energy_at_end).into();
@@ -434,6 +444,7 @@ fn variant(outcome: &Outcome, parameters: Option<&Value>) -> Value {
         "energy": energies(outcome),
         "granular_temperature": measured(outcome.temperature),
         "stress": stress::json(outcome),
+        "gas": gas_flow::json(outcome),
         "restitution": {
             "requested_pairs": experiment.scene.restitution_of_pairs(),
             "requested_walls": experiment.scene.walls.iter().map(|wall| wall.surface.restitution).collect::<Vec<_>>(),
@@ -459,7 +470,7 @@ fn variant(outcome: &Outcome, parameters: Option<&Value>) -> Value {
             "steadiness": outcome.steadiness,
             "replicas": outcome.averaged.replicas,
         },
-        // hashes are text, because JSON readers keep only 53 bits of a number
+        // hashes are written as text, because JSON readers keep only 53 bits of a number
         "initial_state_hash": format!("{:016x}", outcome.initial_state_hash),
         "final_state_hash": format!("{:016x}", outcome.final_state_hash),
         "parameters": parameters,

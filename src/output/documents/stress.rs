@@ -28,7 +28,7 @@ pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
         ];
         (false, cells)
     };
-    // pairs that collide by chance do not touch, so that there is no force from centre to centre
+    // pairs that collide by chance do not touch, so that no force acts between their centres
     let by_chance = outcomes.iter().filter(|outcome| outcome.experiment.model() == Model::Dsmc);
     let kinetic_only = by_chance.map(|outcome| {
         let name = &outcome.experiment.name;

@@ -12,8 +12,8 @@ use std::path::PathBuf;
 /// Number of standard errors beyond which two values count as different.
 const FAR: f64 = 3.0;
 
-/// Writes the table, the pictures and the page of a sweep, and also the summary if all runs are done. Returns the path
-/// of the page.
+/// Writes the table, the pictures and the page of a sweep. Writes the summary too if all runs are finished. Returns the
+/// path of the page.
 ///
 /// # Errors
 /// An [`OutputError`]. Files written before the error remain.
@@ -116,8 +116,8 @@ fn verdicts(study: &SweepStudy) -> Vec<String> {
     sentences
 }
 
-/// Sentence that compares a variant with the reference at all points, for one observable. `None` if no values with
-/// errors can be compared.
+/// Sentence that compares a variant with the reference in one observable at all points. `None` if no point has two
+/// values with errors.
 fn compared(study: &SweepStudy, variant: usize, reference: usize, key: &str, name: &str) -> Option<String> {
     let (mut points, mut near) = (0, 0);
     let mut farthest: Option<(f64, &SweepRow, Estimate, Estimate)> = None;
@@ -137,8 +137,8 @@ fn compared(study: &SweepStudy, variant: usize, reference: usize, key: &str, nam
         }
     }
     let (far, row, difference, base) = farthest?;
-    // a fraction of the reference has no meaning if the reference is 0 within its error, such as a mean velocity
-    // without wind
+    // no fraction of the reference is given if the reference is 0 within its error, such as a mean velocity without gas
+    // flow
     let apart = if base.error.is_some_and(|error| base.value.abs() <= FAR * error) {
         format!(
             "{} standard errors, where “{}” is 0 within three of its own",

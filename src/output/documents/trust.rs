@@ -1,4 +1,4 @@
-//! Parts of a document about the trust sheets, which contain checks of the results of a run.
+//! Parts of a document about the trust sheets. A trust sheet contains checks of the results of a run.
 
 use crate::output::document::{Block, Table};
 use crate::output::numbers::{UNKNOWN, quantity, significant, with_error};
@@ -27,7 +27,7 @@ pub(super) fn blocks(sheets: &[TrustSheet]) -> Vec<Block> {
         HalvedStep::Verified(_) => None,
         HalvedStep::Unknown(why) => Some(why),
     });
-    // usually all variants have the same reason, which is then written once
+    // each reason is written only once, because usually all variants have the same reason
     let mut told: Vec<&String> = Vec::new();
     for why in unknown {
         if !told.contains(&why) {
@@ -41,7 +41,7 @@ pub(super) fn blocks(sheets: &[TrustSheet]) -> Vec<Block> {
     blocks
 }
 
-/// Value in its unit, with its error if the error exceeds rounding.
+/// Value in its unit, with its error unless the error is only rounding.
 fn value(found: impl Into<Option<Estimate>>, unit: &str) -> String {
     let Some(found) = found.into() else { return format!("{UNKNOWN}{unit}") };
     let space = if unit.is_empty() { "" } else { " " };
@@ -97,7 +97,7 @@ fn expected(expected: Expected) -> String {
     }
 }
 
-/// Value of a check, its deviation from the expected value, and a mark for good or suspect values.
+/// Value of a check, its deviation from the expected value in standard errors, and a mark for good or suspect values.
 fn cell(check: &TrustCheck) -> String {
     let off = check
         .in_errors()

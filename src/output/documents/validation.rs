@@ -11,8 +11,8 @@ use crate::statistics::{Answer, Estimate};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// Writes all results of the suite: one table, a picture for each row that has one, one page, and finally the summary.
-/// Returns the path of the page.
+/// Writes all results of the suite: one table, the pictures of the rows, one page, and finally the summary. Returns the
+/// path of the page.
 ///
 /// # Errors
 /// An [`OutputError`]. Files written before the error remain, but there is no `summary.json`.
@@ -69,12 +69,12 @@ fn heading(tier: ValidationTier) -> &'static str {
     }
 }
 
-/// Table of the rows for a terminal, with the number of each row that deviates most.
+/// Table of the rows for a terminal. It contains the number of each row that deviates most.
 pub fn validation_answers(study: &ValidationStudy) -> String {
     text(&[overview(study)])
 }
 
-/// Table of all rows, with the number of each row that deviates most.
+/// Table of all rows. It contains the number of each row that deviates most.
 fn overview(study: &ValidationStudy) -> Block {
     let row = |row: &ValidationRow| -> TextRow {
         let worst = row.worst();
@@ -101,7 +101,7 @@ fn overview(study: &ValidationStudy) -> Block {
     })
 }
 
-/// Value with its standard error if it has one, else with six digits, and its unit.
+/// Value with its unit: with its standard error, or with six digits if the error is 0.
 fn shown(found: Estimate, unit: &str) -> String {
     let value =
         if found.error.is_some_and(|error| error == 0.0) { significant(found.value, 6) } else { with_error(found) };

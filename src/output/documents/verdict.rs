@@ -6,7 +6,7 @@ use crate::output::numbers::{percent, quantity, significant, with_error};
 use crate::output::{Basis, Study, Verdict};
 use crate::statistics::{Deviation, Estimate, Judged};
 
-/// Answers for each compared pair of variants, with the numbers from which they follow; empty for a single run.
+/// Answers for each compared pair of variants, with the numbers on which they are based; empty for a single run.
 pub fn blocks(study: &Study) -> Vec<Block> {
     if study.comparisons.is_empty() {
         return Vec::new();
@@ -26,7 +26,7 @@ pub fn legend() -> Block {
     )
 }
 
-/// Numbers from which the answer for one pair follows.
+/// Numbers on which the answer for one pair is based.
 pub fn of_pair(verdict: &Verdict) -> Vec<Block> {
     let title = format!("“{}” − “{}”", verdict.variant, verdict.reference);
     let mut blocks = vec![Block::Label(title), Block::note(verdict.reason.clone())];

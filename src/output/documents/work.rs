@@ -9,7 +9,7 @@ use crate::output::numbers::{count, percent, quantity, significant};
 
 /// Table of the work and the cost of each variant.
 pub fn costs(outcomes: &[Outcome]) -> Vec<Block> {
-    // the cost of a run that stopped early is not the cost of the whole case
+    // a run that stopped early is left out, because its cost is not that of the whole case
     let finished = outcomes.iter().filter(|outcome| outcome.failure.is_none());
     let cheapest = finished.filter_map(cost).filter(|cost| *cost > 0.0).reduce(f64::min);
     let cells = |o: &Outcome| {
@@ -36,7 +36,7 @@ pub fn costs(outcomes: &[Outcome]) -> Vec<Block> {
     };
     let head = "variant | model | time step | window | simulated | wall s per simulated s | over cheapest | steps | events | pair checks";
     let particles = distinct(outcomes.iter().map(|outcome| count(outcome.particles as u64)));
-    // names of the integrators that were used, for runs with contacts
+    // names of the integrators used by runs with contacts
     let stepped = outcomes.iter().filter_map(|outcome| {
         let integrators = outcome.integrators();
         let name = &outcome.experiment.name;
@@ -75,7 +75,7 @@ pub fn islands(outcomes: &[Outcome]) -> Vec<Block> {
     ]
 }
 
-/// Distribution of the wall time over the parts of a run, such as drag and sampling.
+/// Share of each part of a run, such as drag and sampling, in the wall time.
 pub fn timing(outcomes: &[Outcome]) -> Vec<Block> {
     let cells = |o: &Outcome| {
         let t = &o.timing;
@@ -95,7 +95,7 @@ pub fn timing(outcomes: &[Outcome]) -> Vec<Block> {
     [table(head, outcomes, cells)].into_iter().chain((!serial.is_empty()).then_some(Block::Note(note))).collect()
 }
 
-/// [1/s] number of particles times number of windows, per wall-clock second. `None` if no time was measured.
+/// [1/s] product of the numbers of particles and windows, per wall-clock second. `None` if no time was measured.
 pub fn particle_windows_per_second(outcome: &Outcome) -> Option<f64> {
     let seconds = outcome.timing.wall_seconds;
     (seconds > 0.0).then(|| outcome.particles as f64 * outcome.windows as f64 / seconds)

@@ -5,12 +5,12 @@ use crate::output::numbers::Prefix;
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::output::{Bounce, ObliqueStudy, PathPoint};
 
-/// Picture of the overlap (the negative gap) over time, with the closed form if there is one.
+/// Picture of the overlap (the negative gap) over time, with the closed-form solution if there is one.
 pub fn overlap_in_time(bounces: &[Bounce]) -> String {
     let deepest = points(bounces).map(|point| -point.gap).filter(|overlap| overlap.is_finite()).fold(0.0, f64::max);
     let overlap = if deepest > 0.0 { Prefix::of(deepest) } else { Prefix::of(widest(bounces)) };
-    // the flight before and after the contact is cut off where the gap is half the largest overlap, because the rest
-    // shows nothing new
+    // the motion before and after the contact is cut off where the gap exceeds half the largest overlap, because the
+    // rest is uneventful
     let floor = if deepest > 0.0 { -0.5 * deepest } else { f64::NEG_INFINITY };
     let time = Prefix::of(span(bounces, floor));
     let series = series(bounces, |path| {
@@ -25,7 +25,7 @@ pub fn overlap_in_time(bounces: &[Bounce]) -> String {
     })
 }
 
-/// Picture of the normal velocity over time, with the closed form if there is one.
+/// Picture of the normal velocity over time, with the closed-form solution if there is one.
 pub fn normal_velocity(bounces: &[Bounce]) -> String {
     let deepest = points(bounces).map(|point| -point.gap).filter(|overlap| overlap.is_finite()).fold(0.0, f64::max);
     let floor = if deepest > 0.0 { -0.5 * deepest } else { f64::NEG_INFINITY };
@@ -44,7 +44,8 @@ pub fn normal_velocity(bounces: &[Bounce]) -> String {
     })
 }
 
-/// Picture of the reduced slip s/(μ u_n) after an impact over that before, for each variant, with measured points.
+/// Picture of the reduced slip s/(μ u_n) after an impact against the reduced slip before it, for each variant, with
+/// measured points.
 pub fn slip_after(study: &ObliqueStudy) -> String {
     let of = |points: &[(f64, f64)]| points.iter().map(|(x, y)| SeriesPoint::at(*x, *y)).collect::<Vec<_>>();
     let mut series: Vec<PanelSeries> = Vec::new();
@@ -68,26 +69,26 @@ fn points(bounces: &[Bounce]) -> impl Iterator<Item = &PathPoint> {
     bounces.iter().flat_map(|bounce| &bounce.path)
 }
 
-/// [m] largest gap of any variant.
+/// [m] largest magnitude of the gap in any variant.
 fn widest(bounces: &[Bounce]) -> f64 {
     points(bounces).map(|point| point.gap.abs()).filter(|gap| gap.is_finite()).fold(0.0, f64::max)
 }
 
-/// [s] first and last instant at which the overlap of any variant exceeds `floor` [m].
+/// [s] first and last instant at which the overlap is at least `floor` [m] in any variant.
 fn near(bounces: &[Bounce], floor: f64) -> (f64, f64) {
     let times = bounces.iter().flat_map(|bounce| cut(&bounce.path, floor)).map(|(t, _)| t).filter(|t| t.is_finite());
     times.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| (low.min(t), high.max(t)))
 }
 
-/// [s] time between the first and the last instant at which the overlap of any variant exceeds `floor` [m]; 0 if there
-/// is no such instant.
+/// [s] largest magnitude of the times at which the overlap is at least `floor` [m] in any variant. Infinite if there is
+/// no such time.
 fn span(bounces: &[Bounce], floor: f64) -> f64 {
     let (from, until) = near(bounces, floor);
     from.abs().max(until.abs()).max(0.0)
 }
 
-/// Time [s] and overlap [m] along a path. The path is cut off where the overlap is below `floor` [m], by linear
-/// interpolation between its points.
+/// Times [s] and overlaps [m] of the parts of a path whose overlap is at least `floor` [m]. The ends of these parts are
+/// found by linear interpolation.
 fn cut(path: &[PathPoint], floor: f64) -> impl Iterator<Item = (f64, f64)> {
     let inside = path.iter().filter(move |point| -point.gap >= floor).map(|point| (point.time, -point.gap));
     let crossings = path.windows(2).filter_map(move |pair| {
@@ -102,7 +103,7 @@ fn cut(path: &[PathPoint], floor: f64) -> impl Iterator<Item = (f64, f64)> {
     kept.into_iter()
 }
 
-/// Part of a series between two instants. The ends are found by linear interpolation between its points.
+/// Part of a series between two instants. Points at the two instants are found by linear interpolation.
 fn within(series: PanelSeries, (from, until): (f64, f64)) -> PanelSeries {
     let mut points: Vec<SeriesPoint> = Vec::new();
     for pair in series.points.windows(2) {
@@ -120,7 +121,7 @@ fn within(series: PanelSeries, (from, until): (f64, f64)) -> PanelSeries {
     PanelSeries { points, ..series }
 }
 
-/// Series of all closed forms under one name, then the series of the variants, which are drawn on top of them.
+/// Series of all closed-form solutions under one name, then the series of the variants, which are drawn on top.
 fn series(bounces: &[Bounce], map: impl Fn(&[PathPoint]) -> Vec<(f64, f64)>) -> Vec<PanelSeries> {
     let one = |label: &str, look, path: &[PathPoint]| {
         PanelSeries::new(label, look, map(path).into_iter().map(|(x, y)| SeriesPoint::at(x, y)))

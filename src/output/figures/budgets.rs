@@ -6,7 +6,7 @@ use crate::output::numbers::Prefix;
 use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::statistics::Estimate;
 
-/// Name of a term of the budget, with the function that selects this term.
+/// Name of a term of the budget, and the function that selects the term.
 type Named = (&'static str, fn(&Terms<Estimate>) -> Estimate);
 
 /// Terms of a budget, in the order of the legend.

@@ -1,5 +1,5 @@
-//! Maps of coloured cells with theoretical lines. The colours are those of Okabe and Ito, and shades of one blue. Cells
-//! of failed runs also have crosses, so that a map is readable without colours.
+//! Maps of coloured cells with theoretical lines. The colours are those of Okabe and Ito, and shades of blue. Cells of
+//! failed runs also have crosses, so that a map is readable without colours.
 
 use super::chart::{HEIGHT, WIDTH, plain, powers, style, svg, ticks, with_legend};
 use crate::output::limits::{RegimeMap, Shade};
@@ -10,7 +10,7 @@ use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use kuva::render::render::render_multiple;
 
-/// Dash patterns of the theoretical lines, one for each line in their order.
+/// Dash patterns of the theoretical lines, in the order of the lines.
 const DASHES: [&str; 3] = ["", "8 4", "2 3"];
 
 fn colour(shade: Shade) -> &'static str {

@@ -1,4 +1,4 @@
-//! Common style of all pictures. Only this file, `cells` and `rows` name the plotting library kuva.
+//! Common style of all pictures. Only this file, `cells` and `rows` use the plotting library kuva.
 //!
 //! The colours are those of Okabe and Ito, which colour-blind readers can distinguish. Each colour has a separate dash
 //! pattern and marker, so that pictures are readable in black and white.
@@ -23,7 +23,7 @@ pub(super) const WIDTH: f64 = 640.0;
 pub(super) const HEIGHT: f64 = 400.0;
 /// [px] height of one panel if there are several.
 const PANEL_HEIGHT: f64 = 250.0;
-/// Number of decades that a logarithmic axis shows below its largest value; labels of more decades would not fit.
+/// Number of decades of a logarithmic axis below its largest value. Labels of more decades would not fit.
 const DECADES: i32 = 6;
 /// Colour of curves that serve only as a reference.
 pub(super) const GREY: &str = "#777777";
@@ -162,7 +162,7 @@ fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
     }
     for point in failed.iter().flat_map(|series| &series.points).filter(shown) {
         x.include(point.x);
-        // points of failed runs are drawn on the upper frame, whatever their value
+        // a point of a failed run is drawn on the upper frame, independent of its value
         if panel.log_y || y.is_empty() {
             y.include(point.y);
         }
@@ -218,18 +218,18 @@ fn layout(panel: &Panel, x: (f64, f64), y: (f64, f64), empty: bool) -> Layout {
     layout
 }
 
-/// Tick labels with all digits of a tick. Steps of 0.0025 need four decimal places; with two, every other label would
-/// be wrong.
+/// Tick labels with all digits of the ticks. Ticks at distances of 0.0025 need four decimal places; with two places,
+/// every other label would be wrong.
 pub(super) fn ticks((low, high): (f64, f64)) -> TickFormat {
     let span = high - low;
     TickFormat::Custom(Arc::new(move |value| {
-        // a sum of steps near zero leaves a small remainder
+        // near zero, a sum of steps leaves a small remainder
         let value = if value.abs() < 1e-9 * span { 0.0 } else { value };
         let size = value.abs().max(1e-3 * span);
         if value != 0.0 && !(1e-4..1e6).contains(&size) {
             return significant(value, 3);
         }
-        // ticks have at most three places beyond the first digit of the span; further digits are rounding
+        // ticks have at most three places beyond the first digit of the span; further digits are rounding errors
         let places = (3 - span.log10().floor() as i32).clamp(1, 9) as usize;
         let text = format!("{:.places$}", value.abs());
         let text = text.trim_end_matches('0').trim_end_matches('.');
@@ -249,7 +249,7 @@ pub(super) fn powers() -> TickFormat {
     }))
 }
 
-/// Plots of a series: a line, with a band if errors are known, or points. Error bars end at `floor`.
+/// Plots of a series: points, or a line, with a band if errors are known. Error bars end at `floor`.
 fn plot(look: SeriesStyle, points: &[SeriesPoint], floor: f64) -> Vec<Plot> {
     let data: Vec<(f64, f64)> = points.iter().map(|p| (p.x, p.y)).collect();
     let line = || {
@@ -317,10 +317,10 @@ impl AxisRange {
         self.0 > self.1
     }
 
-    /// Ends of the axis, at some distance from each other even if all values are equal.
+    /// Ends of the axis. They differ even if all values are equal.
     fn ends(self) -> (f64, f64) {
         let Self(low, high) = self;
-        // a smaller difference is rounding, and ticks would have equal labels
+        // a smaller difference is rounding, and would give ticks with equal labels
         if high - low > 1e-9 * low.abs().max(high.abs()) {
             return (low, high);
         }
@@ -328,7 +328,7 @@ impl AxisRange {
         (low - half, high + half)
     }
 
-    /// Range widened to powers of ten, of at least one decade.
+    /// Range widened to whole powers of ten, with at least one decade.
     fn decades(self) -> (f64, f64) {
         let (low, high) = (self.0.log10().floor(), self.1.log10().ceil());
         (10f64.powf(low), 10f64.powf(high.max(low + 1.0)))
@@ -345,14 +345,14 @@ impl AxisRange {
     }
 }
 
-/// SVG text of a picture, with a view box, so that a page can scale the picture to the width of its column.
+/// SVG text of a picture. Its view box allows a page to scale the picture to the width of a column.
 pub(super) fn svg(scene: &Scene) -> String {
     let text = SvgBackend::new().render_scene(scene);
     let view = format!("<svg viewBox=\"0 0 {} {}\" ", scene.width, scene.height);
     text.replacen("<svg ", &view, 1)
 }
 
-/// Text in a form that kuva accepts. A dollar sign would start a formula, and XML allows no control characters.
+/// Text in a form that kuva accepts: a dollar sign would begin a formula, and XML allows no control characters.
 pub(super) fn plain(text: &str) -> String {
     text.chars().filter(|c| !c.is_control()).collect::<String>().replace('$', "\\$")
 }

@@ -1,4 +1,4 @@
-//! Figure of the difference of each quantity between two sides, in units of the margin.
+//! Figure of the differences between the two sides, in units of the margin.
 
 use super::rows::{Dot, RowsFigure, rows};
 use crate::output::Verdict;

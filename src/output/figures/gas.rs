@@ -1,9 +1,11 @@
-//! Figures of the gas velocity: across the channel (the paper's Fig. 2), and in wall units with a direct numerical
+//! Figures of the gas velocity: across the channel (the paper's Fig. 2), and in wall units next to a direct numerical
 //! simulation.
 
 use super::chart;
 use super::profiles;
-use crate::fluid::{ChannelFlow, Profile, Section, TurbulenceModel};
+use crate::fluid::{ChannelFlow, GridNode, Profile, Section, TurbulenceModel};
+use crate::observe::GasFlow;
+use crate::outcome::Outcome;
 use crate::output::numbers::Prefix;
 use crate::output::panel::Figure;
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
@@ -24,18 +26,18 @@ pub const CHANNEL_DNS: [(f64, f64); 9] = [
 
 /// Number of points of a drawn curve.
 const POINTS: usize = 400;
-/// Number of points of each curve if there are several gases.
+/// Number of points of each curve in a picture of several gases.
 const GASES_POINTS: usize = 120;
 
-/// Figures of a gas profile between walls at y = 0 and y = `height` [m]. The second figure, in wall units, exists only
-/// for a k-epsilon channel.
+/// Figures of a gas profile between walls at y = 0 and y = `height` [m]. Only a k-epsilon channel has the second
+/// figure, in wall units.
 pub fn gas(profile: &Profile, height: f64) -> Vec<Figure> {
     let mut figures = vec![Figure::new(
         "velocity",
         "Mean streamwise velocity of the gas.",
         chart::single(&profiles::gas_velocity(profile, height)),
     )];
-    // the simulated flow is that of a channel, not of a pipe
+    // the direct numerical simulation is that of a channel, not of a pipe
     if let Some(flow) = profile.channel_flow().filter(|flow| flow.section == Section::Channel) {
         figures.push(Figure::new(
             "wall-units",
@@ -46,11 +48,11 @@ pub fn gas(profile: &Profile, height: f64) -> Vec<Figure> {
     figures
 }
 
-/// Profiles of several gases between walls at y = 0 and y = `height` [m]. The horizontal axis is the logarithm of the
-/// distance from the wall, up to the middle of the channel. `None` for fewer than two gases.
+/// Figure of the profiles of several gases between walls at y = 0 and y = `height` [m]. The horizontal axis is the
+/// distance from the wall on a logarithmic scale, up to the middle of the channel. `None` for fewer than two gases.
 pub fn gases(profiles: &[(String, Profile)], height: f64) -> Option<Figure> {
-    /// [-] distance from the wall, divided by the width of the channel, at which the curves begin: half the radius of the smallest sphere
-    /// of a channel.
+    /// [-] distance from the wall over the width of the channel at which the curves begin: half the radius of the
+    /// smallest sphere of a channel.
     const NEAREST: f64 = 2.5e-3;
     if profiles.len() < 2 {
         return None;
@@ -73,6 +75,33 @@ pub fn gases(profiles: &[(String, Profile)], height: f64) -> Option<Figure> {
         ..Panel::default()
     };
     Some(Figure::new("gases", "Mean streamwise velocity of the gases of all variants.", chart::single(&panel)))
+}
+
+/// Picture of the gas that feels the particles, beside the gas alone: velocity and turbulent kinetic energy from the wall
+/// to the middle. `None` if the gas is frozen in all variants.
+pub fn loaded(outcomes: &[Outcome]) -> Option<Figure> {
+    let flows: Vec<(&str, &GasFlow)> =
+        outcomes.iter().filter_map(|outcome| Some((outcome.experiment.name.as_str(), outcome.gas.as_ref()?))).collect();
+    let (_, first) = flows.first()?;
+    let prefix = Prefix::of(first.alone.last()?.y);
+    let panel = |label: &str, of: fn(&GridNode) -> f64| {
+        let points = |nodes: &[GridNode]| -> Vec<SeriesPoint> {
+            nodes.iter().map(|node| SeriesPoint::at(node.y * prefix.factor, of(node))).collect()
+        };
+        let alone = PanelSeries::new("gas alone", SeriesStyle::Reference, points(&first.alone));
+        let among = flows.iter().enumerate().map(|(style, (name, flow))| {
+            PanelSeries::new(format!("among the particles of {name}"), SeriesStyle::Line(style), points(&flow.mean))
+        });
+        Panel {
+            x_label: format!("distance from the wall  [{}m]", prefix.symbol),
+            y_label: label.into(),
+            series: std::iter::once(alone).chain(among).collect(),
+            ..Panel::default()
+        }
+    };
+    let panels = [panel("U  [m/s]", |node| node.u), panel("k  [m²/s²]", |node| node.k)];
+    let caption = "Mean velocity and turbulent kinetic energy of the gas, alone and averaged among the particles.";
+    Some(Figure::new("gas", caption, chart::grid(&panels)))
 }
 
 fn wall_units(profile: &Profile, flow: &ChannelFlow) -> Panel {

@@ -5,8 +5,8 @@ use crate::output::numbers::Prefix;
 use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::scene::Scene;
 
-/// [-] factor on the spanwise axis for its length along each of the two directions of the picture. The axis is drawn at
-/// 45 degrees and half length (cabinet projection).
+/// [-] factors on the spanwise length along the two directions of the picture. The spanwise axis is drawn at 45 degrees
+/// and at half length (cabinet projection).
 const OBLIQUE: f64 = 0.5 * std::f64::consts::FRAC_1_SQRT_2;
 /// [-] length of an arrow over the shortest edge of the box.
 const ARROW: f64 = 0.3;
@@ -24,14 +24,14 @@ pub fn geometry(scene: &Scene) -> Figure {
     let wall =
         |y: f64| [(0.0, 0.0), (size.x, 0.0), (size.x, size.z), (0.0, size.z), (0.0, 0.0)].map(|(x, z)| at(x, y, z));
     let kind = |axis: usize| if scene.domain.periodic[axis] { "periodic" } else { "between walls" };
-    // series with equal names share one line of the legend
+    // series with the same name have one common line in the legend
     let end = |y: f64| PanelSeries::new("ends of the box along y", SeriesStyle::Line(0), wall(y));
     let mut series = vec![end(0.0), end(size.y)];
     for (x, z) in [(0.0, 0.0), (size.x, 0.0), (size.x, size.z), (0.0, size.z)] {
         series.push(PanelSeries::new("edges", SeriesStyle::Reference, [at(x, 0.0, z), at(x, size.y, z)]));
     }
     let arrow = ARROW * size.min();
-    // the arrows are next to the box, so that nothing covers them
+    // the arrows are beside the box, so that nothing covers them
     let from = size.y + 1.5 * arrow;
     let axis = |label: String, look: usize, end: SeriesPoint| {
         PanelSeries::new(label, SeriesStyle::Line(look), [at(0.0, from, 0.0), end])

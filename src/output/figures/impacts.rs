@@ -1,4 +1,4 @@
-//! Figures of distributions over impacts (the paper's Fig. 6), and of mean overlaps against κ_n (the paper's Eq. 13).
+//! Figures of the distributions of impacts (the paper's Fig. 6), and of mean overlaps against κ_n (the paper's Eq. 13).
 
 use super::chart;
 use crate::experiment::SoftStepping;
@@ -19,7 +19,7 @@ const CURVE_POINTS: usize = 60;
 /// Name in the legend of curves from kinetic theory.
 const THEORY: &str = "Maxwellian gas";
 
-/// [-] overlap over the diameter below which an overlap counts as rounding, as in event-driven collisions.
+/// [-] overlap over the diameter below which the overlap counts as a rounding error, as in event-driven collisions.
 pub(in crate::output) const ROUNDING: f64 = 1e-9;
 
 /// Kind of curve by which a distribution is drawn.
@@ -40,12 +40,12 @@ struct ImpactQuantity {
     scale: f64,
     y_label: &'static str,
     shape: Shape,
-    /// Smallest value that is drawn. Variants all of whose values are smaller are left out.
+    /// Smallest value that is drawn. A variant with smaller values only is left out.
     least: f64,
     pick: fn(&Impacts) -> &Histogram,
     /// Prediction of kinetic theory, as a function of the quantity.
     theory: Option<fn(&Overlaps, f64) -> f64>,
-    /// True if the prediction requires that all contacts are stepped at the same times.
+    /// True if the prediction is valid only for runs in which all contacts have the same time steps.
     in_step: bool,
 }
 
@@ -65,7 +65,7 @@ pub fn impact_speed(outcomes: &[Outcome]) -> String {
 }
 
 /// Picture of the largest overlap of an impact over the diameter, between particles and at walls. One panel shows the
-/// probability density on a logarithmic axis, because deep overlaps are rare; the other shows the cumulative
+/// probability density on a logarithmic axis, because deep overlaps are rare. The other panel shows the cumulative
 /// distribution.
 pub fn overlap(outcomes: &[Outcome]) -> String {
     let density = ImpactQuantity {
@@ -83,8 +83,8 @@ pub fn overlap(outcomes: &[Outcome]) -> String {
     views(outcomes, &[density, share])
 }
 
-/// Picture of the overlap at detection over the diameter, between particles and at walls: probability density and
-/// cumulative distribution.
+/// Picture of the overlap over the diameter at the first detection of an impact, between particles and at walls:
+/// probability density and cumulative distribution.
 pub fn first_overlap(outcomes: &[Outcome]) -> String {
     let density = ImpactQuantity {
         x_label: "δ first / d  [%]",
@@ -101,8 +101,8 @@ pub fn first_overlap(outcomes: &[Outcome]) -> String {
     views(outcomes, &[density, share])
 }
 
-/// Picture of the mean overlaps of all soft variants, divided by κ_n, against κ_n. Lines show kinetic theory. There are
-/// panels for particles and for walls. `None` with fewer than two variants.
+/// Picture of the mean overlaps of all soft variants over κ_n d, against κ_n. Lines show kinetic theory. One panel is
+/// for particles, one for walls. `None` for fewer than two variants.
 pub fn mean_overlap(outcomes: &[Outcome]) -> Option<String> {
     let panel = |title: &str, wall: bool| {
         let known: Vec<(f64, &Impacts)> = outcomes
@@ -141,7 +141,8 @@ pub fn mean_overlap(outcomes: &[Outcome]) -> Option<String> {
     (!panels.is_empty()).then(|| chart::grid(&panels))
 }
 
-/// Picture with a row of panels per group of variants and view. The panels show impacts between particles and at walls.
+/// Picture with panels for each group of variants and each of the `views`: a panel for impacts between particles and a
+/// panel for impacts at walls.
 fn views(outcomes: &[Outcome], views: &[ImpactQuantity]) -> String {
     let mut panels = Vec::new();
     for group in groups(outcomes) {
@@ -180,8 +181,8 @@ impl ImpactQuantity {
         panel
     }
 
-    /// Density as a step curve. On a linear axis the curve ends at zero. On a logarithmic axis an empty bin is drawn at
-    /// the density of half a count, which is below the density of every filled bin.
+    /// Density as a step curve. On a linear axis the curve ends at zero. On a logarithmic axis, an empty bin is drawn
+    /// at the density of half a count, lower than any filled bin.
     fn steps(&self, histogram: &Histogram) -> Vec<SeriesPoint> {
         let all = bins(histogram);
         let mut points: Vec<SeriesPoint> = Vec::new();
@@ -192,7 +193,7 @@ impl ImpactQuantity {
             else {
                 continue;
             };
-            // the last group may contain fewer bins than the others: the missing bins count as empty
+            // if the last group has fewer bins than the others, the missing bins count as empty
             let density = sum / merged as f64;
             let y = if self.shape == Shape::LogDensity { density.max(half_count(histogram, merged)) } else { density };
             let upper = first.lower + merged as f64 * histogram.width;
@@ -222,7 +223,7 @@ impl ImpactQuantity {
     }
 }
 
-/// Fractions of values below the ends of bins, for as many bins as a picture shows.
+/// Fractions of values below the upper ends of groups of bins, with as many groups as a picture shows.
 fn shares(histogram: &Histogram) -> Vec<SeriesPoint> {
     let all = bins(histogram);
     let mut below = 0;

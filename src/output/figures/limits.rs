@@ -14,8 +14,8 @@ pub fn limits(map: &Map) -> Figure {
     Figure::new(map.name, &map.method, svg)
 }
 
-/// Ends of the horizontal axis, with room for markers at both ends. `None` if there are no markers, or if all markers
-/// are at one position.
+/// Ends of the horizontal axis, with room for the markers at both ends. `None` without markers, or if all markers have
+/// the same position.
 pub(super) fn x_range(panel: &Panel) -> Option<(f64, f64)> {
     let marks =
         panel.series.iter().filter(|series| matches!(series.look, SeriesStyle::Points(_) | SeriesStyle::Sweep(_)));
@@ -24,7 +24,7 @@ pub(super) fn x_range(panel: &Panel) -> Option<(f64, f64)> {
     if low >= high {
         return None;
     }
-    // room at each end, as a fraction of the axis: about the width of a marker
+    // room at each end, as a fraction of the axis; it is about the width of a marker
     const ROOM: f64 = 0.025;
     Some(if panel.log_x {
         let room = (high / low).powf(ROOM);

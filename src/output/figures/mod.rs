@@ -1,8 +1,8 @@
 //! Pictures of results, as SVG text with a width of 640 px.
 //!
-//! All pictures have the style defined in one file. Bands show one standard error. A variant has the same colour, dash
-//! pattern and marker in every picture. Values that cannot be drawn are left out. A panel without points contains a
-//! text about this.
+//! All pictures have the style of the file `chart.rs`. Bands show one standard error. A variant has the same colour,
+//! dash pattern and marker in every picture. Values that cannot be drawn are left out. A panel without points contains
+//! the text "nothing recorded".
 
 mod bounces;
 mod budgets;
@@ -71,6 +71,7 @@ pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
             svg,
         )
     }));
+    figures.extend(gas::loaded(outcomes));
     let caption = "Second moments of the velocity fluctuations: u streamwise, v wall-normal, w spanwise.";
     figures.extend(of_groups("second-moments", caption, second_moments(outcomes)));
     let caption =
@@ -93,7 +94,7 @@ pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
     figures
 }
 
-/// One figure for each group of variants, from its title and its picture.
+/// One figure for each picture. Each picture comes with the title of its group of variants.
 fn of_groups(
     name: &'static str,
     caption: &'static str,
@@ -140,12 +141,12 @@ fn overlaps(outcomes: &[Outcome]) -> Vec<Figure> {
     figures
 }
 
-/// [byte] largest length of the words in a file name. File systems allow 255 bytes for the whole name, which also
-/// contains other parts.
+/// [byte] largest length of the part of a file name that is made from words. File systems allow 255 bytes for the whole
+/// name.
 const LONGEST_NAME: usize = 100;
 
-/// Words in the form of a part of a file name: letters and digits in lower case, other characters as hyphens. Long
-/// words are cut and get a checksum of the whole text.
+/// Words as a part of a file name: letters and digits in lower case, and hyphens in place of other characters. Long
+/// words are cut, and a checksum of the whole text is added.
 pub fn file_name(title: &str) -> String {
     let letters = title.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { ' ' });
     let mut name = letters.collect::<String>().split_whitespace().collect::<Vec<_>>().join("-");

@@ -1,5 +1,5 @@
 //! Figures of curves over time: averages over all particles, and the path of each particle if the particles are few.
-//! Theoretical curves are added if a theory applies.
+//! Theoretical curves are added where a theory is valid.
 
 use super::{chart, file_name};
 use crate::observe::Row;
@@ -10,8 +10,8 @@ use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle}
 use crate::predict::closed_form::{Bouncing, Chain, Cooling, settling_velocity};
 use nalgebra::Vector3;
 
-/// Number of parts of equal length into which a run is divided for impact rates. With so many parts a curve has enough
-/// points, and each part still contains impacts.
+/// Number of equal parts of a run for impact rates. With 50 parts, a curve has enough points, and each part contains
+/// impacts.
 const PARTS: usize = 50;
 
 /// Number of intervals of a theoretical curve.
@@ -20,10 +20,10 @@ const POINTS: usize = 600;
 /// [-] ratio of the highest to the lowest temperature above which the axis is logarithmic.
 const DECAY: f64 = 20.0;
 
-/// [-] fraction of the settling velocity that particles must reach so that the settling velocity is drawn.
+/// [-] fraction of the settling velocity. The settling velocity is drawn only if particles reach this fraction of it.
 const NEAR: f64 = 0.1;
 
-/// [-] mean velocity over the agitation below which the mean velocity is rounding.
+/// [-] ratio of the mean velocity to the agitation, below which the mean velocity is a rounding error.
 const ROUNDING: f64 = 1e-9;
 
 /// Figures over time of a run or a comparison.
@@ -68,8 +68,7 @@ impl TimeAxis {
         Self { length, prefix: Prefix::of(length) }
     }
 
-    /// Panel with this time axis. Series without points are left out. `None` if no other series than theoretical ones
-    /// remains.
+    /// Panel with this time axis. Series without points are left out. `None` if only theoretical series remain.
     fn panel(&self, y_label: String, series: Vec<PanelSeries>) -> Option<Panel> {
         let series: Vec<PanelSeries> = series.into_iter().filter(|series| !series.points.is_empty()).collect();
         let drawn = series.iter().any(|series| !matches!(series.look, SeriesStyle::Exact | SeriesStyle::Reference));
@@ -81,7 +80,7 @@ impl TimeAxis {
         SeriesPoint::at(time * self.prefix.factor, value)
     }
 
-    /// Theoretical curve over the whole time, at those times at which `of` has a value.
+    /// Theoretical curve over the whole time, without the times at which `of` has no value.
     fn theory(&self, label: &str, of: impl Fn(f64) -> Option<f64>) -> PanelSeries {
         let times = (0..=POINTS).map(|k| self.length * k as f64 / POINTS as f64);
         let points = times.filter_map(|time| Some(self.point(time, of(time)?)));
@@ -89,7 +88,7 @@ impl TimeAxis {
     }
 }
 
-/// Lines of a quantity in the rows of the time series, one line per variant.
+/// Lines of a quantity over time, one line per variant.
 fn lines(group: &PanelGroup, time: &TimeAxis, of: impl Fn(&Row) -> Option<f64>) -> Vec<PanelSeries> {
     let line = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
         let points = outcome.series.rows.iter().filter_map(|row| Some(time.point(row.time, of(row)?)));
@@ -98,7 +97,7 @@ fn lines(group: &PanelGroup, time: &TimeAxis, of: impl Fn(&Row) -> Option<f64>) 
     group.members.iter().enumerate().map(line).collect()
 }
 
-/// Lines of impacts per time [1/s], computed in parts of the run.
+/// Lines of impacts per time [1/s], averaged over parts of the run.
 fn rates(group: &PanelGroup, time: &TimeAxis, count: impl Fn(&Row) -> u64) -> Vec<PanelSeries> {
     let line = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
         let rows: Vec<&Row> = outcome.series.rows.iter().collect();
@@ -128,7 +127,7 @@ fn largest(series: &[PanelSeries]) -> f64 {
     series.iter().flat_map(|series| &series.points).map(|point| point.y.abs()).fold(0.0, f64::max)
 }
 
-/// Panel of a quantity in `unit` with an SI prefix; `None` if the quantity is always 0.
+/// Panel of a quantity in `unit` with an SI prefix; `None` for a quantity that is always 0.
 fn prefixed(time: &TimeAxis, name: &str, unit: &str, mut series: Vec<PanelSeries>) -> Option<Panel> {
     let prefix = Prefix::of(largest(&series));
     series.iter_mut().flat_map(|series| &mut series.points).for_each(|point| point.y *= prefix.factor);
@@ -139,7 +138,7 @@ fn plain(time: &TimeAxis, label: &str, series: Vec<PanelSeries>) -> Option<Panel
     (largest(&series) > 0.0).then(|| time.panel(label.into(), series))?
 }
 
-/// Granular temperatures over time. There are no lines unless the temperatures are known at all instants, as for many
+/// Lines of the granular temperature over time. Empty if the temperature is unknown at an instant, as for a few
 /// particles.
 fn temperature(group: &PanelGroup, time: &TimeAxis) -> Vec<PanelSeries> {
     let known = |outcome: &Outcome| outcome.series.rows.iter().all(|row| row.temperature.is_some());
@@ -147,8 +146,7 @@ fn temperature(group: &PanelGroup, time: &TimeAxis) -> Vec<PanelSeries> {
     if all { lines(group, time, Row::granular_temperature) } else { Vec::new() }
 }
 
-/// Mean velocities along an axis. There are no lines if the velocities are only the rounding errors of sums that
-/// vanish.
+/// Lines of the mean velocity along an axis. Empty if the velocities are only rounding errors of sums that vanish.
 fn velocity(group: &PanelGroup, time: &TimeAxis, axis: usize) -> Vec<PanelSeries> {
     let lines = lines(group, time, |row| Some(row.velocity[axis]));
     let rows = group.members.iter().flat_map(|(_, outcome)| &outcome.series.rows);
@@ -191,8 +189,8 @@ fn series(group: &PanelGroup, time: &TimeAxis) -> Vec<Panel> {
     panels.into_iter().flatten().collect()
 }
 
-/// Axis along which most of the motion occurs: that of gravity or, without gravity, that of the largest velocity. If
-/// nothing moves, the result is the streamwise axis.
+/// Axis along which most of the motion occurs: that of gravity or, without gravity, that of the largest velocity. The
+/// streamwise axis if nothing moves.
 fn axis(outcome: &Outcome) -> usize {
     let gravity = outcome.experiment.scene.gravity_alone();
     let speeds =
@@ -204,10 +202,10 @@ fn axis(outcome: &Outcome) -> usize {
     }
 }
 
-/// Theoretical position and velocity of the particle with a given index at a time [s].
+/// Theoretical position [m] and velocity [m/s] of the particle with a given index at a time [s].
 type Theory = dyn Fn(usize, f64) -> Option<[Vector3<f64>; 2]>;
 
-/// Theory for a scene of few particles; `None` if no theory applies.
+/// Theory of a single bouncing particle, or of a chain of particles; `None` if the scene is neither.
 fn theory(outcome: &Outcome) -> Option<Box<Theory>> {
     let points = &outcome.paths.points;
     let start: Vec<_> = points.iter().take(outcome.particles).map(|point| [point.position, point.velocity]).collect();

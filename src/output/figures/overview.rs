@@ -1,5 +1,5 @@
-//! Figures at the top of a comparison's page: differences in per cent with the margin, and the cost. The pictures use
-//! the colours of the page, so that they also fit its dark mode; a separate file has the light colours.
+//! Figures at the top of the page of a comparison: differences in per cent with the margin, and the cost. The pictures
+//! use the colours of the page, so that they fit its dark mode too. In separate files they have light colours.
 
 use crate::output::numbers::significant;
 use crate::output::panel::Figure;
@@ -14,17 +14,16 @@ pub const COST: &str = "cost";
 
 /// [px] width of a picture.
 const WIDTH: f64 = 560.0;
-/// [px] part of the width that contains the names of rows.
+/// [px] part of the width with the names of the rows.
 const NAMES: f64 = 168.0;
-/// [px] height of a row without its points. The next constant is the height of each point.
+/// [px] height of a row without its points, and height of each point.
 const ROW: f64 = 10.0;
 const POINT: f64 = 11.0;
-/// [margins] largest difference on the axis; larger differences are drawn at the frame, with their numbers.
+/// [margins] largest difference on the axis. A larger difference is drawn at the frame, with its number.
 const FURTHEST: f64 = 4.0;
-/// [s] wall time below which the cost of a run depends mainly on the load of the machine.
+/// [s] wall time below which the cost of a run depends mainly on other load of the machine.
 const TELLING: f64 = 0.1;
-/// Colours of the variants, equal to those of other pictures. The file style.css contains the colours for the dark
-/// mode.
+/// Colours of the variants, equal to those of other pictures. The file style.css contains the colours of the dark mode.
 const COLOURS: [&str; 7] = super::chart::COLOURS;
 
 fn colour(place: usize) -> String {
@@ -37,7 +36,7 @@ pub fn symbol(quantity: &str) -> String {
     slice_column(quantity).map_or(quantity, |column| column.symbol).into()
 }
 
-/// Difference of a quantity that the sentence of the comparison contains [% of the scale of the quantity].
+/// Difference in the sentence of the comparison, in % of the scale of the quantity.
 pub fn in_per_cent(one: &Judged) -> Option<Estimate> {
     let found = one.tested.headline()?;
     Some(Estimate::new(found.difference, found.error).times(100.0 / one.tested.scale))
@@ -54,8 +53,7 @@ pub fn quantities<'a>(verdicts: impl Iterator<Item = &'a Verdict>) -> Vec<&'a st
     names
 }
 
-/// Figure of the differences of each quantity in per cent of its scale, with the margin as a band. `None` without a
-/// comparison.
+/// Figure of the difference of each quantity in % of its scale, with the margin as a band. `None` without a comparison.
 pub fn differences(study: &Study) -> Option<Figure> {
     let judged =
         |verdict: &Verdict| verdict.comparison.as_ref().map_or(Vec::new(), |comparison| comparison.judged.clone());
@@ -89,7 +87,7 @@ struct DifferenceMark {
     place: usize,
     /// [%] difference with its standard error.
     found: Estimate,
-    /// [%] interval that contains the differences in all slices or at all instants.
+    /// [%] interval in which the differences of all slices or instants lie.
     interval: [f64; 2],
 }
 
@@ -151,7 +149,7 @@ fn names(study: &Study) -> Markup {
     });
     let wide = |name: &str| 26.0 + 7.0 * name.chars().count() as f64;
     let starts = variants.scan(NAMES, |x, (place, name)| Some((std::mem::replace(x, *x + wide(name)), place, name)));
-    // names that do not fit are only in the table
+    // names that do not fit are left out; the table contains them
     let shown: Vec<_> = starts.filter(|(x, _, name)| x + wide(name) < WIDTH).collect();
     html! {
         @for (x, place, name) in &shown {
@@ -186,11 +184,11 @@ fn arrow(x: f64, y: f64, side: f64) -> String {
 }
 
 /// Figure of the wall-clock time per simulated time, with a bar per variant. `None` for a single variant, or if all
-/// runs were too short for a comparison of times.
+/// runs were too short to compare their times.
 pub fn cost(study: &Study) -> Option<Figure> {
     let outcomes = study.outcomes;
     let told = outcomes.iter().filter(|o| o.failure.is_none() && o.timing.wall_seconds >= TELLING);
-    // a run that stopped early does not have the cost of the whole case, and is left out
+    // a run that stopped early is left out, because its cost is not that of the whole case
     let cheapest = told.filter_map(cost_of).reduce(f64::min)?;
     if study.comparisons.is_empty() || outcomes.len() < 2 {
         return None;
@@ -223,13 +221,13 @@ struct Bar {
     /// [-] cost over that of the cheapest variant; `None` for a run that stopped early.
     ratio: Option<f64>,
     words: String,
-    /// True if the variant is the reference, or is equivalent to the reference within the margin.
+    /// True for the reference, and for a variant that is equivalent to it within the margin.
     equal: bool,
 }
 
 fn draw(bars: &[Bar]) -> Markup {
     let most = bars.iter().filter_map(|bar| bar.ratio).fold(1.0, f64::max);
-    // the words are to the right of the bar, which takes at most half of the width
+    // the text is to the right of the bar, so that the bar takes at most half of the width
     let wide = |ratio: f64| 0.48 * (WIDTH - NAMES) * ratio / most;
     let height = 24.0;
     html! {

@@ -1,7 +1,9 @@
-//! Figures of profiles across the channel (the paper's Fig. 5 and 7), and of their differences in standard errors.
+//! Figures of profiles across the channel (the paper's Fig. 5 and 7), and of differences of profiles in standard
+//! errors.
 
 use super::chart;
 use crate::fluid::Profile;
+use crate::observe::GasFlow;
 use crate::outcome::Outcome;
 use crate::output::groups::{PanelGroup, TOLD_APART, groups, references};
 use crate::output::numbers::Prefix;
@@ -34,8 +36,8 @@ pub fn streamwise_velocity(outcomes: &[Outcome]) -> String {
     draw(&groups(outcomes).iter().map(panel).collect::<Vec<_>>())
 }
 
-/// Picture of the mean streamwise velocities of the particles and of the gas. It is a separate picture, because the
-/// much wider range of the gas velocity would hide differences between variants. `None` without a gas.
+/// Picture of the mean streamwise velocities of the particles and of the gas. The gas is not in the picture of the
+/// particles, because its much wider range would hide differences between variants. `None` without a gas.
 pub fn beside_the_gas(outcomes: &[Outcome]) -> Option<String> {
     let height = Height::of(outcomes);
     let groups = groups(outcomes);
@@ -48,16 +50,16 @@ pub fn beside_the_gas(outcomes: &[Outcome]) -> Option<String> {
     Some(draw(&groups.iter().map(panel).collect::<Vec<_>>()))
 }
 
-/// [-] fraction of slice `k` of `slices` across y in which centres of spheres can be; they keep a radius away from
-/// walls. `None` if centres cannot be in the slice. If spheres differ in size, this fraction depends on the size, and
-/// the function returns 1.
+/// [-] fraction of slice `k` of `slices` across y that centres of spheres can reach, because they stay a radius away
+/// from walls. `None` if this fraction is zero. For spheres of several sizes the fraction depends on the size, and 1 is
+/// returned.
 fn open_part(outcome: &Outcome, k: usize, slices: usize) -> Option<f64> {
     let scene = &outcome.experiment.scene;
     let ([species], false) = (scene.species.as_slice(), scene.has_sizes()) else { return Some(1.0) };
     let (top, radius) = (scene.domain.size.y, 0.5 * species.diameter);
     let is_wall = |y: f64, facing: f64| {
         scene.walls.iter().any(|wall| match &wall.geometry {
-            // the plane is a side of the box, up to rounding
+            // the plane is a side of the box, except for rounding
             WallGeometry::Plane(plane) => plane.normal.y == facing && (plane.point.y - y).abs() <= 1e-9 * top,
             _ => false,
         })
@@ -69,7 +71,7 @@ fn open_part(outcome: &Outcome, k: usize, slices: usize) -> Option<f64> {
     (open > 0.0).then(|| (open / width).min(1.0))
 }
 
-/// Lines of the number density over its mean. The density refers to the volume in which centres of particles can be.
+/// Lines of the number density over its mean. The density refers to the volume that centres of particles can reach.
 fn room(group: &PanelGroup, height: &Height) -> Vec<PanelSeries> {
     let series = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
         let rows = &outcome.profiles.slices;
@@ -82,7 +84,7 @@ fn room(group: &PanelGroup, height: &Height) -> Vec<PanelSeries> {
     group.members.iter().enumerate().map(series).collect()
 }
 
-/// Picture of one panel, or of several in rows of two.
+/// Picture of one panel, or of several panels in rows of two.
 fn draw(panels: &[Panel]) -> String {
     match panels {
         [panel] => chart::single(panel),
@@ -91,10 +93,23 @@ fn draw(panels: &[Panel]) -> String {
 }
 
 fn gas(group: &PanelGroup, height: &Height) -> Option<PanelSeries> {
-    let fluid = group.members.iter().find_map(|(_, outcome)| outcome.experiment.scene.fluid.as_ref())?;
-    // slices of a pipe also contain particles that are not in the plane through its axis
+    let (outcome, fluid) =
+        group.members.iter().find_map(|(_, outcome)| Some((outcome, outcome.experiment.scene.fluid.as_ref()?)))?;
+    // slices of a pipe also contain particles outside the plane through its axis
     let label = if matches!(fluid.profile, Profile::Pipe(_)) { "gas, in the plane through the axis" } else { "gas" };
-    Some(PanelSeries { label: label.into(), look: SeriesStyle::Reference, points: gas_points(&fluid.profile, height) })
+    let points = match &outcome.gas {
+        Some(gas) => loaded_points(gas, &fluid.profile, height),
+        None => gas_points(&fluid.profile, height),
+    };
+    Some(PanelSeries { label: label.into(), look: SeriesStyle::Reference, points })
+}
+
+/// Time averages of a gas that feels the particles, at the grid points of both halves of the flow.
+fn loaded_points(gas: &GasFlow, profile: &Profile, height: &Height) -> Vec<SeriesPoint> {
+    let [low, high] = profile.between(height.length);
+    let lower = gas.mean.iter().map(|node| (low + node.y, node.u));
+    let upper = gas.mean.iter().rev().map(|node| (high - node.y, node.u));
+    lower.chain(upper).map(|(y, u)| SeriesPoint::at(y * height.prefix.factor, u)).collect()
 }
 
 fn gas_points(profile: &Profile, height: &Height) -> Vec<SeriesPoint> {
@@ -112,21 +127,21 @@ pub(super) fn gas_velocity(profile: &Profile, length: f64) -> Panel {
     height.panel("U  [m/s]", vec![line])
 }
 
-/// Pictures of the six second moments, with a panel per moment. There is one picture per group of variants; each
-/// element contains a caption and a picture.
+/// Pictures of the six second moments, with a panel per moment. Each group of variants has one element: the title of
+/// the group and its picture.
 pub fn second_moments(outcomes: &[Outcome]) -> Vec<(String, String)> {
     panels(&groups(outcomes), &Height::of(outcomes), statistics::second_moments())
 }
 
-/// Pictures of mean spins and of the parts of the rotational temperature, with a panel each. Each group of variants in
-/// which spheres rotate has one picture, which follows its caption.
+/// Pictures of mean spins and of the parts of the rotational temperature, with a panel per quantity. Each group of
+/// variants with rotating spheres has one element: the title of the group and its picture.
 pub fn spins(outcomes: &[Outcome]) -> Vec<(String, String)> {
     let mut groups = groups(outcomes);
     groups.retain(|group| group.members.iter().any(|(_, outcome)| outcome.experiment.scene.rotation.is_some()));
     panels(&groups, &Height::of(outcomes), &statistics::spin_components().collect::<Vec<_>>())
 }
 
-/// A picture per group with a panel per column, which follows the title of the group.
+/// Title and picture of each group, with a panel per column in each picture.
 fn panels(groups: &[PanelGroup], height: &Height, columns: &[SliceColumn]) -> Vec<(String, String)> {
     let picture = |group: &PanelGroup| {
         let panel = |column: &SliceColumn| {
@@ -137,8 +152,9 @@ fn panels(groups: &[PanelGroup], height: &Height, columns: &[SliceColumn]) -> Ve
     groups.iter().map(picture).collect()
 }
 
-/// Picture of the differences between each variant and its reference, in standard errors of the difference. Each
-/// quantity has a panel. Slices are compared one by one; variants with another number of slices are left out.
+/// Picture of the difference between each variant and its reference, in standard errors of the difference. Each
+/// quantity has a panel. Slices are compared one by one; variants with another number of slices than the reference are
+/// left out.
 pub fn differences(outcomes: &[Outcome]) -> String {
     let height = Height::of(outcomes);
     let rotating = outcomes.iter().all(|outcome| outcome.experiment.scene.rotation.is_some());
@@ -169,7 +185,7 @@ fn lines(group: &PanelGroup, height: &Height, column: SliceColumn) -> Vec<PanelS
 }
 
 fn scores(outcomes: &[Outcome], height: &Height, column: SliceColumn) -> Vec<PanelSeries> {
-    // the difference in standard errors is undefined if there are no standard errors
+    // without standard errors, the difference in standard errors is undefined
     let score = |(row, base): (&SliceRow, &SliceRow)| {
         let score = row.of(column)?.less(base.of(column)?).in_errors()?;
         Some(SeriesPoint::at(row.y * height.prefix.factor, score))
@@ -178,8 +194,8 @@ fn scores(outcomes: &[Outcome], height: &Height, column: SliceColumn) -> Vec<Pan
         let slices = |k: usize| outcomes[k].profiles.slices.len();
         place != reference && slices(*place) == slices(*reference)
     });
-    // a variant keeps its style in all pictures; if there are more variants than styles, only drawn variants get
-    // styles, so that few styles repeat
+    // a variant has the same style in all pictures; with more variants than styles, styles are counted over the drawn
+    // variants only, so that fewer styles repeat
     let kept = outcomes.len() <= TOLD_APART;
     pairs
         .enumerate()

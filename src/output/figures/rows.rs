@@ -1,4 +1,4 @@
-//! Pictures of rows of points on a logarithmic axis: one row per name, with several kinds of points.
+//! Pictures with rows of points on a logarithmic axis. Each row has a name and points of several kinds.
 
 use super::chart::{COLOURS, GREY, MARKERS, WIDTH, plain, powers, style, svg, with_legend};
 use kuva::plot::ScatterPlot;
@@ -9,9 +9,9 @@ use kuva::render::plots::Plot;
 use kuva::render::render::render_multiple;
 use std::sync::Arc;
 
-/// [px] height of a row apart from its points.
+/// [px] height of a row without its points.
 const ROW: f64 = 18.0;
-/// [px] height added to a row for each kind of points.
+/// [px] additional height of a row for each kind of points.
 const DOT: f64 = 7.0;
 /// [px] height of the axis, its label and the legend together.
 const REST: f64 = 130.0;
@@ -22,11 +22,11 @@ const DECADES: f64 = 2.0;
 pub struct Dot {
     /// Index of the kind of points to which this point belongs.
     pub series: usize,
-    /// [units of the axis] value, which is the position on the axis.
+    /// [units of the axis] value of the point.
     pub value: f64,
     /// [units of the axis] standard error of the value.
     pub error: Option<f64>,
-    /// True if the answer for this value is certain; other points have pale colours.
+    /// True if the answer for this value is certain. Other points have pale colours.
     pub sure: bool,
 }
 
@@ -88,13 +88,13 @@ pub fn rows(picture: &RowsFigure) -> String {
     svg(&render_multiple(plots, layout.with_width(WIDTH).with_height(height)))
 }
 
-/// Plot of the points of one kind, either those with certain or those with uncertain answers.
+/// Plot of the points of one kind with certain answers (`sure`), or with uncertain answers.
 fn points(picture: &RowsFigure, series: usize, sure: bool, floor: f64) -> Option<Plot> {
     let kinds = picture.series.len() as f64;
     let (mut data, mut arms) = (Vec::new(), Vec::new());
     for (row, (_, dots)) in picture.rows.iter().enumerate() {
         for dot in dots.iter().filter(|dot| dot.series == series && dot.sure == sure && dot.value.is_finite()) {
-            // the kinds have different heights within the row; the first kind is at the top
+            // each kind has its own height within the row; the first kind is at the top
             let place = (picture.rows.len() - row) as f64 + 0.7 * (0.5 - (series as f64 + 0.5) / kinds);
             let x = dot.value.max(floor);
             let error = dot.error.unwrap_or(0.0);

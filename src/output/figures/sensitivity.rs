@@ -1,4 +1,4 @@
-//! Figure of the shift of each observable by each factor, in units of the margin.
+//! Figure of the shifts of the observables by each factor, in units of the margin.
 
 use super::rows::{Dot, RowsFigure, rows};
 use crate::output::panel::Figure;

@@ -1,4 +1,4 @@
-//! Figures of the validation suite: the largest deviation of every row, and curves of single rows.
+//! Figures of the validation suite: the largest deviation of each row, and curves of single rows.
 
 use super::chart;
 use super::limits::x_range;

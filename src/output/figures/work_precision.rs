@@ -6,13 +6,13 @@ use crate::output::panel::Figure;
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::output::{ChartStudy, CostMeasure, cheapest};
 
-/// [-] smallest error on the axis; smaller errors are drawn on the lower frame.
+/// [-] smallest error on the axis. A smaller error is drawn on the lower frame.
 const LOWEST: f64 = 1e-9;
 
-/// [-] error within which the cheapest method is searched for, and this error as text.
+/// [-] largest error of the methods among which the cheapest is searched for, and this error as text.
 pub const WITHIN: (f64, &str) = (0.01, "1 %");
 
-/// Figures of the error of each quantity: first all against the number of operations, then all against wall-clock time.
+/// Figures of the error of each quantity: first against the number of operations, then against wall-clock time.
 pub fn work_precision(study: &ChartStudy) -> Vec<Figure> {
     let all = |cost: CostMeasure, name: &'static str, words: &'static str| {
         study.quantities.iter().enumerate().map(move |(index, quantity)| {
@@ -28,7 +28,7 @@ fn picture(study: &ChartStudy, index: usize, cost: CostMeasure) -> String {
     let at = |place: usize| {
         let point = &study.points[place];
         let found = point.errors.get(index).copied().flatten()?;
-        // an error of 0 is replaced by the smallest positive number, so that the point is drawn on the lower frame
+        // an error of 0 becomes the smallest positive number, so that the point is drawn on the lower frame
         let y = found.error.max(f64::MIN_POSITIVE);
         Some(SeriesPoint { x: point.cost(cost), y, error: found.uncertainty })
     };
@@ -52,7 +52,7 @@ fn picture(study: &ChartStudy, index: usize, cost: CostMeasure) -> String {
     for place in 0..study.methods.len() {
         let failed = study.points.iter().filter(|point| point.method == place && point.failure.is_some());
         let points = failed.map(|point| SeriesPoint::at(point.cost(cost), 1.0)).collect();
-        // failures share one entry in the legend; their colours are those of the methods
+        // all failures have one entry in the legend, in the colours of their methods
         series.push(PanelSeries { label: "failed (colour: method)".into(), look: SeriesStyle::Failed(place), points });
     }
     let both = [Model::Soft, Model::Hard];

@@ -1,4 +1,4 @@
-//! Recording of one impact, in which gaps and overlaps are enlarged so that they are visible.
+//! Recording of one impact for the animation. Gaps and overlaps are enlarged so that they are visible.
 
 use super::{Player, RecordedVariant, RecordingFrame};
 use crate::observe::{Frame, Frames};
@@ -12,7 +12,7 @@ const FRAMES: usize = 240;
 /// [diameters] depth with which the largest overlap is drawn.
 const DEEP: f64 = 0.3;
 
-/// [-] recorded time before the first touch, over the duration of the longest contact; then recorded time after it.
+/// [-] recorded times before and after the first touch, each over the duration of the longest contact.
 const BEFORE: f64 = 0.6;
 const AFTER: f64 = 1.4;
 
@@ -60,8 +60,8 @@ fn size(study: &ImpactStudy) -> Vector3<f64> {
     Vector3::new(3.6, 1.4, 1.4) * study.diameter
 }
 
-/// Recorded motion of a variant at equal intervals. The times are from `from` to `to` [s] after the first touch. `None`
-/// if the spheres never touch.
+/// Recorded motion of a variant at equal intervals, from `from` to `to` [s] after the first touch. `None` if the
+/// spheres never touch.
 fn record<'a>(
     study: &ImpactStudy,
     bounce: &'a Bounce,
@@ -95,12 +95,12 @@ fn record<'a>(
     (recorded.frames.len() > 1).then_some((bounce, recorded))
 }
 
-/// [s] time at which the gap is closed for the first time; `None` if it never is.
+/// [s] time at which the gap becomes zero for the first time; `None` if it never does.
 fn touch(path: &[PathPoint]) -> Option<f64> {
     path.windows(2).find_map(|pair| {
         let (a, b) = (pair[0], pair[1]);
         let closes = a.gap > 0.0 && (b.gap <= 0.0 || b.normal_velocity > 0.0 && a.normal_velocity < 0.0);
-        // an instantaneous collision between two points ends the straight motion from the first point
+        // a collision without duration, between two points of the path, ends the straight motion from the first point
         let flight = a.time - a.gap / a.normal_velocity;
         closes.then(
             || if b.gap < 0.0 { a.time + (b.time - a.time) * a.gap / (a.gap - b.gap) } else { flight.min(b.time) },

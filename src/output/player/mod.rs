@@ -2,8 +2,9 @@
 //! for readers without scripts.
 //!
 //! The page contains the recording as JSON. Positions are 16-bit fractions of the box; velocities, overlaps and spins
-//! are 16-bit fractions of their largest value. This resolution is finer than that of a screen. All positions come
-//! first, then all velocities, overlaps (if any), spins (if any) and solvers; each block is ordered by frame and then by particle.
+//! are 16-bit fractions of their largest value. This resolution is finer than that of a screen. The order is: all
+//! positions, all velocities, overlaps (if any), spins (if any), solvers. Each of these blocks is ordered by frame,
+//! then by particle.
 
 mod impact;
 mod outlines;
@@ -19,7 +20,7 @@ use maud::{Markup, PreEscaped, html};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-/// Number of variants that have a panel at first; the reader can choose the others.
+/// Number of variants that have a panel at first. The reader can choose other variants.
 const SHOWN: usize = 3;
 
 /// Scripts, in the order in which a page contains them.
@@ -54,21 +55,21 @@ struct RecordingFrame {
     periodic: [bool; 3],
     /// Line segments of each wall, with six coordinates [m] per segment.
     walls: Vec<Vec<f64>>,
-    /// [m/s²] gravity by which flights between frames are curved.
+    /// [m/s²] gravity, for the curved paths of particles between frames.
     gravity: Vector3<f64>,
     /// [m/s] mean velocity of all particles along periodic axes; the view may move with this velocity.
     drift: Vector3<f64>,
     /// Names of the species.
     names: Vec<String>,
-    /// Axes that point to the right and up, such as `zy`.
+    /// Axes that point right and up, such as `zy`; `3d` for a view in three dimensions.
     view: &'static str,
-    /// [-] factor by which gaps and overlaps are enlarged; `None`: drawn to scale.
+    /// [-] factor by which gaps and overlaps are enlarged; `None` if they are drawn to scale.
     magnified: Option<f64>,
     words: String,
 }
 
 impl Player {
-    /// Player of recorded runs; `None` if no run has more than one frame and a sphere.
+    /// Player of recorded runs; `None` without a run that has at least two frames and a sphere.
     pub fn of(outcomes: &[Outcome], frames: &[Frames]) -> Option<Self> {
         let variants =
             outcomes.iter().zip(frames).filter(|(_, frames)| frames.frames.len() > 1 && !frames.radius.is_empty());
@@ -104,7 +105,7 @@ impl Player {
 
     /// HTML of the player for a page.
     pub fn markup(&self) -> Markup {
-        // within a script element, only a tag could end the data
+        // in a script element, only a tag could end the data
         let data = self.data.to_string().replace('<', "\\u003c");
         html! {
             section.player aria-label="Particles" {
@@ -161,7 +162,8 @@ fn stage(outcome: &Outcome, frames: &Frames) -> RecordingFrame {
     }
 }
 
-/// Axes of the view that shows a scene best. The upward axis is opposite to gravity, or across the channel.
+/// View that shows a scene best: the axes to the right and up. The upward axis is opposite to gravity, or across the
+/// channel.
 fn view(scene: &Scene, shown: usize) -> &'static str {
     let size = scene.domain.size;
     let falls_along_z = scene.gravity.z != 0.0 && scene.gravity.y == 0.0 && scene.fluid.is_none();
@@ -173,7 +175,8 @@ fn view(scene: &Scene, shown: usize) -> &'static str {
     }
 }
 
-/// [m/s] mean initial velocity along periodic axes. A component is 0 unless it is much larger than the fluctuations.
+/// [m/s] mean initial velocity along periodic axes. A component is 0 unless it exceeds three times the velocity
+/// fluctuations.
 fn drift(scene: &Scene, frames: &Frames) -> Vector3<f64> {
     let Some(first) = frames.frames.first() else { return Vector3::zeros() };
     let count = first.velocity.len().max(1) as f64;

@@ -6,11 +6,10 @@ use crate::walls::{Plane, WallGeometry};
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
-/// [-] cosine of 25 degrees. If the normals of two triangles differ by more than this angle, their common edge is
-/// drawn.
+/// [-] cosine of 25 degrees. The common edge of two triangles is drawn if their normals differ by a larger angle.
 const SHARP: f64 = 0.906;
 
-/// Largest number of segments of one surface; more would cover the spheres.
+/// Largest number of segments of one surface; more segments would cover the spheres.
 const MOST: usize = 2000;
 
 /// Line segments of each wall, with six coordinates [m] per segment: outlines of planes, and edges of bodies.
@@ -37,8 +36,8 @@ fn around(plane: &Plane, scene: &Scene) -> Vec<f64> {
     corners.iter().zip(next).flat_map(|(from, to)| segment(from, to)).collect()
 }
 
-/// Edges at which a surface ends or bends. Two triangles have a common edge if the corners of both have equal
-/// positions, whatever their indices.
+/// Edges at which a surface ends or bends. Two triangles have a common edge if the positions of two corners are equal;
+/// their indices may differ.
 fn edges(corners: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Vec<f64> {
     let key = |corner: u32| corners[corner as usize].map(f64::to_bits).data.0[0];
     let mut found: HashMap<_, (u32, u32, Vec<Vector3<f64>>)> = HashMap::new();

@@ -5,7 +5,7 @@ use crate::observe::Frames;
 use maud::html;
 use nalgebra::Vector3;
 
-/// [px] width of a picture; then margin around the box.
+/// [px] width of a picture, and margin around the box.
 const WIDTH: f64 = 400.0;
 const MARGIN: f64 = 6.0;
 

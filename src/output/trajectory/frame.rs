@@ -1,4 +1,4 @@
-//! Data of one frame of a trajectory, and the formats in which a frame is written.
+//! Data of one frame of a trajectory, and the formats of the files with a frame.
 
 use super::vtp::Vtp;
 use crate::domain::Domain;
@@ -7,11 +7,11 @@ use nalgebra::Vector3;
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// Code of a particle that moved straight in the last window.
+/// Code of a particle that moved along a straight line in the last window.
 const FLEW: u8 = 0;
-/// Code of a particle in an island, which is a group of particles that may touch within a part of a window.
+/// Code of a particle in an island, a group of particles that may touch within a part of a window.
 const ISLAND: u8 = 1;
-/// Code of a particle that was moved together with all others, by uniform steps or one event queue.
+/// Code of a particle that was moved together with all other particles, by uniform steps or one event queue.
 const EVERYONE: u8 = 2;
 
 /// Particles at one instant. The memory is reused from frame to frame.
@@ -24,15 +24,15 @@ pub(super) struct TrajectoryFrame {
     /// [rad/s] angular velocities; `None` if spheres do not rotate.
     spin: Option<Vec<Vector3<f64>>>,
     id: Vec<u32>,
-    /// Index in the store and overlap [m] of each particle in contact, with one entry per contact of the particle.
+    /// Entry for each contact of each particle: index of the particle in the store, and overlap [m].
     contacts: Vec<(u32, f64)>,
     /// Indices of the particles in islands; `None` if all particles were moved together.
     islands: Option<Vec<u32>>,
-    /// Data of the particles in the order of their ids, available after [`sort`](Self::sort).
+    /// Data of the particles in the order of their ids; available after [`sort`](Self::sort).
     own: Vec<Own>,
 }
 
-/// Data of all particles that do not change during a run.
+/// Data of all particles that are constant during a run.
 #[derive(Debug)]
 pub(super) struct Cast {
     domain: Domain,
@@ -43,7 +43,7 @@ pub(super) struct Cast {
 }
 
 impl Cast {
-    /// Copies the data of a frame in the order of the particle store. The writing thread sorts them later.
+    /// Copies the constant data in the order of the particle store. The writing thread sorts them later.
     pub(super) fn of(simulation: &Simulation) -> Self {
         let particles = &simulation.particles;
         Self {
@@ -64,8 +64,8 @@ impl Cast {
     }
 }
 
-/// Rank of each particle in the order of ids, which must be distinct. For all particles of a run, the rank equals the
-/// id.
+/// Rank of each particle in the order of ids, which must be distinct. If all particles of a run are given, the rank is
+/// the id.
 fn ranks(ids: &[u32]) -> Cow<'_, [u32]> {
     let count = ids.len() as u32;
     if ids.iter().all(|id| *id < count) {
@@ -80,7 +80,7 @@ fn ranks(ids: &[u32]) -> Cow<'_, [u32]> {
     Cow::Owned(ranks)
 }
 
-/// Data of one particle that change from frame to frame.
+/// Data of one particle in one frame.
 #[derive(Clone, Copy, Debug, Default)]
 struct Own {
     /// Index of the particle in the store.
@@ -109,7 +109,7 @@ impl TrajectoryFrame {
         self.islands = simulation.in_islands().map(<[u32]>::to_vec);
     }
 
-    /// Sorts the particles by id, which `vtp` and `xyz` require.
+    /// Sorts the particles by id. The functions `vtp` and `xyz` require sorted particles.
     pub(super) fn sort(&mut self) {
         let Self { own, id, islands, contacts, .. } = self;
         let ranks = ranks(id);
@@ -128,12 +128,12 @@ impl TrajectoryFrame {
         }
     }
 
-    /// Frame as a VTK PolyData file, in three parts to be written one after the other.
+    /// File of the frame in the format VTK PolyData, in three parts to be written one after the other.
     pub(super) fn vtp(&self, cast: &Cast, memory: Vec<u8>) -> [Vec<u8>; 3] {
         self.arrays(cast, memory).finish()
     }
 
-    /// Contents of the file that joins the pieces of the frame at `time` [s]. The pieces contain spins if `rotate` is
+    /// Contents of the file that joins the pieces of the frame at `time` [s]. The pieces have spins if `rotate` is
     /// true.
     pub(super) fn joined(time: f64, rotate: bool, pieces: impl Iterator<Item = String>) -> Vec<u8> {
         let domain = Domain::new(Vector3::repeat(1.0), [false; 3]);
@@ -159,7 +159,7 @@ impl TrajectoryFrame {
         });
         let wrapped = own.iter().map(|own| cast.domain.wrap(&self.position[own.place as usize]).into());
         file.part("Points", |file| file.array::<f64, 3>("Points", wrapped));
-        // one vertex cell contains all points, because viewers draw only cells
+        // all points belong to one vertex cell, because viewers draw only cells
         file.part("Verts", |file| {
             file.array("connectivity", (0..count as i32).map(|id| [id]));
             file.array("offsets", (count > 0).then_some([count as i32]).into_iter());
@@ -167,16 +167,18 @@ impl TrajectoryFrame {
         file
     }
 
-    /// Frame as a file in extended XYZ, in m, s and m/s.
+    /// File of the frame in the format extended XYZ, with units m, s and m/s.
     pub(super) fn xyz(&self, cast: &Cast) -> Vec<u8> {
         let own = &self.own;
-        let [x, y, z] = cast.domain.size.into();
+        let [x, y, z]: [f64; 3] = cast.domain.size.into();
+        // the image one period above may be displaced along z
+        let tilt = cast.domain.at(self.time).offset().map_or("0".to_string(), |offset| format!("{offset:?}"));
         let [px, py, pz] = cast.domain.periodic.map(|periodic| if periodic { 'T' } else { 'F' });
         let mut text = String::with_capacity(200 * (own.len() + 1));
         // writing to a string cannot fail
         let _ = writeln!(
             text,
-            "{}\nLattice=\"{x:?} 0 0 0 {y:?} 0 0 0 {z:?}\" \
+            "{}\nLattice=\"{x:?} 0 0 0 {y:?} {tilt} 0 0 {z:?}\" \
              Properties=pos:R:3:velo:R:3:radius:R:1:id:I:1:type:I:1:overlap:R:1:contacts:I:1:solver:I:1{} \
              Time={:?} pbc=\"{px} {py} {pz}\" units=\"m s\" source=\"diptych {}\"",
             own.len(),
@@ -190,7 +192,7 @@ impl TrajectoryFrame {
             for number in position.iter().chain(&velocity).chain([&cast.radius[rank]]) {
                 let _ = write!(text, "{number:?} ");
             }
-            // types in the file are counted from 1
+            // types in the file begin with 1
             let kind = u32::from(cast.species[rank]) + 1;
             let id = cast.id[rank];
             let _ = write!(text, "{id} {kind} {:?} {} {}", own.overlap, own.contacts, own.solver);

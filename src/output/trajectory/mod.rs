@@ -1,13 +1,12 @@
-//! Trajectory files: the particles at equal times in all variants. The formats are VTK for ParaView (`.vtp` with a
-//! `.pvd` index), and extended XYZ for OVITO and ASE.
+//! Trajectory files: the particles at times that are equal in all variants. The formats are VTK for ParaView (`.vtp`
+//! with a `.pvd` index), and extended XYZ for OVITO and ASE.
 //!
-//! An observer copies the required data of the simulation, and sends them to a thread that sorts and writes them. Each
-//! file is written completely or not at all. However long the run is, the thread holds at most two frames. If the disk
-//! is slower than the run, the run waits.
+//! An observer copies the required data of the simulation, and sends the copy to a thread that sorts and writes it.
+//! Each file is written completely or not at all. The memory is that of at most two frames, for runs of any duration.
+//! If the disk is slower than the run, the run waits.
 //!
-//! If several processes share a run, each writes its particles as one piece of the frame, in a VTK file, and waits
-//! until all processes have done so. Then the writing thread of the lead process writes the file that joins the pieces
-//! (`.pvtp`).
+//! If several processes share a run, each process writes its particles as one piece of the frame, in a VTK file. When
+//! all pieces are written, the writing thread of the lead process writes the file that joins them (`.pvtp`).
 
 mod frame;
 mod pieces;
@@ -35,7 +34,7 @@ use std::thread::{Scope, ScopedJoinHandle};
 /// Name of the subfolder of trajectories.
 pub const TRAJECTORY: &str = "trajectory";
 
-/// True if the beginning of a file shows that this program wrote it. Other files in the folder belong to the user.
+/// True if the beginning of a file contains the name of this program. Other files in the folder belong to the user.
 pub(super) fn is_ours(path: &Path) -> bool {
     let mut beginning = [0; 512];
     let read = File::open(path).and_then(|mut file| file.read(&mut beginning));
@@ -44,23 +43,23 @@ pub(super) fn is_ours(path: &Path) -> bool {
 
 /// Messages to the writing thread.
 enum WriterMessage {
-    /// Surfaces of the walls, times [s] of existing frames, and true if spheres rotate.
+    /// Surfaces of the walls, times [s] of existing frames, and a flag that is true if spheres rotate.
     Begin(Option<[Vec<u8>; 3]>, Vec<f64>, bool),
-    /// Constant data of the particles in the frames that follow.
+    /// Constant data of the particles for the next frames.
     Cast(Box<Cast>),
     Frame(TrajectoryFrame),
     /// Time [s] of a frame, and the number of processes that have written their pieces of this frame.
     Pieces(f64, usize),
 }
 
-/// Progress of the writing thread, shared with the observer.
+/// Progress of the writing thread, which the observer can read.
 #[derive(Default)]
 struct WriterProgress {
     written: Mutex<Written>,
     changed: Condvar,
 }
 
-/// Amount of work that the writing thread has done.
+/// Work that the writing thread has done.
 #[derive(Default)]
 struct Written {
     frames: u64,
@@ -80,13 +79,13 @@ impl WriterProgress {
         self.changed.notify_all();
     }
 
-    /// Waits until the given number of frames has been written, or the thread has ended.
+    /// Waits until `frames` frames have been written, or the thread has ended.
     fn wait(&self, frames: u64) {
         drop(self.changed.wait_while(self.now(), |written| written.frames < frames && !written.ended));
     }
 }
 
-/// Records that the thread has ended, when this value is dropped, even after a panic.
+/// Value that records the end of the thread when it is dropped, even after a panic.
 struct Ended(Arc<WriterProgress>);
 
 impl Drop for Ended {
@@ -102,15 +101,15 @@ pub struct Trajectory<'scope> {
     asked: Trajectories,
     /// Channel to the thread; `None` after the trajectory is finished.
     frames: Option<SyncSender<WriterMessage>>,
-    /// Channel by which written frames come back, so that their memory is reused.
+    /// Channel by which the thread returns written frames, so that their memory is used again.
     used: Receiver<TrajectoryFrame>,
     writer: Option<ScopedJoinHandle<'scope, Result<(), OutputError>>>,
     progress: Arc<WriterProgress>,
-    /// True if the thread has received the walls.
+    /// True if the walls have been sent to the thread.
     begun: bool,
-    /// True if the thread has received the constant data of the particles.
+    /// True if the constant data of the particles have been sent to the thread.
     has_cast: bool,
-    /// Piece of a frame that this process writes itself, if several processes share the run.
+    /// Piece of a frame that this process writes itself if several processes share the run.
     piece: FramePiece,
     /// [s] times of all frames, including those from earlier parts of a resumed run.
     times: Vec<f64>,
@@ -170,7 +169,7 @@ impl<'scope> Trajectory<'scope> {
     }
 
     fn send(&mut self, message: WriterMessage) {
-        // sending fails if the thread has ended; `finish` then takes its error
+        // sending fails if the thread has ended; `finish` then stores the error of the thread
         if self.frames.as_ref().is_none_or(|frames| frames.send(message).is_err()) {
             self.finish();
         }
@@ -188,7 +187,7 @@ impl<'scope> Trajectory<'scope> {
         self.failed = self.failed.take().or(failed);
     }
 
-    /// True if nothing need be written for a time [s], because its frame exists, or writing has failed before.
+    /// True if no frame is to be written for `time` [s], because it exists, or because writing has failed.
     fn is_done(&self, time: f64) -> bool {
         self.failed.is_some() || self.times.last().is_some_and(|last| *last >= time)
     }
@@ -205,7 +204,7 @@ impl<'scope> Trajectory<'scope> {
         }
     }
 
-    /// Sends all particles to the thread.
+    /// Sends all particles to the thread, unless the frame exists.
     fn take_all(&mut self, simulation: &Simulation) {
         if self.is_done(simulation.time) {
             return;
@@ -232,14 +231,14 @@ impl<'scope> Trajectory<'scope> {
 }
 
 impl Observer for Trajectory<'_> {
-    /// Next whole multiple of the requested interval. These times are equal in all variants, whatever their windows.
+    /// Next whole multiple of the requested interval. These times are equal in all variants, for any windows.
     fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
-        // the factor allows for the rounding error of a sum of windows
+        // 1e-9 allows for the rounding error of a sum of windows
         Some(((now / self.asked.every * (1.0 + 1e-9)).floor() + 1.0) * self.asked.every)
     }
 
-    /// All particles are needed in one process for extended XYZ, which is one file. For VTK each process needs only its
-    /// part.
+    /// Extended XYZ has one file per frame, and requires all particles in one process. For VTK, each process requires
+    /// only its own particles.
     fn sight(&self) -> Needs {
         if self.asked.format.is_xyz() { Needs::Every(1) } else { Needs::Parts }
     }
@@ -256,14 +255,14 @@ impl Observer for Trajectory<'_> {
     }
 
     fn end(&mut self, simulation: &Simulation) {
-        // if processes share the run, they have already written the last frame together
+        // if several processes share the run, they have written the last frame already
         if simulation.parts().is_none() {
             self.take_all(simulation);
         }
         self.finish();
     }
 
-    /// Times of all frames, returned after these frames have been written. A resumed run continues after them.
+    /// Times of all frames, returned after the frames have been written. A resumed run continues after these frames.
     fn stored(&self) -> Result<Stored, StoreError> {
         self.progress.wait((self.times.len() - self.earlier) as u64);
         Stored::of(&self.times)
@@ -280,19 +279,19 @@ impl Observer for Trajectory<'_> {
     }
 }
 
-/// Writer of the frames that the thread receives.
+/// Writer of frames, in its own thread.
 struct Writer<'env> {
     folder: &'env Folder,
     name: String,
     format: TrajectoryFormat,
-    /// [s] times of the written frames; true for frames in pieces.
+    /// Time [s] of each written frame, and a flag that is true for a frame in pieces.
     frames: Vec<(f64, bool)>,
-    /// Number of frames in the present index file.
+    /// Number of frames in the index file on the disk.
     listed: usize,
     walls: bool,
     /// True if spheres rotate, so that frames contain spins.
     rotates: bool,
-    /// Names of files left by another part of the run, which are removed after the index no longer lists them.
+    /// Names of files of an earlier part of the run. They are removed once the index does not list them.
     spare: Vec<String>,
 }
 
@@ -321,7 +320,7 @@ impl Writer<'_> {
                     written(Some(frame));
                 }
                 WriterMessage::Pieces(time, count) => {
-                    // the memory for all particles is no longer needed
+                    // a frame in pieces does not need the memory for all particles
                     (cast, memory) = (None, Vec::new());
                     self.join(time, count)?;
                     written(None);
@@ -339,7 +338,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Numbers of frames whose files no longer exist.
+    /// Numbers of the frames whose files have been removed.
     fn gone(&self) -> Vec<usize> {
         let is_gone = |number: &usize| !self.folder.path().join(self.file(*number)).exists();
         (0..self.frames.len()).filter(is_gone).collect()
@@ -398,7 +397,7 @@ impl Writer<'_> {
         self.is_written(time, true)
     }
 
-    /// Names of the existing pieces of a frame whose rank is `rank` or higher.
+    /// Names of the existing pieces of a frame with ranks from `rank` on.
     fn pieces_from(&self, number: usize, rank: usize) -> Vec<String> {
         let names = (rank..).map(|rank| pieces::piece(&self.name, number, rank));
         names.take_while(|name| self.folder.path().join(name).exists()).collect()
@@ -406,16 +405,15 @@ impl Writer<'_> {
 
     fn is_written(&mut self, time: f64, in_pieces: bool) -> Result<(), OutputError> {
         self.frames.push((time, in_pieces));
-        // the index is not written after each frame, because the total work would grow with the square of the number of
-        // frames
+        // the index is not written after each frame, because the total work would then grow with the square of the
+        // number of frames
         if self.frames.len() <= 100 || self.frames.len() >= self.listed + self.listed / 20 {
             self.list(&[])?;
         }
         Ok(())
     }
 
-    /// Writes the index file that ParaView opens. The index contains time and file of each frame, except the frames in
-    /// `gone`.
+    /// Writes the index file for ParaView. The index lists time and file of each frame, without the frames in `gone`.
     fn list(&mut self, gone: &[usize]) -> Result<(), OutputError> {
         if !self.format.is_vtp() || gone.is_empty() && self.listed == self.frames.len() {
             return Ok(());

@@ -1,5 +1,5 @@
-//! Frames of a run that several processes share. Each process writes its own particles as a piece, and the lead process
-//! (rank 0) joins the pieces.
+//! Frames of a run that several processes share. Each process writes its own particles as a piece of the frame, and the
+//! lead process (rank 0) joins the pieces.
 
 use super::frame::{Cast, TrajectoryFrame};
 use super::{TRAJECTORY, Trajectory, WriterMessage};
@@ -30,7 +30,7 @@ impl FramePiece {
     fn write(&mut self, simulation: &Simulation, folder: &Folder, name: &str) -> Result<(), OutputError> {
         self.frame.take(simulation);
         self.frame.sort();
-        // each frame needs new constant data, because particles move between processes
+        // each frame has its own constant data, because particles move between processes
         let mut cast = Cast::of(simulation);
         cast.sort();
         let parts = self.frame.vtp(&cast, std::mem::take(&mut self.bytes));
@@ -42,14 +42,14 @@ impl FramePiece {
 }
 
 impl Trajectory<'_> {
-    /// Writes the particles of this process; all processes must make this call. When all pieces exist, the writing
-    /// thread of the lead process joins them. A piece that cannot be written counts as a failure of the lead process.
+    /// Writes the particles of this process. All processes must call this function. When all pieces exist, the writing
+    /// thread of the lead process joins them. If one piece cannot be written, the trajectory of the lead process fails.
     pub(super) fn take_part(&mut self, simulation: &Simulation, processes: &dyn Communicator) {
         let leads = processes.is_lead();
         let mut number = [if leads { self.next_frame(simulation) } else { 0 }];
         processes.sum(&mut number);
-        // only the lead process contributes the number; a negative number means that it has failed, or that the frame
-        // exists
+        // the sum is the number of the lead process, because all others contribute 0; a negative number means that the
+        // lead process has failed, or that the frame exists
         let Ok(number) = usize::try_from(number[0]) else { return };
         let own = piece(&self.name, number, processes.rank());
         let result = self.piece.write(simulation, self.folder, &own);
@@ -70,8 +70,8 @@ impl Trajectory<'_> {
         self.send(WriterMessage::Pieces(simulation.time, processes.size()));
     }
 
-    /// Number of the frame that all processes are to write, or -1 if they are to write none. On return, all earlier
-    /// frames of this run are written. A file that would join the new pieces before they are complete has been removed.
+    /// Number of the frame that all processes are to write, or -1 if there is none. On return, all earlier frames of this
+    /// run are written, and a file that would join incomplete pieces of this frame has been removed.
     fn next_frame(&mut self, simulation: &Simulation) -> i64 {
         let number = self.times.len();
         if self.is_done(simulation.time) {
@@ -79,7 +79,7 @@ impl Trajectory<'_> {
         }
         self.begin(simulation);
         self.progress.wait((number - self.earlier) as u64);
-        // the memory for all particles is no longer needed
+        // a frame in pieces does not need the memory for all particles
         while self.used.try_recv().is_ok() {}
         self.has_cast = false;
         let ready = self.folder.make_room().and_then(|()| self.folder.remove(&[joined(&self.name, number)]));
@@ -87,7 +87,7 @@ impl Trajectory<'_> {
         if self.failed.is_some() || self.progress.now().failed.is_some() { -1 } else { number as i64 }
     }
 
-    /// Error if the piece of a process does not exist in the folder of this process; `None` if it exists.
+    /// Error if the piece of a process is not in the folder of this process; `None` if it is there.
     fn missing(&self, number: usize, process: usize) -> Option<OutputError> {
         let path = self.folder.path().join(piece(&self.name, number, process));
         let why = || {

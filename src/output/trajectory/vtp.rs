@@ -1,18 +1,18 @@
-//! Writes VTK PolyData files with raw binary data for ParaView. Every number keeps all its bits.
+//! Writes VTK PolyData files with raw binary data for ParaView. The numbers are written without rounding.
 //!
 //! File format: VTK File Formats, "XML file formats",
 //! <https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html>.
 
 use std::fmt::Write;
 
-/// [byte] size of the buffer through which numbers are appended: a multiple of the size of any point.
+/// [byte] size of the buffer in which numbers are collected: a multiple of the size of any point.
 const PIECE: usize = 6144;
 
-/// VTK file under construction. The header describes arrays, whose bytes follow in the order of the header.
+/// VTK file under construction. The header describes the arrays, and the bytes of the arrays follow in the same order.
 pub(super) struct Vtp {
     header: String,
     data: Vec<u8>,
-    /// Declarations of the point arrays for a file that joins several pieces.
+    /// Declarations of the arrays, for a file that joins several pieces.
     of_points: String,
 }
 
@@ -40,8 +40,8 @@ macro_rules! numbers {
 numbers!(f64: "Float64", i32: "Int32", u32: "UInt32", u16: "UInt16", u8: "UInt8");
 
 impl Vtp {
-    /// Begins a file of the state at `time` [s] with the given numbers of points, vertices and polygons. `memory` is
-    /// reused for the data.
+    /// Begins a file of the state at `time` [s] with the given numbers of points, vertices and polygons. The memory of
+    /// `memory` is used again for the data.
     pub(super) fn begin(mut memory: Vec<u8>, time: f64, [points, vertices, polygons]: [usize; 3]) -> Self {
         memory.clear();
         let mut header = String::from(
@@ -82,7 +82,8 @@ impl Vtp {
         let _ = writeln!(points, "<PDataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{C}\"/>");
         let start = self.data.len();
         self.data.extend_from_slice(&[0; 8]);
-        // the buffer stays in the processor cache: appending numbers one by one would take several times as long
+        // the buffer is small enough for the processor cache; appending numbers one by one would take several times as
+        // long
         let mut piece = [0; PIECE];
         loop {
             let mut used = 0;
@@ -99,7 +100,7 @@ impl Vtp {
         self.data[start..start + 8].copy_from_slice(&length.to_le_bytes());
     }
 
-    /// Text of a file that joins `pieces` of the state at `time` [s]. Names of pieces are relative to the file.
+    /// Text of a file that joins `pieces` of the state at `time` [s]. The names of the pieces are relative to the file.
     pub(super) fn join(self, time: f64, pieces: impl Iterator<Item = String>) -> Vec<u8> {
         let mut text = String::from(
             "<?xml version=\"1.0\"?>\n<!-- written by diptych -->\n\

@@ -6,11 +6,11 @@ use crate::scene::Scene;
 use crate::walls::{Plane, WallGeometry};
 use nalgebra::Vector3;
 
-/// Corners [m] of a surface, and its polygons as indices of corners.
+/// Corners [m] of a surface, and its polygons as lists of indices of corners.
 pub(in crate::output) type DrawnSurface = (Vec<Vector3<f64>>, Vec<Vec<u32>>);
 
-/// VTK PolyData file with the surfaces of all walls, each with the index of its wall in the case. `None` if no wall has
-/// a surface.
+/// VTK PolyData file with the surfaces of all walls. Each surface has the index of its wall in the case. `None` if no
+/// wall has a surface.
 pub(super) fn walls(scene: &Scene) -> Option<[Vec<u8>; 3]> {
     let surfaces = scene.walls.iter().map(|wall| match &wall.geometry {
         WallGeometry::Plane(plane) => flat(plane, &scene.domain),
@@ -46,12 +46,11 @@ pub(super) fn walls(scene: &Scene) -> Option<[Vec<u8>; 3]> {
     Some(file.finish())
 }
 
-/// Part of a plane that is inside the box: one convex polygon, anticlockwise as seen from the side to which the normal
-/// points.
+/// Part of a plane inside the box: one convex polygon, anticlockwise as seen from the side to which the normal points.
 pub(in crate::output) fn flat(plane: &Plane, domain: &Domain) -> DrawnSurface {
     let corner = |k: usize| Vector3::from_fn(|axis, _| if k >> axis & 1 == 1 { domain.size[axis] } else { 0.0 });
     let height = |x: &Vector3<f64>| (x - plane.point).dot(&plane.normal);
-    // tolerance for rounding, if the plane is a side of the box
+    // tolerance for rounding if the plane is a side of the box
     let near = 1e-9 * domain.size.max();
     let mut corners: Vec<Vector3<f64>> = (0..8).map(corner).filter(|x| height(x).abs() <= near).collect();
     let edges = (0..8).flat_map(|k| (0..3).filter(move |axis| k >> axis & 1 == 0).map(move |axis| (k, k | 1 << axis)));

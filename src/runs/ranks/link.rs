@@ -3,8 +3,8 @@
 #[allow(unused_imports, reason = "for the links in the comments")]
 use crate::communicator::Communicator;
 
-/// Communication between the processes that work on one command. All methods must be called from the thread that made
-/// the link.
+/// Connection between the processes that work on one command. All methods must be called from the thread that made the
+/// connection.
 pub trait Link {
     /// Number of this process, from 0 (MPI: rank).
     fn rank(&self) -> usize;
@@ -12,13 +12,14 @@ pub trait Link {
     /// Number of processes that work on the command.
     fn size(&self) -> usize;
 
-    /// Number of these processes that run on this machine.
+    /// Number of the processes of the command that run on this machine.
     fn on_this_machine(&self) -> usize;
 
     /// Sends bytes to another process. Messages arrive in the order in which they were sent.
     fn send(&self, to: usize, bytes: &[u8]);
 
-    /// Next message that has arrived from any process and was not returned before, with the number of its sender.
+    /// Takes the next message that has arrived from any process, with the number of its sender; `None` if there is
+    /// none.
     fn take(&self) -> Option<(usize, Vec<u8>)>;
 
     /// Gathers the bytes of all processes, in the order of their numbers. All processes must call this method.

@@ -1,10 +1,10 @@
-//! Processes that work on one command: this process alone, or as many as `mpirun` has started (feature `mpi`). MPI
-//! calls their numbers ranks.
+//! Processes that work on one command: this process alone, or those that `mpirun` has started (feature `mpi`). The
+//! number of a process is called its rank in MPI.
 //!
 //! All processes read equal command lines and cases, and [check](Ranks::agree) that these are equal. Then process 0,
-//! the lead, does the command. The other processes are helpers. The lead sends them indices in a list of runs; they do
-//! these runs and send back the results. Each process makes this list by itself, so only indices and results are sent.
-//! The result of a run does not depend on the process that did it.
+//! the lead, does the command. The other processes are helpers. Every process makes the same list of runs by itself.
+//! The lead sends indices of this list to the helpers, and the helpers send back the results of the runs. The result of
+//! a run does not depend on the process that did it.
 
 mod link;
 #[cfg(feature = "mpi")]
@@ -25,9 +25,9 @@ use std::collections::VecDeque;
 /// The processes that work on one command.
 pub struct Ranks {
     link: Box<dyn Link>,
-    /// True if the processes have compared checksums of their work, and these were equal.
+    /// True if the processes have compared checksums of their work.
     agreed: Cell<bool>,
-    /// Numbers of the free helpers. A helper is listed once for every further run that it could do at the same time.
+    /// Numbers of the free helpers. A helper is listed as often as it can begin further runs at the same time.
     free: RefCell<VecDeque<usize>>,
     /// Number of runs that helpers are doing.
     away: Cell<usize>,
@@ -58,12 +58,12 @@ pub enum Message {
     Gone,
 }
 
-/// Result of reading the command and the case in one process.
+/// Result of reading the command and the case in one process, as sent to the others.
 #[derive(Clone, PartialEq, Serialize, Deserialize)]
 enum Found {
-    /// The process has work to do, and this is the checksum of the work.
+    /// The process can begin; the number is the checksum of its work.
     Work(u32),
-    /// The process has this error. The flag is true if the input is wrong.
+    /// The process cannot begin, for this reason. The flag is true if the input is wrong.
     Error(String, bool),
 }
 
@@ -117,7 +117,8 @@ impl Ranks {
         self.link.size()
     }
 
-    /// Number of threads for this process: the number requested, or its share of the available cores.
+    /// Number of threads for this process: the requested number or, without a request, an equal share of the available
+    /// cores.
     pub fn threads(&self, asked: Option<u16>) -> usize {
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
         asked.map_or_else(|| (cores() / self.link.on_this_machine()).max(1), usize::from)
@@ -139,8 +140,8 @@ impl Ranks {
         if self.is_lead() { work() } else { Ok(T::default()) }
     }
 
-    /// Checks with the other processes that all have equal work; `mark` computes its checksum. Every process must call
-    /// this function or [`close`](Self::close).
+    /// Checks with the other processes that all have equal work; `mark` computes the checksum of the work. Every
+    /// process must call this function or [`close`](Self::close).
     ///
     /// # Errors
     /// The error of the first process that has one, returned in all processes. It is also an error if the work of a
@@ -159,8 +160,9 @@ impl Ranks {
         disagreement(&all).map_or(found, Err)
     }
 
-    /// Ends the common work of the processes. `result` is the result of this process. The lead prints the reason of an
-    /// error. All processes end with the exit code for the result of the lead. Every process must call this function.
+    /// Ends the common work of the processes with the `result` of this process. The lead prints the reason of an error.
+    /// All processes return the exit code that `code` computes from the result of the lead. Every process must call
+    /// this function.
     pub fn close<T>(&self, result: Result<T, StudyError>, code: impl FnOnce(&Result<T, StudyError>) -> u8) -> u8 {
         let result = if self.agreed.get() { result } else { self.agree(result, |_| 0) };
         if !self.is_lead() {
@@ -182,7 +184,8 @@ impl Ranks {
         code
     }
 
-    /// Waits in a helper without further work until the command ends; returns the exit code.
+    /// Waits in a helper until the lead ends the command; returns the exit code of the lead. `why` is an error of the
+    /// helper.
     fn wait_for_the_end(&self, why: Option<StudyError>) -> u8 {
         if let (Some(why), None) = (why, self.dismissed.get()) {
             self.report(&Message::Failed(why.to_string()));

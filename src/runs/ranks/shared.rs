@@ -1,5 +1,5 @@
-//! Communication in a run that all processes share. MPI may only be called from the thread that started it. So the run
-//! is done in another thread, which sends requests to the thread of MPI.
+//! Communication in a run that all processes share. MPI may only be called from the thread that started it. So another
+//! thread does the run, and sends requests for communication to the thread of MPI.
 
 use super::Ranks;
 use super::link::Link;
@@ -21,7 +21,7 @@ enum Call {
 pub struct Traffic {
     /// Number of messages from this process to single other processes.
     pub messages: u64,
-    /// [bytes] size of these messages to single processes.
+    /// [bytes] total size of the messages to single other processes.
     pub bytes: u64,
     /// Number of calls in which all processes took part.
     pub calls: u64,
@@ -44,7 +44,7 @@ impl std::fmt::Display for Traffic {
     }
 }
 
-/// End of the channel in the thread of the run, by which this thread sends requests.
+/// End of the channel in the thread of the run, through which this thread sends requests to the thread of MPI.
 struct LineEnd {
     rank: usize,
     size: usize,

@@ -99,7 +99,8 @@ fn processes(count: usize, work: impl Fn(&Ranks) -> Result<u8, StudyError> + Syn
     })
 }
 
-/// Runs whose results are squares of numbers. For one of the numbers a process may fail or be stopped.
+/// Runs whose results are squares of their indices. If `unknown` is set, runs in helpers fail. The run at the index
+/// `stopped_at` is stopped.
 struct Squares {
     by_others: AtomicUsize,
     unknown: Option<usize>,

@@ -7,21 +7,20 @@ use crate::statistics::power_law;
 
 /// Target errors 1 % and 0.1 %, as numbers and in words.
 const TARGETS: [(f64, &str); 2] = [(0.01, "1 %"), (0.001, "0.1 %")];
-/// Number of standard errors below which an error may be chance.
+/// Number of standard errors up to which an error is attributed to chance.
 const RESOLVED: f64 = 3.0;
-/// [-] error below which it is attributed to rounding: positions are resolved to 1e-19 of a millimetre, overlaps are
-/// some micrometres.
+/// [-] relative error below which an error is attributed to rounding. Positions of about 1 mm are resolved to about
+/// 1e-19 m, and overlaps are some micrometres.
 const ROUNDING: f64 = 1e-12;
-/// Largest number of points in the asymptotic range, which consists of the finest resolved points. There are at least
-/// three.
+/// Largest number of points in the asymptotic range, which consists of three or more of the finest resolved points.
 const ASYMPTOTIC: usize = 5;
-/// Smallest exponent that is an order of convergence. With a smaller one, the error does not come from the swept
-/// parameter.
+/// [-] smallest slope that counts as an order of convergence. With a smaller slope, the error does not come from the
+/// swept parameter.
 const FLAT: f64 = 0.1;
 
-/// Order of convergence of each method in each quantity: the slope of the error over the parameter of the method, in
-/// logarithms. The asymptotic range is the finest three to five resolved points, whichever number lies closest to a
-/// line. Resolved errors exceed chance and rounding, and all have one sign.
+/// Order of convergence of each method in each quantity: slope of ln(error) as a function of ln(parameter of the
+/// method). The fit uses the finest three, four or five resolved points, whichever number lies closest to a line.
+/// Resolved errors exceed chance and rounding, and all have one sign.
 pub fn slopes(quantities: &[ChartQuantity], methods: usize, points: &[ChartPoint]) -> Vec<ChartSlope> {
     let mut slopes = Vec::new();
     for (index, quantity) in quantities.iter().enumerate() {
@@ -39,7 +38,7 @@ pub fn slopes(quantities: &[ChartQuantity], methods: usize, points: &[ChartPoint
 }
 
 /// Parameter and error of the resolved points of one method, from coarse to fine. Resolved errors exceed chance and
-/// rounding. All points up to the last one whose error has the other sign are left out.
+/// rounding. Only points after the last change of sign of the error are returned.
 fn resolved<'a>(
     points: impl Iterator<Item = &'a ChartPoint>,
     index: usize,
@@ -126,7 +125,8 @@ fn within(
     format!("within {words} the cheapest is {first}{soft}")
 }
 
-/// Cheapest method of some models by operations, and by wall time if another method is cheapest in that.
+/// Cheapest method of the given models by number of operations, and the cheapest by wall time if that is another
+/// method.
 fn cheapest_of(
     methods: &[ChartMethod],
     points: &[ChartPoint],

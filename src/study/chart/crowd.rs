@@ -13,7 +13,7 @@ use crate::runs::{StudyError, execute, start};
 use crate::statistics::{Estimate, SliceColumn, U, VV};
 use std::time::Instant;
 
-/// Scene with many particles whose methods are compared in a chart, and runs of the reference.
+/// Scene with many particles in which a chart compares methods, with the runs of the reference.
 pub struct Crowd {
     /// Piece of the simulated time of the case that every method runs.
     pub stretch: Stretch,
@@ -25,7 +25,7 @@ pub struct Crowd {
     pub method: &'static str,
 }
 
-/// Function that returns one number of the outcome of a run.
+/// Function that selects one number from the outcome of a run.
 type OutcomeColumn = fn(&Outcome) -> Option<Estimate>;
 
 /// Numbers that can be charted: key, name, axis, unit, and the function that returns the number.
@@ -46,8 +46,8 @@ const PROFILES: [(&str, &str, &str, SliceColumn); 2] = [
 ];
 
 impl Crowd {
-    /// Runs the time before the stretch, and the reference. The reference is hard spheres at exact instants. If this
-    /// fails, it is soft spheres with local fourth-order steps at N_c = 50.
+    /// Runs the simulated time before the stretch, then the reference: hard spheres at exact collision instants. If
+    /// these fail, the reference is soft spheres with local fourth-order steps at N_c = 50 steps per contact.
     ///
     /// # Errors
     /// A start that cannot be made, or a scene in which neither reference runs to the end.
@@ -135,8 +135,8 @@ impl Crowd {
             let unit = column.unit;
             let mean = self.mean_profile(column);
             let size = norm(&mean);
-            // squared distances from the mean of R runs are too low by (R-1)/R; those of another run from that mean are
-            // too high by (R+1)/R
+            // squared distances of R runs from their own mean are too small by the factor (R-1)/R; those of another run
+            // from this mean are too large by the factor (R+1)/R
             let starts = STARTS as f64;
             let squares: f64 =
                 self.references.iter().map(|run| norm(&differences(&profile(run, column), &mean)).powi(2)).sum();
@@ -198,7 +198,7 @@ impl Crowd {
             key => {
                 let number = NUMBERS.iter().find(|(known, ..)| *known == key).map(|(.., pick)| pick(outcome));
                 if let Some(found) = number {
-                    // the scatter of a run is that of the reference's runs, or the run's own error if that is larger
+                    // uncertainty: scatter of the runs of the reference, or the error of this run if that is larger
                     let (found, share) = (found?, found?.over(quantity.reference.value));
                     let uncertainty = share.error.map_or(quantity.floor, |own| own.max(quantity.floor));
                     single(found.value, (share.value - 1.0).abs(), Some(uncertainty))
@@ -229,7 +229,7 @@ impl Crowd {
         sums.iter().map(|sum| Some((*sum)? / self.references.len() as f64)).collect()
     }
 
-    /// True if the runs of the reference differ by chance.
+    /// True if chance makes the runs of the reference end in different states.
     pub fn is_random(&self) -> bool {
         self.references.iter().any(|run| run.final_state_hash != self.references[0].final_state_hash)
     }

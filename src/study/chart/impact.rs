@@ -1,5 +1,5 @@
-//! Chart of one impact: every method is compared with the closed form, over many phases of the first touch within a
-//! step.
+//! Chart of one impact: every method is compared with the closed form. The first touch falls at many different phases
+//! of a time step.
 
 use super::methods::{MethodParameter, MethodSweep, Values, total, work};
 use crate::contact_law::Bodies;
@@ -18,7 +18,7 @@ use nalgebra::Vector3;
 use std::path::Path;
 use std::time::Instant;
 
-/// Number of phases of the first touch within a step.
+/// Number of phases: instants within a time step at which the bodies first touch.
 pub const PHASES: usize = 128;
 
 /// Divisor of the number of phases in a trial run, from which the time of all phases is estimated.
@@ -27,7 +27,7 @@ const TRIAL: usize = 16;
 /// One head-on impact of two spheres, or of a sphere on a plane wall.
 #[derive(Clone, Debug)]
 pub struct HeadOn {
-    /// Settings of the methods. The scene in it is replaced by an empty one.
+    /// Settings of the methods. Each run replaces the scene by an empty box with the two bodies.
     pub experiment: Experiment,
     /// The first sphere, and the second sphere; `None` for a plane wall.
     pub bodies: (Species, Option<Species>),
@@ -43,7 +43,7 @@ pub struct HeadOn {
     pub duration: f64,
 }
 
-/// Cost of one run until it failed, and the reason.
+/// Cost of a run until its failure, and the reason for the failure.
 struct Stopped {
     why: ChartFailure,
     counters: Counters,
@@ -53,16 +53,16 @@ struct Stopped {
 /// Results of one run.
 struct Rebound {
     restitution: f64,
-    /// [-] energy that the energy balance does not explain, over the energy at the start.
+    /// [-] residual of the energy balance, divided by the energy at the start.
     residual: f64,
-    /// [-] distance from the positions after an instantaneous collision, over the diameter.
+    /// [-] final gap minus the gap after an instantaneous collision, divided by the diameter of the smaller sphere.
     displacement: f64,
     counters: Counters,
     wall: f64,
 }
 
 impl HeadOn {
-    /// Makes a head-on impact from the impact of a case, with the normal speed at which its bodies approach.
+    /// Makes the head-on impact of the two bodies of a case, with their normal speed of approach.
     ///
     /// # Errors
     /// The case does not have two bodies, or they do not approach, or there is not enough time for an impact.
@@ -152,7 +152,7 @@ impl HeadOn {
     fn run_of(&self, sweep: &MethodSweep, value: f64) -> Experiment {
         let mut experiment = sweep.experiment(&self.experiment, value);
         if let (Some(law), TimeStep::PerContact(steps)) = (experiment.law(), experiment.soft.time_step) {
-            // contact time of this contact, whatever other species the case has
+            // contact time of these two bodies; the case may have other species as well
             let time = law.contact_time(&law.between(&self.contact), self.approach);
             experiment.soft.time_step = TimeStep::Fixed(time / steps);
         }
@@ -222,7 +222,7 @@ impl HeadOn {
         }
     }
 
-    /// One run in which the bodies touch at `phase` (0, 1) within a step.
+    /// Runs one impact whose first touch is at `phase`, a share in (0, 1) of a time step.
     fn rebound(&self, experiment: &Experiment, knob: MethodParameter, phase: f64) -> Result<Rebound, Stopped> {
         let (scene, mut particles) = self.scene();
         let experiment = Experiment { scene, ..experiment.clone() };
@@ -233,7 +233,7 @@ impl HeadOn {
                 let step = crate::engine::hard::SteppedHard::longest_step(theta, &particles, scene, self.duration);
                 step.min(self.duration)
             }
-            // without steps, any time serves to vary the start
+            // without time steps, the start may vary over any short time
             (Model::Hard, HardStepping::Events) | (Model::Dsmc, _) => 0.01 * self.touch,
         };
         let touch = ((self.touch / step).floor() + phase) * step;
@@ -271,7 +271,7 @@ impl HeadOn {
     /// An empty box with the two bodies far from its sides, on the x axis.
     fn scene(&self) -> (Scene, Particles) {
         let (a, b) = self.radii();
-        // no sphere moves farther than this
+        // distance that no sphere exceeds
         let reach = 4.0 * (a + b) + 2.0 * self.approach * (self.duration + self.touch) * 2.0;
         let size = Vector3::repeat(2.0 * reach);
         let plane = Plane { point: Vector3::zeros(), normal: Vector3::x() };
@@ -346,8 +346,8 @@ fn range(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))
 }
 
-/// Error of the mean. Its standard error is computed for an equal number of random phases. That of equally spaced
-/// phases is well below it.
+/// Error of the mean over the phases. Its standard error is that for an equal number of random phases, far more than
+/// the error for equally spaced phases.
 fn mean_error(values: &[f64], reference: f64, scale: f64) -> PointError {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;

@@ -10,8 +10,8 @@ use crate::output::ChartMethod;
 pub enum MethodParameter {
     /// [-] number of steps per contact N_c.
     StepsPerContact,
-    /// Elastic parameter of the contact law, swept at [`FINE_STEPS`] per contact. The value in this variant is that of
-    /// the case.
+    /// Elastic parameter of the contact law, swept at [`FINE_STEPS`] steps per contact. This variant stores the
+    /// parameter with its value in the case.
     Stiffness(Parameter),
     /// [-] step criterion θ of hard spheres in time steps.
     Theta,
@@ -48,11 +48,11 @@ pub struct MethodSweep {
 pub struct Values {
     /// [-] numbers of steps per contact N_c.
     pub steps_per_contact: Vec<f64>,
-    /// [-] factors on the stiffness of the case.
+    /// [-] factors by which the stiffness of the case is multiplied.
     pub stiffness: Vec<f64>,
     /// [-] step criteria θ.
     pub theta: Vec<f64>,
-    /// [-] factors on the window of the case.
+    /// [-] factors by which the window of the case is multiplied.
     pub windows: Vec<f64>,
 }
 
@@ -149,7 +149,7 @@ pub fn work(counters: &Counters) -> f64 {
     (counters.pair_checks + counters.force_evaluations + counters.events) as f64
 }
 
-/// Adds the counters of one run to the sums of others.
+/// Adds the counters of one run to a sum over runs.
 pub fn total(sum: &mut Counters, one: &Counters) {
     sum.steps += one.steps;
     sum.uniform_steps += one.uniform_steps;

@@ -1,7 +1,7 @@
 //! `diptych chart CASE`: the precision that each method reaches for its cost.
 //!
-//! Every method is swept over a parameter of its own, one run after the other on one thread. Errors are measured
-//! against a reference, which is named together with its own error.
+//! Each method has a parameter, such as the time step, over which it is swept. The runs are done one after the other on
+//! one thread. Errors are measured against a reference, which is named together with its own error.
 
 mod conclusion;
 mod crowd;
@@ -30,7 +30,7 @@ use crate::runs::{StudyError, conclude, folder, provenance, read, start, tell};
 pub struct ChartResults {
     /// Reference against which errors are measured.
     pub reference: String,
-    /// Description of the runs behind each point.
+    /// Description of the runs from which each point is computed.
     pub setting: String,
     /// Methods that were swept.
     pub methods: Vec<ChartMethod>,
@@ -71,7 +71,7 @@ pub fn chart(args: &Chart) -> Result<(), StudyError> {
     };
     let report = write_chart(&folder, &study)?;
     if !quiet {
-        // the report has a sentence for each quantity
+        // the first sentences, one for each quantity, are in the report only
         let failures = verdicts.iter().skip(results.quantities.len()).cloned();
         let said: Vec<String> = std::iter::once(chart_answers(&study)).chain(failures).collect();
         conclude(&said, "Report", &report);
@@ -86,7 +86,7 @@ fn base(case: &Case) -> Result<Experiment, StudyError> {
     let known: Vec<Experiment> =
         run.iter().cloned().chain(variants.iter().flatten().cloned()).map(|(experiment, _)| experiment).collect();
     let Some(mut base) = known.first().cloned() else {
-        // both results are errors here, and that of the case itself says more
+        // both results are errors here; that of the case itself is more specific
         return Err(run
             .err()
             .or(variants.err())
@@ -96,7 +96,7 @@ fn base(case: &Case) -> Result<Experiment, StudyError> {
     Ok(base)
 }
 
-/// The scene as one head-on impact; `None` if it is another scene.
+/// Head-on impact of two bodies if the scene is one; `None` for any other scene.
 fn scene(base: &Experiment, path: &std::path::Path) -> Result<Option<HeadOn>, StudyError> {
     let count: usize = base.start.iter().map(|population| population.amount.count()).sum();
     if count == 0 {
@@ -142,7 +142,8 @@ pub fn measure(
     }
 }
 
-/// Note on how many steps the fastest tangential, rolling or twisting spring gets; `None` without such springs.
+/// Note on the number of time steps per half period of the fastest tangential, rolling or twisting spring; `None`
+/// without such springs.
 fn on_springs(base: &Experiment) -> Option<String> {
     let (law, contacts) = (base.soft.law?, at_fastest_impacts(base));
     let shortest = contacts.iter().map(|contact| contact.contact_time(&law)).reduce(f64::min)?;

@@ -1,13 +1,13 @@
-//! Expected and remaining wall time of a chart. It is printed for the user and has no other use.
+//! Expected and remaining wall time of a chart, for progress messages only.
 
 use crate::runs::INTERVAL;
 use crate::simulation::Simulation;
 use std::time::Instant;
 
-/// [-] weight of the first estimate, compared with the times measured since, as a share of the chart.
+/// [-] weight of the initial estimate against the measured wall times, as a share of the wall time of the chart.
 const PRIOR: f64 = 0.05;
 
-/// Runs of a chart, the wall time expected of each, and the progress so far.
+/// Runs of a chart, the expected wall time of each run, and the progress so far.
 pub struct Outlook {
     told: Option<fn(&str)>,
     /// [s] expected wall time of each run, in the order of the runs.
@@ -20,7 +20,7 @@ pub struct Outlook {
 }
 
 impl Outlook {
-    /// Progress whose lines are passed to `told`. With `None` nothing is printed or estimated.
+    /// Creates progress messages, whose lines are passed to `told`. With `None` nothing is printed or estimated.
     pub fn new(told: Option<fn(&str)>) -> Self {
         let now = Instant::now();
         Self { told, expected: Vec::new(), done: 0, name: String::new(), began: now, said: now }
@@ -60,13 +60,13 @@ impl Outlook {
         self.name = name;
     }
 
-    /// An observer of a simulation that is a part of the present run: `before` [s] of the `whole` [s] were done
-    /// earlier.
+    /// Observer that prints the progress of a simulation within the present run. The run has the simulated time `whole`
+    /// [s], of which `before` [s] are done.
     pub fn watching(&mut self, before: f64, whole: f64) -> impl FnMut(&Simulation) {
         move |simulation| self.within((before + simulation.time) / whole)
     }
 
-    /// Prints the completed share `part` [-] of the present run, if the last line is old enough.
+    /// Prints the completed share `part` [-] of the present run, if the last line was printed long enough ago.
     fn within(&mut self, part: f64) {
         if self.said.elapsed() >= INTERVAL {
             self.tell(&format!("{}: {:.0} % of it{}", self.name, 100.0 * part, self.left(part)));
@@ -116,9 +116,9 @@ mod tests {
         let expected = [10.0, 10.0, 30.0];
         let close = |found: Option<f64>, wanted: f64| assert!((found.unwrap() - wanted).abs() < 1e-12, "{found:?}");
         close(time_left(&expected, 0, 0.0, 0.0), 50.0);
-        // as fast as expected: the time left is that of the runs not yet done
+        // as fast as expected: the remaining time is that expected of the remaining runs
         close(time_left(&expected, 1, 0.5, 15.0), 35.0);
-        // twice as slow: 40 s for 20 s of runs, together with a prior of 2.5 s
+        // twice as slow: 40 s instead of 20 s; the weight of the estimate is that of 2.5 s
         close(time_left(&expected, 2, 0.0, 40.0), 30.0 * 42.5 / 22.5);
         assert_eq!(time_left(&expected, 3, 0.0, 50.0), None);
         assert_eq!(time_left(&[], 0, 0.0, 1.0), None);

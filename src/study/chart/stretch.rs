@@ -22,10 +22,10 @@ const QUICK_PARTS: f64 = 100.0;
 /// [-] share of a run that is timed to estimate its wall time.
 const TRIAL: f64 = 0.02;
 
-/// [-] largest relative difference from a number of three digits at which a number is taken as that number.
+/// [-] largest relative difference between a number and its three rounded digits, for which the two count as equal.
 const ROUNDING: f64 = 1e-9;
-/// [-] longest duration tried, over that of the case. Longer durations are tried because windows grow with the
-/// duration.
+/// [-] longest tried duration, divided by the duration of the case. A longer run has longer windows, so the duration
+/// that is needed is found by trials.
 const LONGEST: f64 = 1e6;
 
 /// A piece of the simulated time of a case.
@@ -94,7 +94,7 @@ impl Stretch {
     }
 
     /// Methods with the values of their parameters. Windows longer than that of the case are left out if a stretch
-    /// would have too few of them for error bars. No run has windows longer than itself.
+    /// would contain too few of them for error bars.
     pub fn sweeps(&self, quick: bool) -> Vec<MethodSweep> {
         let window = Schedule::new(&self.experiment).window;
         let longest = window.max(self.experiment.run.duration / FEWEST_BLOCKS as f64);
@@ -114,8 +114,8 @@ impl Stretch {
         experiment
     }
 
-    /// [s] expected wall time of every run, the references first, from a trial of each. In a gas, particles of the
-    /// trial are as agitated as the gas makes them in the case.
+    /// [s] expected wall time of every run, the references first, from a trial of each. In a gas, the trial starts with
+    /// the agitation that the gas causes.
     ///
     /// # Errors
     /// A start that cannot be made.
@@ -149,7 +149,8 @@ impl Stretch {
         }
         let alone = shortest(base, quick).map(|duration| format!("--set run.duration=\"{duration} s\""));
         let remedy = alone.or_else(|| {
-            // unless other limits apply, a window is a part of the duration: it must not grow with the duration
+            // windows usually grow with the duration; here the window is fixed, so that a longer duration has more
+            // windows
             let window = rounded(self.window * (1.0 + ROUNDING), f64::floor);
             let mut fixed = base.clone();
             fixed.run.window = Some(window);
@@ -204,6 +205,6 @@ fn shortest(base: &Experiment, quick: bool) -> Option<f64> {
 /// A value rounded to three digits by `how`.
 fn rounded(value: f64, how: fn(f64) -> f64) -> f64 {
     let unit = 10f64.powi(value.log10().floor() as i32 - 2);
-    // through text, because a product with a power of ten is not the nearest number to these digits
+    // converted through text, because a product with a power of ten may differ from the nearest number in the last bit
     format!("{:.2e}", how(value / unit) * unit).parse().unwrap_or(value)
 }

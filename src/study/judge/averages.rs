@@ -20,13 +20,13 @@ const SLICES: usize = 4;
 /// Number of points in each half of the gas profile at which its symmetry is checked.
 const POINTS: usize = 20;
 
-/// Observables of a variant and of its reference, in equal order. In a mixture they include temperature and impact rate
-/// of each species. If something drives a stream, they also include the velocity of each species.
+/// Observables of a variant and of its reference, in equal order. For a mixture they include the temperature and the
+/// impact rate of each species. If gas or gravity drives a stream, they also include the velocity of each species.
 ///
 /// V, W, uw and vw are left out: V vanishes since mass is conserved, the others by symmetry. U is left out if there is
 /// neither gas nor gravity along the stream, since momentum is then conserved. n and uv are left out if no wall makes
-/// one position different from another. Where the spheres of both rotate, T_r is compared too, and the mean spin that a
-/// sheared stream causes; the other mean spins vanish by symmetry.
+/// one position different from another; in a sheared box the profile of uv is kept. If the spheres of both variants rotate, T_r and the mean spin that a sheared
+/// stream causes are compared too. The other mean spins vanish by symmetry.
 pub fn observables(variant: &Outcome, reference: &Outcome) -> [Vec<Observable>; 2] {
     let scene = &reference.experiment.scene;
     let walls = !scene.walls.is_empty();
@@ -37,7 +37,7 @@ pub fn observables(variant: &Outcome, reference: &Outcome) -> [Vec<Observable>; 
     columns.extend((across && (walls || scene.gravity.norm() > 0.0)).then_some(NUMBER_DENSITY));
     columns.extend(driven.then_some(U));
     columns.extend([UU, VV, WW]);
-    columns.extend((across && driven && walls).then_some(UV));
+    columns.extend(((across && driven && walls) || scene.domain.shear.is_some()).then_some(UV));
     if [variant, reference].iter().all(|one| one.experiment.scene.rotation.is_some()) {
         columns.push(ROTATIONAL_TEMPERATURE);
         columns.extend((across && driven && walls).then_some(MEAN_SPIN_X));
@@ -77,7 +77,7 @@ fn profile(
     }
 }
 
-/// Temperature and impact rates, each if it exists in the reference.
+/// Granular temperature, impact rates and shear stress, as far as they exist in the reference.
 fn numbers(outcome: &Outcome, reference: &Outcome, until: f64) -> Vec<Observable> {
     let of = |outcome: &Outcome| {
         let averaged = outcome.averaged.clone();
@@ -85,12 +85,13 @@ fn numbers(outcome: &Outcome, reference: &Outcome, until: f64) -> Vec<Observable
             ("granular temperature", "m²/s²", averaged.temperature),
             ("pair impacts per time", "1/s", averaged.pair_rate),
             ("wall impacts per time", "1/s", averaged.wall_rate),
+            ("shear stress yz", "Pa", averaged.shear_stress),
         ]
     };
     let both = of(outcome).into_iter().zip(of(reference));
     let numbers = both.filter_map(|((name, unit, own), (_, _, other))| {
         // rates are converted to the number of particles of the reference
-        let counts = (name != "granular temperature").then_some((reference.particles, outcome.particles));
+        let counts = (unit == "1/s").then_some((reference.particles, outcome.particles));
         // for particles at rest neither the temperature nor the impact rates are meaningful
         let rest = reference.experiment.scene.rest_speed().powi(2);
         reference.temperature.filter(|temperature| temperature.value > rest)?;
@@ -145,10 +146,10 @@ pub(super) fn number(
 /// Scale of differences, and its name in words.
 pub(super) type Scale = (f64, &'static str);
 
-/// Scale of differences in a column, in the unit of the column. For the density, a normal stress and T_r it is their
-/// mean. For the shear stress and the mean spin it is the largest magnitude. For U it is the mean slip between gas and particles or,
-/// without gas, the mean velocity past walls; or the agitation if that is larger. These do not depend on the frame of
-/// reference. `None` without samples, or if nothing moves.
+/// Scale of differences in a column, in the unit of the column: the mean for the density, a normal stress and T_r, and
+/// the largest magnitude for the shear stress and the mean spin. For U the scale is the mean slip between gas and
+/// particles or, without gas, the mean velocity past walls; if the agitation is larger, it is the scale. No scale
+/// depends on the frame of reference. `None` without samples, or if nothing moves.
 pub(super) fn scale(column: &SliceColumn, reference: &Outcome) -> Option<Scale> {
     let table = &reference.profiles;
     let known: Vec<(f64, f64)> = (0..table.slices.len())

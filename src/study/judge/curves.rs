@@ -9,18 +9,18 @@ use crate::output::numbers::{quantity, significant};
 use crate::statistics::{Answer, Batches, LEVEL, Observable, Parity, compare, two_sided};
 use std::borrow::Cow;
 
-/// Number of instants at which curves are compared. So many instants show the shape of a curve, and few instants keep
-/// the test of each one powerful.
+/// Number of instants at which curves are compared: enough to show the shape of a curve, and few enough for a powerful
+/// test at each instant.
 const INSTANTS: usize = 20;
 
 /// Smallest number of replicas of each variant for which errors are given.
 pub const FEWEST: usize = 3;
 
-/// Recommended number of replicas if there are none: Student's t then has 14 degrees of freedom.
+/// Recommended number of replicas for runs without replicas: Student's t then has 14 degrees of freedom.
 const ADVISED: usize = 8;
 
-/// Number of particles that are assumed to move together, so that a single run gives no wrong answer "different". For
-/// molecular chaos this number would be 1.
+/// Number of particles that are assumed to move together, a cautious value for the answer "different" from single runs.
+/// For molecular chaos the number would be 1.
 const CLUMP: f64 = 100.0;
 
 /// Quantities whose curves are compared.
@@ -73,14 +73,14 @@ fn nothing(why: &str) -> Finding {
     }
 }
 
-/// Row of a run at a time [s].
+/// Row of the time series of a run at a time [s]; `None` without such a row.
 fn row_at(run: &Outcome, time: f64) -> Option<&Row> {
     let rows = &run.series.rows;
     let place = rows.partition_point(|row| row.time < time * (1.0 - 1e-9));
     rows.get(place).filter(|row| (row.time - time).abs() <= 1e-9 * time)
 }
 
-/// [s] instants after the start at which all runs are compared, since all have reached them.
+/// [s] instants after the start that all runs have reached, at which they are compared.
 pub fn common(all: &[Vec<&Outcome>]) -> Vec<f64> {
     let Some(first) = all.iter().flatten().next() else { return Vec::new() };
     let runs: Vec<&&Outcome> = all.iter().flatten().collect();
@@ -90,7 +90,7 @@ pub fn common(all: &[Vec<&Outcome>]) -> Vec<f64> {
     (1..=count).map(|k| times[k * times.len() / count - 1]).collect()
 }
 
-/// Curves of all runs of a variant that also exist in the reference, with their scales. There are curves of all
+/// Curves of all runs of a variant, with their scales, as far as they exist in the reference. There are curves of all
 /// particles and of each species.
 pub fn observables(runs: &[&Outcome], references: &[&Outcome], times: &[f64]) -> Vec<Observable> {
     let kinds = references.first().map_or(&[][..], |reference| &reference.kinds.curves);
@@ -149,14 +149,14 @@ impl Of {
     }
 }
 
-/// Scale of a curve, in the unit of the curve: its largest magnitude in the reference, or for a velocity its largest
-/// change. `None` if this value does not exist.
+/// Scale of a curve, in the unit of the curve: its largest magnitude in the reference. For a velocity, it is the
+/// largest change, or the largest agitation if that is larger. `None` if the scale would be 0.
 fn scale(curve: &SeriesColumn, references: &[&Outcome], times: &[f64]) -> Option<f64> {
     let rows = || references.iter().flat_map(|run| times.iter().filter_map(|&time| row_at(run, time)));
     let largest = |of: fn(&Row) -> Option<f64>, start: f64| {
         rows().filter_map(of).fold(0.0_f64, |most, value| most.max((value - start).abs()))
     };
-    // a velocity depends on the frame of reference, its change does not
+    // a velocity depends on the frame of reference, but its change does not
     let first = references.first().and_then(|run| (curve.of)(run.series.rows.first()?));
     let by_change = curve.scale == Some(CurveScale::LargestChange);
     let start = first.filter(|_| by_change).unwrap_or(0.0);

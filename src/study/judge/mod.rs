@@ -28,17 +28,18 @@ use words::percent;
 /// search for neighbours and the start of threads, takes milliseconds.
 const TELLING: f64 = 0.1;
 
-/// [-] largest ratio of the sample interval of a longer run to that of this run. Up to this ratio the averages of the
-/// longer run improve in proportion to its length. Beyond it, the recommendation also names a sample interval.
+/// [-] largest ratio of the sample interval of a longer run to the sample interval of this run. Up to this ratio, the
+/// errors of the averages decrease as expected from the length. Beyond it, the recommendation also names a sample
+/// interval.
 const CLOSE: f64 = 1.1;
 
-/// [-] volume fraction up to which the collision rate of soft spheres equals that of hard ones, except for about 5 % of
-/// their softness (docs/theory/softness.md).
+/// [-] volume fraction up to which soft and hard spheres have nearly equal collision rates. The relative difference is
+/// about 5 % of the softness (docs/theory/softness.md).
 const DILUTE: f64 = 0.03;
 
-/// Compares every variant that has a reference other than itself, or a table as its reference, in a single test. `others` holds the replicas of each
-/// variant except the first; the averages of the outcome already include them. `margin` [-] is relative to the scale of
-/// each observable.
+/// Compares every variant with its reference, another variant or a table, in a single test. `others` contains the
+/// replicas of each variant except the first; the averages of the outcome already include them. `margin` [-] is
+/// relative to the scale of each observable.
 pub fn judge(outcomes: &[Outcome], others: &[Vec<Outcome>], margin: f64) -> Vec<Verdict> {
     judge_at(outcomes, others, Criteria { margin, levels: ErrorLevels::default() })
 }
@@ -57,7 +58,7 @@ pub fn judge_at(outcomes: &[Outcome], others: &[Vec<Outcome>], asked: Criteria) 
 /// Margin and error levels of a comparison.
 #[derive(Clone, Copy, Debug)]
 pub struct Criteria {
-    /// [-] margin over the scale of each observable.
+    /// [-] margin relative to the scale of each observable.
     pub margin: f64,
     /// Probabilities of wrong answers.
     pub levels: ErrorLevels,
@@ -68,7 +69,7 @@ pub struct Criteria {
 pub struct ReplicaRuns<'a> {
     /// Outcome of the first replica. If there are several, its averages are over all replicas.
     pub outcome: &'a Outcome,
-    /// Outcomes of the other replicas, all except the first.
+    /// Outcomes of all replicas except the first.
     pub others: &'a [Outcome],
 }
 
@@ -102,7 +103,7 @@ fn one(runs: &[ReplicaRuns; 2], asked: Criteria) -> Verdict {
     }
 }
 
-/// Answer for two variants, by the kind of comparison that is valid for them.
+/// Finding for two variants, by the kind of comparison that is valid for their runs.
 fn found(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
     let both = [runs[0].outcome, runs[1].outcome];
     let [variant, reference] = both;
@@ -122,8 +123,7 @@ fn found(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
     }
 }
 
-/// The finding, in which the answer "equivalent" becomes "unresolved" if a run stopped early. Such runs cannot show
-/// equivalence.
+/// Changes the answer "equivalent" to "unresolved" if a run stopped early, since such runs cannot show equivalence.
 fn stopped(runs: &[&Outcome], found: Finding) -> Finding {
     let Some(stopped) = runs.iter().find(|one| one.failure.is_some()) else { return found };
     if found.answer != Answer::Equivalent {
@@ -145,8 +145,8 @@ fn how_it_stopped(run: &Outcome) -> Option<String> {
     })
 }
 
-/// [-] share of the particles that keep their positions. `None` unless it is so large that averages of one run are not
-/// valid for other runs.
+/// [-] share of the particles that keep their positions, if it exceeds [`FROZEN`]; averages of one run are then not
+/// valid for other runs. `None` for a smaller share.
 fn frozen(both: [&Outcome; 2]) -> Option<f64> {
     both.iter().filter_map(|one| one.places_kept).reduce(f64::max).filter(|kept| *kept > FROZEN)
 }
@@ -213,8 +213,7 @@ fn steady(variant: &Outcome, reference: &Outcome, asked: Criteria) -> Finding {
     }
 }
 
-/// Description of a run whose averaging period is `stretch` times as long, with samples as close in time as in this
-/// run.
+/// Description of a run whose averaging period is `stretch` times as long, with the sample interval of this run.
 fn longer(run: &Outcome, stretch: f64) -> String {
     let from = run.profiles.from;
     let mut experiment = run.experiment.clone();
@@ -250,8 +249,8 @@ fn soft_rate(variant: &Outcome, reference: &Outcome) -> Option<String> {
     ))
 }
 
-/// Cost of a variant over that of its reference, in words. `None` if either run stopped early, since its cost is not
-/// that of the whole case.
+/// Ratio of the cost of a variant to that of its reference, in words. `None` if either run stopped early, since its
+/// cost is not that of the whole case.
 fn costs(variant: &Outcome, reference: &Outcome) -> Option<String> {
     if [variant, reference].iter().any(|one| one.failure.is_some()) {
         return None;

@@ -17,15 +17,15 @@ use crate::runs::execute;
 use crate::statistics::Answer;
 use nalgebra::Vector3;
 
-/// [-] disturbance of the twin's velocities over the largest speed. It is far above rounding and far below the
+/// [-] disturbance of the twin's velocities, divided by the largest speed. It is far above rounding and far below the
 /// differences that are compared.
 const DISTURBANCE: f64 = 1e-6;
 
-/// [-] growth of the disturbance up to which paths are compared. After more growth, a difference as small as the margin
-/// of 1 % between the models would have grown beyond all other effects.
+/// [-] growth of the disturbance up to which paths are compared. After more growth, even a difference of 1 % between
+/// the models would exceed the speeds themselves.
 const GROWTH: f64 = 1e3;
 
-/// States of all particles at one instant, by id.
+/// States of all particles at one instant, sorted by id.
 type Instant<'a> = &'a [PathSample];
 
 /// Recorded instants of a run.
@@ -159,8 +159,8 @@ struct ImpactSpans<'a> {
 }
 
 impl<'a> ImpactSpans<'a> {
-    /// Instants of a run at which each particle touches another body, if they are at most `longest` [s] after the
-    /// beginning of this touch or before its end.
+    /// Marks the instants at which each particle touches another body, up to `longest` [s] after the beginning of the
+    /// touch and from `longest` [s] before its end.
     fn of(run: &'a Outcome, longest: f64) -> Self {
         let instants = instants(run);
         let mut during: Vec<Vec<bool>> = instants.iter().map(|instant| vec![false; instant.len()]).collect();
@@ -183,7 +183,7 @@ impl<'a> ImpactSpans<'a> {
         Self { instants, during }
     }
 
-    /// Indices of the instants from one time to another [s].
+    /// Indices of the recorded instants from the time `from` [s] to the time `to` [s].
     fn between(&self, from: f64, to: f64) -> std::ops::Range<usize> {
         let first = self.instants.partition_point(|instant| instant[0].time < from);
         first..first.max(self.instants.partition_point(|instant| instant[0].time <= to))
@@ -200,11 +200,11 @@ impl Widest {
     /// in common. `None` if every particle is in an impact at all these instants.
     ///
     /// A velocity may equal that of the reference up to `late` [s] earlier or later, as after a delayed impact.
-    /// Particles in the course of an impact are left out, since they differ because of the contact and not because of
-    /// its result. A particle is in an impact shortly after the beginning of a touch, and shortly before its end.
+    /// Particles in an impact are left out, since they differ because of the contact and not because of its result. A
+    /// particle is in an impact shortly after the beginning of a touch, and shortly before its end.
     fn of(before: &[&[Instant; 2]], [variant, reference]: [&Outcome; 2], late: f64) -> Option<Self> {
-        /// [-] longest time of an impact over the contact time of the fastest impacts. With Hertz's law slow impacts
-        /// last longer: the contact time decreases with the fifth root of the speed.
+        /// [-] longest time of an impact, divided by the contact time of the fastest impacts. With Hertz's law slow
+        /// impacts last longer: the contact time decreases with the fifth root of the speed.
         const SLOW: f64 = 3.0;
         let domain = &reference.experiment.scene.domain;
         let longest = SLOW * impact_time(&variant.experiment).max(impact_time(&reference.experiment));
@@ -249,14 +249,14 @@ impl Apart {
     }
 }
 
-/// [s] last instant at which a disturbance of the reference has grown less than a thousandfold. `None` if it never
-/// grows so much, or if this cannot be determined.
+/// [s] last instant before a disturbance of the reference has grown a thousandfold. `None` if it never grows so much,
+/// or if the growth cannot be determined.
 fn predictable(reference: &Outcome) -> Option<f64> {
     let speed = largest_speed(reference);
     let mut start = initial_state(&reference.experiment).ok()?;
     let ids = start.id.clone();
     for (velocity, id) in start.velocity.iter_mut().zip(ids) {
-        // any directions are suitable, as long as they differ from particle to particle
+        // any directions will do, as long as they differ from particle to particle
         let angle = f64::from(id);
         *velocity += DISTURBANCE * speed * Vector3::new(angle.sin(), (2.0 * angle).cos(), angle.cos()).normalize();
     }
@@ -290,9 +290,9 @@ pub struct Missed {
     pub time: f64,
     /// [m/s] largest speed of a particle in the reference.
     pub speed: f64,
-    /// [m/s] largest velocity in the weighted sum.
+    /// [m/s] largest magnitude of a velocity in the weighted sum.
     pub velocity: f64,
-    /// [m] largest distance in the weighted sum.
+    /// [m] largest magnitude of a displacement in the weighted sum.
     pub place: f64,
 }
 

@@ -16,7 +16,7 @@ use crate::statistics::{
     student_bound, two_sided,
 };
 
-/// Runs with their weights, of which the weighted sum is compared.
+/// Runs with their weights; the weighted sum of the runs is compared.
 pub type Mix<'a> = [(f64, ReplicaRuns<'a>)];
 
 /// Runs of the unchanged case, which also determine the kind of comparison for all other runs.
@@ -36,7 +36,7 @@ pub struct Shifts {
     pub shifts: Vec<Shift>,
     /// Kind of comparison by which the shifts were found.
     pub basis: Basis,
-    /// Reason why the shifts allow no statement; `None` if they do.
+    /// Reason why nothing can be concluded from the shifts; `None` if there is no such reason.
     pub doubt: Option<String>,
 }
 
@@ -56,7 +56,7 @@ impl<'a> ShiftReference<'a> {
     }
 
     /// Shifts of the weighted sum `of` relative to the weighted sum `against`. Weights are positive and have equal
-    /// totals in both sums. For curves the shift is that of the mean or of one instant, whichever is more significant.
+    /// totals in both sums. For curves the shift of the mean or of one instant is taken, whichever is more significant.
     pub fn shifts(&self, of: &Mix, against: &Mix, margin: f64) -> Shifts {
         self.found([of, against], margin, Tested::headline)
     }
@@ -166,9 +166,9 @@ fn all_of<'a>(runs: &ReplicaRuns<'a>) -> Vec<&'a Outcome> {
     std::iter::once(runs.outcome).chain(runs.others).collect()
 }
 
-/// A profile as one number. It is the mean over the slices. For a profile that changes its sign at the mid-plane it is
-/// half the difference of both sides, and for the density the value at the walls. A single number is not changed. A
-/// part is `None` if none of its values is known.
+/// One number for a profile: its mean over the slices. For a profile that changes its sign at the mid-plane, the number
+/// is half the difference of both sides. For the density it is the value at the walls. An observable that is a single
+/// number is returned unchanged. The part of the result is `None` if no value is known.
 fn number(profile: &Observable) -> Option<Observable> {
     let count = profile.places.len();
     if count == 0 {
@@ -200,7 +200,7 @@ fn number(profile: &Observable) -> Option<Observable> {
     })
 }
 
-/// Weighted sum of the observables of several runs, one by one.
+/// Weighted sum over several runs, separately for each observable.
 fn sum(each: &[(f64, Vec<Observable>)]) -> Vec<Observable> {
     let Some((weight, first)) = each.first() else { return Vec::new() };
     if each.len() == 1 && *weight == 1.0 {
@@ -268,10 +268,9 @@ fn without_error(a: &Observable, b: &Observable) -> Option<Shift> {
     })
 }
 
-/// Increases the errors of shifts that come from a line through several runs, by the distance of these runs from the
-/// line. The distance is measured in units of its own error, from `misses`, which belong to the same observables. If
-/// runs do not scatter, the distance is the only source of error. The error of the shift is then the distance times
-/// `share` [-].
+/// Increases the errors of shifts that come from a line through several runs, if the runs lie off the line. `misses`
+/// contains their distance from the line for the same observables. The error is multiplied by the distance in units of
+/// the error of the distance, if that exceeds 1. If runs do not scatter, the error is the distance times `share` [-].
 pub fn widened(shifts: Vec<Shift>, misses: &[Shift], share: f64) -> Vec<Shift> {
     let one = |mut shift: Shift| {
         let miss = misses.iter().find(|miss| miss.observable == shift.observable);

@@ -52,7 +52,7 @@ fn found(outcome: &Outcome, table: &ReferenceTable, asked: Criteria) -> Finding 
 }
 
 /// Observables of the run and of the table, in pairs: one for each profile, and one for each average over the scene.
-/// Each value of a profile is compared with the slice that contains its place.
+/// Each value of a profile in the table is compared with the slice at its position.
 fn observables(outcome: &Outcome, table: &ReferenceTable) -> Vec<(Observable, Observable)> {
     let mut pairs = Vec::new();
     let numbered: Vec<(usize, &ReferencePoint)> = table.points.iter().enumerate().collect();
@@ -73,8 +73,9 @@ fn observables(outcome: &Outcome, table: &ReferenceTable) -> Vec<(Observable, Ob
     pairs
 }
 
-/// A profile; `None` if it has no scale, as a velocity without samples. The scale of a velocity is that of the run, such
-/// as the mean slip, because velocities depend on the frame of reference.
+/// Profile of the run and of the table as two observables; `None` if there is no scale, as for a velocity without
+/// samples. The scale of a velocity is that of the run, such as the mean slip, because velocities depend on the frame
+/// of reference.
 fn profile(
     outcome: &Outcome,
     column: SliceColumn,
@@ -107,7 +108,8 @@ fn profile(
     Some((of(points.iter().map(own).collect()), of(points.iter().map(|point| stated(*point)).collect())))
 }
 
-/// An average over the whole scene, whose scale is the value of the table; `None` if the run does not have it.
+/// Average over the whole scene, of the run and of the table. Its scale is the value of the table. `None` if the run
+/// does not have the average.
 fn average(outcome: &Outcome, (place, point): (usize, &ReferencePoint)) -> Option<(Observable, Observable)> {
     let averaged = &outcome.averaged;
     let (name, unit, own) = match point.quantity.as_str() {

@@ -3,11 +3,11 @@
 use crate::output::numbers::{counted, quantity, significant, with_error};
 use crate::statistics::{Answer, Comparison, Deviation, Estimate, Judged, LARGEST_DRIFT, Steadiness};
 
-/// Number of differences that are named in a sentence; the table contains all of them.
+/// Largest number of differences named in a sentence; the table of the report contains all differences.
 const NAMED: usize = 3;
 
 /// [-] largest recommended factor on the length of a run or on the number of replicas. A larger factor is not written,
-/// since no run would be that long.
+/// since such a run is impractical.
 const ENDLESS: f64 = 1000.0;
 
 /// Names of two variants, quoted, as the beginning of a sentence.
@@ -51,8 +51,9 @@ pub fn in_prose(name: &str) -> String {
     }
 }
 
-/// Answer of a comparison of averages or curves in words. `across` is the unit of the positions, m or s, or empty if single numbers are compared. `needed`
-/// returns a description of a run that is longer by a given factor, with which the comparison would be decided.
+/// Answer of a comparison of averages or curves, in words. `across` is the unit of the positions: m, s, or empty for
+/// single numbers. `needed` describes a run that is longer by a given factor, with which the comparison would be
+/// decided.
 pub fn answer(comparison: &Comparison, across: &str, needed: impl Fn(f64) -> String) -> String {
     match comparison.answer {
         Answer::Equivalent => equivalent(comparison, across),
@@ -61,7 +62,7 @@ pub fn answer(comparison: &Comparison, across: &str, needed: impl Fn(f64) -> Str
     }
 }
 
-/// Phrase for a statement that holds at all positions; empty if there are none.
+/// Phrase for a statement that holds at all positions; empty for single numbers.
 fn anywhere(across: &str) -> &'static str {
     match across {
         "" => "",
@@ -100,7 +101,7 @@ fn different(detected: &[&Judged], across: &str, limit: f64) -> String {
     sentence + "."
 }
 
-/// A difference over the scale, with its error and position, in words.
+/// A difference relative to the scale, with its error and position, in words.
 fn size(one: &Judged, across: &str) -> String {
     let name = in_prose(&one.tested.name);
     let Some(Deviation { place, difference, error, .. }) = one.tested.headline() else { return name };
@@ -128,8 +129,8 @@ fn unresolved(comparison: &Comparison, across: &str, needed: &impl Fn(f64) -> St
         return format!("unresolved: there are no error bars for {}.", names.join(", "));
     };
     let limit = margin(comparison.margin);
-    // every observable must be shown to be equivalent; if these runs nearly show this, at least twice the length is
-    // recommended
+    // every observable must be shown to be equivalent; at least twice the length is recommended, even if these runs
+    // nearly suffice
     let stretch = comparison.judged.iter().map(|one| one.stretch).fold(2.0, f64::max);
     let advice = if stretch > ENDLESS {
         format!(

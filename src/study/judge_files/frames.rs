@@ -1,4 +1,4 @@
-//! Averages over the particles of each instant of a trajectory, as a table with the columns of `series.csv`.
+//! Averages over all particles at each instant of a trajectory, as a table with the columns of `series.csv`.
 
 use super::table::NumberTable;
 use crate::case::{Diagnostic, ParticleFrame, Sources, particle_frames};
@@ -21,7 +21,7 @@ const OF_VELOCITIES: [&str; 7] = [
     "mean_velocity_z_m_s",
 ];
 
-/// Columns of `series.csv` that also need masses. Those of rotation are empty without spins.
+/// Columns of `series.csv` that also need masses. The columns of rotation are empty without spins.
 const OF_MASSES: [&str; 12] = [
     "kinetic_energy_J",
     "momentum_x_kg_m_s",
@@ -37,13 +37,13 @@ const OF_MASSES: [&str; 12] = [
     "Rzz_m2_s2",
 ];
 
-/// A column of a trajectory's table, and its value at an instant.
+/// Name of a column in the table of a trajectory, with its value at one instant.
 type AveragedColumn = (String, Option<f64>);
 
 impl NumberTable {
-    /// Fills the table from a text with the particles of several instants. Returns false if the text has another format.
-    /// With `slices`, the box is divided into as many slices along y: temperatures are relative to their mean velocities,
-    /// and each slice has columns of its own.
+    /// Fills the table from a text with the particles of several instants. Returns false if the text has another
+    /// format. With `slices`, the box is divided into this number of slices along y. Temperatures are then relative to
+    /// the mean velocities of the slices, and each slice has its own columns.
     ///
     /// # Errors
     /// A line that cannot be read, or slices without a box.
@@ -81,8 +81,8 @@ impl NumberTable {
     }
 }
 
-/// Name of the column of times, and the time of each instant: seconds if all instants give them, else time steps, or
-/// numbers of instants.
+/// Name of the column of times, and the time of each instant: in seconds if every instant has a time, else in time
+/// steps or, without these, as the index of the instant.
 fn times(frames: &[ParticleFrame]) -> (&'static str, Vec<f64>) {
     let all = |of: fn(&ParticleFrame) -> Option<f64>| frames.iter().map(of).collect::<Option<Vec<f64>>>();
     if let Some(times) = all(|frame| frame.time) {
@@ -96,13 +96,13 @@ fn times(frames: &[ParticleFrame]) -> (&'static str, Vec<f64>) {
 
 /// Averages over the particles of one instant.
 fn columns(frame: &ParticleFrame, slices: usize) -> Vec<AveragedColumn> {
-    // without a box nothing is periodic, and one slice holds all particles
+    // without a box nothing is periodic, and one slice contains all particles
     let domain = frame.domain.clone().unwrap_or_else(|| Domain::new(Vector3::repeat(f64::INFINITY), [false; 3]));
     let particles = &frame.particles;
     let row = Row::of_sample(0.0, particles.into(), particles.mean_velocity(), (&domain, slices));
     let wanted = |key: &&str| OF_VELOCITIES.contains(key) || frame.has_masses && OF_MASSES.contains(key);
     let mut all = vec![(COUNT.to_owned(), Some(particles.len() as f64))];
-    // what a scene does not have, such as a centre of mass along a periodic side, has no column
+    // a quantity that does not exist, such as the centre of mass along a periodic side, has no column
     let is_there = |one: &&SeriesColumn| OF_VELOCITIES.contains(&one.key) || (one.of)(&row).is_some();
     let own = SERIES_COLUMNS.iter().filter(|one| wanted(&one.key)).filter(is_there);
     all.extend(own.map(|one| (one.key.to_owned(), (one.of)(&row))));

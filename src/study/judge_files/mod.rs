@@ -73,14 +73,15 @@ pub fn judge_files(args: &JudgeArguments) -> Result<Option<Answer>, StudyError> 
     Ok(overall(&comparisons))
 }
 
-/// Path after which the folder of results is named: the first file, without the name of a variant.
+/// Path from which the name of the folder of results is made: the first file, without the name of a variant.
 fn first_file(side: &JudgeSide) -> PathBuf {
     let first = side.paths.first().map_or("", String::as_str);
     first.split(':').next().unwrap_or(first).into()
 }
 
-/// Verdicts on all quantities. Quantities of one margin and one kind of data are tested together. The level of each such
-/// test is its share of the quantities, so that the chance of any false difference holds for all tests together.
+/// Verdicts on all quantities. Quantities of one margin and one kind of data are tested together. The level of each
+/// such test is in proportion to its number of quantities, so the total probability of a false difference is the usual
+/// one.
 fn verdicts(measured: &[MeasuredQuantity], names: &[String; 2]) -> Vec<Verdict> {
     let key = |one: &MeasuredQuantity| (one.summary.basis, one.summary.margin);
     let mut keys: Vec<(Basis, f64)> = Vec::new();

@@ -8,19 +8,19 @@ use crate::legible::quote;
 
 /// Quantity of both sides that is compared.
 pub struct ComparedColumns {
-    /// Name in sentences.
+    /// Name of the quantity in sentences.
     pub name: String,
     /// Columns of both sides, or labels of their points.
     pub columns: [String; 2],
-    /// Sizes of the units of both columns, in the unit of the comparison.
+    /// Factors that convert both columns to the unit of the comparison.
     pub factors: [f64; 2],
     /// SI unit of the comparison; empty if no unit is given.
     pub unit: String,
-    /// Kind of comparison; `None`: averages if both sides are steady, else curves.
+    /// Kind of comparison; `None` for averages if both sides are steady, and for curves otherwise.
     pub compare: Option<JudgedAs>,
-    /// [-] margin over the scale.
+    /// [-] margin relative to the scale.
     pub margin: f64,
-    /// Scale of differences, in the unit of the comparison; `None`: from the second side.
+    /// Scale of differences, in the unit of the comparison; `None` for the value of the second side.
     pub scale: Option<f64>,
 }
 
@@ -75,7 +75,8 @@ fn named(
     })
 }
 
-/// File of a side without a column or point of this name, and the names that it has; `None` if no file lacks it.
+/// First file of a side without a column or point of this name, with the names in this file; `None` if every file has
+/// the name.
 fn lacking(side: &JudgeSide, name: &str) -> Option<(String, String)> {
     match &side.data {
         SideData::Series(series) => {
@@ -94,8 +95,8 @@ fn lacking(side: &JudgeSide, name: &str) -> Option<(String, String)> {
     }
 }
 
-/// Columns and points of equal names in both sides, without times. Columns with cells that are no numbers are left out
-/// with a note.
+/// Columns and points of equal names in both sides, without times. Columns that contain cells without numbers are left
+/// out with a note.
 fn equal_names(margin: f64, sides: &[JudgeSide; 2]) -> Result<(Vec<ComparedColumns>, Vec<String>), Diagnostic> {
     let (first, left_out) = names(&sides[0]);
     let (second, more) = names(&sides[1]);

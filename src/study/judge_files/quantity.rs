@@ -13,7 +13,7 @@ use crate::study::judge::not_steady;
 /// Number of instants at which curves are compared.
 const INSTANTS: usize = 20;
 
-/// [-] difference of two times over the time, up to which they count as one instant: files have some six digits.
+/// [-] largest relative difference of two times that count as one instant; files give times with some six digits.
 const SAME_TIME: f64 = 1e-6;
 
 /// A quantity with its observables in the form in which they are tested.
@@ -205,7 +205,7 @@ fn average(
 }
 
 /// Steadiness of all replicas together. Averaging begins where the last replica becomes steady. The side is steady if
-/// most replicas are, since by chance one run in twenty appears unsteady.
+/// most replicas are steady, since one steady run in twenty appears unsteady by chance.
 fn steadiness(spaced: &[(f64, &[f64], &[f64])], from: Option<f64>, scale: Option<f64>) -> Steadiness {
     let each: Vec<Steadiness> = spaced
         .iter()
@@ -224,8 +224,8 @@ fn steadiness(spaced: &[(f64, &[f64], &[f64])], from: Option<f64>, scale: Option
     }
 }
 
-/// Integral correlation time of a series, in the unit of `interval`: the time τ for which the mean of a long series of
-/// length L has the variance 2 τ/L times that of a sample. `None` without scatter or without an error.
+/// Integral correlation time τ of a series, in the unit of `interval`. The mean of a long series of length L has the
+/// variance of a sample times 2 τ/L. `None` without scatter or without an error.
 fn correlation_time(interval: f64, values: &[f64], blocks: &Batches) -> Option<f64> {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
@@ -234,7 +234,7 @@ fn correlation_time(interval: f64, values: &[f64], blocks: &Batches) -> Option<f
     (variance > 0.0).then(|| 0.5 * interval * count * error * error / variance)
 }
 
-/// Observables of two averages. If the second has no value, nothing is compared.
+/// Observables of the averages of both sides. If the second average has no value, nothing is compared.
 fn numbers(columns: &ComparedColumns, averages: &[SideAverage; 2]) -> [Observable; 2] {
     let value = averages[1].summary.mean.map_or(0.0, |mean| mean.value.abs());
     let (scale, scale_is) = columns.scale.map_or((value, "its value"), |scale| (scale, "the scale given"));
@@ -294,7 +294,7 @@ fn curves(columns: &ComparedColumns, both: &[MeasuredSide; 2]) -> Result<[Observ
 }
 
 impl ReplicaValues<'_> {
-    /// Value at a time, if the series has a row there.
+    /// Value at a time; `None` if the series has no row at this time.
     fn at(&self, time: f64) -> Option<f64> {
         let times = &self.file.times;
         let place = times.partition_point(|other| *other < time - SAME_TIME * time.abs());

@@ -13,7 +13,7 @@ const MOST_SLICES: u32 = 1000;
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JudgeFile {
-    /// Margin in common, over the scale of each quantity.
+    /// Margin of all quantities that have no margin of their own, relative to the scale of each quantity [-].
     pub margin: Option<Located<Ratio>>,
     /// First side.
     #[serde(default)]
@@ -21,7 +21,7 @@ pub struct JudgeFile {
     /// Second side, the reference.
     #[serde(default)]
     pub b: SideFile,
-    /// Quantities that are compared; empty: all columns of equal names.
+    /// Quantities that are compared. Default: all columns with equal names on both sides.
     #[serde(default)]
     pub quantities: Vec<Located<QuantityFile>>,
 }
@@ -34,7 +34,7 @@ pub struct SideFile {
     pub files: Option<Vec<Located<String>>>,
     /// Name in sentences.
     pub name: Option<String>,
-    /// Column of the times.
+    /// Name of the column of times.
     pub time: Option<Located<String>>,
     /// Unit of the times, such as "ms", or "1e-5 s" for a count of time steps.
     pub time_unit: Option<Located<String>>,
@@ -48,21 +48,22 @@ pub struct SideFile {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct QuantityFile {
-    /// Name in sentences; without it that of the column of B.
+    /// Name in sentences. Default: name of the column of B.
     pub name: Option<String>,
-    /// Column of A, or label of its point.
+    /// Column of A, or label of a point in the table of A.
     pub a: Located<String>,
-    /// Column of B, or label of its point.
+    /// Column of B, or label of a point in the table of B.
     pub b: Located<String>,
     /// Unit of the column of A.
     pub a_unit: Option<Located<String>>,
     /// Unit of the column of B.
     pub b_unit: Option<Located<String>>,
-    /// Kind of comparison; without it averages if both sides are steady, else curves.
+    /// Kind of comparison. Default: averages if both sides are steady, else curves.
     pub compare: Option<JudgedAs>,
-    /// Margin of this quantity, over its scale.
+    /// Margin of this quantity, relative to its scale.
     pub margin: Option<Located<Ratio>>,
-    /// Scale of differences, in SI or in the unit of B without one; without it the value of B.
+    /// Scale of differences, in the SI unit of the quantity or, if no units are given, in the unit of the columns.
+    /// Default: magnitude of the value of B.
     pub scale: Option<Located<f64>>,
 }
 
@@ -77,7 +78,7 @@ pub enum JudgedAs {
 }
 
 impl JudgeFile {
-    /// Reads the file of settings, and returns its text too; without a file, all settings have their defaults.
+    /// Reads the file of settings, and returns its text too. Without a file, all settings have their defaults.
     ///
     /// # Errors
     /// The file cannot be read, is not TOML, or has an unknown or unsuitable key.

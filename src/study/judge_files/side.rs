@@ -17,12 +17,12 @@ const STEPS: [&str; 4] = ["Step", "TimeStep", "step", "frame"];
 /// Columns of a table of points that are not part of the label of a point.
 const POINT: [&str; 2] = ["value", "standard_error"];
 
-/// [-] largest deviation of a time from equal spacing, over the spacing, in a series that is averaged.
+/// [-] largest deviation of a time from equal spacing, divided by the spacing, in a series that is averaged.
 const SPACING: f64 = 1e-3;
 
 /// One side of the comparison.
 pub struct JudgeSide {
-    /// Name in sentences.
+    /// Name of the side in sentences.
     pub name: String,
     /// Paths of all files, as they were given.
     pub paths: Vec<String>,
@@ -42,9 +42,11 @@ pub enum SideData {
 pub struct SeriesFiles {
     /// Series, one per replica.
     pub replicas: Vec<TimedTable>,
-    /// True if the unit of the times is known, or equal times of both sides mean equal instants.
+    /// True if the times of both sides are comparable: in a known unit, or counted so that equal times are equal
+    /// instants.
     pub unit_known: bool,
-    /// Start of averaging [s], or in the unit of the times if that is not known; `None`: found by the test for steadiness.
+    /// Start of averaging [s], or in the unit of the times if that is not known. `None` if the test for steadiness
+    /// finds the start.
     pub from: Option<f64>,
 }
 
@@ -54,7 +56,7 @@ pub struct TimedTable {
     pub table: NumberTable,
     /// Index of the column of times.
     pub time: usize,
-    /// Times [s], or in the unit of the column if that is not known.
+    /// Times [s]; in the unit of their column if that unit is not known.
     pub times: Vec<f64>,
     /// Indices of the rows to which the times belong. Rows that repeat a time are left out.
     pub rows: Vec<usize>,
@@ -71,7 +73,7 @@ pub struct MeasuredPoint {
 }
 
 impl JudgeSide {
-    /// Reads all files of a side. `argument` lists them, separated by commas.
+    /// Reads all files of a side. `argument` is a list of the files, separated by commas.
     ///
     /// # Errors
     /// A file cannot be read, has no column of times, or its times do not increase.
@@ -206,8 +208,8 @@ impl TimedTable {
         self.rows.iter().map(|row| self.table.number(*row, column, sources)).collect()
     }
 
-    /// Time between samples [s], and the range of the samples from the time `from` [s] on. A last row out of line is left
-    /// out, since programs write a row at the end of a run.
+    /// Time between samples [s], and the range of the samples from the time `from` [s] on. A last row that does not fit
+    /// the spacing is left out, since programs also write a row at the end of a run.
     ///
     /// # Errors
     /// The times are not equally spaced, so that averages over time would need weights.
@@ -217,7 +219,7 @@ impl TimedTable {
         let [first, second, ..] = self.times[start..] else { return Ok((1.0, start..count)) };
         let interval = second - first;
         let off = |row: usize| {
-            // times with six digits make a small error of the spacing, which adds up
+            // times of six digits give the spacing a small error, which adds up from row to row
             let steps = (row - start) as f64;
             (self.times[row] - first - steps * interval).abs() > SPACING * interval * (1.0 + 1e-3 * steps)
         };

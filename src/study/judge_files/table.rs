@@ -16,7 +16,7 @@ const LISTED: usize = 30;
 
 /// Table of numbers from a file, with the position of each row for messages.
 pub struct NumberTable {
-    /// Path of the file, as it is shown.
+    /// Path of the file, as shown in messages.
     pub name: String,
     /// Names of the columns, in the order of the file.
     pub columns: Vec<String>,
@@ -28,7 +28,7 @@ pub struct NumberTable {
     pub warnings: Vec<Diagnostic>,
     /// Numbers of each column; not-a-number for a cell that contains none.
     numbers: Vec<Vec<f64>>,
-    /// Cells that contain no number, by row and column.
+    /// Texts of the cells that contain no number, by row and column.
     texts: BTreeMap<(usize, usize), String>,
     /// Range of bytes of each row in the text.
     lines: Vec<Range<usize>>,
@@ -82,7 +82,7 @@ impl NumberTable {
         table.of_variant(variant)
     }
 
-    /// Rows of a file of `fix ave/time` for scalars. Returns false if the file is none.
+    /// Reads the rows of a LAMMPS file of `fix ave/time` for scalars. Returns false if the text is no such file.
     fn averages(&mut self, text: &str, lines: &[Range<usize>], sources: &Sources) -> Result<bool, Diagnostic> {
         let is_header = |line: &&Range<usize>| text[(*line).clone()].trim_start().starts_with("# TimeStep");
         let Some(header) = lines.iter().find(is_header) else { return Ok(false) };
@@ -101,7 +101,7 @@ impl NumberTable {
         Ok(true)
     }
 
-    /// Rows of a CSV table. The separator is a comma, or a semicolon or a tab if the header has no comma.
+    /// Reads the rows of a CSV table. The separator is a comma, or a semicolon or a tab if the header has no comma.
     fn csv(&mut self, text: &str, sources: &Sources) -> Result<(), Diagnostic> {
         let header = text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or("");
         let separator = [',', ';', '\t'].into_iter().find(|c| header.contains(*c)).unwrap_or(',');
@@ -218,7 +218,7 @@ impl NumberTable {
         self.columns.iter().position(|known| known == name)
     }
 
-    /// Remedy for a column that does not exist: a similar name, and all names.
+    /// Help text for a column that does not exist: a similar name, and all names.
     pub fn suggestion(&self, name: &str) -> String {
         let all = format!("its columns: {}", list(&self.columns));
         nearest(name, &self.columns).map_or(all.clone(), |known| format!("did you mean `{known}`? ({all})"))

@@ -1,4 +1,5 @@
-//! Decay of the anisotropy of the agitation, over the stiffness: soft spheres deflect one another less than hard ones.
+//! Decay of the anisotropy of the agitation, as a function of the stiffness: soft spheres deflect one another less than
+//! hard ones.
 
 use super::picture::{curve, curves, even, measured, points};
 use super::scenes::{DIAMETER, collision_rate, fill, mass, mean, run, simulation, soften};
@@ -16,7 +17,7 @@ use std::f64::consts::{FRAC_2_PI, PI};
 
 /// [-] volume fraction of the gas, as in the paper's case D.
 const FRACTION: f64 = 0.01;
-/// Number of collisions per particle before the decay is measured. After these, as many lasting contacts begin as end.
+/// Number of collisions per particle before the decay is measured. By then, soft contacts begin and end at equal rates.
 const BEFORE: f64 = 0.1;
 /// Number of collisions per particle while the decay is measured. The anisotropy falls by a third. A longer time would
 /// add more scatter than it removes, since later collisions of soft and hard spheres differ by chance.
@@ -38,8 +39,8 @@ fn start_temperature(experiment: &Experiment) -> f64 {
 
 /// [1/s] rate at which the anisotropy decays, and failure of the run if there was one.
 fn rate(experiment: &Experiment) -> Result<(f64, Option<Failure>), StudyError> {
-    /// Number of windows per collision of a particle. It is so large that few particles that collide within a window
-    /// have just collided with others.
+    /// Number of windows per mean time between two collisions of a particle: so many that few particles collide twice
+    /// within a window.
     const WINDOWS: f64 = 40.0;
     let time = 1.0 / collision_rate(FRACTION, start_temperature(experiment));
     let mut simulation = simulation(experiment)?;
@@ -49,7 +50,7 @@ fn rate(experiment: &Experiment) -> Result<(f64, Option<Failure>), StudyError> {
     Ok(((before / anisotropy(&simulation.particles)).ln() / (DURING * time), failure))
 }
 
-/// Map of the decay rate of soft spheres over that of hard ones, over the overlap number κ_n.
+/// Map of the ratio of the decay rates of soft and hard spheres, as a function of the overlap number κ_n.
 pub fn anisotropy_decay(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (kappas, count, seeds) =
         grid.choose((vec![0.05], 10_000, 6), (vec![0.003, 0.009, 0.02, 0.035, 0.05], 20_000, 48));
@@ -58,7 +59,7 @@ pub fn anisotropy_decay(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let softness = |kappa: f64| kappa / FRAC_2_PI.sqrt();
     let temperature = start_temperature(&grid.base);
     let stiffness = |kappa: f64| mass() * temperature / (softness(kappa) * DIAMETER).powi(2);
-    // softness 0 means hard spheres
+    // in this list, κ_n = 0 stands for hard spheres
     let all: Vec<f64> = std::iter::once(0.0).chain(kappas.iter().copied()).collect();
     let runs = grid.run(&points(&seeds, &all), |&(seed, kappa)| {
         let experiment = grid.with(|case| {
@@ -74,8 +75,8 @@ pub fn anisotropy_decay(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     })?;
     let (hard, soft) = runs.split_at(seeds.len());
     let row = |(&kappa, runs): (&f64, &[(f64, Option<Failure>)])| {
-        // all runs of a seed have one start, so most first collisions are equal: most of their scatter cancels in the
-        // ratio
+        // all runs of a seed have the same start and mostly equal first collisions, so most of the scatter cancels in
+        // the ratio
         let ratios: Vec<f64> = runs.iter().zip(hard).map(|(soft, hard)| soft.0 / hard.0).collect();
         let (ratio, error) = mean(&ratios, |ratio| *ratio);
         let s = softness(kappa);

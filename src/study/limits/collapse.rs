@@ -11,14 +11,14 @@ use crate::output::panel::SeriesStyle;
 use crate::runs::StudyError;
 use std::f64::consts::PI;
 
-/// [-] limit tan²(π/4 (1 - 1/n)) of the restitution for a column of n equal spheres that meets a wall. Below it they
-/// collide infinitely often (Bernu and Mazighi 1990, J. Phys. A 23, 5745). A free line of N = 2n spheres is equivalent,
-/// since it is its own mirror image.
+/// [-] restitution tan²(π/4 (1 - 1/n)) below which a column of n equal spheres that meets a wall collides infinitely
+/// often (Bernu and Mazighi 1990, J. Phys. A 23, 5745). A free line of N = 2n spheres is equivalent, since it is its
+/// own mirror image.
 fn threshold(n: f64) -> f64 {
     (PI / 4.0 * (1.0 - 1.0 / n)).tan().powi(2)
 }
 
-/// Time of an inelastic collapse; `None` if the run ended in another way.
+/// Time [s] of an inelastic collapse; `None` if the run ended in another way.
 fn collapse(failure: &Option<Failure>) -> Option<f64> {
     match failure {
         Some(Failure::InelasticCollapse { time, .. }) => Some(*time),
@@ -26,8 +26,9 @@ fn collapse(failure: &Option<Failure>) -> Option<f64> {
     }
 }
 
-/// Gaps [m] and velocities [m/s] of a row at the start. It is a column that meets a wall at 1 m/s, or a line. The outer
-/// spheres of a line approach each other at -1 and 1 m/s, with the velocities of the others in between.
+/// Gaps [m] and velocities [m/s] of a row at the start. With `wall`, the row is a column that meets a wall at 1 m/s.
+/// Otherwise it is a free line: the outer spheres approach each other at 1 and -1 m/s, and the velocities decrease
+/// linearly from the first sphere to the last.
 fn start(count: usize, set: usize, wall: bool) -> (Vec<f64>, Vec<f64>) {
     let middle = if wall { 0.0 } else { 9.0 * count as f64 };
     let gap = |k: usize| 0.5 + scatter(set, k) + if k == 0 { middle } else { 0.0 };
@@ -35,8 +36,8 @@ fn start(count: usize, set: usize, wall: bool) -> (Vec<f64>, Vec<f64>) {
     (0..count).map(|k| (gap(k), speed(k))).unzip()
 }
 
-/// Map of the share of the starts that collapse, over the number of spheres and the restitution. The starts are lines
-/// whose ends approach each other, or columns at the wall if the case has one.
+/// Map of the share of the starts that collapse, as a function of the number of spheres and the restitution. The starts
+/// are lines whose ends approach each other, or columns at the wall if the case has one.
 pub fn one_dimension(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let wall = !grid.base.scene.walls.is_empty();
     let counts = match (wall, grid.choose(true, false)) {
@@ -86,8 +87,8 @@ pub fn one_dimension(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     Ok(vec![MapSweep::new(rows, lesson, picture)])
 }
 
-/// Map of cooling gases in three dimensions: collisions per sphere until a collapse, over volume fraction and
-/// restitution.
+/// Map of cooling gases in three dimensions: collisions per sphere until a collapse, as a function of the volume
+/// fraction and the restitution.
 pub fn cooling(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (e, fraction, count, collisions) = grid.choose(
         (even(0.1, 0.9, 5), vec![0.05, 0.2, 0.4], 200, 30.0),
@@ -101,7 +102,7 @@ pub fn cooling(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
         let mut failure = None;
         let suffered = |pairs: u64| 2.0 * pairs as f64 / count as f64;
         while failure.is_none() && suffered(simulation.record.pairs.count) < collisions {
-            // a fifth of a collision per particle at the present temperature
+            // time of a fifth of a collision per particle, at the present temperature
             let window = 0.2 / collision_rate(fraction, temperature(&simulation));
             failure = run(&mut simulation, 1, window);
         }
@@ -142,13 +143,14 @@ struct CollapseInterval {
     at: f64,
     /// [1/s] collision rate per sphere.
     rate: f64,
-    /// [-] share of the energy (initial energy plus work of gravity) that the TC model has not dissipated, up to the
-    /// end of the bin.
+    /// [-] energy that collisions did not lose because the TC model made them elastic, summed up to the end of the bin,
+    /// over the initial energy plus the work of gravity.
     kept: f64,
     failure: Option<Failure>,
 }
 
-/// Runs a bed that comes to rest, in time bins. `contact_time` [s] is that of the TC model; `None` without it.
+/// Runs a bed that comes to rest, in time bins. `contact_time` [s] is the contact time of the TC model; `None` without
+/// this model.
 fn bed(grid: &Points, contact_time: Option<f64>) -> Result<Vec<CollapseInterval>, StudyError> {
     let mut simulation = simulation(&grid.with(|case| case.hard.contact_time = contact_time))?;
     let start = simulation.energy();

@@ -17,7 +17,7 @@ const RESTITUTIONS: [f64; 2] = [1.0, 0.94];
 /// [m] length of the box.
 const LENGTH: f64 = 30.0;
 
-/// The case with a change, as simulations with soft spheres and with hard spheres.
+/// Simulations of the changed case, with soft spheres and with hard spheres.
 fn both(grid: &Points, change: impl Fn(&mut Experiment)) -> Result<[Simulation; 2], StudyError> {
     let soft = grid.with(&change);
     let hard = grid.with(|case| {
@@ -68,8 +68,8 @@ pub fn cradle(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     Ok(vec![MapSweep::new(rows, lesson, picture)])
 }
 
-/// Map of the middle one of three spheres that is hit from both sides. The impact from the right is `late` contact
-/// times after that from the left.
+/// Map of the velocity of the middle one of three spheres that is hit from both sides. The impact from the right is
+/// `late` contact times after the impact from the left; a negative value means earlier.
 pub fn simultaneous(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let contact = PI * (0.5 / STIFFNESS).sqrt();
     let late = even(-2.0, 2.0, grid.choose(17, 81));

@@ -17,7 +17,8 @@ const SPEED: f64 = 0.7;
 /// [-] volume fraction, at which pairs collide often and three particles at once seldom.
 const FRACTION: f64 = 0.1;
 
-/// Map of the relative change of the temperature per collision that a particle suffers, over N_c.
+/// Map of the relative change of the temperature per collision of a particle, as a function of the steps per contact
+/// N_c.
 pub fn heating(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (steps, seeds, collisions) = grid.choose(
         (vec![5.0, 7.735, 10.0, 15.0], 3, 20.0),
@@ -45,7 +46,7 @@ pub fn heating(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
         let failure = runs.iter().find_map(|run| run.1.clone());
         Some(KnownPoint { values: vec![steps, value, error, predicted(steps)?], failure })
     };
-    // an elastic contact of five steps or more always ends
+    // an elastic contact of five steps or more always ends, so no row is left out
     let rows: Vec<KnownPoint> = runs.chunks(seeds.len()).zip(&steps).filter_map(row).collect();
     let percent = |row: &KnownPoint, k: usize| 100.0 * row.values[k];
     let paper = rows.iter().find(|row| row.values[0] == 7.735);

@@ -1,9 +1,9 @@
 //! `diptych limits`: maps of the parameters at which each method fails. Every point of a map is a run, and every
 //! failure has a type.
 //!
-//! The scene of each map is a case file in `cases/limits/`. The heading of the file holds the question, the meaning of
-//! a point, and the columns of the table. One driver reads the file and runs all points of a sweep. For each family of
-//! maps, a file in this folder defines the changes from point to point, and the conclusion from the results.
+//! The scene of each map is a case file in `cases/limits/`. The heading of the file contains the question, the meaning
+//! of a point, and the columns of the table. One function reads the file and runs all points of a sweep. For each
+//! family of maps, a file in this folder defines the changes from point to point, and the conclusion from the results.
 
 mod anisotropy;
 mod collapse;

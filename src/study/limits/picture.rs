@@ -6,8 +6,8 @@ use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 /// An axis of a grid: label, values of the points, and true for a logarithmic axis.
 pub struct MapAxis<'a>(pub &'a str, pub &'a [f64], pub bool);
 
-/// Lower and upper end of the cell around each of several ascending values. The ends lie halfway to the next value; on
-/// a logarithmic axis, halfway in the logarithm.
+/// Lower and upper end of the cell around each of several ascending values. The ends lie halfway to the neighbouring
+/// values; on a logarithmic axis, halfway between the logarithms.
 fn edges(values: &[f64], log: bool) -> Vec<(f64, f64)> {
     let from = |at: f64| if log { at.exp() } else { at };
     let at: Vec<f64> = values.iter().map(|value| if log { value.ln() } else { *value }).collect();
@@ -23,8 +23,8 @@ fn edges(values: &[f64], log: bool) -> Vec<(f64, f64)> {
     (0..at.len()).map(end).collect()
 }
 
-/// A picture of coloured cells around the points of a grid, with theoretical lines on it. The points are in the order
-/// of rows, `x` changing fastest. `class` returns the index in `classes` for the number of a point.
+/// A picture of coloured cells around the points of a grid, with theoretical lines. The points are in rows, with `x`
+/// changing fastest. `class` returns the index in `classes` of the point with a given number.
 pub fn plane(
     x: &MapAxis,
     y: &MapAxis,
@@ -45,8 +45,8 @@ pub fn plane(
     })
 }
 
-/// A picture of curves over one quantity. Labels and logarithms are given for the horizontal axis, then for the
-/// vertical one.
+/// A picture of curves. The labels, and the choices of logarithmic axes, are given first for the horizontal axis, then
+/// for the vertical one.
 pub fn curves(labels: [&str; 2], [log_x, log_y]: [bool; 2], series: Vec<PanelSeries>) -> Picture {
     let [x_label, y_label] = labels.map(String::from);
     Picture::Curves(Panel { x_label, y_label, series, log_x, log_y, ..Panel::default() })

@@ -1,4 +1,4 @@
-//! Realised restitution of a head-on pair of soft spheres, where the touch may fall anywhere within a time step.
+//! Realised restitution of a head-on pair of soft spheres that first touch at any phase of a time step.
 
 use super::picture::{MapAxis, even, plane, points};
 use super::scenes::{DIAMETER, mass, place, restitute, run, simulation, speeds};
@@ -12,11 +12,12 @@ use crate::predict::integrator::{Scheme, realised_restitution};
 use crate::runs::StudyError;
 use nalgebra::Vector3;
 
-/// Limits of the classes of |realised restitution - given restitution|. They correspond to no error, one digit, a
-/// fluctuation of one percent, and one of five percent.
+/// [-] upper limits of four classes of |realised restitution - given restitution|. A fifth class contains the larger
+/// errors.
 const CLASSES: [f64; 4] = [0.001, 0.005, 0.02, 0.05];
 
-/// Mean, least and largest restitution [-] over touches at several phases of a step [s], and the first failure.
+/// Mean, least and largest realised restitution [-] of pairs that first touch at different phases of a `step` [s], and
+/// the first failure.
 fn rebounds(
     grid: &Points,
     phases: u32,
@@ -44,8 +45,8 @@ fn rebounds(
     Ok(([sum, least, largest], failure))
 }
 
-/// Map of the realised restitution over steps per contact and given restitution, with the law and the integrator of the
-/// case.
+/// Map of the realised restitution as a function of steps per contact and given restitution, with the law and the
+/// integrator of the case.
 pub fn restitution(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (steps, e, phases) = grid.choose(
         (vec![5.0, 7.735, 10.0, 15.0, 20.0, 50.0], vec![0.1, 0.5, 0.8, 0.94, 1.0], 20),

@@ -27,18 +27,19 @@ pub fn simulation(experiment: &Experiment) -> Result<Simulation, StudyError> {
     Ok(Simulation::new(experiment, start(experiment)?))
 }
 
-/// Runs a simulation for `duration` [s]; returns the failure, if there was one, since a failure is a result here.
+/// Runs a simulation for `duration` [s] in `windows` windows. Returns its failure, if any, since a failure is a result
+/// here.
 pub fn run(simulation: &mut Simulation, windows: u64, duration: f64) -> Option<Failure> {
     simulation.run(windows, duration / windows as f64).err()
 }
 
-/// Sets soft spheres with this contact law for the run.
+/// Sets the run to soft spheres with the given contact law.
 pub fn soften(experiment: &mut Experiment, law: ContactLaw) {
     experiment.soft.law = Some(law);
     experiment.run.spheres = Spheres::Soft(law);
 }
 
-/// Starts the particles of the case at these positions [m] with these velocities [m/s].
+/// Starts the particles of the case with the positions [m] and velocities [m/s] of `list`.
 pub fn place(experiment: &mut Experiment, list: Vec<(Vector3<f64>, Vector3<f64>)>) {
     let species = experiment.start[0].species;
     let kind = &experiment.scene.species[usize::from(species)];
@@ -49,8 +50,9 @@ pub fn place(experiment: &mut Experiment, list: Vec<(Vector3<f64>, Vector3<f64>)
     experiment.start[0].amount = Amount::Placed(particles);
 }
 
-/// Puts spheres of 1 m and 1 kg in a row along x, in a box of a length [m]. `gaps` [m] are the gaps between them; the
-/// first one is that to the wall at 0 or to the edge of the box. `velocities` [m/s] are along x.
+/// Puts spheres of diameter 1 m and mass 1 kg in a row along x, in a box of the given length [m]. The first of the
+/// `gaps` [m] is that to the wall at 0 or to the edge of the box; the others lie between the spheres. `velocities`
+/// [m/s] are along x.
 pub fn row(experiment: &mut Experiment, length: f64, gaps: &[f64], velocities: &[f64]) {
     let mut at = 0.0;
     let spheres = gaps.iter().zip(velocities).map(|(gap, velocity)| {
@@ -74,15 +76,15 @@ pub fn restitute(experiment: &mut Experiment, restitution: f64) {
         .for_each(|surface| *surface = Surface::new(restitution, surface.friction));
 }
 
-/// Sets number and volume fraction φ [-] of a gas of small spheres, in a periodic cube.
+/// Fills a periodic cube with `count` of the paper's small spheres, at the volume fraction φ [-].
 pub fn fill(experiment: &mut Experiment, count: usize, fraction: f64) {
     let edge = (count as f64 * mass() / DENSITY / fraction).cbrt();
     experiment.scene.domain = Domain::new(Vector3::repeat(edge), [true; 3]);
     experiment.start[0].amount = Amount::Count(count);
 }
 
-/// [1/s] collision rate of a sphere of a gas with volume fraction φ and temperature T [m²/s²]. It is Enskog's 24 φ g
-/// sqrt(T/π)/d with Carnahan and Starling's (1969) g = (1 - φ/2)/(1 - φ)³.
+/// [1/s] collision rate of a sphere in a gas with volume fraction φ and temperature T [m²/s²], by Enskog: 24 φ g
+/// sqrt(T/π)/d. The contact value g = (1 - φ/2)/(1 - φ)³ is that of Carnahan and Starling (1969).
 pub fn collision_rate(fraction: f64, temperature: f64) -> f64 {
     let g = (1.0 - 0.5 * fraction) / (1.0 - fraction).powi(3);
     24.0 * fraction * g * (temperature / std::f64::consts::PI).sqrt() / DIAMETER
@@ -101,8 +103,8 @@ pub fn speeds(simulation: &Simulation) -> Vec<f64> {
     particles.velocity.iter().map(|v| v.x).collect()
 }
 
-/// Number k of a set of evenly scattered numbers in [0, 1) that are not random: multiples of the golden section,
-/// shifted by the number of the set.
+/// Returns number k of a quasi-random sequence in [0, 1): multiples of the inverse golden section, shifted by the
+/// number of the set.
 pub fn scatter(set: usize, k: usize) -> f64 {
     // the inverse golden section, and the inverse root of x³ = x + 1 for the sets (Roberts 2018)
     const GOLDEN: f64 = 0.618_033_988_749_895;

@@ -1,4 +1,4 @@
-//! Collision rate of soft spheres over their softness: soft spheres act as if they were smaller.
+//! Collision rate of soft spheres as a function of their softness: soft spheres act as if they were smaller.
 
 use super::picture::{curve, curves, even, measured, points};
 use super::scenes::{DIAMETER, collision_rate, mass, mean, run, simulation, soften, temperature};
@@ -19,7 +19,7 @@ const FRACTION: f64 = 0.1;
 /// Number of samples of the temperature in a run.
 const SAMPLES: u32 = 50;
 
-/// [N/m] stiffness at which sqrt(m T/k) is the share `softness` of a diameter.
+/// [N/m] stiffness k for which sqrt(m T/k)/d equals `softness`.
 fn stiffness(softness: f64) -> f64 {
     mass() * (SPEED / (softness * DIAMETER)).powi(2)
 }
@@ -29,16 +29,15 @@ fn effective_diameter(softness: f64) -> f64 {
     1.0 - (PI / 2.0).sqrt() * softness
 }
 
-/// [-] collision rate of hard spheres of the effective diameter, over that of hard spheres of the full diameter.
+/// [-] collision rate of hard spheres of the effective diameter, divided by that of hard spheres of the full diameter.
 fn of_smaller_spheres(softness: f64) -> f64 {
     let smaller = effective_diameter(softness);
     collision_rate(FRACTION * smaller.powi(3), 1.0) / smaller / collision_rate(FRACTION, 1.0)
 }
 
-/// [-] rate at which soft spheres touch, over that of hard ones. Both touch at the distance d. For soft spheres the
-/// density of neighbours at this distance is that in a fluid of spheres of diameter d_eff, slightly beyond contact: g
-/// (1 + g'/g (d - d_eff)). The slope at contact is from Percus and Yevick's equation (Wertheim 1963): g' d = -(9/2) φ
-/// (1+φ)/(1-φ)³.
+/// [-] ratio of the rates at which soft spheres and hard spheres touch, both at the distance d. Soft spheres have the
+/// neighbours of a fluid of spheres of diameter d_eff, slightly beyond contact: g (1 + g'/g (d - d_eff)). The slope at
+/// contact is from Percus and Yevick's equation (Wertheim 1963): g' d = -(9/2) φ (1+φ)/(1-φ)³.
 fn touches(softness: f64) -> f64 {
     let contact = |fraction: f64| (1.0 - 0.5 * fraction) / (1.0 - fraction).powi(3);
     let smaller = effective_diameter(softness);
@@ -47,10 +46,10 @@ fn touches(softness: f64) -> f64 {
     (contact(fraction) + slope * (1.0 / smaller - 1.0)) / contact(FRACTION)
 }
 
-/// [1/m] collision rate over the square root of the temperature, in a run of `duration` [s].
+/// [1/m] collision rate divided by the square root of the temperature, in a run of `duration` [s].
 fn rate(experiment: &Experiment, duration: f64) -> Result<(f64, Option<Failure>), StudyError> {
     let mut simulation = simulation(experiment)?;
-    // the first tenth of the time lets the influence of the start decay
+    // in the first tenth of the time the influence of the start decays
     let mut failure = run(&mut simulation, 5, 0.1 * duration);
     let before = simulation.record.pairs.count;
     let mut roots = 0.0;
@@ -64,7 +63,7 @@ fn rate(experiment: &Experiment, duration: f64) -> Result<(f64, Option<Failure>)
     Ok((collisions / (0.9 * duration) / roots, failure))
 }
 
-/// Map of the collision rate of soft spheres over that of hard ones, over the softness.
+/// Map of the ratio of the collision rates of soft and hard spheres, as a function of the softness.
 pub fn softness(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (softness, seeds, collisions) = grid.choose(
         (vec![0.01, 0.02, 0.05], 3, 30.0),
@@ -72,7 +71,7 @@ pub fn softness(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     );
     let seeds = even(1.0, f64::from(seeds), seeds as usize);
     let duration = collisions / collision_rate(FRACTION, SPEED * SPEED);
-    // softness 0 means hard spheres
+    // in this list, softness 0 stands for hard spheres
     let all: Vec<f64> = std::iter::once(0.0).chain(softness.iter().copied()).collect();
     let runs = grid.run(&points(&seeds, &all), |&(seed, softness)| {
         let experiment = grid.with(|case| {

@@ -1,5 +1,4 @@
-//! Error of the splitting of drag from flight, over the length of the window. A window is the time between two drag
-//! kicks.
+//! Error of splitting drag from straight flight, as a function of the window, the time between two drag kicks.
 
 use super::picture::{curve, curves};
 use super::scenes::{run, simulation};
@@ -8,13 +7,14 @@ use crate::output::numbers::significant;
 use crate::output::panel::SeriesStyle;
 use crate::runs::StudyError;
 
-/// Number of windows of the reference. Its error is (1/32)² of that of the finest point.
+/// Number of windows of the reference, 32 times that of the finest point. The error of the reference is thus (1/32)² of
+/// the error of that point.
 const REFERENCE: u64 = 16_384;
 
-/// Map of the error of position and velocity over the window.
+/// Map of the error of position and velocity as a function of the window.
 pub fn splitting(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let powers: Vec<u32> = grid.choose(vec![0, 3, 6, 9], (0..=9).collect());
-    // [s] in this time the paper's small sphere falls for about its response time
+    // [s] about the response time of the paper's small sphere
     let duration = grid.base.run.duration;
     let at = |windows: u64| {
         let mut simulation = simulation(&grid.base)?;

@@ -14,19 +14,19 @@ use crate::predict::integrator::{Scheme, reduced_step, stability_limit};
 use crate::runs::StudyError;
 use std::f64::consts::PI;
 
-/// [-] overlap of the sphere with each wall, over the diameter.
+/// [-] overlap of the sphere with each wall, divided by the diameter.
 const SQUEEZE: f64 = 0.005;
 
-/// [-] size of the disturbance, over the overlap with each wall. The contacts last until the disturbance has grown a
-/// hundredfold.
+/// [-] size of the disturbance, divided by the overlap with each wall. The contacts last until the disturbance has
+/// grown a hundredfold.
 const DISTURBANCE: f64 = 0.01;
 
 /// Number of time steps of a point. The growth of Heun's method without damping at ω_0 Δt = 0.1 is 1.25e-5 per step, a
 /// factor of 3.5 in all.
 const STEPS: f64 = 1e5;
 
-/// Smallest growth factor of an oscillation that is called unstable. It is far from 1, the value without damping, and
-/// from the hundred at which contacts open.
+/// Smallest growth factor of an oscillation that is called unstable. It is far from 1, the factor without damping, and
+/// from 100, at which contacts open.
 const GROWS: f64 = 2.0;
 
 /// [-] restitution of the contact with one of the two walls. Its damping ratio is that of a single contact over √2.
@@ -35,7 +35,7 @@ fn of_one(restitution: f64) -> f64 {
     (-PI * damping / (1.0 - damping * damping).sqrt()).exp()
 }
 
-/// Map of the growth of a disturbance over time step and restitution, with the integrator of the case.
+/// Map of the growth of a disturbance as a function of time step and restitution, with the integrator of the case.
 pub fn stability(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (x, e) = grid.choose((even(0.2, 3.0, 15), even(0.2, 1.0, 5)), (even(0.1, 3.0, 30), even(0.05, 1.0, 20)));
     let frequency = (STIFFNESS / mass()).sqrt();
@@ -48,10 +48,10 @@ pub fn stability(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
             case.soft.time_step = TimeStep::Fixed(step);
         }))?;
         let mut failure = run(&mut simulation, 1, STEPS * step);
-        // amplitude: half the range of the positions, over a period at the shortest step
+        // amplitude: half the range of the positions during 64 steps, one period at the shortest step
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
         for _ in 0..64 {
-            // the motion continues after a failure for an energy that grew
+            // the run is continued even if a step failed because the energy grew
             failure = failure.or(run(&mut simulation, 1, step));
             let place = simulation.particles.position[0].y;
             (least, most) = (least.min(place), most.max(place));

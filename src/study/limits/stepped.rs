@@ -1,5 +1,5 @@
-//! Hard spheres in time steps: collisions that are missed and overlaps that remain if collisions are searched at the
-//! ends of steps.
+//! Hard spheres in time steps: collisions are searched at the ends of steps, so that some are missed and overlaps
+//! remain.
 
 use super::picture::{curve, curves, even, measured, points};
 use super::scenes::{collision_rate, mean, run, simulation};
@@ -21,16 +21,17 @@ const FRACTION: f64 = 0.1;
 struct SteppedRun {
     /// Number of collisions that got an impulse.
     pairs: f64,
-    /// Number of collisions that were over at the next search for collisions.
+    /// Number of missed collisions, which were over before the next search for collisions.
     missed: f64,
-    /// [-] mean overlap at which collisions were found, over the diameter; 0 if there was no collision.
+    /// [-] mean overlap at which collisions were found, divided by the diameter; 0 if there was no collision.
     overlap: f64,
-    /// [-] 99 % quantile of this overlap, over the diameter.
+    /// [-] 99 % quantile of the overlap at which collisions were found, divided by the diameter.
     deepest: f64,
     failure: Option<Failure>,
 }
 
-/// Maps of the missed collisions and of the remaining overlap over the step criterion θ, from one set of runs.
+/// Maps of the missed collisions and of the remaining overlap as functions of the step criterion θ, from one set of
+/// runs.
 pub fn missed_and_overlap(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (theta, seeds, collisions) = grid.choose(
         (vec![0.05, 0.1, 0.3, 1.0], 3, 20.0),
@@ -38,14 +39,15 @@ pub fn missed_and_overlap(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     );
     let seeds = even(1.0, f64::from(seeds), seeds as usize);
     let duration = collisions / collision_rate(FRACTION, SPEED * SPEED);
-    // θ = 0 means exact instants
+    // in this list, θ = 0 stands for exact collision instants
     let all: Vec<f64> = std::iter::once(0.0).chain(theta.iter().copied()).collect();
     let runs = grid.run(&points(&seeds, &all), |&(seed, theta)| {
         let mut simulation = simulation(&grid.with(|case| {
             case.run.seed = seed as u64;
             case.hard.stepping = if theta > 0.0 { HardStepping::Steps { theta } } else { HardStepping::Events };
         }))?;
-        // one window: a step is a whole part of the window, so in a short window it would be shorter than θ allows
+        // a single window: a window contains a whole number of steps, so a short window would force shorter steps than
+        // θ allows
         let failure = run(&mut simulation, 1, duration);
         let summary = simulation.record.pairs.summary();
         Ok(SteppedRun {
@@ -103,7 +105,8 @@ fn overlap(stepped: &[(f64, &[SteppedRun])]) -> MapSweep {
     let rows = rows(stepped, |theta, runs| {
         let (overlap, error) = mean(runs, |seen| seen.overlap);
         let (deepest, _) = mean(runs, |seen| seen.deepest);
-        // expected overlap: half a step at the mean normal speed of impact sqrt(π T), with u_r = sqrt(4T/π)
+        // expected relative overlap π θ/4: half a step at the mean normal speed of impact sqrt(π T), with u_r =
+        // sqrt(4T/π)
         vec![theta, overlap, error, deepest, PI / 4.0 * theta]
     });
     let lesson = rows.iter().find(|row| row.values[0] == 0.3).map_or(String::new(), |row| {

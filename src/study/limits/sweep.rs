@@ -1,4 +1,4 @@
-//! One sweep of a map: runs all of its points, and holds their results.
+//! One sweep of a map: runs all of its points, and stores their results.
 
 use crate::engine::Failure;
 use crate::experiment::Experiment;
@@ -11,7 +11,7 @@ use crate::study::points::run_points;
 pub struct Grid {
     /// True for coarser grids and shorter runs.
     pub quick: bool,
-    /// True to show no progress.
+    /// True to hide the progress.
     pub quiet: bool,
 }
 
@@ -21,11 +21,11 @@ pub struct Points<'a> {
     pub grid: &'a Grid,
     /// Name of the first map of the sweep, for the progress.
     pub name: &'static str,
-    /// Experiment of the case file of the sweep. Every point changes a part of it.
+    /// Experiment of the case file of the sweep, of which every point changes a part.
     pub base: Experiment,
 }
 
-/// One point of a map whose numbers are all known.
+/// Point of a map, without missing numbers.
 pub struct KnownPoint {
     /// Numbers in the order of the columns, each in the unit of its column.
     pub values: Vec<f64>,
@@ -44,7 +44,7 @@ pub struct MapSweep {
 }
 
 impl MapSweep {
-    /// Map from points whose numbers are all known.
+    /// Makes a map from points without missing numbers.
     pub fn new(rows: Vec<KnownPoint>, lesson: String, picture: Picture) -> Self {
         let row = |row: KnownPoint| limits::MapPoint {
             values: row.values.into_iter().map(Some).collect(),
@@ -60,7 +60,7 @@ impl Points<'_> {
         if self.grid.quick { quick } else { full }
     }
 
-    /// Experiment of the case file with a change.
+    /// Experiment of the case file after the change `change`.
     pub fn with(&self, change: impl FnOnce(&mut Experiment)) -> Experiment {
         let mut experiment = self.base.clone();
         change(&mut experiment);

@@ -12,18 +12,18 @@ use crate::runs::StudyError;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// Thickness of the plate, over the diameter of the sphere.
+/// [-] thickness of the plate, divided by the diameter of the sphere.
 const PLATE: f64 = 0.1;
 /// [m] height of the middle of the plate.
 const MIDDLE: f64 = 0.02;
 
-/// Map of the largest overlap of a pair, over impact speed and stiffness.
+/// Map of the largest overlap of a pair, as a function of impact speed and stiffness.
 pub fn pair(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let count = grid.choose(13, 25);
     let (speed, stiffness) = (ratios(0.01, 100.0, count), ratios(0.01, 1e5, count));
     let reduced = 0.5 * mass();
     let rows = grid.run(&points(&speed, &stiffness), |&(speed, stiffness)| {
-        // the time from a distance of 0.594 mm to the touch, a contact, and an equal time afterwards
+        // time from a gap of 0.594 mm to the touch, then two contact times
         let duration = 0.6e-3 / speed + 2.0 * (PI * (reduced / stiffness).sqrt());
         let sphere = |x: f64, speed: f64| (Vector3::new(x, 1e-3, 1e-3), Vector3::new(speed, 0.0, 0.0));
         let mut simulation = simulation(&grid.with(|case| {
@@ -66,8 +66,8 @@ pub fn pair(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     Ok(vec![MapSweep::new(rows, lesson, picture)])
 }
 
-/// Numbers of spheres that were stopped and that passed the plate undetected, and first failure. The `phases` spheres
-/// start at equally spaced phases of a step. `reduced` is the speed over d ω₀.
+/// Number of spheres that were stopped, number that passed the plate undetected, and the first failure. The `phases`
+/// spheres start at equally spaced phases of a step. `reduced` [-] is the speed divided by d ω_0.
 fn through_plate(grid: &Points, reduced: f64, steps: f64, phases: i32) -> Result<KnownPoint, StudyError> {
     let frequency = (STIFFNESS / mass()).sqrt();
     let speed = reduced * DIAMETER * frequency;
@@ -80,7 +80,7 @@ fn through_plate(grid: &Points, reduced: f64, steps: f64, phases: i32) -> Result
             place(case, vec![(Vector3::new(2e-3, MIDDLE + height, 2e-3), Vector3::new(0.0, -speed, 0.0))]);
             case.soft.time_step = TimeStep::PerContact(steps);
         }))?;
-        // two steps to the plate, two steps behind it, and one and a half contact times
+        // time of two steps to the plate, two steps behind it, and one and a half contacts
         let duration = step * (4.0 + (1.5 * steps).ceil());
         let mut why = run(&mut simulation, 1, 4.0 * step);
         let below = simulation.particles.position[0].y < MIDDLE && simulation.particles.velocity[0].y < 0.0;
@@ -100,7 +100,7 @@ fn through_plate(grid: &Points, reduced: f64, steps: f64, phases: i32) -> Result
     Ok(KnownPoint { values: vec![reduced, steps, share(stopped), share(passed)], failure })
 }
 
-/// Map of the passage of a sphere through a thin plate, over its speed and the steps per contact.
+/// Map of the passage of a sphere through a thin plate, as a function of its speed and the steps per contact.
 pub fn plate(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (speed, steps, phases) = grid.choose(
         (even(0.2, 4.0, 20), vec![2.0, 3.0, 4.0, 5.0, 7.0, 10.0], 8),

@@ -1,4 +1,4 @@
-//! Walton's rule of oblique impacts beside soft impacts under a tangential spring of the same β_0.
+//! Comparison of Walton's rule for oblique impacts with soft impacts whose tangential spring has the same β_0.
 
 use super::picture::{MapAxis, even, plane, points};
 use super::scenes::{run, simulation};
@@ -13,14 +13,15 @@ use crate::runs::StudyError;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// Limits of the classes of the error, as shares of the largest friction impulse.
+/// [-] upper limits of the classes of the error, relative to the largest friction impulse.
 const CLASSES: [f64; 4] = [0.002, 0.01, 0.05, 0.2];
 
-/// [-] M_t/M of a solid sphere at a wall (docs/rotation.md).
+/// [-] M_t/M, effective mass of the slip over that of the normal motion, for a solid sphere (docs/rotation.md).
 const SOLID: f64 = 2.0 / 7.0;
 
-/// Law of the map with the tangential restitution β_0 [-], between surfaces of restitution e [-]: by equal half periods
-/// where the case gives a β_0, or else without dashpot, κ = (2/7)(1 - ζ²)(arccos(-β_0)/π)².
+/// Tangential law with the tangential restitution `beta` (β_0) [-], between surfaces of `restitution` e [-]. If the law
+/// of the case gives a β_0, only this value is replaced (equal half periods of both springs). Otherwise the spring has
+/// no dashpot, and its stiffness ratio is κ = (2/7)(1 - ζ²)(arccos(-β_0)/π)².
 fn law(case: &TangentialLaw, restitution: f64, beta: f64) -> TangentialLaw {
     let ratio = damping_ratio(restitution);
     TangentialLaw::Linear(match case {
@@ -32,7 +33,8 @@ fn law(case: &TangentialLaw, restitution: f64, beta: f64) -> TangentialLaw {
     })
 }
 
-/// Slip after an impact under a law over μ u_n [-], from that before it [-]; and the failure, if the run stopped.
+/// Reduced slip s/(μ u_n) [-] after an impact under `law` that begins with the slip `reduced` [-]; and the failure, if
+/// the run stopped.
 fn rebound(grid: &Points, law: TangentialLaw, reduced: f64) -> Result<(f64, Option<Failure>), StudyError> {
     let mut unit = 0.0;
     let mut simulation = simulation(&grid.with(|case| {
@@ -50,7 +52,8 @@ fn rebound(grid: &Points, law: TangentialLaw, reduced: f64) -> Result<(f64, Opti
     Ok((slip(&particles.velocity[0], &Vector3::y(), &surface).x / unit, failure))
 }
 
-/// Map of the error of Walton's rule over slip and β_0, with the restitution and the kind of spring of the case.
+/// Map of the error of Walton's rule as a function of slip and β_0, with the restitution and the kind of spring of the
+/// case.
 pub fn walton(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let Some(rotation) = &grid.base.scene.rotation else {
         return Err(StudyError::Failed("error: the case of a map of oblique impacts has no rotation".into()));
@@ -64,7 +67,7 @@ pub fn walton(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let rows = grid.run(&points(&slips, &betas), |&(share, beta)| {
         let reduced = share * (1.0 + restitution) / (SOLID * (1.0 + beta));
         let (after, failure) = rebound(grid, law(case, restitution, beta), reduced)?;
-        // in units of M and μ u_n
+        // masses in units of M, speeds in units of μ u_n
         let approach = ObliqueApproach {
             friction: 1.0,
             restitution,

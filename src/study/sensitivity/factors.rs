@@ -1,7 +1,7 @@
 //! Factors of a sensitivity study. A factor is a change of the case; it has a size, and a reason for that size.
 //!
 //! If the case is idealised (restitution 1, no friction) a factor sets a real value. If the case has a real value, the
-//! factor changes it by the uncertainty of measurements. A factor that makes no sense for a scene returns the reason.
+//! factor changes it by the uncertainty of measurements. A factor that cannot apply to a scene returns the reason.
 
 use super::plan::{PlannedFactor, SensitivityPlan};
 use super::rotating::{rolling, rotation, tangential_restitution, tangential_stiffness};
@@ -28,13 +28,14 @@ const PAPER_STEPS: f64 = 7.7;
 /// [-] step criterion θ of hard spheres in steps: a third of the usual 0.3, at which fast spheres pass through walls
 /// (docs/limits.md).
 const THETA: f64 = 0.1;
-/// [-] ratio of successive stiffnesses. Overlaps then double, and the softest spheres overlap four times as deeply.
+/// [-] ratio of successive stiffnesses. With each reduction the overlaps double, so the softest spheres overlap four
+/// times as deeply.
 const STIFFNESS_RATIO: f64 = 4.0;
-/// [-] length of the shorter box over that of the whole one.
+/// [-] length of the shorter box divided by that of the whole box.
 const BOX_SHARE: f64 = 0.5;
 
-/// Plans the runs of a factor, or returns the reason why it makes no sense. `size` is the size that the user typed;
-/// `None` if none was typed.
+/// Plans the runs of a factor, or returns the reason why it cannot apply. The argument of type `Option<&str>` is the
+/// size that the user typed; `None` if none was typed.
 type Make = fn(&mut SensitivityPlan, Option<&str>) -> Result<PlannedFactor, String>;
 
 /// A factor that is built in.
@@ -67,14 +68,14 @@ pub const KNOWN: [Known; 16] = [
     Known { name: "seed", title: "another seed", make: seed },
 ];
 
-/// Size as typed, checked to be within `from ..= to`, or the usual size.
+/// Size that the user typed, which must be within `from ..= to`; `usual` if none was typed.
 pub(super) fn sized(size: Option<&str>, usual: f64, from: f64, to: f64) -> Result<f64, String> {
     let Some(text) = size else { return Ok(usual) };
     let number = text.trim().parse().ok().filter(|number| (from..=to).contains(number));
     number.ok_or_else(|| format!("its size `{text}` is no number from {from} to {to}"))
 }
 
-/// Reason for the value of a size: typed by the user, or the usual one.
+/// Reason for a size: "as asked for" if the user typed it, else `usual`.
 pub(super) fn why(size: Option<&str>, usual: impl Into<String>) -> String {
     if size.is_some() { "as asked for".into() } else { usual.into() }
 }
@@ -84,7 +85,7 @@ pub(super) fn no_size(size: Option<&str>) -> Result<(), String> {
     size.map_or(Ok(()), |text| Err(format!("it has no size, and `{text}` is given")))
 }
 
-/// A number as a user would type it, rounded to a millionth.
+/// Rounds a number to a millionth, as a user would type it.
 pub(super) fn plain(number: f64) -> f64 {
     (1e6 * number).round() / 1e6
 }
@@ -169,6 +170,13 @@ fn stepping(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFac
         change,
         why(size, "a third of the usual 0.3, at which fast spheres pass through walls"),
     ))
+}
+
+/// Tables of all surfaces: contacts between particles, walls, and listed pairs.
+pub fn surfaces(plan: &SensitivityPlan) -> Vec<String> {
+    let pairs = pairs(plan).unwrap_or_default().into_iter().map(|(table, _)| table);
+    let walls = walls(plan, |surface| surface.friction).unwrap_or_default().into_iter().map(|(table, _)| table);
+    pairs.chain(walls).collect()
 }
 
 /// Tables of the contacts between particles, each with its surface: `contact`, and the listed pairs of species.
@@ -258,7 +266,7 @@ fn why_restitution(own: f64) -> &'static str {
     }
 }
 
-/// Keys of all walls, each with the wall's value of the property.
+/// Keys of all walls, each with the value of the property `of` its surface.
 fn walls(plan: &SensitivityPlan, of: fn(&Surface) -> f64) -> Result<Vec<(String, f64)>, String> {
     let walls = &plan.reference().scene.walls;
     if walls.is_empty() {
@@ -397,7 +405,7 @@ fn seed(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor,
         return Err("all particles start at given places: there is no chance in it".into());
     }
     let own = reference.run.seed;
-    // a seed that no replica has
+    // a seed that no replica of the case uses
     let usual = own.wrapping_add(u64::from(plan.replicas));
     let to = match size {
         None => usual,

@@ -7,7 +7,7 @@ use crate::runs::{StudyError, span, start};
 use crate::study::calibration::timed;
 use std::fmt::Write;
 
-/// [-] largest share of a run that is timed; the cost of a run with many collisions is known within seconds.
+/// [-] largest share of a run that is timed; for a run with many collisions, this share gives the cost within seconds.
 const TRIED: f64 = 0.02;
 
 /// Line with the number of runs and their approximate wall time on `threads` threads.

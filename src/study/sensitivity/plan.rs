@@ -25,8 +25,8 @@ const FEW: usize = 50;
 pub enum Compared {
     /// The second run minus the first one.
     Against(usize, usize),
-    /// The limit of runs of ever stiffer spheres minus the first run. Each run has a position on an axis to which the
-    /// effect of softness is proportional; the first is at 1.
+    /// Extrapolation to infinite stiffness minus the first run. The position of a run is its effect of softness over
+    /// that of the first run: the first run is at 1, infinite stiffness at 0.
     Extrapolated(Vec<(usize, f64)>),
 }
 
@@ -42,6 +42,19 @@ pub struct PlannedFactor {
     pub change: String,
     /// Reason for the size of the change.
     pub why: String,
+    /// Change of the case, if it leaves a model out (`diptych needs`).
+    pub simpler: Option<Simplification>,
+}
+
+/// Change of the richest case that leaves a model out.
+#[derive(Clone, Debug, Default)]
+pub struct Simplification {
+    /// Changes of keys of the case.
+    pub sets: Vec<String>,
+    /// Collision model, if it is changed.
+    pub model: Option<Model>,
+    /// Change of the experiment that no key can make, because it takes a table away.
+    pub edit: Option<fn(&mut Experiment)>,
 }
 
 impl PlannedFactor {
@@ -50,16 +63,16 @@ impl PlannedFactor {
         Self::new(Compared::Against(base, run), change.into(), why.into())
     }
 
-    /// A factor that compares the limit of several runs with the first one.
+    /// A factor that compares the extrapolation of several runs with the first one.
     pub fn extrapolated(runs: Vec<(usize, f64)>, change: String, why: String) -> Self {
         Self::new(Compared::Extrapolated(runs), change, why)
     }
 
     fn new(compared: Compared, change: String, why: String) -> Self {
-        Self { name: String::new(), title: String::new(), compared, change, why }
+        Self { name: String::new(), title: String::new(), compared, change, why, simpler: None }
     }
 
-    /// Indices of the runs on the side of the change, and of those on the other side.
+    /// Indices of the changed runs, and of the runs with which they are compared.
     pub fn sides(&self) -> [Vec<usize>; 2] {
         match &self.compared {
             Compared::Against(base, run) => [vec![*run], vec![*base]],
@@ -72,9 +85,9 @@ impl PlannedFactor {
 
 /// A run of the study, and its changes of the case.
 pub struct PlannedRun {
-    /// Experiment with the first of its seeds.
+    /// Experiment of the run, with the first seed.
     pub experiment: Experiment,
-    /// Changes of the case as a user would type them.
+    /// Changes of the case, in the form in which a user types them.
     pub set: String,
     hash: String,
 }
@@ -84,12 +97,16 @@ pub struct SensitivityPlan<'a> {
     case: &'a Case,
     seed: Option<u64>,
     model: Option<Model>,
+    /// Changes of keys of the case that all runs have.
+    base: Vec<String>,
     /// Runs of the study, each once.
     pub runs: Vec<PlannedRun>,
     /// Planned factors, in the order of the help text.
     pub factors: Vec<PlannedFactor>,
     /// Factors that are not studied, with the reasons.
     pub left_out: Vec<OmittedFactor>,
+    /// Assumptions with which models were added to the case, in words.
+    pub assumed: Vec<String>,
     /// Number of replicas of each run, with different seeds.
     pub replicas: u16,
 }
@@ -106,16 +123,7 @@ impl<'a> SensitivityPlan<'a> {
             Some(model) => case.experiment(Some(model), seed)?,
             None => any_model(case, seed)?,
         };
-        let reference = checked.0.clone();
-        let placed = reference.start.iter().all(|population| matches!(population.amount, Amount::Placed(_)));
-        // replicas are refused before anything is planned
-        replicas(&reference, args.replicas.unwrap_or(1))?;
-        let transient = fades(&reference) && !placed && reference.count() > FEW;
-        let count = args.replicas.unwrap_or(if transient { REPLICAS } else { 1 });
-        let model = Some(reference.model());
-        let mut plan =
-            Self { case, seed, model, runs: Vec::new(), factors: Vec::new(), left_out: Vec::new(), replicas: count };
-        plan.enlist(Experiment { name: "as it is".into(), against: None, ..reference }, String::new())?;
+        let mut plan = Self::begin(case, args, (&checked.0, "as it is"), Vec::new())?;
         plan.choose(args)?;
         for text in &args.vary {
             let name = text.split('=').next().unwrap_or(text).trim().to_owned();
@@ -123,11 +131,44 @@ impl<'a> SensitivityPlan<'a> {
                 own(&mut plan, text).map_err(|why| StudyError::Input(format!("error: --vary {text}: {why}")))?;
             plan.factors.push(PlannedFactor { title: format!("`{name}`"), name, ..factor });
         }
-        if plan.factors.is_empty() {
-            let why = plan.left_out.iter().map(|one| format!("\n  {}: {}", one.name, one.why)).collect::<String>();
-            return Err(StudyError::Input(format!("error: there is no factor to look at{why}")));
-        }
+        plan.refuse_nothing()?;
         Ok((plan, checked))
+    }
+
+    /// Begins a plan with the run of a reference, which has a name. `base` are its changes of the case.
+    ///
+    /// # Errors
+    /// The reference cannot have the requested replicas.
+    pub fn begin(
+        case: &'a Case,
+        args: &Sensitivity,
+        (reference, name): (&Experiment, &str),
+        base: Vec<String>,
+    ) -> Result<Self, StudyError> {
+        let (seed, reference) = (args.effort.seed, reference.clone());
+        let placed = reference.start.iter().all(|population| matches!(population.amount, Amount::Placed(_)));
+        // replicas are refused before anything is planned
+        replicas(&reference, args.replicas.unwrap_or(1))?;
+        let transient = fades(&reference) && !placed && reference.count() > FEW;
+        let count = args.replicas.unwrap_or(if transient { REPLICAS } else { 1 });
+        let model = Some(reference.model());
+        let set = base.join(", ");
+        let (runs, factors, left_out, assumed) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut plan = Self { case, seed, model, base, runs, factors, left_out, assumed, replicas: count };
+        plan.enlist(Experiment { name: name.into(), against: None, ..reference }, set)?;
+        Ok(plan)
+    }
+
+    /// Refuses a plan without a factor.
+    ///
+    /// # Errors
+    /// No factor is planned; the message gives the reasons.
+    pub fn refuse_nothing(&self) -> Result<(), StudyError> {
+        if !self.factors.is_empty() {
+            return Ok(());
+        }
+        let why = self.left_out.iter().map(|one| format!("\n  {}: {}", one.name, one.why)).collect::<String>();
+        Err(StudyError::Input(format!("error: there is no factor to look at{why}")))
     }
 
     /// Plans the built-in factors that the user has named, or all.
@@ -199,16 +240,18 @@ impl<'a> SensitivityPlan<'a> {
         self.add("hard", &[], Some(Model::Hard), None)
     }
 
-    /// Experiment with these changes of the case. Its model is that of the unchanged case unless another one is given.
+    /// Experiment with the given changes of the case. Its model is that of the unchanged case unless another one is
+    /// given.
     ///
     /// # Errors
     /// The reason why the case refuses these changes, in words.
     pub fn changed(&self, sets: &[String], model: Option<Model>, seed: Option<u64>) -> Result<Experiment, String> {
-        let changed = self.case.changed(sets, model.or(self.model), seed.or(self.seed));
+        let sets: Vec<String> = self.base.iter().chain(sets).cloned().collect();
+        let changed = self.case.changed(&sets, model.or(self.model), seed.or(self.seed));
         changed.map(|(experiment, _)| experiment).map_err(|why| why.message)
     }
 
-    /// Index of a run with these changes of the case. The run is added unless an equal one exists.
+    /// Index of a run with the given changes of the case. The run is added unless an equal one exists.
     ///
     /// # Errors
     /// The reason why the case refuses these changes, in words.
@@ -220,6 +263,18 @@ impl<'a> SensitivityPlan<'a> {
         seed: Option<u64>,
     ) -> Result<usize, String> {
         let experiment = Experiment { name: name.to_owned(), against: None, ..self.changed(sets, model, seed)? };
+        self.enlist(experiment, sets.join(", ")).map_err(|why| why.to_string())
+    }
+
+    /// Index of a run with these simplifications of the reference. The run is added unless an equal one exists.
+    ///
+    /// # Errors
+    /// The reason why the case refuses them, in words.
+    pub fn simplified(&mut self, name: &str, by: &[&Simplification]) -> Result<usize, String> {
+        let sets: Vec<String> = by.iter().flat_map(|one| one.sets.iter().cloned()).collect();
+        let model = by.iter().find_map(|one| one.model);
+        let mut experiment = Experiment { name: name.to_owned(), against: None, ..self.changed(&sets, model, None)? };
+        by.iter().filter_map(|one| one.edit).for_each(|edit| edit(&mut experiment));
         self.enlist(experiment, sets.join(", ")).map_err(|why| why.to_string())
     }
 

@@ -10,13 +10,13 @@ const GLASS_TANGENTIAL: f64 = 0.44;
 const TANGENTIAL_ERROR: f64 = 0.07;
 /// [-] κ = k_t/k_n of elastic spheres: 2(1-ν)/(2-ν) for ν = 0.3 (Mindlin 1949).
 const ELASTIC_RATIO: f64 = 0.8235;
-/// [-] κ at which both springs of solid spheres swing alike, the choice of many soft-sphere codes (Schäfer, Dippel and
-/// Wolf 1996, J. Phys. I 6, 5).
+/// [-] κ for which the normal and the tangential spring of solid spheres have equal periods, the choice of many
+/// soft-sphere codes (Schäfer, Dippel and Wolf 1996, J. Phys. I 6, 5).
 const EQUAL_PERIODS: f64 = 0.2857;
-/// [-] rolling friction whose torque is nothing but rounding.
+/// [-] rolling friction so small that its torque is below rounding errors.
 const NO_TORQUE: f64 = 1e-15;
 
-/// Plans the run without rotation or, of spheres that do not rotate, with it.
+/// Plans the run without rotation or, if the spheres of the case do not rotate, the run with rotation.
 pub fn rotation(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     no_size(size)?;
     let first = plan.first();
@@ -35,7 +35,7 @@ pub fn rotation(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<Planne
     Ok(PlannedFactor::against(first, run, change, "glass, Foerster et al. 1994"))
 }
 
-/// Plans the run with another β_0 of the impact rule or, without one, of the tangential spring.
+/// Plans the run with another β_0 of the impact rule or, if the rule has no β_0, of the tangential spring.
 pub fn tangential_restitution(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     let first = plan.first();
     let Some(rotation) = plan.run(first).scene.rotation.clone() else { return Err("spheres do not rotate".into()) };
@@ -48,7 +48,7 @@ pub fn tangential_restitution(plan: &mut SensitivityPlan, size: Option<&str>) ->
         _ => None,
     };
     let Some(own) = of_rule.or(of_spring) else { return Err("the case gives a stiffness ratio in its place".into()) };
-    // away from the reversal at 1, the largest possible value
+    // β_0 is increased unless it would exceed 1, its largest possible value
     let usual = plain(if own + TANGENTIAL_ERROR <= 1.0 { own + TANGENTIAL_ERROR } else { own - TANGENTIAL_ERROR });
     let to = sized(size, usual, -1.0, 1.0)?;
     let key = if of_rule.is_some() { "hard.friction.walton" } else { "soft.tangential.linear" };
@@ -81,8 +81,8 @@ pub fn tangential_stiffness(plan: &mut SensitivityPlan, size: Option<&str>) -> R
     Ok(PlannedFactor::against(first, run, format!("k_t/k_n {} → {}", plain(own), plain(to)), why(size, usual)))
 }
 
-/// Plans the run without rolling resistance. A size is the rolling friction μ_r of the run; a case without rolling
-/// resistance needs one, since no value is usual.
+/// Plans the run without rolling resistance. A `size` is the rolling friction μ_r of the run; without rolling
+/// resistance in the case it is required, since no value is usual.
 pub fn rolling(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     let first = plan.first();
     let reference = plan.run(first);
@@ -96,7 +96,7 @@ pub fn rolling(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<Planned
     }
     let to = sized(size, 0.0, 0.0, 10.0)?;
     let set = match to {
-        // a change cannot take a table away, but leave nothing of its torque
+        // a change cannot remove a table of the case, so the torque is made negligible
         0.0 => format!("soft.rolling.constant.friction={NO_TORQUE}"),
         _ => format!("soft.rolling.spring.friction={to}"),
     };

@@ -32,7 +32,7 @@ pub fn factors(
     // first
     let size = |factor: &Factor| factor.headline().map_or(0.0, |shift| shift.share().abs());
     found.sort_by(|a, b| b.answer.cmp(&a.answer).then(size(b).total_cmp(&size(a))));
-    // factors with runs that stopped come last, since these say nothing of sizes
+    // factors with runs that stopped come last, since they have no shifts
     found.sort_by_key(|factor| factor.stopped.is_some());
     (found, waiting)
 }
@@ -109,7 +109,7 @@ struct LineFit {
     /// Weights of the values whose weighted sum is the deviation of the second value from the line through the first
     /// and the last value.
     miss: Vec<f64>,
-    /// [-] standard error of the slope over this deviation, if the values do not scatter otherwise.
+    /// [-] standard error of the slope divided by this deviation, if the values do not scatter otherwise.
     share: f64,
 }
 
@@ -124,7 +124,8 @@ impl LineFit {
             let part = (second - first) / (third - first);
             miss = vec![-(1.0 - part), 1.0, -part];
         }
-        // for three values the sum of squared residuals is the squared deviation over the sum of its squared weights
+        // for three values, the sum of squared residuals is the squared deviation divided by the sum of the squared
+        // weights
         let norm = miss.iter().map(|weight| weight * weight).sum::<f64>();
         Self { to_zero, miss, share: (1.0 / (norm * square)).sqrt() }
     }
@@ -164,7 +165,7 @@ mod tests {
         // line 7 - 0.5 x: its value at 0 is 0.5 higher than at 1
         let on_it = [6.5, 6.0, 5.0];
         assert!((dot(&line.to_zero, on_it) - 0.5).abs() < 1e-12 && dot(&line.miss, on_it).abs() < 1e-12);
-        // the slope of a bent line has the error of least squares: s² = residual over 1, over the sum of squares of x
+        // the slope of a bent line has the error of least squares, s²/Σ(x - <x>)², with s² the sum of squared residuals
         let bent = [0.0, 1.0, 0.0];
         let miss = dot(&line.miss, bent);
         let slope = -dot(&line.to_zero, bent);

@@ -8,8 +8,8 @@ use crate::study::judge::{in_prose, margin_in_words};
 /// Name of the factor that changes the seed only, and shows the effect of chance.
 const CHANCE: &str = "seed";
 
-/// Sentences on the strongest factor, the other factors beyond the margin, those below it, the unresolved ones, and
-/// chance.
+/// Sentences on the strongest factor, the other factors beyond the margin, the factors below it, the unresolved
+/// factors, and chance.
 pub fn sentences(factors: &[Factor], waiting: &[String], margin: f64) -> Vec<String> {
     let of = |answer: Answer| -> Vec<&Factor> {
         factors
@@ -73,7 +73,7 @@ fn where_(shift: &Shift) -> String {
 /// [-] share of the scale below which a shift is attributed to rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// A shift over its scale with its error, in words.
+/// A shift relative to its scale with its error, in words.
 fn share(shift: &Shift) -> String {
     if shift.share().abs() < ROUNDING && shift.share_error().is_none_or(|error| error < ROUNDING) {
         return "nothing".into();
@@ -86,7 +86,12 @@ fn size(shift: &Shift) -> String {
     format!("{} in {}", share(shift), where_(shift))
 }
 
-/// List of factors in words, each with a remark.
+/// Largest shift of a factor in words, in brackets; empty without a shift.
+pub(super) fn in_size(factor: &Factor) -> String {
+    factor.headline().map_or(String::new(), |shift| format!(" ({})", size(shift)))
+}
+
+/// Titles of the factors, each with the text that `say` makes of its most important shift.
 fn list(factors: &[&Factor], say: &dyn Fn(&Shift) -> String) -> String {
     let one = |factor: &&Factor| {
         let said = factor.headline().map_or(String::new(), |shift| format!(" ({})", say(shift)));
@@ -95,7 +100,7 @@ fn list(factors: &[&Factor], say: &dyn Fn(&Shift) -> String) -> String {
     factors.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
-fn open(factors: &[&Factor], within: &str) -> Option<String> {
+pub(super) fn open(factors: &[&Factor], within: &str) -> Option<String> {
     if factors.is_empty() {
         return None;
     }
@@ -127,12 +132,12 @@ fn open(factors: &[&Factor], within: &str) -> Option<String> {
 }
 
 /// Sentence on the size of the shifts that chance alone causes.
-fn chance(factor: &Factor) -> Option<String> {
+pub(super) fn chance(factor: &Factor) -> Option<String> {
     let widest = factor.shifts.iter().max_by(|a, b| a.share().abs().total_cmp(&b.share().abs()))?;
     Some(format!("Another seed alone shifts up to {}: that much is noise.", size(widest)))
 }
 
-fn capital(text: &str) -> String {
+pub(super) fn capital(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }

@@ -23,7 +23,7 @@ pub fn judge_numbers(numbers: &mut [ValidationNumber], rows: usize) {
         number.answer = match (within, differs) {
             (true, _) => Answer::Equivalent,
             (false, true) => Answer::Different,
-            // a number that is not finite is no difference that has a size
+            // neither equivalence nor a difference is shown
             (false, false) => Answer::Unresolved,
         };
     }
@@ -76,7 +76,8 @@ mod tests {
 
     #[test]
     fn many_numbers_of_a_row_share_the_chance_of_a_false_difference() {
-        // 3.6 standard errors: a chance of 3e-4 for one number, which is below 0.01/30; among five it is not
+        // 3.6 standard errors have a chance of 3e-4 for one number, below the level 0.01/30, but not below the level
+        // for five numbers
         let number = || read_off("n", "", (0.0, 1.0), 3.61, 0.1);
         let mut one = [number()];
         judge_numbers(&mut one, 30);

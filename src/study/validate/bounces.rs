@@ -17,7 +17,7 @@ fn apex(simulation: &Simulation) -> f64 {
     x.y + v.y * v.y / (2.0 * GRAVITY)
 }
 
-/// A ball on a soft floor (MFIX DEM01).
+/// Validation row: a ball on a soft floor (MFIX DEM01).
 pub const SOFT_FLOOR: ValidationCheck = ValidationCheck {
     name: "dem01",
     tier: ClosedForms,
@@ -29,7 +29,7 @@ pub const SOFT_FLOOR: ValidationCheck = ValidationCheck {
     measure: soft_floor,
 };
 
-/// Stiffness [N/m], restitution [-], largest overlap [m] and next apex [m]; `None` where no value was computed.
+/// Stiffness [N/m], restitution [-], then the reference values of the largest overlap [m] and of the next apex [m].
 const SOFT_FLOORS: [(f64, f64, f64, f64); 4] = [
     (5e4, 1.0, 0.04352938, 0.5),
     (5e4, 0.9, 0.04131345, 0.41907173),
@@ -48,7 +48,7 @@ fn soft_floor(scene: &CheckScene) -> Result<CheckResult, StudyError> {
         run_to(&mut simulation, 0.5, 1)?;
         let deepest = simulation.record.walls.summary().largest_overlap.map(|share| share * 0.2);
         let of = format!("{} kN/m, e = {restitution}", stiffness / 1e3);
-        // eight digits of the reference; the truncation of local steps is far less
+        // the reference has eight digits, and the truncation error of local steps is far smaller than the tolerance
         let tolerance = |value: f64| 1e-5 * value;
         numbers.push(exact(format!("overlap, {of}"), "m", overlap, deepest.unwrap_or(f64::NAN), tolerance(overlap)));
         numbers.push(exact(format!("apex, {of}"), "m", height, apex(&simulation), tolerance(height)));
@@ -56,7 +56,7 @@ fn soft_floor(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(numbers.into())
 }
 
-/// Apexes of a hard ball (MFIX DEM02).
+/// Validation row: apexes of a hard ball (MFIX DEM02).
 pub const APEXES: ValidationCheck = ValidationCheck {
     name: "dem02",
     tier: ClosedForms,
@@ -74,20 +74,20 @@ fn apexes(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     let fall = (2.0 * (height - radius) / GRAVITY).sqrt();
     let (mut numbers, mut points) = (Vec::new(), vec![SeriesPoint::at(0.0, height)]);
     for part in 1..=10 {
-        // up to shortly before the first impact
+        // fall until shortly before the first impact
         run_to(&mut simulation, 0.0999 * fall * f64::from(part), 1)?;
         points.push(SeriesPoint::at(simulation.time, simulation.particles.position[0].y));
     }
     let mut until = fall;
     for bounce in 1..=6 {
-        // in the middle of the flight after this bounce
+        // flight after this bounce, until shortly before its end
         let half = fall * restitution.powi(bounce);
         for part in 1..=20 {
             run_to(&mut simulation, until + half * f64::from(part) / 10.0 - if part == 20 { 1e-6 } else { 0.0 }, 1)?;
             points.push(SeriesPoint::at(simulation.time, simulation.particles.position[0].y));
         }
         let expected = radius + (height - radius) * restitution.powi(2 * bounce);
-        // rounding of some ten operations on lengths of 1 m
+        // tolerance: rounding of some ten operations on lengths of 1 m
         numbers.push(exact(format!("apex {bounce}"), "m", expected, apex(&simulation), 1e-9));
         until += 2.0 * half;
     }
@@ -113,7 +113,7 @@ fn apexes(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     })
 }
 
-/// Two balls between floor and ceiling (MFIX DEM03).
+/// Validation row: two balls between floor and ceiling (MFIX DEM03).
 pub const SQUEEZED: ValidationCheck = ValidationCheck {
     name: "dem03",
     tier: ClosedForms,
@@ -125,7 +125,7 @@ pub const SQUEEZED: ValidationCheck = ValidationCheck {
     measure: squeezed,
 };
 
-/// Restitution [-], time [s], and y [m] and v [m/s] of the lower and of the upper ball.
+/// Restitution [-], time [s], then height y [m] and velocity v [m/s] of the lower ball and of the upper ball.
 const SQUEEZES: [(f64, f64, [f64; 4]); 5] = [
     (1.0, 1e-4, [4.3267464587e-4, -0.233122618, 1.3813857854e-3, 0.350795400]),
     (1.0, 5e-4, [4.3623748029e-4, 0.230577292, 1.3791393490e-3, -0.403903856]),
@@ -146,7 +146,8 @@ fn squeezed(scene: &CheckScene) -> Result<CheckResult, StudyError> {
         let found = [x[0].y, v[0].y, x[1].y, v[1].y];
         let names = ["y of the lower ball", "v of the lower ball", "y of the upper ball", "v of the upper ball"];
         for (k, name) in names.into_iter().enumerate() {
-            // displacements are up to 0.1 mm and speeds 0.4 m/s; the first step of a dashpot is an error of 2 ζ ω_0 Δt
+            // displacements are up to 0.1 mm and speeds up to 0.4 m/s; the first step with a dashpot has a relative
+            // error of 2 ζ ω_0 Δt
             let (unit, scale) = if k % 2 == 0 { ("m", 1e-4) } else { ("m/s", 0.4) };
             let what = format!("{name}, e = {restitution}, {} ms", time * 1e3);
             numbers.push(exact(what, unit, expected[k], found[k], 3e-4 * scale));
@@ -155,7 +156,7 @@ fn squeezed(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(numbers.into())
 }
 
-/// End of infinitely many bounces.
+/// Validation row: instant at which infinitely many bounces end.
 pub const ZENO: ValidationCheck = ValidationCheck {
     name: "zeno",
     tier: ClosedForms,
@@ -178,7 +179,8 @@ fn zeno(scene: &CheckScene) -> Result<CheckResult, StudyError> {
             Err(why) => return Err(stopped(why)),
             Ok(()) => f64::NAN,
         };
-        // flights shorter than about 1e-8 s cannot be distinguished in double precision: 200 of them
+        // in double precision flights shorter than about 1e-8 s are not resolved; the tolerance allows for many of
+        // these flights
         numbers.push(exact(format!("rest, e = {restitution}"), "s", expected, ended, 1e-5));
     }
     Ok(numbers.into())

@@ -1,4 +1,4 @@
-//! One row of the suite before it runs, and the functions with which rows run their scenes.
+//! One row of the validation suite before it runs, and the functions with which rows run their scenes.
 
 use crate::case::{Case, built_in};
 use crate::engine::Failure;
@@ -10,15 +10,15 @@ use crate::simulation::Simulation;
 use crate::statistics::{Answer, Estimate};
 use rayon::prelude::*;
 
-/// Comparison of the suite: its description, and the function that runs its scene.
+/// Row of the validation suite: its description, and the function that runs its scene.
 pub struct ValidationCheck {
-    /// Name of the row, for `--only`.
+    /// Name of the row on the command line (`--only`).
     pub name: &'static str,
     /// Kind of the reference.
     pub tier: ValidationTier,
-    /// Name of the built-in case with the scene, of which the row changes some keys.
+    /// Name of the built-in case with the scene. The row changes some keys of this case.
     pub case: &'static str,
-    /// Scene in words.
+    /// Description of the scene, for the report.
     pub scene: &'static str,
     /// Source of the reference, with the place in it.
     pub source: &'static str,
@@ -114,7 +114,7 @@ pub fn stopped(why: Failure) -> StudyError {
     StudyError::Failed(why.to_string())
 }
 
-/// Number of a run without scatter, and its tolerance in the unit of the number.
+/// Makes a number of a row from an exact reference and a result without scatter. The tolerance is in their unit.
 pub fn exact(
     name: impl Into<String>,
     unit: &'static str,
@@ -134,8 +134,8 @@ pub fn exact(
     }
 }
 
-/// Number of a run without scatter whose reference has the error `reading` of a measurement or of a digitised picture.
-/// The error and the margin are in the unit of the number.
+/// Makes a number of a row from a result without scatter and a reference with the error `reading` of a measurement or
+/// of a digitised picture. The error and the margin are in the unit of the number.
 pub fn read_off(
     name: impl Into<String>,
     unit: &'static str,
@@ -150,7 +150,7 @@ pub fn read_off(
     }
 }
 
-/// Number from several independent runs, compared with a reference within a margin in the unit of the number.
+/// Makes a number of a row from the results of several independent runs. The margin is in the unit of the number.
 pub fn averaged(
     name: impl Into<String>,
     unit: &'static str,

@@ -1,5 +1,5 @@
-//! Benchmark impacts of Chung and Ooi (2011, Granular Matter 13, 643), with the points that Kratos has digitised from
-//! their pictures.
+//! Benchmark impacts of Chung and Ooi (2011, Granular Matter 13, 643), with points of their figures that were digitised
+//! for the tests of Kratos.
 
 use super::check::{CheckResult, CheckScene, ValidationCheck, exact, read_off, run_to, stopped};
 use super::oblique::rebound;
@@ -10,8 +10,8 @@ use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::runs::StudyError;
 use crate::simulation::Simulation;
 
-/// Peak force [N] and duration [s] of the impact of a pair or of a ball and wall 0, at the speed `speed` [m/s] of
-/// approach. The force is that of the law at the largest overlap of the run.
+/// Peak force [N] and duration [s] of the impact of two balls, or of a ball on wall 0, with the speed of approach
+/// `speed` [m/s]. The force is computed by the contact law from the largest overlap of the run.
 fn normal_impact(scene: &CheckScene, speed: f64) -> Result<[f64; 2], StudyError> {
     let experiment = scene.experiment(Model::Soft, None, &[])?;
     let mut simulation = scene.simulation(Model::Soft, None, &[])?;
@@ -32,7 +32,7 @@ fn normal_impact(scene: &CheckScene, speed: f64) -> Result<[f64; 2], StudyError>
     Ok([law.force(&spring, overlap, 0.0).0, seen.mean_duration.unwrap_or(f64::NAN)])
 }
 
-/// Two balls of glass, head on (test 1).
+/// Validation row: two balls of glass, head on (test 1).
 pub const HEAD_ON: ValidationCheck = ValidationCheck {
     name: "chung-ooi-1",
     tier: OtherCodes,
@@ -44,7 +44,7 @@ pub const HEAD_ON: ValidationCheck = ValidationCheck {
     measure: |scene| force_and_time(normal_impact(scene, 20.0)?, [(10.70e3, 20.0), (40.47e-6, 0.1e-6)]),
 };
 
-/// A ball of aluminium alloy on a rigid plane (test 2).
+/// Validation row: a ball of aluminium alloy on a rigid plane (test 2).
 pub const ON_PLANE: ValidationCheck = ValidationCheck {
     name: "chung-ooi-2",
     tier: OtherCodes,
@@ -56,7 +56,8 @@ pub const ON_PLANE: ValidationCheck = ValidationCheck {
     measure: |scene| force_and_time(normal_impact(scene, 0.2)?, [(11.36e3, 20.0), (726.5e-6, 2e-6)]),
 };
 
-/// Numbers of a normal impact. References with the error of reading a curve: a part in 500 of its axes.
+/// Numbers of a normal impact: largest force [N] and duration [s], each reference with its reading error of 1/500 of
+/// the axis.
 fn force_and_time(ours: [f64; 2], expected: [(f64, f64); 2]) -> Result<CheckResult, StudyError> {
     let [force, time] = expected;
     Ok(vec![
@@ -66,7 +67,7 @@ fn force_and_time(ours: [f64; 2], expected: [(f64, f64); 2]) -> Result<CheckResu
     .into())
 }
 
-/// Restitution of a ball that meets a plane (test 3).
+/// Validation row: restitution of a ball that meets a plane (test 3).
 pub const RESTITUTION: ValidationCheck = ValidationCheck {
     name: "chung-ooi-3",
     tier: ClosedForms,
@@ -91,13 +92,13 @@ fn restitution(scene: &CheckScene) -> Result<CheckResult, StudyError> {
         let mut simulation = scene.simulation(Model::Soft, None, &sets)?;
         run_to(&mut simulation, 1e-4, 1)?;
         let found = simulation.particles.velocity[0].y / 3.9;
-        // local steps of fourth order, 200 in a contact
+        // fourth-order local steps, 200 per contact
         numbers.push(exact(format!("e = {asked}"), "", asked, found, 1e-3));
     }
     Ok(numbers.into())
 }
 
-/// Oblique impacts of aluminium oxide (test 4).
+/// Validation row: oblique impacts of aluminium oxide (test 4).
 pub const OBLIQUE: ValidationCheck = ValidationCheck {
     name: "chung-ooi-4",
     tier: OtherCodes,
@@ -109,7 +110,7 @@ pub const OBLIQUE: ValidationCheck = ValidationCheck {
     measure: oblique,
 };
 
-/// Angle [°], velocity ratio [-] and spin [rad/s] of the paper.
+/// Angle of impact [°], and the paper's velocity ratio v_t'/v_t [-] and spin after the impact [rad/s].
 const TEST_4: [(f64, f64, f64); 13] = [
     (5.0, 0.9481, 19.27),
     (10.0, 0.6870, 213.00),
@@ -131,7 +132,8 @@ fn oblique(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     let (mut numbers, mut found) = (Vec::new(), Vec::new());
     for (angle, ratio, spin) in TEST_4 {
         let left = rebound(scene, angle, &sets)?;
-        // from 35 degrees on the ball slides throughout, and the points miss the closed form by up to 0.003 and 3 rad/s
+        // from 35 degrees on the ball slides throughout; the digitised points then deviate from the closed form by up
+        // to 0.003 and 3 rad/s
         numbers.push(read_off(format!("v_t'/v_t at {angle}°"), "", (ratio, 0.003), left.ratio, 0.03));
         numbers.push(read_off(format!("spin at {angle}°"), "rad/s", (spin, 3.0), left.spin, 20.0));
         found.push(SeriesPoint::at(angle, left.spin));
@@ -149,7 +151,7 @@ fn oblique(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(CheckResult { numbers, picture: Some(("Spin after an oblique impact (test 4).", panel)) })
 }
 
-/// Sets of test 5: a steel ball of 20 µm in a box of its size.
+/// Changed keys for test 5: a steel ball of 20 µm in a box of 1 mm, with the velocity `along` the plane [m/s].
 fn steel(along: f64) -> Vec<String> {
     let mut sets: Vec<String> = [
         "particles[0].diameter=20 um",
@@ -171,7 +173,7 @@ fn steel(along: f64) -> Vec<String> {
     sets
 }
 
-/// Oblique impacts of steel against finite elements (test 5).
+/// Validation row: oblique impacts of steel against finite elements (test 5).
 pub const FINITE_ELEMENTS: ValidationCheck = ValidationCheck {
     name: "chung-ooi-5",
     tier: OtherCodes,
@@ -183,7 +185,7 @@ pub const FINITE_ELEMENTS: ValidationCheck = ValidationCheck {
     measure: finite_elements,
 };
 
-/// v_t/(μ v_n) and R ω'/(μ v_n) by finite elements.
+/// v_t/(μ v_n) [-] and R ω'/(μ v_n) [-] by finite elements.
 const TEST_5: [(f64, f64); 10] = [
     (0.5954, 0.4056),
     (1.1850, 0.9818),
@@ -203,7 +205,7 @@ fn finite_elements(scene: &CheckScene) -> Result<CheckResult, StudyError> {
         let mut simulation = scene.simulation(Model::Soft, None, &steel(slip * 0.3 * 5.0))?;
         run_to(&mut simulation, 1e-7, 1)?;
         let spin = -simulation.particles.spin_of(0).z * 1e-5 / (0.3 * 5.0);
-        // in gross sliding R ω'/(μ v_n) is 5; the points there are 4.94 to 4.97
+        // in gross sliding the closed form of R ω'/(μ v_n) is 5, while the digitised points are 4.94 to 4.97
         numbers.push(read_off(format!("R ω'/(μ v_n) at {slip}"), "", (expected, 0.03), spin, 0.25));
         found.push(SeriesPoint::at(slip, spin));
     }
@@ -220,7 +222,7 @@ fn finite_elements(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(CheckResult { numbers, picture: Some(("Spin after an oblique elastic impact (test 5).", panel)) })
 }
 
-/// A ball with spin on a rigid plane (test 6).
+/// Validation row: a ball with spin on a rigid plane (test 6).
 pub const SPINNING: ValidationCheck = ValidationCheck {
     name: "chung-ooi-6",
     tier: OtherCodes,
@@ -232,7 +234,8 @@ pub const SPINNING: ValidationCheck = ValidationCheck {
     measure: spinning,
 };
 
-/// k of the slip 0.2 m/s tan(5° k), and β.
+/// Number k of the slip 0.2 m/s tan(5° k) before the impact, and β [-], minus the slip after the impact over the slip
+/// before it.
 const TEST_6: [(u32, f64); 9] = [
     (1, -0.3386),
     (2, -0.2588),
@@ -257,12 +260,12 @@ fn spinning(scene: &CheckScene) -> Result<CheckResult, StudyError> {
         ]
         .map(str::to_owned)
         .into();
-        // the surface moves along +x at the plane if the ball turns backwards, by a positive spin about z
+        // a ball that turns backwards has a positive spin about z; its surface then moves along +x at the plane
         sets.push(format!("particles[0].at[0].spin[2]={} rad/s", slip / 0.1));
         let mut simulation = scene.simulation(Model::Soft, None, &sets)?;
         run_to(&mut simulation, 2e-3, 1)?;
         let after = surface_speed(&simulation, 0.1);
-        // in gross sliding β is 3.5 μ (1 + e) v_n/v_st - 1; the points there miss it by 0.003
+        // in gross sliding β is 3.5 μ (1 + e) v_n/v_st - 1, from which the digitised points deviate by 0.003
         numbers.push(read_off(format!("β at v_st = {slip:.3} m/s"), "", (expected, 0.005), -after / slip, 0.03));
         found.push(SeriesPoint::at(slip, -after / slip));
     }
@@ -280,12 +283,12 @@ fn spinning(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(CheckResult { numbers, picture: Some(("Tangential restitution of a ball with spin (test 6).", panel)) })
 }
 
-/// [m/s] velocity along x of the surface of the first ball at a plane below it.
+/// [m/s] velocity along x of the lowest point of the first ball's surface.
 fn surface_speed(simulation: &Simulation, radius: f64) -> f64 {
     simulation.particles.velocity[0].x + radius * simulation.particles.spin_of(0).z
 }
 
-/// Two balls with opposite spins (test 7).
+/// Validation row: two balls with opposite spins (test 7).
 pub const OPPOSITE_SPINS: ValidationCheck = ValidationCheck {
     name: "chung-ooi-7",
     tier: ClosedForms,
@@ -326,7 +329,7 @@ fn opposite_spins(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(vec![
         exact("spin", "rad/s", 21.0, particles.spin_of(0).z, 1e-12),
         exact("velocity across", "m/s", 0.0, particles.velocity[0].y, 1e-15),
-        // 200 steps in a contact
+        // 200 steps per contact
         exact("velocity along", "m/s", -0.1, particles.velocity[0].x, 1e-4),
     ]
     .into())

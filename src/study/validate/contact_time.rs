@@ -1,4 +1,4 @@
-//! A gas of hard spheres that cools by the model with a contact time (TC model).
+//! A gas of hard spheres that cools under the TC model, in which collisions in quick succession are elastic.
 
 use super::check::{CheckResult, CheckScene, ValidationCheck, averaged, run_to};
 use super::cooling::enskog;
@@ -10,7 +10,7 @@ use crate::statistics::Estimate;
 use statrs::function::erf::erf;
 use std::f64::consts::PI;
 
-/// Hard spheres with a contact time.
+/// Validation row: hard spheres with a contact time.
 pub const CONTACT_TIME: ValidationCheck = ValidationCheck {
     name: "tc-cooling",
     tier: OtherCodes,
@@ -22,33 +22,35 @@ pub const CONTACT_TIME: ValidationCheck = ValidationCheck {
     measure: cooling,
 };
 
-/// [-] contact time of the row, over the time between two collisions of a sphere at the start.
+/// [-] contact time of the row, divided by the time between two collisions of a sphere at the start.
 const RATIO: f64 = 0.2;
 
-/// Largest speed of a quadrature over a Maxwellian, in units of √T: 1e-17 of the spheres are faster.
+/// Largest speed of a quadrature over a Maxwellian, in units of √T. A share of 1e-17 of the spheres is faster.
 const FASTEST: f64 = 9.0;
 
-/// Number of points of a quadrature: 200 change the result by less than 1e-6.
+/// Number of points of a quadrature. With 200 points the result changes by less than 1e-6.
 const POINTS: usize = 100;
 
-/// [-] collision rate of a sphere of speed `v` [√T] in a Maxwellian gas, over the mean rate of all spheres.
+/// [-] collision rate of a sphere of speed `v` [√T] in a Maxwellian gas, divided by the mean rate of all spheres.
 fn rate_at(v: f64) -> f64 {
     let mean_relative_speed = (2.0 / PI).sqrt() * (-0.5 * v * v).exp() + (v + 1.0 / v) * erf(v / 2.0_f64.sqrt());
     mean_relative_speed * PI.sqrt() / 4.0
 }
 
-/// [-] share of Haff's loss that remains with a contact time of `ratio` mean times between two collisions of a sphere.
-/// `loss` is 1 - e².
+/// [-] energy loss in the TC model, divided by the loss by Haff's law. `ratio` is the contact time divided by the mean
+/// time between two collisions of a sphere, and `loss` is 1 - e².
 ///
-/// Spheres of a speed collide at the rate ν. If their number were constant, just as many would have come from a collision,
-/// so that a share exp(-ν t_c) has had none for the time t_c. In a gas that cools their number f changes, and ν + d(ln f)/dt
-/// come from a collision. For a Maxwellian the second term is (v²/(2T) - 3/2) d(ln T)/dt.
+/// Spheres of one speed collide at the rate ν, and so lose this speed. In a steady gas as many spheres get this speed
+/// by a collision, so a share exp(-ν t_c) has had no collision during the last time t_c. In a gas that cools, the
+/// number f of these spheres changes, and the rate of new spheres is ν + d(ln f)/dt. For a Maxwellian the second term
+/// is (v²/(2T) - 3/2) d(ln T)/dt.
 fn share_of_loss(ratio: f64, loss: f64) -> f64 {
     // each repetition reduces the error by a factor of some (1 - e²) ratio
     (0..4).fold(1.0, |share, _| share_with_cooling(ratio, loss * share / 3.0))
 }
 
-/// [-] share of Haff's loss for a given cooling rate -d(ln T)/dt over the collision rate of a sphere [-].
+/// [-] energy loss in the TC model, divided by the loss by Haff's law, if -d(ln T)/dt is `cooling` times the collision
+/// rate of a sphere.
 fn share_with_cooling(ratio: f64, cooling: f64) -> f64 {
     let step = FASTEST / POINTS as f64;
     let speeds: Vec<f64> = (0..POINTS).map(|k| (k as f64 + 0.5) * step).collect();
@@ -57,7 +59,7 @@ fn share_with_cooling(ratio: f64, cooling: f64) -> f64 {
     let (mut kept, mut all) = (0.0, 0.0);
     for &a in &speeds {
         for &b in &speeds {
-            // mean of g³ over all angles between two velocities
+            // mean of g³ over all angles between two velocities; g is the relative speed
             let cubed = ((a + b).powi(5) - (a - b).abs().powi(5)) / (10.0 * a * b);
             let loss = cubed * weight(a) * weight(b);
             all += loss;
@@ -67,9 +69,9 @@ fn share_with_cooling(ratio: f64, cooling: f64) -> f64 {
     kept / all
 }
 
-/// [-] T(t)/T(0) at `times` [s], for the collision rate [1/s] at the start.
+/// [-] T(t)/T(0) at `times` [s] by the theory of the TC model, for the collision rate [1/s] at the start.
 fn theory(restitution: f64, rate: f64, times: &[f64]) -> Vec<f64> {
-    /// Steps between two times; the classical Runge-Kutta method is then exact to 1e-9.
+    /// Number of steps between two times, with which the classical Runge-Kutta method is exact to 1e-9.
     const STEPS: usize = 20;
     let loss = 1.0 - restitution * restitution;
     let slope = |t: f64| -loss * rate * t.sqrt() * t / 3.0 * share_of_loss(RATIO * t.sqrt(), loss);
@@ -123,9 +125,9 @@ mod tests {
         let first = (1.0 - share_of_loss(1e-4, 0.0)) / 1e-4;
         // the coefficient of Luding and Goldshtein (2003, Granular Matter 5, 159) has four digits
         assert!((first - 1.268 * PI.sqrt()).abs() < 1e-3 * first, "{first}");
-        // evaluated with another program, on 400 points
+        // reference value from another program, with 400 points
         assert!((share_of_loss(0.2, 0.0) - 0.639368).abs() < 1e-6, "{}", share_of_loss(0.2, 0.0));
-        // a gas that cools had fewer fast spheres to come: more of them are new, and fewer collisions are elastic
+        // in a gas that cools, fewer of the fast spheres come from a recent collision, so fewer collisions are elastic
         assert!(share_of_loss(0.2, 0.19) > share_of_loss(0.2, 0.0));
         // without a contact time the theory is Haff's law
         let [late] = theory(0.9, 0.0, &[1.0])[..] else { panic!() };

@@ -10,8 +10,8 @@ use crate::simulation::Simulation;
 use crate::statistics::Estimate;
 use std::f64::consts::PI;
 
-/// [1/s] collision rate of a sphere by Enskog's theory with the contact value of Carnahan and Starling (1969), less the
-/// share 1/N: 24 φ g sqrt(T/π)/d.
+/// [1/s] collision rate of a sphere by Enskog's theory with the contact value g of Carnahan and Starling (1969): 24 φ g
+/// sqrt(T/π)/d (1 - 1/N).
 pub fn enskog(simulation: &Simulation, temperature: f64) -> f64 {
     let (count, diameter) = (simulation.count() as f64, 2.0 * simulation.mean_radius());
     let fraction = count * PI / 6.0 * diameter.powi(3) / simulation.scene().domain.volume();
@@ -24,7 +24,7 @@ fn haff(restitution: f64, rate: f64, time: f64) -> f64 {
     (1.0 + (1.0 - restitution * restitution) * rate * time / 6.0).powi(-2)
 }
 
-/// Temperatures over that at the start, and Haff's law, at these times [s].
+/// Temperature over its initial value [-] as measured and by Haff's law, at the given times [s].
 fn cool(simulation: &mut Simulation, restitution: f64, times: &[f64]) -> Result<Vec<[f64; 2]>, StudyError> {
     let start = temperature(&simulation.particles);
     let rate = enskog(simulation, start);
@@ -36,7 +36,7 @@ fn cool(simulation: &mut Simulation, restitution: f64, times: &[f64]) -> Result<
     times.iter().map(one).collect()
 }
 
-/// Haff's law.
+/// Validation row: Haff's law of cooling.
 pub const HAFF: ValidationCheck = ValidationCheck {
     name: "haff",
     tier: OtherCodes,
@@ -62,7 +62,7 @@ fn cooling(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(times.iter().enumerate().map(number).collect::<Vec<_>>().into())
 }
 
-/// Stiffness of MFIX-Exa's cooling benchmark.
+/// Validation row: cooling benchmark of MFIX-Exa.
 pub const MFIX_EXA: ValidationCheck = ValidationCheck {
     name: "mfix-exa-cooling",
     tier: OtherCodes,
@@ -94,7 +94,7 @@ fn mfix_exa(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(numbers.into())
 }
 
-/// First Sonine coefficient.
+/// Validation row: first Sonine coefficient of a cooling gas.
 pub const SONINE: ValidationCheck = ValidationCheck {
     name: "sonine",
     tier: OtherCodes,
@@ -106,7 +106,7 @@ pub const SONINE: ValidationCheck = ValidationCheck {
     measure: sonine,
 };
 
-/// a_2 of van Noije and Ernst for the restitution e [-].
+/// Sonine coefficient a_2 [-] of van Noije and Ernst for the restitution e [-].
 fn linear_theory(e: f64) -> f64 {
     16.0 * (1.0 - e) * (1.0 - 2.0 * e * e) / (81.0 - 17.0 * e + 30.0 * e * e * (1.0 - e))
 }
@@ -143,7 +143,8 @@ fn sonine(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     })
 }
 
-/// Mean of a_2 over samples that are one collision per sphere apart, after 5 such collisions.
+/// Mean of the Sonine coefficient a_2 over samples that are one collision per sphere apart, after 5 collisions per
+/// sphere.
 fn excess(simulation: &mut Simulation) -> Result<f64, StudyError> {
     let (mut sum, mut samples) = (0.0, 0.0);
     for step in 0..25 {
@@ -161,7 +162,7 @@ fn excess(simulation: &mut Simulation) -> Result<f64, StudyError> {
     Ok(sum / samples)
 }
 
-/// Rough spheres.
+/// Validation row: a cooling gas of rough spheres.
 pub const ROUGH: ValidationCheck = ValidationCheck {
     name: "rough-gas",
     tier: OtherCodes,
@@ -173,11 +174,11 @@ pub const ROUGH: ValidationCheck = ValidationCheck {
     measure: rough,
 };
 
-/// Collisions per sphere, and T and T_r over T at the start, each with its standard error.
+/// Reference values: collisions per sphere, then T and T_r over the initial T [-], each with its standard error.
 const MONTE_CARLO: [(f64, [(f64, f64); 2]); 2] =
     [(1.0, [(0.86357, 0.00093), (0.81901, 0.00040)]), (5.0, [(0.45934, 0.00064), (0.38795, 0.00048)])];
 
-/// T_r/T of the reference in its final state, with its standard error.
+/// Ratio T_r/T [-] of the reference in its final state, with its standard error.
 const FINAL_RATIO: (f64, f64) = (0.7899, 0.0018);
 
 fn rough(scene: &CheckScene) -> Result<CheckResult, StudyError> {
@@ -210,7 +211,8 @@ fn rough(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(numbers.into())
 }
 
-/// T and T_r over T at the start, at the collisions per sphere of [`MONTE_CARLO`], and after 20.
+/// Measured T and T_r over the initial T [-], after each number of collisions per sphere in [`MONTE_CARLO`], and after
+/// 20.
 fn temperatures(simulation: &mut Simulation) -> Result<Vec<[f64; 2]>, StudyError> {
     let both = |simulation: &Simulation| {
         let particles = &simulation.particles;

@@ -6,7 +6,7 @@ use crate::output::ValidationTier::OtherCodes;
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::runs::StudyError;
 
-/// Terminal velocity (MFIX DEM06).
+/// Validation row: terminal velocity (MFIX DEM06).
 pub const TERMINAL: ValidationCheck = ValidationCheck {
     name: "dem06",
     tier: OtherCodes,

@@ -9,7 +9,7 @@ use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::runs::StudyError;
 use crate::statistics::Estimate;
 
-/// Discharge through a hole.
+/// Validation row: discharge through a hole.
 pub const BEVERLOO: ValidationCheck = ValidationCheck {
     name: "beverloo",
     tier: Experiments,
@@ -27,7 +27,7 @@ fn beverloo(scene: &CheckScene) -> Result<CheckResult, StudyError> {
         ["soft.tangential.linear.stiffness_ratio=0.2857142857", "soft.tangential.linear.dashpot_ratio=0.2857142857"];
     let mut simulation = scene.simulation(Model::Soft, None, &sets.map(str::to_owned))?;
     simulation.run(50, 6e-3).map_err(stopped)?;
-    // eight parts of 0.1 s, each the momentum over the height of the box
+    // mass flow in eight intervals of 0.1 s: mean momentum over the height of the box
     let mut parts = Vec::new();
     for _ in 0..8 {
         let mut sum = 0.0;
@@ -40,7 +40,7 @@ fn beverloo(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(vec![averaged("mass per time", "g/s", Estimate::exact(1e3 * expected), parts, 100.0 * expected)].into())
 }
 
-/// Mean velocity of a turbulent channel.
+/// Validation row: mean velocity of a turbulent channel.
 pub const CHANNEL_GAS: ValidationCheck = ValidationCheck {
     name: "channel-gas",
     tier: OtherCodes,
@@ -53,14 +53,14 @@ pub const CHANNEL_GAS: ValidationCheck = ValidationCheck {
 };
 
 fn channel_gas(_: &CheckScene) -> Result<CheckResult, StudyError> {
-    // the channel of the paper: U_b, 2h, ν
+    // bulk velocity U_b [m/s], height 2h [m] and viscosity ν [m²/s] of the channel of the paper
     let (bulk, height, viscosity) = (15.9075, 0.04, 1.515e-5);
     let profile = Profile::k_epsilon_channel(bulk, height, viscosity, TurbulenceModel::LaunderSharma)
         .map_err(StudyError::Failed)?;
     let Some(flow) = profile.channel_flow() else { return Err(StudyError::Failed("error: no channel".into())) };
     let friction = flow.friction_velocity;
     let at = |plus: f64| profile.velocity(plus * viscosity / friction) / friction;
-    // 5 %: what models of this kind are expected to keep
+    // tolerance 5 %, the expected error of models of this kind
     let numbers: Vec<_> =
         CHANNEL_DNS.iter().map(|(plus, u)| exact(format!("U+ at y+ = {plus}"), "", *u, at(*plus), 0.05 * u)).collect();
     let line = (0..=100).map(|k| 2.0 * 500f64.powf(f64::from(k) / 100.0)).map(|plus| SeriesPoint::at(plus, at(plus)));

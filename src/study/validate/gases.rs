@@ -10,17 +10,18 @@ use crate::simulation::Simulation;
 use crate::statistics::Estimate;
 use std::f64::consts::PI;
 
-/// [m²/s²] granular temperature 2E/(3(N-1)m) of equal spheres whose momentum is zero.
+/// [m²/s²] granular temperature 2E/(3(N-1)m) of equal spheres, with their kinetic energy E relative to the centre of
+/// mass.
 pub(super) fn temperature(particles: &Particles) -> f64 {
     let mass = particles.total_mass();
-    // the centre of mass moves on
+    // kinetic energy of the motion of the centre of mass
     let together = 0.5 * particles.momentum().norm_squared() / mass;
     2.0 * (particles.kinetic_energy() - together) / (3.0 * mass * (1.0 - 1.0 / particles.len() as f64))
 }
 
-/// Runs a hard gas of the diameter `diameter` [m] until every sphere has collided `collisions` times on average, in
-/// windows in which a sphere flies a third of the way to its neighbours. `rate` [-] is the collision rate in units of
-/// sqrt(T)/d.
+/// Runs a gas of hard spheres with the diameter `diameter` [m] until every sphere has collided `collisions` times on
+/// average. In a window a sphere flies a third of the way to its neighbours. `rate` [-] is the collision rate in units
+/// of sqrt(T)/d. Returns the simulated time [s].
 fn collide(simulation: &mut Simulation, diameter: f64, rate: f64, collisions: f64) -> Result<f64, StudyError> {
     let speed = temperature(&simulation.particles).sqrt();
     let time = collisions * diameter / (rate * speed);
@@ -30,7 +31,7 @@ fn collide(simulation: &mut Simulation, diameter: f64, rate: f64, collisions: f6
     Ok(time)
 }
 
-/// Collision rate and pressure of hard spheres.
+/// Validation row: collision rate and pressure of hard spheres.
 pub const HARD_GAS: ValidationCheck = ValidationCheck {
     name: "hard-gas",
     tier: OtherCodes,
@@ -42,7 +43,7 @@ pub const HARD_GAS: ValidationCheck = ValidationCheck {
     measure: hard_gas,
 };
 
-/// Volume fraction, collision rate in units of sqrt(T)/d, and compressibility factor.
+/// Volume fraction [-], collision rate in units of sqrt(T)/d [-], and compressibility factor [-].
 const KOLAFA: [(f64, f64, f64); 4] =
     [(0.01, 0.138854, 1.041019), (0.1, 1.765845, 1.521647), (0.3, 10.101194, 3.983983), (0.45, 28.449080, 9.404114)];
 
@@ -75,7 +76,7 @@ fn hard_gas(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(numbers.into())
 }
 
-/// Collision rate of a mixture.
+/// Validation row: collision rate of a mixture.
 pub const MIXTURE: ValidationCheck = ValidationCheck {
     name: "mixture",
     tier: OtherCodes,
@@ -88,12 +89,12 @@ pub const MIXTURE: ValidationCheck = ValidationCheck {
 };
 
 fn mixture(scene: &CheckScene) -> Result<CheckResult, StudyError> {
-    // 0.27 mm³ of spheres per large one and ten small ones: 1000 small ones, 100 large ones and φ = 0.2
+    // volume of 1000 small and 100 large spheres, at φ = 0.2
     let volume = PI / 6.0 * (1000.0 * 0.4e-3_f64.powi(3) + 100.0 * 1.2e-3_f64.powi(3));
     let edge = (volume / 0.2).cbrt();
     let mut sets: Vec<String> = (0..3).map(|axis| format!("domain.size[{axis}]={edge} m")).collect();
     sets.extend(["particles[1].diameter=1.2 mm".to_owned(), "run.duration=1 s".to_owned()]);
-    // equal energies: speeds in the ratio of the roots of the masses, 27 to 1
+    // equal mean energies: the large mass is 27 times the small one, so the small spheres are √27 times as fast
     sets.push(format!("particles[1].velocity_fluctuation={} m/s", 0.5 / 27.0_f64.sqrt()));
     let share = |diameter: f64, count: f64| PI / 6.0 * diameter.powi(3) * count / edge.powi(3) * (1.0 + 1e-9);
     sets.push(format!("particles[0].volume_fraction={}", share(0.4e-3, 1000.0)));
@@ -105,7 +106,7 @@ fn mixture(scene: &CheckScene) -> Result<CheckResult, StudyError> {
         let before = simulation.record.pairs.count;
         run_to(&mut simulation, 0.02 + time, (1e4 * time) as u64)?;
         let particles = &simulation.particles;
-        // the mean energy per direction, with three degrees of freedom less for the momentum
+        // mean energy per direction; the conserved momentum removes three degrees of freedom
         let energy = 2.0 * particles.kinetic_energy() / (3.0 * (particles.len() as f64 - 1.0));
         let component = |species: u16| {
             let members: Vec<usize> = (0..particles.len()).filter(|&i| particles.species[i] == species).collect();
@@ -122,7 +123,7 @@ fn mixture(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(vec![averaged("rate over that of theory", "", Estimate::exact(1.0), ratios, 0.01)].into())
 }
 
-/// An atmosphere of spheres.
+/// Validation row: an atmosphere of spheres.
 pub const ATMOSPHERE: ValidationCheck = ValidationCheck {
     name: "barometer",
     tier: ClosedForms,
@@ -140,7 +141,7 @@ struct Heights {
     samples: f64,
     height: f64,
     square: f64,
-    /// Number of spheres below and above T/g, and sums of their squared speeds along y.
+    /// Number of spheres below and above the height T/g, and sums of their squared speeds along y.
     halves: [[f64; 2]; 2],
     /// Sum of the squared speeds along all axes.
     speeds: f64,
@@ -174,11 +175,11 @@ fn atmosphere(scene: &CheckScene) -> Result<CheckResult, StudyError> {
             simulation.run(1, 0.02).map_err(stopped)?;
             heights.add(&simulation.particles, gravity);
         }
-        // walls and weight change the momentum: three degrees of freedom per sphere
+        // walls and weight change the momentum, so each sphere has three degrees of freedom
         let temperature = heights.speeds / (3.0 * heights.samples);
         let mean = heights.height / heights.samples;
         let volume = simulation.count() as f64 * PI / 6.0 * 1e-9;
-        // the mean over the spheres of the local volume fraction: half of that at the floor
+        // local volume fraction, averaged over the spheres: half of that at the floor
         let fraction = 0.5 * volume / (72e-3 * 72e-3 * mean);
         let [below, above] = heights.halves.map(|[count, square]| square / count);
         Ok([

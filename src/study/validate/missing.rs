@@ -1,8 +1,8 @@
-//! Comparisons that the suite does not make: what they need is not built, or the numbers are not public.
+//! Comparisons that the suite does not make, because the program lacks a feature or the numbers are not public.
 
 use crate::output::NotValidated;
 
-/// All comparisons that are not made. Their references are named as what exists; they were not read.
+/// All comparisons that are not made. The references are known to exist, but were not read.
 pub const MISSING: &[NotValidated] = &[
     NotValidated {
         name: "simple shear, hard spheres",
@@ -17,17 +17,17 @@ pub const MISSING: &[NotValidated] = &[
     NotValidated {
         name: "particle-laden channel of air",
         reference: "Kussin and Sommerfeld (2002, Exp. Fluids 33, 143); Benson and Eaton (2003)",
-        needs: "two-way coupling and lift; no table of the measured profiles was found in public",
+        needs: "a table of the measured profiles; none was found in public",
     },
     NotValidated {
         name: "particle-laden vertical pipe",
         reference: "Tsuji, Morikawa and Shiomi (1984, J. Fluid Mech. 139, 417)",
-        needs: "two-way coupling; no table of the measured profiles was found in public",
+        needs: "a table of the measured profiles; none was found in public",
     },
     NotValidated {
         name: "fluidized bed",
         reference: "benchmarks of MFIX-Exa with measured pressure drop and bubbles (Fullmer et al. 2019, arXiv:1909.02067)",
-        needs: "two-way coupling with a resolved gas",
+        needs: "a gas that is resolved in three dimensions",
     },
     NotValidated {
         name: "rebound of glass and acetate spheres",

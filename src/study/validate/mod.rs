@@ -110,7 +110,7 @@ fn measured(check: &ValidationCheck, quick: bool) -> Result<ValidationRow, Study
     })
 }
 
-/// Rows that the arguments ask for, and the names of those that `--quick` leaves out.
+/// Rows that are selected by the arguments, and the names of the rows that `--quick` leaves out.
 fn wanted(args: &Validate) -> Result<(Vec<&'static ValidationCheck>, Vec<&'static str>), StudyError> {
     let known: Vec<&str> = names().collect();
     if let Some(unknown) = args.only.iter().find(|name| !known.contains(&name.as_str())) {
@@ -165,7 +165,7 @@ pub fn validate(args: &Validate) -> Result<Option<Answer>, StudyError> {
     if failed.is_empty() { Ok(study.answer()) } else { Err(StudyError::Failed(failed.join("\n"))) }
 }
 
-/// Sentence with the number of rows of each answer, and the names of those that are not favourable.
+/// Sentence with the number of rows of each answer, and the names of the different and the unresolved rows.
 fn sentence(study: &ValidationStudy) -> String {
     let of = |answer: Answer| -> Vec<&str> {
         study.rows.iter().filter(|row| row.answer() == answer).map(|row| row.name).collect()

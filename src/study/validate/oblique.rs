@@ -9,9 +9,9 @@ use crate::runs::StudyError;
 /// [m/s] speed of the impacts.
 const SPEED: f64 = 3.9;
 
-/// A ball after an impact.
+/// Motion of a ball after an impact.
 pub(super) struct PlateRebound {
-    /// [-] velocity along the plate over that before.
+    /// [-] velocity along the plate after the impact, divided by that before it.
     pub(super) ratio: f64,
     /// [rad/s] spin, positive if the ball rolls forward.
     pub(super) spin: f64,
@@ -19,7 +19,7 @@ pub(super) struct PlateRebound {
     pub(super) angle: f64,
 }
 
-/// The ball after an impact at `angle` [°] from the normal, as a soft sphere.
+/// Motion of a soft ball after an impact at `angle` [°] from the normal.
 pub(super) fn rebound(scene: &CheckScene, angle: f64, sets: &[String]) -> Result<PlateRebound, StudyError> {
     let (sin, cos) = angle.to_radians().sin_cos();
     let mut sets = sets.to_vec();
@@ -27,7 +27,7 @@ pub(super) fn rebound(scene: &CheckScene, angle: f64, sets: &[String]) -> Result
     sets.push(format!("particles[0].at[0].velocity[1]={} m/s", -SPEED * cos));
     sets.extend(["soft.stepping=local".to_owned(), "soft.steps_per_contact=200".to_owned()]);
     let mut simulation = scene.simulation(Model::Soft, None, &sets)?;
-    // a gap of 10 µm, and a contact of 12 to 20 µs
+    // time for a gap of 10 µm, and for a contact of 12 to 20 µs
     run_to(&mut simulation, 1e-5 / (SPEED * cos) + 3e-5, 1)?;
     let v = simulation.particles.velocity[0];
     Ok(PlateRebound {
@@ -37,7 +37,7 @@ pub(super) fn rebound(scene: &CheckScene, angle: f64, sets: &[String]) -> Result
     })
 }
 
-/// Angle [°], velocity ratio [-], spin [rad/s]: columns "Part-Wall" of MFIX.
+/// Angle [°], velocity ratio [-] and spin [rad/s] of a stored impact, from the columns "Part-Wall" of MFIX.
 type StoredImpact = (f64, f64, f64);
 
 const LINEAR: [StoredImpact; 6] = [
@@ -58,7 +58,7 @@ const HERTZIAN: [StoredImpact; 6] = [
     (60.0, 0.8938, 357.6565),
 ];
 
-/// Linear springs (MFIX DEM05).
+/// Validation row: linear springs (MFIX DEM05).
 pub const LINEAR_SPRINGS: ValidationCheck = ValidationCheck {
     name: "dem05-linear",
     tier: OtherCodes,
@@ -70,7 +70,7 @@ pub const LINEAR_SPRINGS: ValidationCheck = ValidationCheck {
     measure: |scene| stored(scene, &LINEAR, &[]),
 };
 
-/// Springs of Hertz and Mindlin (MFIX DEM05).
+/// Validation row: springs of Hertz and Mindlin (MFIX DEM05).
 pub const HERTZ_MINDLIN: ValidationCheck = ValidationCheck {
     name: "dem05-hertz",
     tier: OtherCodes,
@@ -86,7 +86,7 @@ pub const HERTZ_MINDLIN: ValidationCheck = ValidationCheck {
             "walls[0].restitution=1",
             "contact.restitution=1",
             "soft.tangential.mindlin.history=displacement",
-            // materials that differ have no rule of the spring for hard spheres, which this row does not run
+            // hard spheres of different materials need an impact rule of their own, although this row does not run them
             "hard.friction.walton.tangential_restitution=0.3",
         ];
         stored(scene, &HERTZIAN, &sets.map(str::to_owned))
@@ -98,8 +98,8 @@ fn stored(scene: &CheckScene, expected: &[StoredImpact], sets: &[String]) -> Res
     let mut found = Vec::new();
     for (angle, ratio, spin) in expected {
         let left = rebound(scene, *angle, sets)?;
-        // MFIX's lever arm is the radius less the overlap, which is 0.7 % of it, and its step is a fiftieth of a contact:
-        // together up to 2 %
+        // the lever arm of MFIX is smaller than the radius by the overlap (0.7 %), and its step is a fiftieth of a
+        // contact: together these differences are up to 2 %
         numbers.push(exact(format!("v_t'/v_t at {angle}°"), "", *ratio, left.ratio, 0.02 * ratio));
         numbers.push(exact(format!("spin at {angle}°"), "rad/s", *spin, left.spin, 0.02 * spin));
         found.push(SeriesPoint::at(*angle, left.ratio));
@@ -120,7 +120,7 @@ fn stored(scene: &CheckScene, expected: &[StoredImpact], sets: &[String]) -> Res
     })
 }
 
-/// Measured rebounds of aluminium oxide from glass.
+/// Validation row: measured rebounds of aluminium oxide from glass.
 pub const MEASURED: ValidationCheck = ValidationCheck {
     name: "kharaz",
     tier: Experiments,
@@ -152,7 +152,7 @@ const ANGLES: [(f64, f64); 6] = [
     (60.0571, 57.3652),
 ];
 
-/// Measured quantity: name, unit, points over the angle, and its value of a rebound.
+/// Measured quantity: name, unit, points (angle and value), and the function that returns its value for a rebound.
 type MeasuredKind = (&'static str, &'static str, &'static [(f64, f64)], fn(&PlateRebound) -> f64);
 
 fn measured(scene: &CheckScene) -> Result<CheckResult, StudyError> {

@@ -5,7 +5,7 @@ use crate::experiment::Model;
 use crate::output::ValidationTier::ClosedForms;
 use crate::runs::StudyError;
 
-/// Newton's cradle.
+/// Validation row: Newton's cradle.
 pub const CRADLE: ValidationCheck = ValidationCheck {
     name: "cradle",
     tier: ClosedForms,
@@ -22,7 +22,7 @@ const SPRINGS: [f64; 5] = [-0.13227948, -0.07532917, -0.03101083, 0.29621775, 0.
 
 fn cradle(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     let mut numbers = Vec::new();
-    // second order in ω_0 Δt = π/200: 2.5e-4 of the speed, for each of the contacts that a ball has at once
+    // error of second order in ω_0 Δt = π/200: 2.5e-4 of the speed, for each simultaneous contact of a ball
     for (model, name, expected, tolerance) in
         [(Model::Soft, "springs", SPRINGS, 1e-3), (Model::Hard, "hard", [0.0, 0.0, 0.0, 0.0, 1.0], 1e-12)]
     {

@@ -7,12 +7,13 @@ use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::runs::StudyError;
 use crate::simulation::Simulation;
 
-/// [m/s] velocity of the first ball along x, and R ω by which it rolls forward. `radius` [m].
+/// [m/s] velocity of the first ball along x, and its speed of rolling R ω, positive if it rolls along +x. `radius` is R
+/// [m].
 fn rolling(simulation: &Simulation, radius: f64) -> [f64; 2] {
     [simulation.particles.velocity[0].x, -simulation.particles.spin_of(0).z * radius]
 }
 
-/// A ball that slides until it rolls (MFIX DEM04).
+/// Validation row: a ball that slides until it rolls (MFIX DEM04).
 pub const SLIDE_TO_ROLL: ValidationCheck = ValidationCheck {
     name: "dem04",
     tier: ClosedForms,
@@ -26,7 +27,7 @@ pub const SLIDE_TO_ROLL: ValidationCheck = ValidationCheck {
 
 fn slide_to_roll(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     let (speed, radius, gravity) = (0.1, 5e-4, 9.81);
-    // the overlap m g/k at rest, so that the ball does not bob: 5.2360e-6 kg and 10 kN/m
+    // overlap m g/k at rest, so that the ball does not oscillate: 5.2360e-6 kg and 10 kN/m
     let sunk = 4.0 / 3.0 * std::f64::consts::PI * radius * radius * radius * 1e4 * gravity / 1e4;
     let (mut numbers, mut series) = (Vec::new(), Vec::new());
     for (place, friction) in [0.2, 0.5, 1.0].into_iter().enumerate() {
@@ -47,8 +48,8 @@ fn slide_to_roll(scene: &CheckScene) -> Result<CheckResult, StudyError> {
             }
         }
         let [velocity, surface] = rolling(&simulation, radius);
-        // when sliding ends the spring is stretched: a swing of μ g sqrt(m/(3.5 k_t)), here 1e-4 of the speed, which its
-        // dashpot takes
+        // when sliding ends, the stretched spring causes an oscillation of the amplitude μ g sqrt(m/(3.5 k_t)), here
+        // 1e-4 of the speed, which its dashpot damps
         let tolerance = 1e-4 * speed;
         numbers.push(exact(format!("v at t_s/2, μ = {friction}"), "m/s", 6.0 / 7.0 * speed, halfway, tolerance));
         numbers.push(exact(format!("v at 2 t_s, μ = {friction}"), "m/s", 5.0 / 7.0 * speed, velocity, tolerance));
@@ -65,7 +66,7 @@ fn slide_to_roll(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(CheckResult { numbers, picture: Some(("A ball slides until it rolls.", panel)) })
 }
 
-/// A hard ball that is dropped with spin.
+/// Validation row: a hard ball that is dropped with spin.
 pub const DROPPED_WITH_SPIN: ValidationCheck = ValidationCheck {
     name: "dropped-with-spin",
     tier: ClosedForms,
@@ -93,15 +94,14 @@ fn dropped_with_spin(scene: &CheckScene) -> Result<CheckResult, StudyError> {
         touch += flight;
         let found = rolling(&simulation, radius);
         for (name, (expected, found)) in ["v", "R ω"].into_iter().zip(expected.into_iter().zip(found)) {
-            // nine decimals of the reference
+            // tolerance: the reference has nine decimals
             numbers.push(exact(format!("{name} after bounce {}, hard", k + 1), "m/s", expected, found, 1e-9));
         }
     }
     let mut simulation = scene.simulation(Model::Soft, None, &sets)?;
     run_to(&mut simulation, 2.0, 200)?;
     for (name, found) in ["v", "R ω"].into_iter().zip(rolling(&simulation, radius)) {
-        // the lever arm is the radius also while the ball sinks into the floor: the moment is conserved to rounding of
-        // the springs
+        // the lever arm is the radius even while the ball overlaps the floor, so m R v + I ω is conserved
         numbers.push(exact(format!("{name} at the end, soft"), "m/s", 4.0 / 7.0, found, 1e-4));
     }
     Ok(numbers.into())

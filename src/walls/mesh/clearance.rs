@@ -1,5 +1,5 @@
-//! A coarse grid around a mesh. It gives lower limits of the distance to the surface. For most particles the limit
-//! shows that they do not touch the mesh.
+//! Coarse grid around a mesh, which gives lower limits of the distance to the surface. For most particles the limit
+//! alone shows that they do not touch the mesh.
 
 use nalgebra::Vector3;
 use std::collections::VecDeque;
@@ -7,8 +7,8 @@ use std::collections::VecDeque;
 /// Number of cells along the longest edge of the box around the mesh.
 const CELLS: f64 = 64.0;
 
-/// Distance of every cell of a grid, in numbers of cells, from the nearest cell that the bounding box of a triangle
-/// overlaps.
+/// Distance of every cell of a grid, in numbers of cells, from the nearest occupied cell. A cell is occupied if the
+/// bounding box of a triangle overlaps it.
 #[derive(Clone)]
 pub struct Clearance {
     /// [m] lowest and highest corner of the box around the mesh.
@@ -18,7 +18,7 @@ pub struct Clearance {
     cell: f64,
     count: [usize; 3],
     away: Vec<u8>,
-    /// True for each cell all of whose points particles may reach; false for cells that a triangle may overlap.
+    /// True for each cell in which particles may be everywhere; false for each cell that a triangle may overlap.
     is_free: Vec<bool>,
     /// True if particles may be outside the box around the mesh.
     is_free_beyond: bool,
@@ -50,7 +50,7 @@ impl Clearance {
         grid
     }
 
-    /// Computes the distances of all cells by spreading them from the cells in `queue` outwards.
+    /// Computes the distances of all cells, step by step outwards from the cells in `queue`.
     fn spread(&mut self, mut queue: VecDeque<[usize; 3]>) {
         while let Some(cell) = queue.pop_front() {
             let next = self.away[self.index(cell)].saturating_add(1);
@@ -65,9 +65,9 @@ impl Clearance {
         }
     }
 
-    /// Determines in which cells particles may be. `is_free` must return true for a point [m] off the surface where
-    /// particles may be. It is called once for each connected group of cells. `beyond` is true if particles may be
-    /// outside the box.
+    /// Determines in which cells particles may be. `is_free` must return true for a point [m] where particles may be,
+    /// for points that are not on the surface. It is called once for each connected group of cells. `beyond` is true if
+    /// particles may be outside the box.
     pub fn find_free(&mut self, beyond: bool, is_free: impl Fn(&Vector3<f64>) -> bool) {
         self.is_free_beyond = beyond;
         let mut seen: Vec<bool> = self.away.iter().map(|away| *away == 0).collect();
@@ -123,7 +123,7 @@ impl Clearance {
         [index % nx, index / nx % ny, index / (nx * ny)]
     }
 
-    /// Indices of the cell that contains a point [m], or of the cell nearest to the point.
+    /// Indices of the cell that contains a point [m]; for a point outside the grid, those of the nearest cell.
     fn cell_of(&self, point: &Vector3<f64>) -> [usize; 3] {
         // a negative coordinate is converted to index 0
         std::array::from_fn(|axis| (((point[axis] - self.low[axis]) / self.cell) as usize).min(self.count[axis] - 1))
@@ -136,13 +136,13 @@ impl Clearance {
         if outside > 0.0 {
             return outside;
         }
-        // point and surface may be at the two sides of their cells that face each other
+        // in the worst case, point and surface lie on the facing sides of their cells
         let away = f64::from(self.away[self.index(self.cell_of(point))]);
         (away - 1.0 - 1e-9).max(0.0) * self.cell
     }
 
-    /// True if particles may be at a point [m]. The result is also false near the surface, where the grid is too coarse
-    /// to decide.
+    /// True if particles may be at a point [m]. Near the surface the result is always false, because the grid is too
+    /// coarse to decide.
     pub fn is_free(&self, point: &Vector3<f64>) -> bool {
         if (self.low - point).sup(&(point - self.high)).max() > 0.0 {
             return self.is_free_beyond;

@@ -1,9 +1,9 @@
-//! Walls made of triangles: their nearest points, their contacts with a sphere, and the times of touch.
+//! Walls made of triangles: nearest points, contacts with spheres and times of touch.
 //!
-//! A sphere may have a contact at each point of the surface that is nearer to its centre than all neighbouring points:
-//! inside a triangle, on an edge or at a corner. If several such points lie in nearly one direction from the centre,
-//! only the nearest is a contact. So neither a seam between triangles nor the far side of a thin plate is a contact. In
-//! a corner the directions differ, and each gives a contact.
+//! A sphere can have a contact at each local minimum of the distance from its centre to the surface. The minimum lies
+//! inside a triangle, on an edge or at a corner. If several minima lie in nearly one direction from the centre, only
+//! the nearest is a contact. This excludes seams between triangles and the far side of a thin plate. In a corner the
+//! directions differ, so each minimum is a contact.
 
 mod clearance;
 mod nesting;
@@ -30,16 +30,17 @@ use surface::TriangleSurface;
 pub(super) use tree::Tree;
 use tree::{TriangleFeature, on_triangle};
 
-/// [-] cosine of 20 degrees, the smallest angle between the directions of two contacts of one sphere. The value was
-/// chosen for this program: seams of round surfaces in fine meshes are flatter, and corners of vessels are sharper.
+/// [-] cosine of 20 degrees, the smallest angle between the directions of two contacts of one sphere. The value is a
+/// choice of this program: the angles at seams of finely meshed round surfaces are smaller, those in corners of vessels
+/// are larger.
 const APART: f64 = 0.939_692_620_785_908_4;
-/// [-] cosine of 10 degrees: if all normals of a surface differ by less from one direction, a sphere has only one
-/// contact with it.
+/// [-] cosine of 10 degrees. If all normals of a surface lie within this angle of one direction, a sphere has only one
+/// contact with the surface.
 const HALF_APART: f64 = 0.984_807_753_012_208;
 /// Largest number of contacts of one sphere with a mesh: three contacts hold a sphere at rest.
 const MOST: u32 = 3;
 /// [-] distance from the centre within which contacts are searched, over the radius of the sphere. It exceeds 1,
-/// because small positive gaps must be exact, for the times at which a contact begins or ends.
+/// because the times at which a contact begins or ends require exact values of small positive gaps.
 const REACH: f64 = 1.25;
 /// [-] ratio of two lengths that counts as rounding: smaller lengths are treated as zero.
 const ROUNDING: f64 = 1e-9;
@@ -53,7 +54,7 @@ pub struct Mesh {
     surface: TriangleSurface,
     tree: Tree,
     clearance: Clearance,
-    /// Number of triangles of the surface itself. They are followed by copies of triangles beyond periodic sides.
+    /// Number of triangles of the surface itself. They precede the copies of triangles beyond periodic sides.
     own: usize,
     /// True for each axis along which the surface continues without end through periodic sides.
     spans: [bool; 3],
@@ -83,8 +84,8 @@ impl TrianglePoint {
 
 impl Mesh {
     /// Makes a wall of triangles, given by their corners [m]; `name` is its name in results. With `None` for `sides`, a
-    /// closed surface is a solid body, and an open one a thin sheet with particles on both sides. Also returns the
-    /// defects of the triangles that were found, most of which are corrected.
+    /// closed surface is a solid body, and an open surface is a thin sheet with particles on both sides. Also returns
+    /// the defects that were found in the triangles, most of which are corrected.
     ///
     /// # Errors
     /// If the triangles do not form a wall of this type.
@@ -96,8 +97,8 @@ impl Mesh {
         let flat = sum
             .try_normalize(0.0)
             .is_some_and(|mean| surface.faces.iter().all(|face| face.normal.dot(&mean) > HALF_APART));
-        // a sphere between two flat sheets has a contact on either side, so a single contact requires that the surface
-        // is connected
+        // a sphere between two parallel sheets has one contact with each, so a single contact requires a connected
+        // surface
         let contacts = if flat && surface.is_one_part() { 1 } else { MOST };
         let (name, own, bounds) = (name.to_owned(), surface.faces.len(), clearance.bounds());
         let mut mesh = Self { name, sides, contacts, surface, tree, clearance, own, spans: [false; 3], bounds };
@@ -107,9 +108,9 @@ impl Mesh {
         Ok((mesh, findings))
     }
 
-    /// Makes a sheet that continues through periodic sides, together with the copies of triangles beyond these sides.
-    /// For a surface that does not continue, the result is that of [`new`](Self::new). The findings are those of the
-    /// surface itself.
+    /// Makes a sheet that continues through periodic sides, together with the copies of triangles beyond them. For a
+    /// surface that does not continue, the result is that of [`new`](Self::new). The findings are those of the surface
+    /// itself.
     ///
     /// # Errors
     /// If the triangles do not form a wall of this type.
@@ -152,7 +153,7 @@ impl Mesh {
         corners.map(|[a, b, c]| a.dot(&b.cross(&c))).sum::<f64>().abs() / 6.0
     }
 
-    /// [m] corners of each triangle.
+    /// [m] three corners of each triangle.
     pub(super) fn corners(&self) -> impl Iterator<Item = [Vector3<f64>; 3]> + '_ {
         (0..self.surface.faces.len()).map(|face| self.surface.corners(face))
     }
@@ -162,7 +163,7 @@ impl Mesh {
         self.surface.faces.iter().map(|face| &face.normal)
     }
 
-    /// Corner points [m], and three point indices for each triangle of the surface itself.
+    /// Corner points [m], and the indices of the three corners of each triangle of the surface itself.
     pub fn triangles(&self) -> (&[Vector3<f64>], impl ExactSizeIterator<Item = [u32; 3]> + '_) {
         (&self.surface.points, self.surface.faces[..self.own].iter().map(|face| face.corners))
     }
@@ -213,8 +214,8 @@ impl Mesh {
         }
     }
 
-    /// The point of the surface nearest to `point` [m], if it is within `reach` [m]. If several triangles are equally
-    /// near, the one with the lowest index is used.
+    /// The point of the surface nearest to `point` [m], if its distance is at most `reach` [m]. If several triangles
+    /// are equally near, the triangle with the lowest index is used.
     fn first(&self, point: &Vector3<f64>, reach: f64) -> Option<TrianglePoint> {
         let first: Cell<Option<TrianglePoint>> = Cell::new(None);
         let least = || first.get().map_or(reach, |first| first.distance);
@@ -231,15 +232,15 @@ impl Mesh {
                     first.set(Some(earlier.unwrap_or(spot)));
                 }
             }
-            // the limit is increased by rounding, so that equally near triangles are tested too
+            // rounding is added to the limit, so that triangles at equal distance are tested too
             least() * (1.0 + ROUNDING)
         });
         first.get()
     }
 
-    /// True if the surface within `reach` [m] has nearly one normal, so that there is at most one contact. If the
-    /// nearest point is on an edge or a corner of a closed surface, its direction lies between the normals of the
-    /// adjacent triangles. All of these triangles are within reach.
+    /// True if all triangles within `reach` [m] have nearly one normal, so that there is at most one contact. The
+    /// nearest point may lie on an edge or corner of a closed surface. Its direction then lies between the normals of
+    /// the adjacent triangles, all of which are within reach.
     fn is_smooth(&self, point: &Vector3<f64>, reach: f64) -> bool {
         let mut normals = self.tree.within(point, reach).map(|face| &self.surface.faces[face as usize].normal);
         let first = normals.next();
@@ -254,8 +255,8 @@ impl Mesh {
         spots.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(a.face.cmp(&b.face)));
         let mut kept: Vec<TrianglePoint> = Vec::new();
         for spot in spots {
-            // a surface seen from behind is the other side of a plate, unless the centre of the sphere has passed
-            // through that surface
+            // a back side belongs to the far side of a plate, unless it is the nearest: then the sphere's centre has
+            // passed through
             let other_side = spot.behind && !kept.is_empty();
             if !other_side && kept.iter().all(|other| other.direction.dot(&spot.direction) <= APART) {
                 kept.push(spot);
@@ -268,7 +269,7 @@ impl Mesh {
 impl Geometry for Mesh {
     fn nearest(&self, point: &Vector3<f64>) -> Nearest {
         let closest = self.tree.closest(point, f64::MAX, |face| self.spot(face, point).distance);
-        // this value is never used, since a mesh has at least one triangle
+        // a mesh has at least one triangle, so this value is never returned
         let none = Nearest { distance: f64::INFINITY, normal: Vector3::y() };
         closest.map_or(none, |(face, _)| self.spot(face, point).nearest())
     }
@@ -281,13 +282,13 @@ impl Geometry for Mesh {
         self.contacts
     }
 
-    /// Largest jump of the normal between two triangles that form one contact: |n - n'|² = 2 - 2 n·n'.
+    /// [-] largest jump of the normal between two triangles that form one contact: |n - n'|² = 2 - 2 n·n'.
     fn seam(&self) -> f64 {
         (2.0 - 2.0 * APART).sqrt()
     }
 
-    /// Nearest point of contact number `which`. If there is no such contact within `REACH` radii, the returned distance
-    /// is `REACH` radii and the normal is zero.
+    /// Nearest point of contact number `which`. Without such a contact within `REACH` radii, the distance is `REACH`
+    /// radii and the normal is zero.
     fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         let reach = REACH * radius;
         let found = if self.clearance.least(point) > reach {
@@ -302,8 +303,7 @@ impl Geometry for Mesh {
         found.map_or(Nearest { distance: reach, normal: Vector3::zeros() }, |spot| spot.nearest())
     }
 
-    /// First touch with any part of the surface. It is returned for contact 0 only, so that it is not found several
-    /// times.
+    /// First touch with any part of the surface. It is returned for contact 0 only, so that each touch is found once.
     fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
         if which == 0 { self.sweep(flight, radius, until) } else { None }
     }
@@ -392,7 +392,7 @@ impl fmt::Debug for Mesh {
     }
 }
 
-/// Writes data that identify the mesh, by which scenes are compared. The mesh is never read from these data.
+/// Writes data that identify the mesh, for comparisons of scenes. A mesh cannot be restored from these data.
 impl Serialize for Mesh {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut hasher = FxHasher::default();

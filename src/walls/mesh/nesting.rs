@@ -1,5 +1,5 @@
-//! Closed parts of a surface that are inside other closed parts. A part inside an odd number of others is the boundary
-//! of a cavity, and its triangles must face into the cavity.
+//! Closed parts of a surface inside other closed parts. A part inside an odd number of others bounds a cavity, and its
+//! triangles must face into the cavity.
 
 use super::surface::{Edges, Findings, Numbered};
 use super::{Sides, Tree};
@@ -7,36 +7,37 @@ use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use serde::Serialize;
 
-/// Number of triangles of a part for which is tested whether they are inside other parts. If the results differ, the
-/// parts cross.
+/// Number of triangles of a part that are tested for being inside other parts. If their results differ, the parts
+/// cross.
 const SAMPLES: usize = 8;
-/// Directions of rays. To test whether a point is inside a part, the triangles of the part along one ray are counted.
-/// No direction is along an axis or a diagonal of typical drawings. If a ray passes through an edge, the next direction
-/// is tried.
+/// [-] directions of rays. A point is inside a part if a ray from the point crosses an odd number of triangles of the
+/// part. No direction is along an axis or a diagonal of typical drawings. If a ray passes through an edge, the next
+/// direction is used.
 const WAYS: [[f64; 3]; 4] =
     [[0.731, 0.419, 0.538], [-0.283, 0.874, 0.395], [0.467, -0.612, 0.638], [-0.571, -0.327, 0.753]];
-/// [-] distance over the size of the surface: a point that is nearer to an edge or a triangle counts as a point of it.
+/// [-] distance over the size of the surface. A point that is nearer than this to an edge or a triangle counts as on
+/// it.
 const ON: f64 = 1e-9;
 
-/// Numbers of closed parts of a surface that are inside others, by type.
+/// Numbers of closed parts of a surface that lie inside other parts, by type.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Nested {
-    /// Number of cavities: parts inside an odd number of others are their boundaries.
+    /// Number of cavities. A part inside an odd number of other parts is the boundary of a cavity.
     pub cavities: usize,
     /// Number of cavities whose triangles faced away from the cavity and were flipped.
     pub turned: usize,
-    /// Number of outermost parts that were removed. They are outer surfaces of thick walls; particles are inside the
-    /// walls.
+    /// Number of outermost parts that were removed. They are the outer surfaces of thick walls, while the particles are
+    /// inside the vessel.
     pub skins: usize,
-    /// Number of solid bodies inside a vessel. They are parts that are drawn facing the same way as the vessel.
+    /// Number of solid bodies inside a vessel: parts whose triangles face the same way as those of the vessel.
     pub bodies: usize,
-    /// Number of parts that are partly inside others, which is a defect of the drawing.
+    /// Number of parts that lie only partly inside another part, which is a defect of the drawing.
     pub crossing: usize,
 }
 
 /// Flips the triangles of a closed surface so that they face the particles: outwards, and into cavities. If particles
-/// are inside a surface with a thick wall, the outer surface is removed, and only its cavities are kept. Without a
-/// thick wall the outermost part is the vessel, and the parts in it are bodies.
+/// are inside a vessel with a thick wall, the outer surface of the wall is removed. Without a thick wall the outermost
+/// part is the vessel, and the parts inside it are bodies.
 pub fn face_particles(
     points: &[Vector3<f64>],
     triangles: &mut Numbered,
@@ -79,7 +80,7 @@ pub fn face_particles(
     triangles.retain(|_| stays.next().unwrap_or(true));
 }
 
-/// Connected parts of a surface of `count` triangles. Each part is a list of triangle indices.
+/// Connected parts of a surface of `count` triangles, each as a list of triangle indices.
 fn parts(count: usize, edges: &Edges) -> Vec<Vec<usize>> {
     let mut beside: Vec<Vec<u32>> = vec![Vec::new(); count];
     for there in edges.values() {
@@ -107,7 +108,7 @@ fn parts(count: usize, edges: &Edges) -> Vec<Vec<usize>> {
     parts
 }
 
-/// [m³] six times the volume of a closed part, positive if the part faces outwards.
+/// [m³] six times the volume of a closed part; positive if its triangles face outwards.
 fn volume(points: &[Vector3<f64>], triangles: &Numbered, part: &[usize]) -> f64 {
     let from = points[triangles[part[0]].0[0] as usize];
     let each = part.iter().map(|k| {
@@ -117,8 +118,7 @@ fn volume(points: &[Vector3<f64>], triangles: &Numbered, part: &[usize]) -> f64 
     each.sum()
 }
 
-/// For each part, the other parts that contain it, in ascending order. Also counts in `nested` the parts that cross
-/// others.
+/// For each part, the other parts that contain it, in ascending order. Parts that cross others are counted in `nested`.
 fn parts_around(
     points: &[Vector3<f64>],
     triangles: &Numbered,
@@ -154,7 +154,7 @@ fn parts_around(
     around
 }
 
-/// All triangles of a surface, in a tree that finds those along a ray.
+/// All triangles of a surface, in a tree that finds the triangles along a ray.
 struct Crossings {
     tree: Tree,
     /// Index of the part to which each triangle belongs.
@@ -164,8 +164,8 @@ struct Crossings {
 }
 
 impl Crossings {
-    /// Numbers of the parts other than `own` that contain a point [m]. A part contains the point if a ray from the
-    /// point passes through an odd number of its triangles. `None` if no direction of [`WAYS`] gives a clear result.
+    /// Numbers of the parts other than `own` that contain a point [m]. `None` if the rays in all directions of [`WAYS`]
+    /// pass through edges.
     fn around(
         &self,
         point: &Vector3<f64>,
@@ -190,12 +190,12 @@ impl Crossings {
     }
 }
 
-/// True if a ray from the point `from` [m] passes through a triangle; the direction `way` is a unit vector. `None` if
-/// the ray passes through an edge, or begins on the triangle.
+/// True if a ray passes through a triangle. It begins at the point `from` [m] and has the direction of the unit vector
+/// `way`. `None` if the ray passes through an edge or begins on the triangle.
 fn passes(from: &Vector3<f64>, way: &Vector3<f64>, corners: [Vector3<f64>; 3], size: f64) -> Option<bool> {
     let [a, b, c] = corners.map(|corner| corner - from);
-    // twice the signed area of the triangle of each edge and the start of the ray, projected along the ray: the sign
-    // gives the side
+    // twice the signed area of the triangle formed by an edge and the start of the ray, projected along the ray; the
+    // sign tells on which side of the edge the ray passes
     let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| (way.dot(&p.cross(&q)), ON * size * (q - p).norm()));
     if sides.iter().any(|(side, on)| *side > *on) && sides.iter().any(|(side, on)| *side < -on) {
         return Some(false);

@@ -1,11 +1,11 @@
-//! Orientation of neighbouring triangles, which are flipped until they face the same way.
+//! Orientation of neighbouring triangles: triangles are flipped until all neighbours face the same way.
 
 use super::surface::{Edges, Findings, count};
 
 /// Flips triangles until all neighbours face the same way.
 pub(super) fn face_alike(triangles: &mut [([u32; 3], usize)], edges: &Edges, findings: &mut Findings) {
-    // neighbours of each triangle, and a flag that is true if one of the two must be flipped: both list the corners of
-    // their common edge in one order
+    // neighbours of each triangle, each with a flag that is true if one of the two triangles must be flipped; it must
+    // if both list the corners of their common edge in the same order
     let mut beside: Vec<Vec<(u32, bool)>> = vec![Vec::new(); triangles.len()];
     for there in edges.values() {
         if let [(a, of_a), (b, of_b)] = there[..] {
@@ -39,7 +39,7 @@ pub(super) fn face_alike(triangles: &mut [([u32; 3], usize)], edges: &Edges, fin
         }
         keep_most(&mut turn, &part);
     }
-    // each twisted edge was counted twice, once from either triangle
+    // each twisted edge was counted twice, once from each of its triangles
     findings.twisted_edges = twisted / 2;
     for (k, turned) in turn.iter().enumerate() {
         if *turned == Some(true) {
@@ -50,8 +50,8 @@ pub(super) fn face_alike(triangles: &mut [([u32; 3], usize)], edges: &Edges, fin
     }
 }
 
-/// Flips either the marked triangles of a part or all others, whichever are fewer. So the orientation of the majority
-/// is kept.
+/// Flips the marked triangles of a part, or all its other triangles if these are fewer. The majority keeps its
+/// orientation.
 fn keep_most(turn: &mut [Option<bool>], part: &[usize]) {
     let turned = part.iter().filter(|k| turn[**k] == Some(true)).count();
     if 2 * turned > part.len() {

@@ -1,22 +1,22 @@
 //! Surfaces that continue through periodic sides: floors, corrugated walls, pipes of one period.
 //!
-//! A surface is endless along an axis if its open edges lie on two planes one period apart and match on them. Copies of
-//! the triangles near these planes, shifted by one period, then continue the surface. Matching corners on the two
-//! planes get identical coordinates, so that no seam is left.
+//! A surface is endless along an axis if its open edges lie on two planes one period apart and match after a shift by
+//! one period. Copies of the triangles near these planes, shifted by one period, continue the surface. Matching corners
+//! get identical coordinates, so that no seam is left.
 
 use nalgebra::Vector3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// List of triangles, each by its corners [m].
+/// List of triangles, each given by its corners [m].
 type TriangleList = Vec<[Vector3<f64>; 3]>;
-/// An edge of a triangle, by its two corners [m].
+/// An edge of a triangle, given by its two corners [m].
 type Edge = [Vector3<f64>; 2];
 
-/// [-] distance over the period: two corners that are closer count as equal. In a file in single precision, the error
-/// is 6e-8 of the largest number.
+/// [-] distance over the period, below which two corners count as equal. A file in single precision has errors of 6e-8
+/// of the largest number.
 const SAME: f64 = 1e-6;
 
-/// Error: a surface reaches both periodic sides of an axis, but its open edges do not match.
+/// Error: a surface reaches both periodic sides of an axis, but its open edges on the two sides do not match.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mismatch {
     /// Axis perpendicular to the sides: 0, 1, 2 for x, y, z.
@@ -28,16 +28,17 @@ pub struct Mismatch {
 /// A surface together with the copies of triangles that continue it beyond periodic sides.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Continued {
-    /// Triangles of surface and copies, by their corners [m]; those of the surface itself come first.
+    /// Triangles, given by their corners [m]: those of the surface itself, followed by the copies.
     pub heap: TriangleList,
     /// True for each axis along which the surface continues without end.
     pub spans: [bool; 3],
-    /// Number of open edges of the surface itself that meet other edges at periodic sides.
+    /// Number of open edges of the surface itself that are closed by copies of triangles.
     pub joined: usize,
 }
 
-/// Continues a surface through the periodic sides at which its open edges match. `periods` [m] contains the edge of the
-/// domain along each periodic axis. Copies of triangles extend `margin` [m] beyond the sides, but at most one period.
+/// Continues a surface through the periodic sides at which its open edges match. `periods` [m] gives the length of the
+/// domain along each periodic axis. Copies of triangles extend beyond the sides by `margin` [m], but at most by one
+/// period.
 ///
 /// # Errors
 /// If the open edges on two sides do not match.
@@ -55,14 +56,14 @@ pub fn continued(heap: &[[Vector3<f64>; 3]], periods: [Option<f64>; 3], margin: 
     Ok(all)
 }
 
-/// Open edges of a surface, which lie on two planes one period apart.
+/// Open edges at the two ends of a surface, on two planes one period apart.
 struct OpenEnds {
     axis: usize,
     /// [m] length of the period.
     period: f64,
     /// [m] coordinate of the lower plane along the axis; the upper plane is one period above.
     low: f64,
-    /// Open edges (corners in m) on the lower plane [m] and on the upper plane [m].
+    /// Open edges on the lower plane and on the upper plane, each given by two corners [m].
     edges: [Vec<Edge>; 2],
 }
 
@@ -73,8 +74,8 @@ fn bits(point: &Vector3<f64>) -> [u64; 3] {
 }
 
 impl OpenEnds {
-    /// Finds the open edges at the two ends of a surface along an axis. `None` if the surface is not one period long,
-    /// or has no open edges at one of its ends.
+    /// Finds the open edges at the two ends of a surface along an axis. `None` if the length of the surface is not one
+    /// period, or if one of its ends has no open edges.
     fn of(heap: &[[Vector3<f64>; 3]], axis: usize, period: f64) -> Option<Self> {
         let places = || heap.iter().flatten().map(|corner| corner[axis]);
         let (low, high) = (places().fold(f64::INFINITY, f64::min), places().fold(f64::NEG_INFINITY, f64::max));
@@ -91,8 +92,8 @@ impl OpenEnds {
         edges.iter().all(|edges| !edges.is_empty()).then_some(Self { axis, period, low, edges })
     }
 
-    /// Table from corners on the upper plane to equal corners on the lower plane. A corner without an equal one must
-    /// lie on an edge of the other plane.
+    /// Table from corners on the upper plane to equal corners on the lower plane. Every corner must lie on an edge of
+    /// the other plane after a shift by one period; otherwise the edges do not match.
     fn matched(&self) -> Result<FxHashMap<[u64; 3], Vector3<f64>>, Mismatch> {
         let shift = Vector3::from_fn(|k, _| if k == self.axis { self.period } else { 0.0 });
         let upper: Vec<Edge> = self.edges[1].iter().map(|edge| edge.map(|corner| corner - shift)).collect();
@@ -118,14 +119,14 @@ impl OpenEnds {
     }
 }
 
-/// Key of an edge that does not depend on the order of its two corners, so that it is equal for both of its triangles.
+/// Key of an edge, which does not depend on the order of its two corners. It is equal for both triangles of the edge.
 fn key(edge: &Edge) -> [[u64; 3]; 2] {
     let mut key = edge.map(|corner| bits(&corner));
     key.sort_unstable();
     key
 }
 
-/// Edges that belong to only one triangle, by their corners [m].
+/// Edges that belong to only one triangle, each given by its corners [m].
 fn open_edges(heap: &[[Vector3<f64>; 3]]) -> Vec<Edge> {
     let mut edges: FxHashMap<[[u64; 3]; 2], (usize, Edge)> = FxHashMap::default();
     for triangle in heap {
@@ -140,7 +141,7 @@ fn open_edges(heap: &[[Vector3<f64>; 3]]) -> Vec<Edge> {
     open.into_iter().map(|(_, (_, edge))| edge).collect()
 }
 
-/// [m] largest distance of any corner of `edges` from the nearest of the edges `others`.
+/// [m] largest distance of a corner of `edges` from the nearest edge of `others`.
 fn farthest(edges: &[Edge], others: &[Edge]) -> f64 {
     let corners: FxHashSet<[u64; 3]> = others.iter().flatten().map(bits).collect();
     let alone = edges.iter().flatten().filter(|corner| !corners.contains(&bits(corner)));
@@ -169,7 +170,7 @@ fn continue_along(heap: &mut TriangleList, sides: &OpenEnds, same: &FxHashMap<[u
     let (mut above, mut below) = (Vec::new(), Vec::new());
     for triangle in &heap[..own] {
         let places = triangle.map(|corner| corner[axis] - sides.low);
-        // a corner on the upper plane that has an equal corner on the lower plane gets exactly its coordinates
+        // an upper corner with an equal lower corner gets exactly the coordinates of the lower corner
         let down = |corner: &Vector3<f64>| {
             lower(corner).unwrap_or_else(|| {
                 let mut moved = *corner;
@@ -217,7 +218,7 @@ mod tests {
         let heap = floor(|x, z| bumpy(x % 8.0, z));
         let found = continued(&heap, [Some(8.0), None, Some(6.0)], 2.0).unwrap();
         assert_eq!(found.spans, [true, false, true]);
-        // the remaining open edges are those around the continued floor
+        // the remaining open edges lie on the rim of the continued floor
         let [low, high] = [Vector3::new(-2.0, 0.0, -3.0), Vector3::new(10.0, 0.0, 9.0)];
         let around =
             |corner: &Vector3<f64>| [0, 2].iter().any(|&k| corner[k] <= low[k] + 1e-9 || corner[k] >= high[k] - 1e-9);

@@ -1,5 +1,5 @@
-//! Makes a surface from a list of triangles. Equal corners are merged, bad triangles are counted and removed, and
-//! neighbours are found and flipped to face the same way.
+//! Surface made from a list of triangles. Equal corners are merged, and bad triangles are counted and removed.
+//! Neighbours are found and flipped to face the same way.
 
 use super::nesting::{Nested, face_particles};
 use super::orientation::face_alike;
@@ -8,12 +8,12 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// [-] height of a triangle divided by its longest edge. A triangle below this number counts as degenerate: its normal
-/// would be due to the rounding of its corners. For a file in single precision this rounding is 6e-8.
+/// [-] height of a triangle divided by its longest edge. A triangle with a smaller ratio counts as degenerate, because
+/// the rounding of its corners would determine its normal. In a file in single precision this rounding is 6e-8.
 const THINNEST: f64 = 1e-9;
 /// [-] depth of a neighbour's far corner below the plane of a triangle, over the longest edge. At larger depths a
-/// sphere can touch the common edge of both without touching their faces, so the edge is tested. Flatter edges need no
-/// test, because triangles count as larger by [`COVER`](super::sweep::COVER).
+/// sphere can touch the common edge without touching a face, so the edge is tested. Flatter edges need no test, because
+/// triangles are enlarged by [`COVER`](super::sweep::COVER).
 const SHARP: f64 = 1e-12;
 
 /// Side of the surface on which the particles are.
@@ -28,24 +28,25 @@ pub enum Sides {
     Both,
 }
 
-/// Defects that were found in a list of triangles. Triangles are numbered from 1, in the order of the file.
+/// Defects found in a list of triangles. Triangles are numbered from 1, in the order of the file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Findings {
     /// Number of triangles given.
     pub given: usize,
-    /// Triangles without area, which are removed: their number, and the number of the first.
+    /// Triangles without area, which are removed: how many they are, and the number of the first.
     pub degenerate: (usize, usize),
-    /// Triangles with the corners of an earlier one, which are removed: their number, and the number of the first.
+    /// Triangles with the same corners as an earlier triangle, which are removed: how many they are, and the number of
+    /// the first.
     pub duplicate: (usize, usize),
-    /// Triangles that faced the other way than their neighbours, and are flipped: their number, and the number of the
-    /// first.
+    /// Triangles that faced the opposite way to their neighbours, and are flipped: how many they are, and the number of
+    /// the first.
     pub turned: (usize, usize),
-    /// True if a closed part that should face outwards faced inwards, and was flipped. Such a part is inside no other
-    /// part, or inside an even number of parts.
+    /// True if a closed part that should face outwards faced inwards, and was flipped. A part should face outwards if
+    /// the number of parts around it is even or zero.
     pub inside_out: bool,
-    /// Closed parts of the surface that are inside others.
+    /// Closed parts of the surface that lie inside other parts.
     pub nested: Nested,
-    /// Number of edges that belong to only one triangle; the surface is open at these edges.
+    /// Number of edges that belong to only one triangle. The surface is open at these edges.
     pub open_edges: usize,
     /// Number of edges with more than two triangles.
     pub crowded_edges: usize,
@@ -92,18 +93,18 @@ pub enum Fault {
 pub struct Face {
     /// Indices of the corners, counter-clockwise seen from the particles.
     pub corners: [u32; 3],
-    /// [-] unit normal, towards the particles; for a sheet, towards one of its sides.
+    /// [-] unit normal towards the particles. The normal of a sheet points to one of its two sides.
     pub normal: Vector3<f64>,
-    /// [-] inward unit vector of each edge. The vector is in the plane of the triangle and perpendicular to the edge.
+    /// [-] unit vector for each edge, in the plane of the triangle, perpendicular to the edge and pointing inwards.
     pub inward: [Vector3<f64>; 3],
-    /// Ranges of indices in [`TriangleSurface::ways`], one per edge. The unit vectors in a range point across the edge
-    /// into the neighbouring triangles.
+    /// Ranges of indices in [`TriangleSurface::ways`], one for each edge. The unit vectors in a range point from the
+    /// edge into the neighbouring triangles.
     pub beyond: [Range<u32>; 3],
     /// [-] pseudo-normal of each edge: the sum of the normals of the triangles that meet at the edge.
     pub at_edge: [Vector3<f64>; 3],
     /// Bit mask of the edges (bits 0 to 2) and corners (bits 3 to 5) that are tested for touch together with this
-    /// triangle. A sphere can touch them without touching the face of a triangle, and no earlier triangle is
-    /// responsible for them.
+    /// triangle. A sphere can touch each of them without touching a face. Each edge or corner is tested with one
+    /// triangle only.
     pub own: u8,
     /// [m] length of the longest edge of the triangle.
     pub longest: f64,
@@ -116,7 +117,7 @@ pub struct TriangleSurface {
     pub points: Vec<Vector3<f64>>,
     /// Triangles of the surface, with data on their neighbours.
     pub faces: Vec<Face>,
-    /// [-] unit vectors that point across edges into neighbouring triangles.
+    /// [-] unit vectors that point from edges into neighbouring triangles.
     pub ways: Vec<Vector3<f64>>,
     /// [-] pseudo-normal of each point: the sum of the normals of the triangles that meet at the point, weighted by
     /// their angles.
@@ -128,16 +129,16 @@ pub struct TriangleSurface {
     pub beside: Vec<u32>,
 }
 
-/// Triangles as three point indices, each with the triangle's number in the file.
+/// Triangles, each given by three point indices and the number of the triangle in the file.
 pub(super) type Numbered = Vec<([u32; 3], usize)>;
 
-/// Table of the triangles at each edge. The key contains the two point indices of the edge in ascending order. The
-/// value lists the index of each triangle, and the number of the edge in that triangle.
+/// Table of the triangles at each edge. The key is the two point indices of the edge in ascending order. The value
+/// lists the index of each triangle with the number of the edge in that triangle.
 pub(super) type Edges = FxHashMap<[u32; 2], Vec<(u32, usize)>>;
 
 impl TriangleSurface {
     /// Makes a surface of triangles, given by their corners [m]. With `None` for `sides`, a closed surface is a solid
-    /// body, and an open one a thin sheet.
+    /// body, and an open surface is a thin sheet.
     ///
     /// # Errors
     /// If the triangles do not form a surface, or if `sides` requires an inside and the surface has none.
@@ -166,7 +167,7 @@ impl TriangleSurface {
         Ok((Self::connect(points, &corners, sides), sides, findings))
     }
 
-    /// Computes the data of every triangle, edge and corner that are required to find contacts.
+    /// Computes the data of triangles, edges and corners from which contacts are found.
     fn connect(points: Vec<Vector3<f64>>, corners: &[[u32; 3]], sides: Sides) -> Self {
         let mut faces: Vec<Face> = corners.iter().map(|corners| plain(&points, *corners)).collect();
         let numbered: Numbered = corners.iter().map(|corners| (*corners, 0)).collect();
@@ -201,7 +202,7 @@ impl TriangleSurface {
         Self { points, faces, ways, at_point, from_point, beside }
     }
 
-    /// True if the surface is connected: all points are connected by edges.
+    /// True if the surface is connected: edges lead from each point to all others.
     pub fn is_one_part(&self) -> bool {
         let mut seen = vec![false; self.points.len()];
         let mut waiting = vec![0];
@@ -231,13 +232,13 @@ fn refuse_not_finite(heap: &[[Vector3<f64>; 3]]) -> Result<(), Fault> {
     }
 }
 
-/// Adds one to the number of a defect, and stores the number of the triangle if the defect is the first.
+/// Adds one to the number of a defect. For the first defect, also stores the number of the triangle.
 pub(super) fn count(found: &mut (usize, usize), number: usize) {
     *found = (found.0 + 1, if found.0 == 0 { number } else { found.1 });
 }
 
 /// Merges equal corners of triangles. Returns the points, and the triangles as point indices with their numbers.
-/// Degenerate and duplicate triangles are removed and counted.
+/// Degenerate and duplicate triangles are left out and counted.
 fn weld(heap: &[[Vector3<f64>; 3]], findings: &mut Findings) -> (Vec<Vector3<f64>>, Numbered) {
     let (mut points, mut triangles) = (Vec::new(), Vec::new());
     let mut known: FxHashMap<[u64; 3], u32> = FxHashMap::default();
@@ -300,8 +301,8 @@ fn plain(points: &[Vector3<f64>], corners: [u32; 3]) -> Face {
     }
 }
 
-/// True if a sphere can touch an edge without touching the face of one of its triangles. The result is false where the
-/// surface is flat or, seen from the particles, concave.
+/// True if a sphere can touch an edge without touching the face of one of its triangles. The result is false for an
+/// edge at which the surface is flat, or concave as seen from the particles.
 fn is_sharp(points: &[Vector3<f64>], faces: &[Face], there: &[(u32, usize)], sides: Sides) -> bool {
     let [(a, of_a), (b, of_b)] = there[..] else { return true };
     let (face, other) = (&faces[a as usize], &faces[b as usize]);
@@ -314,7 +315,7 @@ fn is_sharp(points: &[Vector3<f64>], faces: &[Face], there: &[(u32, usize)], sid
     }
 }
 
-/// Computes the pseudo-normals of all points, and the lists of neighbouring points in the form of [`TriangleSurface`].
+/// Computes the pseudo-normals of all points, and the lists of neighbouring points as [`TriangleSurface`] stores them.
 fn around_points(points: &[Vector3<f64>], faces: &[Face]) -> (Vec<Vector3<f64>>, Vec<u32>, Vec<u32>) {
     let mut normals = vec![Vector3::zeros(); points.len()];
     let mut beside: Vec<Vec<u32>> = vec![Vec::new(); points.len()];

@@ -1,9 +1,8 @@
-//! Time at which a flying sphere touches a surface of triangles. The centre of the sphere then reaches a plane above a
-//! face, a cylinder about an edge, or a sphere about a corner.
+//! Time at which a flying sphere touches a surface of triangles. At a touch, the centre of the sphere reaches a plane
+//! above a face, a cylinder about an edge, or a sphere about a corner.
 //!
-//! The planes, cylinders and spheres bound the positions that the centre can reach. For each triangle its face is
-//! tested, with those edges and corners for which the triangle is responsible. Where the surface is flat or concave,
-//! edges need no test: the faces there count as slightly larger, so that no crack is left between them.
+//! For each triangle, its face is tested with the edges and corners in the bit mask [`Face::own`]. Edges at which the
+//! surface is flat or concave need no test: faces are slightly enlarged there, so that no gap is left between them.
 
 use super::surface::{Face, Sides};
 use super::tree::TriangleFeature;
@@ -11,9 +10,9 @@ use super::{Mesh, Nearest};
 use crate::walls::{Flight, Touch, convex, first_touch};
 use nalgebra::Vector3;
 
-/// [-] width by which a triangle is enlarged at each edge, divided by its longest edge.
+/// [-] width by which a triangle is enlarged at each edge, over the longest edge of the triangle.
 pub(super) const COVER: f64 = 1e-10;
-/// [-] overlap over the radius, below which the overlap counts as rounding of a touch.
+/// [-] overlap over the radius. A smaller overlap counts as the rounding of a touch.
 const TOUCHING: f64 = 1e-9;
 
 /// Number that encodes a face, an edge or a corner of a triangle.
@@ -27,8 +26,8 @@ fn numbered(face: u32, place: TriangleFeature) -> u32 {
 }
 
 impl Mesh {
-    /// First touch of a sphere of `radius` [m] within the time `until` [s], with the number of the face, edge or corner
-    /// that is touched.
+    /// First touch of a sphere of `radius` [m] within the time `until` [s]. The touch contains the number of the face,
+    /// edge or corner.
     pub(super) fn sweep(&self, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
         let end = flight.position_at(until);
         // largest distance between the path of a falling sphere and the straight line between its ends
@@ -43,7 +42,7 @@ impl Mesh {
             let least = first.map_or(until, |touch| touch.time);
             self.touches(face, flight, radius, least, |time, place| {
                 let place = numbered(face, place);
-                // the earlier of two touches, and at equal times the one with the lower number, so that runs are
+                // the earlier of two touches; at equal times the touch with the lower number, so that runs are
                 // repeatable
                 if first.is_none_or(|touch| (time, place) < (touch.time, touch.place)) {
                     first = Some(Touch { time, place });
@@ -53,8 +52,7 @@ impl Mesh {
         first
     }
 
-    /// Distance [m] and normal of `point` [m] relative to a face, edge or corner, which is given by its number from
-    /// [`numbered`].
+    /// Distance [m] and normal of `point` [m] relative to the face, edge or corner with a number from [`numbered`].
     pub(super) fn at(&self, number: u32, point: &Vector3<f64>) -> Nearest {
         let face = &self.surface.faces[number as usize / 8];
         let corner = |k: u32| self.surface.points[face.corners[k as usize % 3] as usize];
@@ -75,7 +73,8 @@ impl Mesh {
         Nearest { distance, normal: if distance > 0.0 { out / distance } else { face.normal } }
     }
 
-    /// Calls `visit` with the time [s] and the touched feature for each touch of one triangle up to `until` [s].
+    /// Calls `visit` for each touch of one triangle up to `until` [s], with the time [s] and the feature that is
+    /// touched.
     fn touches(
         &self,
         number: u32,
@@ -116,7 +115,7 @@ impl Mesh {
 }
 
 /// [s] time at which a sphere touches the face of a triangle from the side of the normal; `None` if the sphere misses
-/// the triangle.
+/// the face.
 fn on_face(
     normal: &Vector3<f64>,
     (face, corners): (&Face, &[Vector3<f64>; 3]),
@@ -142,8 +141,8 @@ fn on_face(
     covers(way_down(gap, speed, fall)?)
 }
 
-/// [s] first time t > 0 at which gap + speed t + fall t²/2 falls from positive to negative values; `None` if there is
-/// no such time.
+/// [s] first time t > 0 at which gap + speed t + fall t²/2 falls from positive to negative values; `None` if it never
+/// does.
 fn way_down(gap: f64, speed: f64, fall: f64) -> Option<f64> {
     let discriminant = speed * speed - 2.0 * fall * gap;
     if discriminant < 0.0 {
@@ -160,13 +159,13 @@ fn way_down(gap: f64, speed: f64, fall: f64) -> Option<f64> {
     }
 }
 
-/// True if the projection of a point [m] onto the plane of a triangle lies in the slightly enlarged triangle.
+/// True if the projection of a point [m] onto the plane of a triangle lies inside the slightly enlarged triangle.
 fn is_above(face: &Face, corners: &[Vector3<f64>; 3], point: &Vector3<f64>) -> bool {
     let least = -COVER * face.longest;
     face.inward.iter().zip(corners).all(|(inward, corner)| inward.dot(&(point - corner)) >= least)
 }
 
-/// [s] time at which a sphere in straight flight touches the edge between two points [m]. The end points are excluded.
+/// [s] time at which a sphere in straight flight touches the edge between two points [m], without its end points.
 fn on_edge([from, to]: [Vector3<f64>; 2], flight: &Flight, radius: f64) -> Option<(f64, Option<usize>)> {
     let length = (to - from).norm();
     let along = (to - from) / length;
@@ -178,8 +177,8 @@ fn on_edge([from, to]: [Vector3<f64>; 2], flight: &Flight, radius: f64) -> Optio
     (0.0..=length).contains(&place).then_some((time, None))
 }
 
-/// [s] time at which a sphere that falls with gravity touches the straight edge between two points [m] of a convex part
-/// of the surface. The end points are included: if the sphere touches one, its number is also returned.
+/// [s] time at which a sphere in flight with gravity touches the edge between two points [m] of a convex part of the
+/// surface. The end points are included. If the sphere touches an end point, its number (0 or 1) is also returned.
 fn on_bar(ends: [Vector3<f64>; 2], flight: &Flight, radius: f64, until: f64) -> Option<(f64, Option<usize>)> {
     let along = ends[1] - ends[0];
     let share = |point: &Vector3<f64>| ((point - ends[0]).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);

@@ -1,4 +1,4 @@
-//! A tree of boxes around the triangles of a mesh, and the nearest point of one triangle, both with the library parry.
+//! Tree of boxes around the triangles of a mesh, and nearest points of single triangles. Both use the library parry.
 
 use nalgebra::Vector3;
 use parry3d_f64::bounding_volume::Aabb;
@@ -7,10 +7,10 @@ use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 use parry3d_f64::query::PointQueryWithLocation;
 use parry3d_f64::shape::{Triangle, TrianglePointLocation};
 
-/// [-] relative rounding error of a squared distance, by which a box may appear farther away than its triangle.
+/// [-] relative rounding error of a squared distance, by which a box may appear to be farther away than its triangle.
 const ROUNDING: f64 = 1e-12;
 
-/// Feature (face, edge or corner) of a triangle on which a point lies.
+/// Feature of a triangle (face, edge or corner) on which a point lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TriangleFeature {
     /// The inside of the triangle.
@@ -38,7 +38,8 @@ impl Tree {
         Self(Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes))
     }
 
-    /// Calls `visit` with the index of every triangle whose box is within `reach` [m] of a point [m] along each axis.
+    /// Calls `visit` with the index of every triangle whose box is within `reach` [m] of a point [m] along all three
+    /// axes.
     pub fn for_each_near(&self, point: &Vector3<f64>, reach: f64, mut visit: impl FnMut(u32)) {
         let half = ParryVector::splat(reach);
         let around = Aabb::new(to_parry(point) - half, to_parry(point) + half);
@@ -81,9 +82,9 @@ impl Tree {
         self.0.leaves(meets).for_each(visit);
     }
 
-    /// Finds the triangle nearest to a point [m], and its distance [m]; `None` if no distance is below `reach` [m]. The
-    /// function `distance` must return the distance of a triangle from the point. It is not called for triangles whose
-    /// box is farther away than the smallest distance so far.
+    /// Finds the triangle nearest to a point [m], and its distance [m]; `None` if no distance is below `reach` [m].
+    /// `distance` must return the distance [m] of a triangle from the point. It is not called for triangles whose box
+    /// is farther away than the smallest distance so far.
     pub fn closest(&self, point: &Vector3<f64>, reach: f64, distance: impl Fn(u32) -> f64) -> Option<(u32, f64)> {
         let point = to_parry(point);
         self.0.find_best(
@@ -94,7 +95,7 @@ impl Tree {
     }
 }
 
-/// The nearest point [m] of a triangle to `point` [m], and the feature on which it lies.
+/// Point [m] of a triangle that is nearest to `point` [m], and the feature on which it lies.
 pub fn on_triangle(corners: &[Vector3<f64>; 3], point: &Vector3<f64>) -> (Vector3<f64>, TriangleFeature) {
     let [a, b, c] = corners.each_ref().map(to_parry);
     let (projection, location) = Triangle::new(a, b, c).project_local_point_and_get_location(to_parry(point), false);

@@ -3,30 +3,29 @@
 use super::{COLUMNS, ForeignReader, Lines};
 use crate::case::diagnostic::Diagnostic;
 
-/// Index in [`COLUMNS`] of the x component of the position. The indices below are those of other properties; vectors
-/// have three columns.
+/// Index of the x component of the position in [`COLUMNS`].
 const POSITION: usize = 0;
-/// Index of the velocity.
+/// Index of the x component of the velocity in [`COLUMNS`].
 pub const VELOCITY: usize = 3;
-/// Index of the diameter.
+/// Index of the diameter in [`COLUMNS`].
 pub const DIAMETER: usize = 6;
-/// Index of the species.
+/// Index of the species in [`COLUMNS`].
 pub const SPECIES: usize = 7;
-/// Index of the spin.
+/// Index of the x component of the spin in [`COLUMNS`].
 pub const SPIN: usize = 9;
-/// Index of the radius.
+/// Index of the radius in [`COLUMNS`].
 pub const RADIUS: usize = 12;
-/// Index of the density.
+/// Index of the density in [`COLUMNS`].
 pub const DENSITY: usize = 13;
-/// Index of the mass.
+/// Index of the mass in [`COLUMNS`].
 pub const MASS: usize = 14;
-/// Index of the momentum.
+/// Index of the x component of the momentum in [`COLUMNS`].
 pub const MOMENTUM: usize = 15;
-/// Names of columns that count periodic images of the box. These columns are ignored, because positions within the box
-/// are enough.
+/// Names of columns with the numbers of periodic images of the box. These columns are ignored, because positions within
+/// the box are sufficient.
 const IMAGES: [&str; 4] = ["ix", "iy", "iz", "image"];
 
-/// Layout of a line: index of the word that holds each property of a particle.
+/// Layout of a line: for each property of a particle, the index of the word that contains it.
 #[derive(Clone, Debug, Default)]
 pub struct Layout {
     /// Index of the word in the line for each of [`COLUMNS`]; `None` if the file has no such column.
@@ -43,7 +42,7 @@ pub struct Layout {
 
 /// Meaning of a column.
 enum Meaning {
-    /// Property with this index in [`COLUMNS`]; a column of several words also fills the following indices.
+    /// Property with this index in [`COLUMNS`]. A column with several words also fills the following indices.
     Known(usize),
     /// Position along an axis as a fraction of the box size.
     Scaled(usize),
@@ -130,7 +129,7 @@ impl Layout {
             Some(Meaning::Image) => {}
             Some(Meaning::Type | Meaning::Known(SPECIES)) => {
                 let is_type = !matches!(meaning(name, width), Some(Meaning::Known(_)));
-                // numbers of species are preferred, because they do not depend on the names in the case
+                // species given by numbers are preferred, because they do not depend on the names in the case
                 if self.at[SPECIES].is_none() || is_type && !self.counted {
                     (self.at[SPECIES], self.counted) = (Some(first), is_type);
                 } else if is_type == self.counted {
@@ -157,7 +156,7 @@ impl Layout {
         Ok(())
     }
 
-    /// Word of a line that belongs to a column of [`COLUMNS`]; empty if the file has no such column.
+    /// Word of a line that belongs to the property with the index `column` in [`COLUMNS`]; empty if the file lacks it.
     pub fn text<'a>(&self, words: &[&'a str], column: usize) -> &'a str {
         self.at[column].and_then(|at| words.get(at)).copied().unwrap_or("")
     }
@@ -191,7 +190,7 @@ impl ForeignReader<'_> {
         Ok(())
     }
 
-    /// Splits a line into words, and checks that their number is that of the layout.
+    /// Splits a line into words, and checks their number against the layout.
     pub(super) fn words_of<'a>(
         &self,
         lines: &Lines<'a>,

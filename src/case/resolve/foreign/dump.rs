@@ -1,5 +1,5 @@
-//! Reads text dumps of LAMMPS and LIGGGHTS. A dump consists of items that begin with a line `ITEM:`, and repeats these
-//! items for every instant.
+//! Reads text dumps of LAMMPS and LIGGGHTS. A dump consists of items, each of which begins with a line `ITEM:`. The
+//! items are repeated for every instant.
 //!
 //! Format: LAMMPS documentation, command `dump`, <https://docs.lammps.org/dump.html>.
 
@@ -29,7 +29,8 @@ pub(super) struct DumpFrame {
     atoms: Option<usize>,
 }
 
-/// The present instant. A file that does not begin with a time step has one without it.
+/// Returns the instant that is being read. If the file does not begin with a time step, an instant without one is
+/// added.
 fn instant_of(instants: &mut Vec<DumpFrame>, number: usize) -> &mut DumpFrame {
     if instants.is_empty() {
         instants.push(DumpFrame { first: number, ..DumpFrame::default() });
@@ -86,7 +87,7 @@ impl ForeignReader<'_> {
         Ok(ForeignInstant { start, time: instant.time, step: instant.step, first: instant.first })
     }
 
-    /// Reads the items of all instants, without the lines of the atoms.
+    /// Reads the items of all instants, but not the lines of the atoms.
     pub(super) fn dump_instants(&mut self, lines: &Lines) -> Result<Vec<DumpFrame>, Diagnostic> {
         let (mut instants, mut time, mut units, mut number) = (Vec::<DumpFrame>::new(), None, false, 0);
         while number < lines.count() {
@@ -147,8 +148,8 @@ impl ForeignReader<'_> {
         Ok(instants)
     }
 
-    /// Number of lines with atoms after the header. If fewer lines follow than the dump announced, the file was cut
-    /// short, which is an error.
+    /// Number of lines with atoms after the header. If this number is less than that given in the dump, the file was
+    /// cut short, which is an error.
     fn atoms_of_dump(&self, lines: &Lines, header: usize, count: Option<(usize, usize)>) -> Result<usize, Diagnostic> {
         let Some((count, announced)) = count else {
             return Err(self.wrong(lines, header, "atoms without a number of them before", HELP));

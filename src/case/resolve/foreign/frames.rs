@@ -1,4 +1,4 @@
-//! Reads all instants of a file of another program, as particles whose averages can be taken.
+//! Reads the particles of all instants in a file of another program, so that averages over them can be computed.
 
 use super::columns::{DENSITY, DIAMETER, MASS, MOMENTUM, RADIUS, SPIN, VELOCITY};
 use super::{COLUMNS, Cells, Foreign, ForeignInstant, ForeignReader, Lines};
@@ -10,7 +10,8 @@ use crate::particles::Particles;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// [-] inertia factor of a solid sphere, I = 2/5 m r²: files give spins, but no moments of inertia.
+/// [-] inertia factor of a solid sphere, I = 2/5 m r². It is assumed because files contain spins, but no moments of
+/// inertia.
 const SOLID: f64 = 0.4;
 
 /// Particles of one instant in a file of another program.
@@ -22,7 +23,7 @@ pub struct ParticleFrame {
     pub step: Option<f64>,
     /// Box of the instant; `None` if the file gives none.
     pub domain: Option<Domain>,
-    /// Particles; radius 0 and mass 1 kg where the file gives none. Spheres that rotate are solid.
+    /// Particles. If the file does not give radii or masses, they are 0 m and 1 kg. Spheres that rotate are solid.
     pub particles: Particles,
     /// True if the file gives the masses of the particles.
     pub has_masses: bool,
@@ -34,7 +35,7 @@ pub struct ParticleFrame {
 pub type FramesAndWarnings = (Vec<ParticleFrame>, Vec<Diagnostic>);
 
 /// Reads all instants of a text in a format with positions and velocities; `None` if the text has another format.
-/// `source` is the index of the text in `sources`. The list contains the warnings.
+/// `source` is the index of the text in `sources`. The returned warnings are about the file.
 ///
 /// # Errors
 /// A line that cannot be read, particles without velocities, or a box that is not rectangular.
@@ -67,7 +68,7 @@ pub fn particle_frames(
 }
 
 impl ForeignReader<'_> {
-    /// The particles of an instant, with numbers in place of texts.
+    /// Particles of an instant, with the texts of its cells converted to numbers.
     fn frame(&self, lines: &Lines, instant: ForeignInstant) -> Result<ParticleFrame, Diagnostic> {
         let ForeignInstant { start, time, step, first } = instant;
         let mut particles = Particles::default();
@@ -111,7 +112,7 @@ impl ForeignReader<'_> {
         number.map(Some).ok_or_else(wrong)
     }
 
-    /// Three numbers from column `first` on; `None` if the file lacks them.
+    /// Three numbers in consecutive columns from `first` on; `None` if the file lacks them.
     fn vector(&self, cells: &Cells, first: usize, origin: &Origin) -> Result<Option<Vector3<f64>>, Diagnostic> {
         let mut vector = Vector3::zeros();
         for axis in 0..3 {
@@ -127,7 +128,7 @@ impl ForeignReader<'_> {
         Ok(self.number(cells, RADIUS, origin)?.or(half))
     }
 
-    /// [kg] mass of a particle, or that of a sphere of the given size and density.
+    /// [kg] mass of a particle; if the file does not give it, that of a sphere of the given size and density.
     fn mass(&self, cells: &Cells, origin: &Origin) -> Result<Option<f64>, Diagnostic> {
         let (radius, density) = (self.radius(cells, origin)?, self.number(cells, DENSITY, origin)?);
         let of_sphere = radius.zip(density).map(|(radius, density)| 4.0 / 3.0 * PI * radius.powi(3) * density);
@@ -139,7 +140,7 @@ impl ForeignReader<'_> {
         Ok(mass)
     }
 
-    /// [m/s] velocity of a particle, or its momentum over its mass.
+    /// [m/s] velocity of a particle; if the file does not give it, its momentum over its mass.
     fn velocity(&self, cells: &Cells, mass: Option<f64>, origin: &Origin) -> Result<Option<Vector3<f64>>, Diagnostic> {
         let of_momentum = self.vector(cells, MOMENTUM, origin)?.zip(mass).map(|(momentum, mass)| momentum / mass);
         Ok(self.vector(cells, VELOCITY, origin)?.or(of_momentum))

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 
-/// Columns of a section `Atoms`, and the lines of the section.
+/// Section `Atoms`: its columns and its lines.
 #[derive(Clone)]
 struct Atoms {
     /// Column of the diameter, if there is one; the density is in the next column.
@@ -22,7 +22,7 @@ struct Atoms {
 /// Contents of a data file, except the lines of the atoms.
 #[derive(Default)]
 struct Outline<'a> {
-    /// [m] lower corner of the box; the upper corner follows.
+    /// [m] lower corner of the box; `high` is the upper corner.
     low: Vector3<f64>,
     high: Vector3<f64>,
     boxed: bool,
@@ -129,7 +129,7 @@ impl ForeignReader<'_> {
         Ok(found)
     }
 
-    /// Reads the section whose header is line `header` and whose lines are `body`.
+    /// Reads the section with the header line `header` and the other lines `body` into `found`.
     fn section<'a>(
         &self,
         lines: &Lines<'a>,
@@ -165,7 +165,7 @@ impl ForeignReader<'_> {
         Ok(())
     }
 
-    /// Columns of a section `Atoms`, which depend on the style that its header names.
+    /// Columns of a section `Atoms`, which depend on the atom style given in its header.
     fn atoms(&self, lines: &Lines, header: usize, body: Range<usize>) -> Result<Atoms, Diagnostic> {
         let help = "write `Atoms # sphere` or `Atoms # atomic`";
         match lines.get(header).split_once('#').map(|(_, style)| style.trim()) {

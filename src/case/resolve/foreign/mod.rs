@@ -18,16 +18,16 @@ use columns::SPECIES;
 use csv::StringRecord;
 use nalgebra::Vector3;
 
-/// Properties of a particle in an initial state. Every file is read into columns of this order.
+/// Properties of a particle in an initial state. Files of all formats are read into columns in this order.
 pub(super) const COLUMNS: [&str; 18] = [
     "x", "y", "z", "vx", "vy", "vz", "diameter", "species", "id", "wx", "wy", "wz", "radius", "density", "mass", "px",
     "py", "pz",
 ];
-/// Number of [`COLUMNS`], counted from the first, that a CSV table may have.
+/// Number of the first [`COLUMNS`] that a CSV table may have.
 pub(super) const OF_CSV: usize = 12;
 /// Index of the column with the ids of particles.
 const ID: usize = 8;
-/// Number of lines at the beginning of a LAMMPS data file among which the number of atoms is searched for.
+/// Number of lines at the beginning of a file, among which a LAMMPS data file must contain the number of atoms.
 const HEAD_OF_DATA: usize = 40;
 
 /// Format of a file from another program.
@@ -42,7 +42,7 @@ pub(super) enum Foreign {
 }
 
 impl Foreign {
-    /// Recognizes a format with the particles of several instants from the first lines of a file.
+    /// Recognizes, from the first lines of a file, a format that can contain the particles of several instants.
     fn of_frames(text: &str) -> Option<Self> {
         let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
         let first = lines.next().unwrap_or("");
@@ -55,7 +55,7 @@ impl Foreign {
         None
     }
 
-    /// Recognizes the format from the content of a file, or else from its name. `None` means a CSV table.
+    /// Recognizes the format from the content of a file or, failing that, from its name. `None` means a CSV table.
     pub(super) fn of(name: &str, text: &str) -> Option<Self> {
         if let Some(format) = Self::of_frames(text) {
             return Some(format);
@@ -104,7 +104,7 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// Texts of the [`COLUMNS`] for one particle; empty for columns that the file lacks.
+/// Texts of the [`COLUMNS`] for one particle. Texts of columns that the file lacks are empty.
 type Cells = [String; COLUMNS.len()];
 
 /// Particles in a file of another program, and the box that the file gives.
@@ -147,7 +147,7 @@ impl Resolver {
         let mut reader = ForeignReader { sources: &self.sources, warnings: Vec::new() };
         let read = reader.start(format, &Lines::of(source, text), kinds)?;
         for warning in reader.warnings {
-            // a file that several species name is read once for each of them, but one warning is enough
+            // if several species name the same file, it is read once for each of them, but one warning is enough
             if !self.warnings.contains(&warning) {
                 self.warnings.push(warning);
             }
@@ -174,7 +174,7 @@ impl ForeignReader<'_> {
         Ok(read)
     }
 
-    /// Writes the name of its species into each row. If the case has one species, all rows belong to that species.
+    /// Writes the name of the species into each row. If the case has one species, all rows belong to it.
     fn name_kinds(&self, read: &mut ForeignStart, kinds: &[&str]) -> Result<(), Diagnostic> {
         let what = if read.counted { "type" } else { "species" };
         let first = read.rows.first().map(|(cells, _)| cells[SPECIES].clone()).unwrap_or_default();
@@ -204,7 +204,8 @@ impl ForeignReader<'_> {
         Ok(())
     }
 
-    /// Sorts rows by their ids. Warns if the ids are not 0, 1, 2 …, because results then contain new numbers.
+    /// Sorts rows by their ids. Warns if the ids are not 0, 1, 2 …, because the particles then have other numbers in
+    /// results.
     fn sort_by_ids(&mut self, read: &mut ForeignStart) -> Result<(), Diagnostic> {
         let mut numbered = Vec::with_capacity(read.rows.len());
         for (place, (cells, origin)) in read.rows.iter().enumerate() {
@@ -240,7 +241,7 @@ impl ForeignReader<'_> {
         Ok(())
     }
 
-    /// Adds a warning, unless there is one with these words: all instants of a file may give the same reason.
+    /// Adds a warning, unless there is one with the same words, since all instants of a file may cause it.
     fn warn(&mut self, origin: &Origin, message: impl Into<String>, help: impl Into<String>) {
         let warning = self.sources.warning(origin, message).help(help);
         if self.warnings.iter().all(|known| known.message != warning.message) {

@@ -12,7 +12,7 @@ pub(super) use words::digits;
 
 use nalgebra::Vector3;
 
-/// Largest number of triangles of a mesh; so many take about 15 GB of memory.
+/// Largest number of triangles of a mesh; this number takes about 15 GB of memory.
 const MOST_TRIANGLES: usize = 20_000_000;
 
 /// Triangles given by their corners, in units of the file.

@@ -33,8 +33,8 @@ const LEFT_ASIDE: [&str; 20] = [
     "trace_obj",
     "vc",
 ];
-/// [-] distance of a corner from the plane of its polygon, over the length of the polygon, above which the user is
-/// warned.
+/// [-] distance of a corner from the plane of its polygon, over the length of the polygon, above which a warning is
+/// given.
 const FLAT: f64 = 0.01;
 
 /// Polygon of the file: its line, and the range of its corners in `Reading::named`.
@@ -127,7 +127,7 @@ impl Reading {
                 let what = format!("a face has three corners or more, {} are there", corners.len());
                 return Err(wrong(FORMAT, first.line, what));
             }
-            // repeated corners in a row count once
+            // corners repeated one after the other count once
             corners.dedup();
             while corners.len() > 3 && corners.first() == corners.last() {
                 corners.pop();
@@ -146,8 +146,8 @@ impl Reading {
         Ok(())
     }
 
-    /// Index of the corner that a word of a face names. A positive number counts from the first corner of the file, a
-    /// negative one backwards from the last corner so far.
+    /// Index of the corner to which a word of a face refers. A positive number is counted from the first corner of the
+    /// file, a negative one backwards from the last corner read.
     fn corner(&self, word: &Word) -> Result<usize, String> {
         let text = std::str::from_utf8(word.bytes).unwrap_or("");
         let number = text.split('/').next().and_then(|number| number.parse::<i64>().ok());

@@ -5,7 +5,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
-/// [-] smallest sine of the angle by which a polygon turns at a corner, for a polygon that is divided as a fan. Smaller
+/// [-] smallest sine of the angle by which a convex polygon turns at a corner, if it is divided as a fan. Smaller
 /// angles would give very thin triangles, which the surface ignores.
 const TURN: f64 = 1e-6;
 /// [-] relative error of an area that counts as rounding.
@@ -64,7 +64,7 @@ fn twice([a, b, c]: [[f64; 2]; 3]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// True if a polygon turns left at each corner, and its division as a fan gives no very thin triangles.
+/// True if a polygon turns left at each corner, and no triangle is very thin when it is divided as a fan.
 fn is_convex(flat: &[[f64; 2]]) -> bool {
     let (count, away) = (flat.len(), |a: [f64; 2], b: [f64; 2]| (b[0] - a[0]).hypot(b[1] - a[1]));
     let turns = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| twice([a, b, c]) > TURN * away(a, b) * away(b, c);
@@ -72,8 +72,8 @@ fn is_convex(flat: &[[f64; 2]]) -> bool {
         && (1..count - 1).all(|k| turns(flat[0], flat[k], flat[k + 1]) && turns(flat[k], flat[k + 1], flat[0]))
 }
 
-/// Triangles between the corners of a polygon that are inside the polygon. A path from a point inside to the outside
-/// crosses an odd number of edges.
+/// Triangles between the corners of a polygon that lie inside the polygon. A path from such a triangle to the outside
+/// crosses an odd number of edges of the polygon.
 fn inside(flat: &[[f64; 2]]) -> Result<Vec<[usize; 3]>, &'static str> {
     let no_place = |_| "a corner of the polygon is no place";
     let mut plane = ConstrainedDelaunayTriangulation::<Point2<f64>>::new();
@@ -85,7 +85,7 @@ fn inside(flat: &[[f64; 2]]) -> Result<Vec<[usize; 3]>, &'static str> {
     }
     let number: FxHashMap<FixedVertexHandle, usize> = corners.iter().copied().zip(0..).collect();
     let pair = |a: FixedVertexHandle, b: FixedVertexHandle| [a.index().min(b.index()), a.index().max(b.index())];
-    // an edge that the polygon follows twice, to a hole and back, is not a border
+    // an edge that the polygon follows twice, to a hole and back, does not separate inside and outside
     let mut borders = FxHashSet::default();
     for k in 0..corners.len() {
         let (from, to) = (corners[k], corners[(k + 1) % corners.len()]);

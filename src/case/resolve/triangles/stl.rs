@@ -2,7 +2,7 @@
 //!
 //! Format: M. Burns, Automated Fabrication (1993), section 6.5. Text files of real programs deviate from this format.
 //! They contain several solids, missing names, any encoding, leading blanks, capitals, any line ends, or no `endsolid`.
-//! A file is binary if its length agrees with the number of triangles in its head, whatever the first words are.
+//! A file is binary if its length fits the number of triangles in its head, even if it begins like a text file.
 
 use super::words::Words;
 use super::{Heap, MOST_TRIANGLES, TriangleFile, too_many, wrong};
@@ -38,7 +38,7 @@ fn begins_as_text(bytes: &[u8]) -> bool {
     first.is_some_and(|word| word.is("solid") || word.is("facet")) && !has_nul(bytes)
 }
 
-/// True if the first bytes, as many as in a binary head, contain a zero byte.
+/// True if the first bytes contain a zero byte. Their number is the length of a binary head.
 fn has_nul(bytes: &[u8]) -> bool {
     bytes[..bytes.len().min(HEAD)].contains(&0)
 }

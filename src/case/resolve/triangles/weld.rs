@@ -4,16 +4,16 @@ use super::Heap;
 use nalgebra::Vector3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// [-] possible error of a corner, in units of the rounding of the largest coordinate in single precision. A few
-/// arithmetic operations of a program cause such an error.
+/// [-] possible error of a corner over the rounding of the largest coordinate in single precision. Programs cause this
+/// error by a few arithmetic operations.
 const ROUNDINGS: f64 = 4.0;
 /// Smallest number of significant digits with which programs write single precision (`%g`). Numbers with fewer digits
-/// are exact.
+/// are taken as exact.
 const FEWEST: usize = 6;
 /// [-] factor on the largest distance of merged corners, because the computed distance is rounded too.
 const SLACK: f64 = 1.01;
-/// [-] edge of the cells of the neighbour search, over the largest distance of merged corners. For most points a search
-/// in one cell is enough.
+/// [-] edge length of the cells of the neighbour search, over the largest distance of merged corners. For most points
+/// one cell must then be searched.
 const CELL: f64 = 8.0;
 
 /// Replaces each corner by an earlier one that differs only by rounding, and returns the number of merged corners.

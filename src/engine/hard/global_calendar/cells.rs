@@ -63,16 +63,16 @@ impl ShellGrid {
         let count = std::array::from_fn(|axis| {
             let fitting = (domain.size[axis] / longest).clamp(1.0, 4096.0) as usize;
             // with two cells along a periodic axis, each would be a neighbour of the other on both sides
-            if domain.periodic[axis] && fitting < 3 { 1 } else { fitting }
+            if domain.joined()[axis] && fitting < 3 { 1 } else { fitting }
         });
         Self {
             count,
-            periodic: domain.periodic,
+            periodic: domain.joined(),
             per_length: Vector3::from_fn(|axis, _| count[axis] as f64 / domain.size[axis]),
             edge: std::array::from_fn(|axis| (domain.size[axis] / count[axis] as f64) as f32),
             period: std::array::from_fn(|axis| domain.size[axis] as f32),
             half: std::array::from_fn(|axis| {
-                if domain.periodic[axis] { 0.5 * domain.size[axis] as f32 } else { f32::INFINITY }
+                if domain.joined()[axis] { 0.5 * domain.size[axis] as f32 } else { f32::INFINITY }
             }),
             rounding: (ROUNDING * domain.size.max()) as f32,
             first: vec![None; count[0] * count[1] * count[2]],
@@ -81,7 +81,7 @@ impl ShellGrid {
     }
 
     /// Numbers along the three axes of the cell that contains a point [m]. For a point beyond a side that is not
-    /// periodic, it is the nearest cell, so that neighbours remain in neighbouring cells.
+    /// periodic, the result is the nearest cell, so that neighbours remain in neighbouring cells.
     fn coordinates(&self, x: &Vector3<f64>) -> [usize; 3] {
         std::array::from_fn(|axis| ((x[axis] * self.per_length[axis]) as usize).min(self.count[axis] - 1))
     }
@@ -122,9 +122,9 @@ impl ShellGrid {
         self.put(place, new);
     }
 
-    /// Numbers along an axis of a cell and of its neighbours: up to three. Each is followed by the smallest distance
-    /// [m] of that cell from a point in the first cell. `from_side` [m] is the distance of that point from the lower
-    /// side of its cell.
+    /// Numbers, along one axis, of a cell and its neighbours, and how many there are (one to three). With each number
+    /// comes the smallest distance [m] of that cell from a point in the cell `at`. `from_side` [m] is the distance of
+    /// the point from the lower side of its cell.
     fn beside(&self, axis: usize, at: usize, from_side: f32) -> ([(usize, f32); 3], usize) {
         let n = self.count[axis];
         if n == 1 {
@@ -207,9 +207,9 @@ impl ShellGrid {
     }
 
     /// Appends to `found` the indices of the centres in a cell whose squared distance from `here` [m] is at most
-    /// `square` [m²]. Returns the number of centres in the cell. To avoid a branch, every index is written, and an
-    /// unwanted one is overwritten by the next. About half are wanted, so the processor would often mispredict a
-    /// branch.
+    /// `square` [m²]. Returns the number of centres in the cell. Every index is written, and the next one overwrites an
+    /// unwanted one. This avoids a branch, which the processor would often mispredict, since about half of the indices
+    /// are wanted.
     #[inline]
     fn within(&self, cell: usize, here: [f32; 3], square: f32, found: &mut Vec<u32>) -> u64 {
         let (mut end, mut checks, mut at) = (found.len(), 0, self.first[cell]);

@@ -17,12 +17,12 @@ use nalgebra::Vector3;
 use std::cmp::Ordering;
 use std::f64::consts::{PI, SQRT_2};
 
-/// Number of times that the fastest particle may cross the box within an epoch. After longer times the rounding of
-/// times would matter as much as that of positions.
+/// Number of times that the fastest particle may cross the box within an epoch. In a longer epoch the rounding of times
+/// would matter as much as that of positions.
 const CROSSINGS: f64 = 8.0;
 
-/// Number of new shells per particle after which the particles in the store are sorted again. By then
-/// particles have moved away from those that are near them in memory.
+/// Number of new shells per particle after which the particles in the store are sorted again. By then, particles near
+/// in memory are no longer near in space.
 const SORT_AFTER: u64 = 40;
 
 /// Type of change of the particle store since the calendar wrote its state to it.
@@ -51,7 +51,7 @@ impl GlobalCalendar {
                 let met = self.history(work.particles, outdated.then_some(work.lasting.as_slice()));
                 self.load(work.particles, scene, met, window.start)?;
             }
-            Change::None if !kicked => {}
+            Change::None if !kicked => self.take_back_crossings(work),
             Change::None | Change::Kicked => self.reload_velocities(work.particles, scene, window.start)?,
         }
         if !self.ready {
@@ -75,7 +75,8 @@ impl GlobalCalendar {
         }
         let mut change = Change::None;
         for place in 0..self.bodies.len() {
-            let (position, velocity) = self.seen(place, scene);
+            let (mut position, mut velocity) = self.seen(place);
+            scene.domain.wrap_motion(&mut position, &mut velocity);
             if position != particles.position[place] {
                 return Change::Moved;
             }
@@ -86,22 +87,26 @@ impl GlobalCalendar {
         change
     }
 
-    /// Present position [m], shifted into the box, and velocity [m/s] of a particle, relative to the scene.
-    fn seen(&self, place: usize, scene: &Scene) -> (Vector3<f64>, Vector3<f64>) {
+    /// Present position [m] and velocity [m/s] of a particle, relative to the scene.
+    pub(super) fn seen(&self, place: usize) -> (Vector3<f64>, Vector3<f64>) {
         let body = &self.bodies[place];
         let position = body.position + body.velocity * (self.now - body.time);
         let flight = self.frame.flight(&position, &body.velocity, self.now);
-        (scene.domain.wrap(&flight.position), flight.velocity)
+        (flight.position, flight.velocity)
     }
 
-    /// Writes the present positions and velocities of all particles to the particle store.
+    /// Writes the present positions and velocities of all particles to the particle store. Positions are shifted into
+    /// the box, except across sheared sides, where the velocity would change too.
     pub(super) fn write(&self, particles: &mut Particles, scene: &Scene) {
         for place in 0..self.bodies.len() {
-            (particles.position[place], particles.velocity[place]) = self.seen(place, scene);
+            let (position, velocity) = self.seen(place);
+            let position = if scene.domain.shear.is_none() { scene.domain.wrap(&position) } else { position };
+            (particles.position[place], particles.velocity[place]) = (position, velocity);
         }
     }
 
-    /// Collision history of each particle, by id; empty if no history is stored.
+    /// Collision history of each particle, by id; empty if there is none. `recently` replaces the stored histories, if
+    /// given.
     fn history(&self, particles: &Particles, recently: Option<&[Recent]>) -> Vec<LastCollision> {
         let nothing = || vec![LastCollision::default(); particles.len()];
         match recently {
@@ -145,7 +150,7 @@ impl GlobalCalendar {
         self.forget();
         particles.wrap(&scene.domain);
         particles.reorder(&super::curve::order(particles, &scene.domain));
-        self.now = 0.0;
+        (self.now, self.epoch) = (0.0, start);
         self.limit = f64::INFINITY;
         self.frame = FallingFrame {
             offset: Vector3::zeros(),
@@ -176,8 +181,10 @@ impl GlobalCalendar {
             scene.domain.periodic[axis] && 0.5 * scene.domain.size[axis] - reach < 2.0 * margin
         });
         self.shells.margin = margin;
+        self.begin_interval(scene);
         let at_wall: Vec<bool> = (0..particles.len()).map(|place| self.at_wall(place, scene)).collect();
-        self.shells.build(&mut self.next_events, &self.bodies, &scene.domain, &at_wall);
+        let domain = self.domain_of_interval(scene);
+        self.shells.build(&mut self.next_events, &self.bodies, &domain, &at_wall);
         self.sorted_at = self.shells.renewed;
         self.ready = true;
         self.builds += 1;
@@ -241,6 +248,8 @@ impl GlobalCalendar {
                 card.time -= self.now;
                 card.then -= self.now;
             }
+            self.epoch += self.now;
+            self.fresh_until -= self.now;
             self.now = 0.0;
             self.set_limit(work.particles, scene, time)?;
         }
@@ -349,6 +358,8 @@ fn margin(particles: &Particles, crowds: &[(f64, f64)], scene: &Scene) -> f64 {
     let wanted = candidates.min_by(|a, b| cost(*a).total_cmp(&cost(*b))).unwrap_or(diameter);
     let periods = (0..3).filter(|axis| scene.domain.periodic[*axis]).map(|axis| scene.domain.size[axis]);
     let room = periods.fold(f64::INFINITY, f64::min) * 0.25 - 0.5 * largest;
+    // of two particles in a sheared box only the nearest images may touch, even if both fly through their whole shells
+    let room = if scene.domain.shear.is_some() { 0.45 * room } else { room };
     // at least the rounding error of the centres of shells, which is 6e-8 of the box
     wanted.min(room).min(scene.domain.size.max()).max(0.03 * diameter).max(ROUNDING * scene.domain.size.max())
 }

@@ -21,6 +21,7 @@ mod load;
 mod next_events;
 mod prediction;
 mod shells;
+mod sliding;
 mod walls;
 
 use super::collapse_detector::{Collapsed, LastCollision, Recent, recent, rests, sliding};
@@ -56,12 +57,17 @@ pub struct GlobalCalendar {
     /// Time [s] since the epoch (zero of the calendar's time) up to which events are predicted and queued. It is the
     /// end of the time window if drag changes velocities in every window, otherwise infinite.
     horizon: f64,
+    /// Simulated time [s] of the epoch (zero of the calendar's time), by which the images of a sheared box slide.
+    epoch: f64,
     bodies: Vec<FlightState>,
     next_events: Vec<NextEvents>,
     ids: Vec<u32>,
     /// Collision history of each particle, by which inelastic collapse is detected.
     met: Vec<LastCollision>,
     shells: Shells,
+    /// Time [s] since the epoch (zero of the calendar's time) up to which neighbour lists across the sheared sides of the
+    /// box hold; infinite without shear.
+    fresh_until: f64,
     /// True for axes along which the box is so short that a pair may touch through an image other than the nearest one.
     far_images: [bool; 3],
     /// Total number of shells (balls in which neighbour lists are valid) made at the time when the particle store was
@@ -113,7 +119,7 @@ impl CalendarWindow {
 
 impl GlobalCalendar {
     /// Moves all particles through a window. `outdated` must be true if islands have moved particles since the last
-    /// call; their collision histories then contain only recent collisions.
+    /// call. The collision histories then contain only recent collisions.
     ///
     /// # Errors
     /// Inelastic collapse, or values that are not finite numbers; the store then contains the state at the time of the
@@ -131,7 +137,7 @@ impl GlobalCalendar {
 
     fn events(&mut self, work: &mut Work<Recent>, span: &mut CalendarWindow) -> Result<(), Failure> {
         loop {
-            let stop = span.end.min(self.limit).max(self.now);
+            let stop = span.end.min(self.limit).min(self.fresh_until).max(self.now);
             while let Some(place) =
                 self.agenda.next(EventTable { next_events: &self.next_events, ids: &self.ids }, stop)
             {
@@ -144,8 +150,14 @@ impl GlobalCalendar {
                 }
             }
             self.now = stop;
+            if stop >= self.fresh_until {
+                self.next_interval(work);
+            }
             if stop >= span.end {
                 return Ok(());
+            }
+            if stop < self.limit {
+                continue;
             }
             let left = span.left(self.now);
             self.new_epoch(work, span.time(self.now))?;
@@ -191,7 +203,7 @@ impl GlobalCalendar {
 
     /// Processes the next event of a particle.
     fn event(&mut self, place: u32, work: &mut Work<Recent>, span: &CalendarWindow) -> Result<(), Failure> {
-        let (now, scene) = (self.now, work.scene);
+        let scene = work.scene;
         let NextEvents { next, detail, .. } = self.next_events[place as usize];
         match next {
             EventKind::Pair(j) if self.bodies[j as usize].hits == detail => {
@@ -204,19 +216,13 @@ impl GlobalCalendar {
                 let at = self.walls.contacts[k as usize];
                 self.collide(Couple::at_wall(place, at), detail, work, span)?;
             }
-            EventKind::Leave => {
-                let body = &mut self.bodies[place as usize];
-                body.advance(now);
-                body.position = scene.domain.wrap(&body.position);
-                let at_wall = self.at_wall(place as usize, scene);
-                self.shells.update_neighbour_list(place, &mut self.next_events, &self.bodies, &scene.domain, at_wall);
-            }
+            EventKind::Leave => self.renew(place, work),
             EventKind::Pair(_) if self.next_events[place as usize].has_more() => {
                 self.next_events[place as usize].go_on();
                 self.file(place);
                 return Ok(());
             }
-            EventKind::Pair(_) | EventKind::Look => self.bodies[place as usize].advance(now),
+            EventKind::Pair(_) | EventKind::Look => self.bodies[place as usize].advance(self.now),
         }
         self.predict_events(place, scene);
         Ok(())
@@ -230,10 +236,11 @@ impl GlobalCalendar {
         let (normal, gap, velocity) = match couple.other {
             Other::Particle(j) => {
                 let other = &self.bodies[j as usize];
-                let apart = scene.domain.separation(&body.position, &other.position);
+                let velocity = body.velocity - other.velocity;
+                let (apart, velocity) = self.domain(scene).relative(&body.position, &other.position, velocity, 0.0);
                 let distance = apart.norm();
                 let normal = if distance > 0.0 { apart / distance } else { Vector3::y() };
-                (normal, distance - (radius + self.shells.radius(other)), body.velocity - other.velocity)
+                (normal, distance - (radius + self.shells.radius(other)), velocity)
             }
             Other::Wall(at) => {
                 let flight = self.frame.flight(&body.position, &body.velocity, self.now);
@@ -247,7 +254,7 @@ impl GlobalCalendar {
         Encounter { normal, gap, velocity, normal_velocity: velocity.dot(&normal) }
     }
 
-    /// Motion of the wall's surface where a couple meets; `None` between particles.
+    /// Motion of the wall's surface at the point of contact; `None` for a pair of particles.
     fn wall_motion(&self, couple: &Couple, met: &Encounter, scene: &Scene) -> Option<WallMotion> {
         let Other::Wall(at) = couple.other else { return None };
         let (wall, body) = (&scene.walls[at.wall as usize], &self.bodies[couple.i as usize]);
@@ -271,7 +278,8 @@ impl GlobalCalendar {
         let met = self.meet(&couple, struck, scene);
         let kinds = couple.kinds(work.particles);
         let wall = self.wall_motion(&couple, &met, scene);
-        let collision = Collision { couple, met, elastic: self.in_contact(&couple, time), kinds, wall };
+        let image = self.image_velocity(&couple, &met, scene);
+        let collision = Collision { couple, met, elastic: self.in_contact(&couple, time), kinds, wall, image };
         let weights = self.weights(&couple);
         let left = span.left(self.now);
         let (change_i, change_j) = match rests(&collision, scene, self.contact_time) {
@@ -285,6 +293,13 @@ impl GlobalCalendar {
             body.hits = body.hits.wrapping_add(1);
         }
         self.watch(&collision, scene, time)
+    }
+
+    /// Velocity [m/s] along z of the image of the other particle that a particle meets, relative to the other particle.
+    fn image_velocity(&self, couple: &Couple, met: &Encounter, scene: &Scene) -> f64 {
+        let Some(j) = couple.j() else { return 0.0 };
+        let own = self.bodies[couple.i as usize].velocity.z - self.bodies[j as usize].velocity.z;
+        scene.domain.whole_slides(own - met.velocity.z)
     }
 
     fn weights(&self, couple: &Couple) -> CollisionMasses {
@@ -324,8 +339,8 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// Recent collisions, with the indices of the particles: those less than the contact time before simulated time
-    /// `time` [s]. Empty without a contact time.
+    /// Particles that collided less than the contact time before simulated time `time` [s], each with the time of its
+    /// last collision. Empty without a contact time.
     pub fn recent(&self, time: f64) -> impl Iterator<Item = Recent> {
         recent(self.met.iter(), self.contact_time, time)
     }

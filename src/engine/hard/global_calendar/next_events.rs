@@ -5,7 +5,7 @@ use super::shells::Shell;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Flight of one particle. All data of a neighbour that a test for touches reads are in one cache line.
+/// Flight of one particle. The data that a test for touches reads of a neighbour are in one cache line.
 #[repr(align(64))]
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct FlightState {
@@ -40,7 +40,7 @@ pub enum EventKind {
     /// The particle leaves its shell (the ball in which its neighbour list is valid), so its neighbours must be
     /// searched again.
     Leave,
-    /// No event occurs within the time for which events were predicted, so they must be predicted again.
+    /// No event occurs within the time for which events were predicted, so events must be predicted again.
     Look,
 }
 

@@ -50,7 +50,7 @@ impl Events {
     }
 }
 
-/// Number of groups of four neighbours that are tested before the times of touch with these neighbours are computed.
+/// Number of groups of four neighbours that are tested before the times of touch with their members are computed.
 const AT_ONCE: usize = 4;
 
 /// [-] smallest resolvable rate of approach, divided by the distance and by the sum of both speeds. A slower approach
@@ -111,9 +111,9 @@ impl GlobalCalendar {
         (card.detail, card.detail_after) = details;
     }
 
-    /// The earliest two events of a particle. Considered are the exit from its shell (ball in which its neighbour list
-    /// is valid), the end of prediction (the horizon), and all touches. A second event is stored only if the first is a
-    /// touch.
+    /// The earliest two events of a particle. The candidates are the exit from its shell (ball in which its neighbour
+    /// list is valid), the end of prediction (the horizon), and all touches. A second event is stored only if the first
+    /// is a touch.
     #[inline]
     fn next_events(&self, place: u32, scene: &Scene) -> Events {
         let (body, shell) = (&self.bodies[place as usize], &self.next_events[place as usize].shell);
@@ -122,7 +122,7 @@ impl GlobalCalendar {
         let (wait, next) = if leave < look { (leave, EventKind::Leave) } else { (look, EventKind::Look) };
         let last = Event { wait, next, place: 0 };
         let mut events = Events { first: last, second: last };
-        if self.far_images == [false; 3] {
+        if self.far_images == [false; 3] && (shell.inside || scene.domain.shear.is_none()) {
             self.touches(body, shell, &scene.domain, &mut events);
         } else {
             self.all_images(body, self.shells.neighbours(shell), scene, &mut events);
@@ -189,7 +189,7 @@ impl GlobalCalendar {
     }
 
     /// Adds to `events` all touches with neighbours, which are tested four at a time. The neighbours that touch soon
-    /// enough are selected first, without branches, because the processor would mispredict every second branch.
+    /// enough are selected first. This needs no branches, of which the processor would mispredict every second one.
     #[inline(always)]
     fn touches_by(
         &self,
@@ -245,14 +245,14 @@ impl GlobalCalendar {
         }
     }
 
-    /// Adds to `events` all touches with neighbours in a short box, in which images other than the nearest may touch.
+    /// Adds to `events` all touches with neighbours across sheared sides, or in a short box, in which images other than
+    /// the nearest may touch.
     fn all_images(&self, body: &FlightState, neighbours: &[u32], scene: &Scene, events: &mut Events) {
-        let size = &scene.domain.size;
+        let (size, domain) = (&scene.domain.size, self.domain(scene));
         for &j in neighbours {
             let other = &self.bodies[j as usize];
             let there = other.position + other.velocity * (self.now - other.time);
-            let apart = scene.domain.separation(&body.position, &there);
-            let velocity = body.velocity - other.velocity;
+            let (apart, velocity) = domain.relative(&body.position, &there, body.velocity - other.velocity, 0.0);
             let reach = self.shells.radius(body) + self.shells.radius(other);
             let speeds = body.velocity.norm() + other.velocity.norm();
             let images = (0..8usize).filter(|image| (0..3).all(|axis| image >> axis & 1 == 0 || self.far_images[axis]));

@@ -7,6 +7,7 @@
 use super::cells::{ROUNDING, ShellGrid, rounded, widened};
 use super::list_pool::{ListPool, room_for, size};
 use super::next_events::{FlightState, NextEvents};
+use super::sliding::SLIDE;
 use crate::domain::Domain;
 use crate::particles::CHUNK;
 use nalgebra::Vector3;
@@ -42,7 +43,6 @@ pub struct RadiusClass {
 
 /// Grid with the shells of particles whose sizes are within a factor of two. A single grid for all sizes would have
 /// very many small particles in each cell.
-/// small particles in each cell.
 #[derive(Clone, Debug)]
 struct ShellLevel {
     cells: ShellGrid,
@@ -77,8 +77,8 @@ pub struct Shells {
     smallest: f64,
     #[serde(skip)]
     found: Vec<u32>,
-    /// Mark of each particle, by which an update distinguishes old and new neighbours. The mark is twice the number of
-    /// the last update, modulo 2³², in which the particle was an old neighbour. One is added if the particle stays a
+    /// Mark of each particle, by which an update distinguishes old and new neighbours. The mark is twice the number
+    /// (modulo 2³¹) of the last update in which the particle was an old neighbour, plus one if the particle stays a
     /// neighbour.
     #[serde(skip)]
     marks: Vec<u32>,
@@ -87,7 +87,7 @@ pub struct Shells {
     free: ListPool,
 }
 
-/// Neighbour lists of several consecutive particles, before they are stored with the others.
+/// Neighbour lists of several consecutive particles, before the lists are stored with those of other particles.
 #[derive(Default)]
 struct Lists {
     /// Neighbours of all these particles, list after list.
@@ -233,12 +233,24 @@ impl Shells {
     /// True if a shell's centre [m] is so far from all periodic sides that none lies between the particle and its
     /// neighbours.
     fn is_inside(&self, centre: &[f32; 3], domain: &Domain) -> bool {
-        let reach = 2.0 * (self.largest + self.margin) + 2.0 * ROUNDING * domain.size.max();
+        let reach = self.sight(domain);
         let within = |axis: usize| {
             let x = f64::from(centre[axis]);
             x > reach && x < domain.size[axis] - reach
         };
         (0..3).all(|axis| !domain.periodic[axis] || within(axis))
+    }
+
+    /// True if a shell is so near to a sheared side that neighbours may be across it.
+    pub fn is_at_sheared_side(&self, shell: &Shell, domain: &Domain) -> bool {
+        let (y, reach) = (f64::from(shell.centre[1]), self.sight(domain));
+        domain.shear.is_some() && !(reach..domain.size.y - reach).contains(&y)
+    }
+
+    /// [m] largest distance between the centres of two shells that overlap, and of any of their images across a sheared
+    /// side along y.
+    fn sight(&self, domain: &Domain) -> f64 {
+        2.0 * (self.largest + self.margin) + 2.0 * ROUNDING * domain.size.max()
     }
 
     /// Largest radius [m] of any particle.
@@ -316,6 +328,37 @@ impl Shells {
             }
             found.truncate(end);
         }
+        checks + self.look_across(i, next_events, bodies, domain, found)
+    }
+
+    /// Appends to `found` all particles whose shells may overlap an image of that of particle `i` across a sheared side,
+    /// while images slide by [`SLIDE`] margins in either direction from their places in `domain`. Returns the number of shells
+    /// tested.
+    fn look_across(
+        &self,
+        i: u32,
+        next_events: &[NextEvents],
+        bodies: &[FlightState],
+        domain: &Domain,
+        found: &mut Vec<u32>,
+    ) -> u64 {
+        let (centre, radius) = (next_events[i as usize].shell.centre(), self.radius(&bodies[i as usize]));
+        let mut checks = 0;
+        domain.for_each_across(&centre, self.sight(domain), |image| {
+            for ShellLevel { cells, largest, .. } in &self.levels {
+                let before = found.len();
+                checks += cells.near_by_far(&image, radius + largest + (2.0 + SLIDE) * self.margin, found);
+                let mut end = before;
+                for k in before..found.len() {
+                    let j = found[k];
+                    found[end] = j;
+                    let reach = radius + self.radius(&bodies[j as usize]) + 2.0 * self.margin;
+                    let apart = domain.separation(&centre, &next_events[j as usize].shell.centre());
+                    end += usize::from(apart.y.abs() < reach && apart.norm() < reach + SLIDE * self.margin);
+                }
+                found.truncate(end);
+            }
+        });
         checks
     }
 

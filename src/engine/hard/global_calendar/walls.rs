@@ -11,7 +11,7 @@ use std::ops::Range;
 pub struct WallContacts {
     /// The contacts; events refer to them by their number in this list.
     pub contacts: Vec<AtWall>,
-    /// Contacts of all walls are numbered one after the other; this is the range of these numbers for each wall.
+    /// Range of contact numbers of each wall. The contacts of all walls are numbered one after the other.
     of: Vec<Range<u32>>,
     /// Search structure for the walls near a position.
     pub near: NearWalls,

@@ -1,7 +1,7 @@
-//! Islands (groups of particles that may meet) that reach as far as their particles might fly. Before islands are
-//! solved, the surroundings of each are searched. The search finds *bystanders* (cold particles that the island might
-//! hit), and other islands with which the island must unite. *Hot* particles touch something on their straight flight,
-//! *cold* ones do not.
+//! Islands (groups of particles that may meet) that are found by upper limits on the flights of their members. Before
+//! islands are solved, the surroundings of each are searched. The search finds *bystanders* (cold particles that the
+//! island might hit), and other islands with which the island must unite. *Hot* particles touch something on their
+//! straight flight, *cold* ones do not.
 
 use super::{Cluster, Clusters, Few, IslandFinder, IslandLimits, Member};
 use crate::engine::islands::batch::Retry;
@@ -12,9 +12,9 @@ use crate::neighbours::cells::CellGrid;
 use crate::work_sharing;
 use std::ops::{Deref, DerefMut};
 
-/// Number of contacts in progress beyond which all of them form one crowd (an island moved by uniform steps). A contact
-/// costs four times as much in a step of an island as in a uniform step. With so many contacts some particles touch at
-/// any time.
+/// Number of contacts in progress beyond which all of them form one crowd (an island moved by uniform steps). In a step
+/// of an island a contact costs four times as much as in a uniform step. With so many contacts, some particles are in
+/// contact at any time, so an island of them would need steps all the time.
 const MANY_CONTACTS: usize = 16;
 
 /// Number of islands whose surroundings a thread searches in one piece of work.
@@ -27,18 +27,19 @@ const MANY: usize = 512;
 enum Surroundings {
     /// Indices of the cold particles that the island might hit.
     Bystanders(Few),
-    /// Numbers of other islands that this island might meet: all of them if islands may be crowds (large islands moved
-    /// by uniform steps), otherwise one.
+    /// Numbers of other islands that this island might meet. These are all such islands if islands may be crowds (large
+    /// islands moved by uniform steps), otherwise one of them.
     Islands(Vec<usize>),
     /// The island is too large to be solved in this part of a time window.
     TooLarge,
 }
 
-/// Islands that reach as far as their particles might fly. They are complete before they are solved.
+/// Islands that are found by upper limits on the flights of their members. All members and bystanders of an island are
+/// found before it is solved.
 pub struct BoundedIslands<'a> {
     clusters: Clusters<'a>,
     limits: IslandLimits,
-    /// Cells into which the members were sorted last. Members added later are only at the end of `members`.
+    /// Cells into which the members were last sorted. Members added since are stored only at the end of `members`.
     grid: CellGrid,
     pub(super) sorted: Vec<u32>,
 }
@@ -78,9 +79,9 @@ impl<'a> IslandFinder<'a> for BoundedIslands<'a> {
         self.expand_all((0..self.list.len()).collect())
     }
 
-    /// Appends the pairs of one member with later particles of its island whose balls overlap its ball.
+    /// Appends the pairs of a member (number `a`) and those later particles of its island whose balls overlap its ball.
     fn list_pairs(&self, (a, member): (usize, &Member), (places, hot): (&[u32], usize), pairs: &mut Vec<Pair>) {
-        // the ball is enlarged by rounding, so that a touch at the very beginning is not lost
+        // the ball is enlarged to allow for rounding, so that a touch at the very beginning is not lost
         let here = BoundingSphere { reach: member.ball.reach * (1.0 + 1e-9), ..member.ball };
         let others = (a + 1..places.len()).filter(|&b| here.meets(&self.ball_of(places[b], b < hot), self.domain));
         pairs.extend(others.map(|b| Pair { i: a as u32, j: b as u32 }));
@@ -107,8 +108,10 @@ impl<'a> IslandFinder<'a> for BoundedIslands<'a> {
     }
 
     fn for_each_beside(&self, ball: &BoundingSphere, widest: f64, visit: &mut dyn FnMut(&Member)) {
-        self.grid.for_each_near(&ball.middle, ball.reach + widest, |range, _| {
-            self.sorted[range].iter().for_each(|&member| visit(&self.members[member as usize]));
+        self.domain.for_each_image(&ball.middle, ball.reach + widest, |middle| {
+            self.grid.for_each_near(&middle, ball.reach + widest, |range, _| {
+                self.sorted[range].iter().for_each(|&member| visit(&self.members[member as usize]));
+            });
         });
     }
 }
@@ -143,8 +146,8 @@ impl BoundedIslands<'_> {
             waiting.sort_unstable();
             waiting.dedup();
             self.settle_changed(&waiting);
-            // crowds first: each crowd adds all that it meets at the same time; otherwise the islands around a crowd
-            // would be united with it one by one
+            // crowds first: a crowd adds all islands that it meets at the same time; otherwise these islands would be
+            // united with it one by one
             if self.limits.crowds
                 && !waiting.iter().all(|&which| !self.list[which].is_crowd() || self.expand_crowd(which))
             {
@@ -235,8 +238,10 @@ impl BoundedIslands<'_> {
                     met.push(member.cluster as usize);
                 }
             };
-            self.grid.for_each_near(&here.middle, here.reach + self.widest, |range, _| {
-                self.sorted[range].iter().for_each(|&other| meet(&self.members[other as usize]));
+            self.domain.for_each_image(&here.middle, here.reach + self.widest, |middle| {
+                self.grid.for_each_near(&middle, here.reach + self.widest, |range, _| {
+                    self.sorted[range].iter().for_each(|&other| meet(&self.members[other as usize]));
+                });
             });
             self.members[self.sorted.len()..].iter().for_each(meet);
             if let Some(&met) = met.last().filter(|_| !self.limits.crowds) {
@@ -258,8 +263,8 @@ impl BoundedIslands<'_> {
         Surroundings::Bystanders(bystanders)
     }
 
-    /// Unites each island with those of its bystanders (particles that members might hit) that have become members of
-    /// islands. `known` is the number of the first new member. Returns one member of each changed island.
+    /// Unites each island with those islands whose members were its bystanders (particles that members might hit)
+    /// before. `known` is the number of the first new member. Returns one member of each changed island.
     fn unite_with_bystanders(&mut self, known: usize) -> Vec<u32> {
         let mut changed = Vec::new();
         if self.members.len() == known {
@@ -295,9 +300,9 @@ impl BoundedIslands<'_> {
 }
 
 impl Cluster {
-    /// True if the island is a crowd (large island moved by uniform steps), or if it has too many members and a shorter
-    /// part of the time window would reduce their number. More than `most` members are too many. Contacts in progress
-    /// exist in any part, so each of them allows two more members.
+    /// True if the island is a crowd (large island moved by uniform steps), or if it has too many members. The limit is
+    /// the larger of `most` and twice the number of its contacts in progress. A shorter part of the time window would
+    /// not reduce the number of contacts.
     fn is_too_large(&self, most: usize) -> bool {
         self.is_crowd() || self.hot.len() > most.max(2 * self.carried.len())
     }

@@ -1,5 +1,5 @@
 //! Growth of a crowd, which is an island so large that it is moved by uniform steps. Particles next to the crowd are
-//! added to it before it pushes them.
+//! added to it, so that it need not be solved again when it pushes them.
 
 use super::Member;
 use super::bounded::BoundedIslands;
@@ -60,13 +60,15 @@ impl BoundedIslands<'_> {
         }
         self.members[member as usize].took_in = ball.reach;
         let search = &*self.search;
-        search.levels.for_each_near(&ball.middle, ball.reach, |range, _| {
-            let near = search.levels.places(range).iter().copied();
-            beside.extend(near.filter(|&other| {
-                search.label[other as usize].is_none()
-                    && ball.meets(&search.flights[other as usize], self.domain)
-                    && self.is_beside(place, other)
-            }));
+        self.domain.for_each_image(&ball.middle, ball.reach + search.levels.largest_reach(), |middle| {
+            search.levels.for_each_near(&middle, ball.reach, |range, _| {
+                let near = search.levels.places(range).iter().copied();
+                beside.extend(near.filter(|&other| {
+                    search.label[other as usize].is_none()
+                        && ball.meets(&search.flights[other as usize], self.domain)
+                        && self.is_beside(place, other)
+                }));
+            });
         });
         beside
     }

@@ -22,6 +22,9 @@ pub fn fill<'a, C>(
     let members = || cluster.hot.iter().map(|&member| &islands.members[member as usize]);
     let hot = members().map(|member| (member.place, islands.limit(cluster, member.place)));
     island.begin(islands.particles, hot, &cluster.bystanders, islands.frame, fallen);
+    if scene.domain.shear.is_some() {
+        island.flow.extend(island.particles.position.iter().map(|position| scene.domain.mean_flow(position)));
+    }
     island.crowd = cluster.is_crowd();
     if island.crowd {
         return;

@@ -26,7 +26,7 @@ pub trait IslandFinder<'a>: DerefMut<Target = Clusters<'a>> + Sync + Sized {
     /// Costs of islands that are found in this way.
     const COSTS: PartCosts;
 
-    /// True if a part that had to be shortened limits the length of the later parts of the time window.
+    /// True if, after a part had to be shortened, all later parts of the time window are at most as long.
     const KEEPS_SHORTER: bool;
 
     /// Makes a finder without islands.
@@ -39,8 +39,8 @@ pub trait IslandFinder<'a>: DerefMut<Target = Clusters<'a>> + Sync + Sized {
     /// Returns false if an island is too large.
     fn gather(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>) -> bool;
 
-    /// Appends the pairs of one member with later particles of its island that it may touch. `member` contains the
-    /// local index of the member. `island` contains the indices in the particle store of all particles of the island,
+    /// Appends the pairs of one member and those later particles of its island that it may touch. `member` is the
+    /// member with its local index. `island` contains the indices in the particle store of all particles of the island,
     /// and the number of hot ones.
     fn list_pairs(&self, member: (usize, &Member), island: (&[u32], usize), pairs: &mut Vec<Pair>);
 
@@ -52,13 +52,13 @@ pub trait IslandFinder<'a>: DerefMut<Target = Clusters<'a>> + Sync + Sized {
     /// Moves the trajectories of a solved island to `_trajectories`; does nothing if trajectories are not used.
     fn trace<C>(&self, _island: &mut Island<C>, _trajectories: &mut MemberTrajectories) {}
 
-    /// Stores the trajectories of the members of an island. They are the range `_ways` of a list; does nothing if
-    /// trajectories are not used.
+    /// Stores the trajectories of the members of the island `_which`, which are the range `_ways` of those in
+    /// `_trajectories`. Does nothing if trajectories are not used.
     fn follow(&mut self, _which: usize, _ways: Range<usize>, _trajectories: &MemberTrajectories) {}
 
     /// Changes the islands that must be solved again, and unites islands that may meet. Returns the number of solved
-    /// islands whose results became invalid because they met others. Only islands whose leading particle satisfies
-    /// `mine` are counted. Returns `None` if an island is too large.
+    /// islands whose results became invalid because these islands met others. An island is counted if its leader
+    /// (member with the smallest id) satisfies `mine`. Returns `None` if an island is too large.
     fn next_round(&mut self, retries: Vec<(usize, Retry)>, mine: impl Fn(u32) -> bool) -> Option<u64>;
 
     /// Velocity changes of a member; `None` if no trajectory is stored for it.

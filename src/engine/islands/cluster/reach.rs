@@ -8,8 +8,8 @@ use crate::particles::Particles;
 use crate::work_sharing;
 use nalgebra::Vector3;
 
-/// Factor by which speeds may exceed the bound of energy conservation before an island is solved again. It allows for a
-/// small gain of energy in contacts with finite time steps.
+/// [-] factor by which speeds may exceed the limit of energy conservation before an island is solved again. It allows
+/// for a small gain of energy in contacts with finite time steps.
 const MARGIN: f64 = 1.05;
 
 /// Largest distances [m] that particles may reach, on straight flights and in islands.
@@ -62,7 +62,7 @@ pub(super) fn motion(particles: &Particles, frame: Vector3<f64>, place: u32) -> 
 impl Clusters<'_> {
     /// Speed limit [m/s] of a hot particle (member of an island): the lesser of two bounds. One bound follows from the
     /// two largest energies in the island, the other from the two largest speeds. Both bounds are exact for two
-    /// particles. Among more particles they are rarely exceeded; the island is then solved again with a higher limit.
+    /// particles. More particles rarely exceed the bounds; the island is then solved again with a higher limit.
     ///
     /// The two most energetic particles may give all their energy to one particle, which gives the first bound. For the
     /// second, let the two fastest have the speeds s₁ ≥ s₂. Their centre of mass is not faster than s₁, and relative to
@@ -121,7 +121,8 @@ impl Clusters<'_> {
         cluster.carried.sort_unstable();
         (cluster.energies, cluster.speeds) = ([0.0; 2], [0.0; 2]);
         for &member in &cluster.hot {
-            let (energy, speed) = motion(self.particles, self.frame, self.members[member as usize].place);
+            let place = self.members[member as usize].place;
+            let (energy, speed) = motion(self.particles, self.frame_of(place as usize), place);
             cluster.energies = two_largest(cluster.energies, [energy, 0.0]);
             cluster.speeds = two_largest(cluster.speeds, [speed, 0.0]);
         }
@@ -130,19 +131,20 @@ impl Clusters<'_> {
         cluster.settled = Some(cluster.version);
     }
 
-    /// Computes the ball in which a member of an island stays after the first touch. Returns the distance [m] that the
+    /// Computes the ball in which a member of an island is after the first touch. Returns the distance [m] that the
     /// member may reach from the middle of its straight flight.
     fn reach_out(&self, member: &mut Member) -> f64 {
         let (cluster, i) = (&self.list[member.cluster as usize], member.place as usize);
         member.flight = self.search.flights[i];
         member.turns = None;
         let first = cluster.first;
-        let velocity = self.particles.velocity[i] - self.frame;
+        let velocity = self.particles.velocity[i] - self.frame_of(i);
         let reach = self.particles.radius[i] + self.limit(cluster, member.place) * (self.part - first);
-        member.ball =
-            BoundingSphere { middle: self.domain.wrap(&(self.particles.position[i] + velocity * first)), reach };
-        let aside = velocity.norm() * (first - 0.5 * self.part).abs() * (1.0 + 1e-12);
-        member.around = member.flight.reach.max(reach + aside);
+        let ball = BoundingSphere { middle: self.domain.wrap(&(self.particles.position[i] + velocity * first)), reach };
+        let speed = velocity.norm();
+        member.ball = ball.strained(self.domain, self.part, reach + speed * first);
+        let aside = speed * (first - 0.5 * self.part).abs() * (1.0 + 1e-12);
+        member.around = member.flight.reach.max(member.ball.reach + aside);
         member.around
     }
 
@@ -152,8 +154,8 @@ impl Clusters<'_> {
         Reach { flight: self.search.levels.largest_reach(), around: self.widest, ball }
     }
 
-    /// Distance [m] from an island to the end of the region that this process stores; infinite if the process stores
-    /// all particles.
+    /// Distance [m] from an island to the border of the region whose particles this process stores; infinite if the
+    /// process stores all particles.
     pub(super) fn room(&self, which: usize) -> f64 {
         if self.search.region.is_all() {
             return f64::INFINITY;
@@ -165,8 +167,8 @@ impl Clusters<'_> {
         members.map(room).fold(f64::INFINITY, f64::min)
     }
 
-    /// Smallest distance [m] from an island to the end of the region that this process stores. Only islands with a
-    /// particle for which `chosen` is true are considered.
+    /// Smallest distance [m] from an island to the border of the region whose particles this process stores. Only
+    /// islands with a particle for which `chosen` is true are considered.
     pub fn least_room(&self, chosen: impl Fn(u32) -> bool) -> f64 {
         if self.search.region.is_all() {
             return f64::INFINITY;

@@ -1,5 +1,5 @@
-//! Islands (groups of particles that may meet) that reach as far as their particles do fly. Islands of this type are
-//! used for engines that report velocity changes. After islands are solved, their trajectories show which of them meet.
+//! Islands (groups of particles that may meet) that are found by the trajectories of their members. They are used for
+//! engines that report velocity changes. After islands are solved, their trajectories show which of them meet.
 //!
 //! Each island is first solved as if it were alone. Its trajectories may then meet those of another island, or a
 //! particle that was expected to fly straight. In that case both form one island, which is solved again. In the end
@@ -9,6 +9,7 @@
 
 use super::trajectories::{MemberTrajectories, ParticleTrajectory, PiecewiseTrajectory, Segment, VelocityChange};
 use super::{BATCH, Clusters, IslandFinder, IslandLimits, Member};
+use crate::domain::Domain;
 use crate::engine::islands::batch::Retry;
 use crate::engine::islands::choice::{PartCosts, TRACED};
 use crate::engine::islands::island::Island;
@@ -20,8 +21,8 @@ use crate::neighbours::region::Region;
 use crate::work_sharing;
 use std::ops::{Deref, DerefMut, Range};
 
-/// [-] tolerance relative to the lengths of both paths. Trajectories that miss a touch by less count as touching,
-/// because of rounding.
+/// [-] tolerance relative to the lengths of both paths, because of rounding. Trajectories whose gap is smaller than
+/// this count as touching.
 const NEARLY: f64 = 1e-9;
 
 /// Balls, sorted into cells, that contain the paths of some hot particles (members of islands) after their first
@@ -44,24 +45,26 @@ impl DeflectedFlights {
     }
 
     /// Calls `visit` with the numbers of the members whose balls overlap `ball`, and of a few whose balls nearly do.
-    fn for_each_beside(&self, ball: &BoundingSphere, region: &Region, mut visit: impl FnMut(u32)) {
+    fn for_each_beside(&self, ball: &BoundingSphere, (domain, region): (&Domain, &Region), mut visit: impl FnMut(u32)) {
         if self.members.is_empty() {
             return;
         }
-        self.packed.for_each_beside((ball.middle, ball.reach), &self.levels, region, |numbers| {
-            numbers.iter().for_each(|&k| visit(self.members[k as usize]));
+        domain.for_each_image(&ball.middle, ball.reach + self.levels.largest_reach(), |middle| {
+            self.packed.for_each_beside((middle, ball.reach), &self.levels, region, |numbers| {
+                numbers.iter().for_each(|&k| visit(self.members[k as usize]));
+            });
         });
     }
 }
 
-/// Islands that reach as far as their particles do fly. Meetings of islands are found from the trajectories of solved
-/// islands.
+/// Islands that are found by the trajectories of their members. The trajectories of solved islands show which islands
+/// meet.
 pub struct TracedIslands<'a> {
     clusters: Clusters<'a>,
     /// Velocity changes of all members; those of one member are consecutive and in the order of time.
     turns: Vec<VelocityChange>,
-    /// Balls in cells: the first entry contains those of all members, the second those of members whose islands were
-    /// solved again since.
+    /// Balls in cells. The first entry contains the balls of all members, the second those of members whose islands
+    /// have been solved again since the first round.
     deflected: [DeflectedFlights; 2],
 }
 
@@ -172,22 +175,23 @@ impl TracedIslands<'_> {
         let Some(begin) = turns.first().map(|turn| turn.origin + turn.velocity * turn.time) else {
             return PiecewiseTrajectory { turns: turned, ball: flight, around: flight.reach };
         };
-        // a ball about the middle between the first change and the end contains the path if it contains the position at
-        // every velocity change
+        // a ball about the middle between the first change and the end contains the path, if it contains the positions
+        // at all velocity changes and at the end
         let corner = |turn: &VelocityChange| turn.origin + turn.velocity * turn.time;
         let end = turns.last().map_or(begin, |turn| turn.origin + turn.velocity * self.part);
         let middle = (begin + end) * 0.5;
         let corners = turns.iter().map(corner).chain([end]);
         let half = corners.map(|corner| (corner - middle).norm()).fold(0.0, f64::max);
         let reach = self.particles.radius[place as usize] + half * (1.0 + NEARLY);
-        let ball = BoundingSphere { middle: self.domain.wrap(&middle), reach };
+        let way = (middle - self.particles.position[place as usize]).norm() + reach;
+        let ball = BoundingSphere { middle: self.domain.wrap(&middle), reach }.strained(self.domain, self.part, way);
         let apart = self.domain.separation(&ball.middle, &flight.middle).norm();
-        PiecewiseTrajectory { turns: turned, ball, around: flight.reach.max(reach + apart * (1.0 + NEARLY)) }
+        PiecewiseTrajectory { turns: turned, around: flight.reach.max(ball.reach + apart * (1.0 + NEARLY)), ball }
     }
 
     /// Unites islands whose trajectories meet, and adds the particles that they hit; these islands must be solved
-    /// again. Returns the number of solved islands whose results became invalid in this way. Only islands whose leading
-    /// particle satisfies `mine` are counted. Returns `None` if an island is too large.
+    /// again. Returns the number of solved islands whose results became invalid in this way. An island is counted if
+    /// its leader (member with the smallest id) satisfies `mine`. Returns `None` if an island is too large.
     fn unite_meeting(&mut self, mine: impl Fn(u32) -> bool) -> Option<u64> {
         let is_new = |which: &usize| {
             let cluster = &self.list[*which];
@@ -245,7 +249,8 @@ impl TracedIslands<'_> {
     /// only nearly overlap `ball` are visited too.
     fn for_each_deflected_beside(&self, ball: &BoundingSphere, mut visit: impl FnMut(&Member)) {
         for turned in &self.deflected {
-            turned.for_each_beside(ball, &self.search.region, |member| visit(&self.members[member as usize]));
+            let space = (self.domain, &self.search.region);
+            turned.for_each_beside(ball, space, |member| visit(&self.members[member as usize]));
         }
     }
 
@@ -299,7 +304,10 @@ impl TracedIslands<'_> {
     fn leg(&self, place: u32, turns: &[VelocityChange], number: usize) -> Segment {
         let end = turns.get(number).map_or(self.part, |turn| turn.time);
         match number.checked_sub(1).and_then(|before| turns.get(before)) {
-            Some(turn) => Segment { span: [turn.time, end], origin: turn.origin, velocity: turn.velocity },
+            Some(turn) => {
+                let flow = self.domain.mean_flow(&self.particles.position[place as usize]);
+                Segment { span: [turn.time, end], origin: turn.origin, velocity: turn.velocity + flow }
+            }
             None => {
                 let place = place as usize;
                 let velocity = self.particles.velocity[place] - self.frame;
@@ -316,7 +324,7 @@ impl TracedIslands<'_> {
             return false;
         }
         let at = |leg: &Segment| leg.origin + leg.velocity * from;
-        let (apart, relative) = (self.domain.separation(&at(one), &at(other)), one.velocity - other.velocity);
+        let (apart, relative) = self.domain.relative(&at(one), &at(other), one.velocity - other.velocity, from);
         let nearest = -apart.dot(&relative) / relative.norm_squared();
         // at equal velocities the distance is constant, and the quotient is not finite
         let nearest = if nearest.is_finite() { nearest.clamp(0.0, to - from) } else { 0.0 };

@@ -11,8 +11,8 @@ use std::ops::Range;
 pub struct VelocityChange {
     /// Time of the change [s] since the start of the part of the time window.
     pub time: f64,
-    /// Position [m] at the start of the part of the time window on the straight line of the new flight, extended
-    /// backwards.
+    /// Position [m] on the straight line of the new flight, extended backwards to the start of the part of the time
+    /// window.
     pub origin: Vector3<f64>,
     /// New velocity [m/s], relative to the moving frame in which speeds are measured.
     pub velocity: Vector3<f64>,
@@ -43,10 +43,9 @@ pub struct PiecewiseTrajectory {
 pub struct Segment {
     /// Times [s] of the beginning and the end of the piece, since the start of the part of the time window.
     pub span: [f64; 2],
-    /// Position [m] at the start of the part of the time window on the straight line of this piece, extended if
-    /// necessary.
+    /// Position [m] on the straight line of this piece, extended backwards to the start of the part of the time window.
     pub origin: Vector3<f64>,
-    /// Velocity [m/s] on this piece, relative to the moving frame in which speeds are measured.
+    /// Velocity [m/s] on this piece, relative to the moving frame of the search.
     pub velocity: Vector3<f64>,
 }
 

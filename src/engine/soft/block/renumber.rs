@@ -1,4 +1,5 @@
-//! Contacts with a wall that numbers them by distance: their records follow normals, not numbers.
+//! Contacts with a wall that numbers its contacts by distance. The record of a contact follows the contact's normal,
+//! not its number.
 
 use super::{ContactBlock, TouchingSlot};
 use crate::encounter::{AtWall, Couple, FrameTime, Other};
@@ -8,8 +9,8 @@ use crate::engine::soft::wall_contacts::{are_of_one_wall, encounters, is_numbere
 use nalgebra::Vector3;
 
 impl ContactBlock {
-    /// Gives the contacts of `before`, which are in ascending order of slot, the slots that they have now. Contacts
-    /// whose normal is no longer there end.
+    /// Assigns the present slots to the contacts of `before`, which are in ascending order of slot. Contacts whose
+    /// normal no longer exists are ended.
     pub(super) fn renumber(
         &mut self,
         view: ContactSearch,
@@ -35,8 +36,8 @@ impl ContactBlock {
         }
     }
 
-    /// Gives the contacts of one particle with one wall their present slots. Returns the number of contacts that are
-    /// no longer there, which are moved to the end.
+    /// Assigns the present slots to the contacts of one particle with one wall. Contacts that no longer exist are moved
+    /// to the end of `touching`; the function returns their number.
     fn renumber_at_wall(&self, view: ContactSearch, couple: Couple, touching: &mut [TouchingSlot]) -> usize {
         let ContactSearch { list, particles, scene, at, .. } = view;
         let all = encounters(&couple, particles, scene, FrameTime::fallen(at.fall));
@@ -59,7 +60,7 @@ impl ContactBlock {
             gone += usize::from(touch.slot == u32::MAX);
         }
         touching.sort_unstable_by_key(|touch| touch.slot);
-        // what ends still needs the name of its wall
+        // a contact that ends must still have a slot of its wall
         let last = touching.len() - gone;
         touching[last..].iter_mut().for_each(|touch| touch.slot = slot_of(0).map_or(touch.slot, |slot| slot as u32));
         gone

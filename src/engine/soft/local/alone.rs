@@ -1,29 +1,29 @@
-//! Isolated contact of two bodies without friction: one coordinate is enough.
+//! Isolated contact of two bodies without friction, described by one coordinate.
 //!
-//! Two spheres without friction keep their angular momentum about each other, and a sphere at a plane keeps its
-//! velocity along the plane. What is left is the distance q: q'' = l²/q³ + (k_n δ - 2 γ_n M q')/M + g_n (linear law).
-//! For pairs, l = q u_t is the specific angular momentum; for walls, g_n is gravity along the normal. The Runge-Kutta
-//! steps are those for several contacts, at a tenth of the cost.
+//! Two spheres without friction conserve their angular momentum about each other, and a sphere at a plane conserves its
+//! velocity along the plane. The only unknown is the distance q: q'' = l²/q³ + (k_n δ - 2 γ_n M q')/M + g_n (linear
+//! law). For pairs, l = q u_t is the specific angular momentum; for walls, g_n is gravity along the normal. The
+//! Runge-Kutta steps equal those for several contacts, at a tenth of the cost.
 
 use super::{RungeKuttaStage, crossing};
 use crate::contact_law::{ContactLaw, Law, with_law};
 use crate::engine::soft::contact::{AlongNormal, Rates, TouchingPair};
 use nalgebra::Vector3;
 
-/// [-] accuracy of a touch, as a fraction of the diameter: rounding of positions is not much less.
+/// [-] accuracy of a touch: gap over the diameter. The rounding error of positions is not much smaller.
 pub const TOUCH: f64 = 1e-11;
 
-/// Largest number of trials for one touch; each gains several digits.
+/// Largest number of iterations for one touch; each iteration adds several correct digits.
 pub const TRIALS: usize = 6;
 
-/// Distance of two bodies, its rate, and the angle swept.
+/// Distance of two bodies, its rate of change, and the angle by which the normal has turned.
 #[derive(Clone, Copy, Debug)]
 pub struct OrbitState {
-    /// [m] between the centres, or of the centre from the wall.
+    /// [m] distance between the centres, or from the wall to the centre.
     pub distance: f64,
-    /// [m/s] rate of the distance; positive: separating.
+    /// [m/s] rate of change of the distance; positive: separating.
     pub rate: f64,
-    /// [rad] angle by which the normal has turned.
+    /// [rad] angle by which the normal has turned since the start.
     pub angle: f64,
 }
 
@@ -34,11 +34,11 @@ pub struct IsolatedContact<'a> {
     pub law: &'a ContactLaw,
     /// The two bodies and their contact constants.
     pub touch: TouchingPair,
-    /// [m] distance at touch.
+    /// [m] distance of the centres at touch; at a wall the radius.
     pub reach: f64,
-    /// [m²/s] specific angular momentum, distance times slip.
+    /// [m²/s] specific angular momentum: distance times slip.
     pub spin: f64,
-    /// [m/s²] gravity along the normal.
+    /// [m/s²] component of gravity along the normal; 0 for a pair.
     pub gravity: f64,
     /// [-] unit normal from the other body to particle i, at the start.
     pub normal: Vector3<f64>,
@@ -47,14 +47,14 @@ pub struct IsolatedContact<'a> {
 }
 
 impl IsolatedContact<'_> {
-    /// Makes one step of `dt` [s]; adds its forces and powers to `sums`.
+    /// Makes one step of `dt` [s], and adds its forces and powers to `sums`.
     #[inline(always)]
     fn step(&self, from: &OrbitState, dt: f64, sums: &mut AlongNormal) -> OrbitState {
-        // the law is selected once a step, not at every stage
+        // the type of the law is determined once per step, not at every stage
         with_law!(self.law, law => self.step_by(law, from, dt, sums))
     }
 
-    /// [`step`](Self::step) for a selected law.
+    /// Makes the step of [`step`](Self::step) for a law of known type.
     #[inline(always)]
     fn step_by(&self, law: &(impl Law + ?Sized), from: &OrbitState, dt: f64, sums: &mut AlongNormal) -> OrbitState {
         let (mut moved, mut kicked, mut turned) = (0.0, 0.0, 0.0);
@@ -83,8 +83,8 @@ impl IsolatedContact<'_> {
         }
     }
 
-    /// Makes one step of up to `dt` [s] that ends where the contact ends. Returns the state, the time taken [s] and the
-    /// mean rates.
+    /// Makes one step of up to `dt` [s], which ends early if the contact ends. Returns the new state, the time taken
+    /// [s] and the mean rates.
     pub fn advance(&self, from: &OrbitState, dt: f64) -> (OrbitState, f64, Rates) {
         let rates = |sums: &AlongNormal| Rates::along(&self.touch.couple, &self.normal, sums);
         let mut sums = AlongNormal::default();
@@ -104,7 +104,7 @@ impl IsolatedContact<'_> {
             if open.abs() <= TOUCH * self.touch.diameter {
                 break;
             }
-            // Newton's method, kept between the two signs of the gap
+            // Newton's method, restricted to the interval between an overlap and an open gap
             if open > 0.0 {
                 high = fraction
             } else {

@@ -12,8 +12,8 @@ pub struct RungeKuttaStage {
     pub at: f64,
     /// [-] weight of the stage in the mean over the step.
     pub weight: f64,
-    /// [-] weight of the stage in the first moment of a force about the middle of the step, over the step's length squared. A
-    /// force that grows linearly from F₀ to F₁ has the moment (F₁ - F₀)/12.
+    /// [-] weight of the stage in the first moment of a force about the middle of the step, over the squared length of
+    /// the step. A force that grows linearly from F₀ to F₁ has the moment (F₁ - F₀)/12.
     pub moment: f64,
 }
 
@@ -32,7 +32,7 @@ pub const HEUN: [RungeKuttaStage; 2] = [
 ];
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
-    /// Moves all particles by `dt` [s] with the present contacts; returns the mean powers and wall forces.
+    /// Moves all particles by `dt` [s] with the contacts in progress; returns the mean powers and wall forces.
     pub(super) fn integrate(&mut self, dt: f64) -> Rates {
         let stages = self.engine.stages();
         let mut rates = Rates::default();
@@ -103,14 +103,16 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     }
 }
 
-/// Fraction of a step of `dt` [s] at which a gap changes sign: a root of the cubic through gap and rate at both ends.
+/// Fraction [-] of a step of `dt` [s] at which a gap changes sign. It is a root of the cubic polynomial that has the
+/// given gaps [m] and rates [m/s] at both ends of the step.
 pub fn crossing((gap0, rate0): (f64, f64), (gap1, rate1): (f64, f64), dt: f64) -> f64 {
     let value = |t: f64| {
         let (u, t2) = (1.0 - t, t * t);
         (1.0 + 2.0 * t) * u * u * gap0 + t * u * u * dt * rate0 + t2 * (3.0 - 2.0 * t) * gap1 - t2 * u * dt * rate1
     };
     let (mut low, mut high) = (0.0, 1.0);
-    // bisection to the accuracy of the cubic itself; Newton's method on the true motion does the rest
+    // bisection to the accuracy of the cubic polynomial; Newton's method on the computed motion then improves the
+    // result
     for _ in 0..20 {
         let middle = 0.5 * (low + high);
         if (value(middle) > 0.0) == (gap1 > 0.0) { high = middle } else { low = middle }

@@ -1,8 +1,9 @@
-//! Local stepping of one island: straight flight to the first touch, time steps while bodies touch, then flight again.
+//! Local stepping of one island: straight flight to the first touch, time steps while bodies touch, then straight
+//! flight again.
 //!
-//! The instants at which contacts begin and end are found within a step. So no contact is noticed late, and the
-//! realised restitution has the order of the integrator. The steps are Runge-Kutta of fourth order, or of second order
-//! for comparison with the paper.
+//! The instants at which contacts begin and end are found within a step. So no contact begins or ends late, and the
+//! error of the realised restitution has the order of the integrator. The steps are Runge-Kutta of fourth order, or of
+//! second order for comparison with the paper.
 
 mod alone;
 mod integrate;
@@ -29,7 +30,7 @@ use nalgebra::Vector3;
 use sliding::SlidingContact;
 use spring_energy::SpringEnergies;
 
-/// A touch that has just been reached.
+/// Two bodies that touch at the present time.
 pub struct ReachedTouch<'a> {
     /// The two bodies and their contact constants.
     pub touch: TouchingPair,
@@ -37,16 +38,16 @@ pub struct ReachedTouch<'a> {
     pub met: Encounter,
     /// Walls, surfaces and gravity.
     pub scene: &'a Scene,
-    /// Moment of the touch.
+    /// Time of the touch.
     pub moment: FrameTime,
-    /// [s] time left in the window.
+    /// [s] time from the touch to the end of the window.
     pub remaining: f64,
 }
 
-/// Rule that decides which touches are instantaneous; all others begin a contact.
+/// Rule that decides which touches are instantaneous impulses; all others begin a contact.
 pub trait InstantaneousRule: Sync {
-    /// [s] time for which no other body may come to the two bodies, for their touch to be instantaneous. `None`: the
-    /// touch begins a contact in any case.
+    /// [s] time within which no other body may reach the two bodies, if their touch is to be instantaneous. With `None`
+    /// the touch begins a contact in any case.
     fn clear_for(&self, meeting: &ReachedTouch) -> Option<f64>;
 
     /// Applies the impulse of an instantaneous touch, and records it in `log`.
@@ -69,22 +70,22 @@ impl InstantaneousRule for NoInstants {
 pub struct SoftIslands<I = NoInstants> {
     /// The contact law.
     pub law: ContactLaw,
-    /// Time integrator: `VelocityVerlet` stands for fourth-order Runge-Kutta here, `Rk2` for Heun's method.
+    /// Time integrator. Islands use fourth-order Runge-Kutta for `VelocityVerlet`, and Heun's method for `Rk2`.
     pub integrator: Integrator,
     /// [s] time step within contacts.
     pub step: f64,
-    /// Highest cost of an island; a more expensive island is given up.
+    /// Largest cost of an island; a more expensive island is given up.
     pub allowance: Allowance,
     /// Rule that decides which touches are instantaneous.
     pub instants: I,
 }
 
-/// [ns/s] highest cost of an island per simulated time; infinite: no island is given up.
+/// [ns/s] largest cost of an island per simulated time. If it is infinite, no island is given up.
 #[derive(Clone, Copy, Debug)]
 pub struct Allowance {
     /// Part that does not depend on the size of the island.
     pub each: f64,
-    /// Part for each hot particle of the island.
+    /// Part per hot particle (member) of the island.
     pub per_particle: f64,
 }
 
@@ -98,7 +99,7 @@ impl<I> SoftIslands<I> {
     }
 }
 
-/// Working memory of one thread.
+/// Working memory of one thread that solves islands.
 #[derive(Default)]
 pub struct IslandScratch {
     contacts: Vec<Contact>,
@@ -115,7 +116,7 @@ pub struct IslandScratch {
     acceleration: Vec<Vector3<f64>>,
     moved: Vec<Vector3<f64>>,
     kicked: Vec<Vector3<f64>>,
-    /// Tangential springs of `contacts`, where spheres rotate; else empty.
+    /// Springs of `contacts`; empty if spheres do not rotate.
     sliding: Vec<SlidingContact>,
     /// [rad/s] spins at the start of the step.
     spin: Vec<Vector3<f64>>,
@@ -124,7 +125,8 @@ pub struct IslandScratch {
     /// [rad/s²] angular acceleration of each particle, averaged over the stages of the step with their Runge-Kutta
     /// weights.
     turned: Vec<Vector3<f64>>,
-    /// [W] parts of the friction power, averaged likewise; those of rolling and twisting include what springs store.
+    /// [W] parts of the friction power, averaged in the same way. The parts of rolling and twisting include the energy
+    /// that springs store.
     losses: FrictionLosses,
 }
 
@@ -196,7 +198,8 @@ impl<I: InstantaneousRule> Solve for SoftIslands<I> {
     }
 }
 
-/// One island on its way through a window. Velocities are in the frame that falls freely from the start of the window.
+/// Computation of one island in a part of a window. Velocities are relative to the frame that falls freely from rest,
+/// from the start of the window.
 struct IslandRun<'a, I> {
     engine: &'a SoftIslands<I>,
     island: &'a mut Island<Contact>,
@@ -210,7 +213,7 @@ struct IslandRun<'a, I> {
 }
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
-    /// Moves the island until `end` [s], or until a particle gets out of bounds; returns the index of that particle.
+    /// Moves the island until `end` [s], or until a particle leaves its bounds. Returns the index of that particle.
     fn until(&mut self, end: f64) -> Result<Option<usize>, GivenUp> {
         self.look();
         while self.now < end {
@@ -243,7 +246,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         if self.rotates() {
             self.leave_springs();
         }
-        // back to the frame at rest
+        // returns from the falling frame to the frame at rest
         for (x, v) in self.particles.position.iter_mut().zip(&mut self.particles.velocity) {
             *x += self.scene.gravity * (0.5 * end * end);
             *v += self.scene.gravity * end;
@@ -251,8 +254,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         Ok(None)
     }
 
-    /// True if the island has cost more so far than it may until `end` [s]. Steps count, and so do the tests of all
-    /// pairs between two contacts.
+    /// True if the island has cost more so far than is allowed until `end` [s]. The cost is that of steps, and of the
+    /// tests of all pairs between two contacts.
     fn costs_too_much(&self, end: f64) -> bool {
         let Allowance { each, per_particle } = self.engine.allowance;
         let allowed = (each + per_particle * self.island.hot as f64) * end;
@@ -260,7 +263,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         steps_cost(*force_evaluations, updates + pair_checks) > allowed
     }
 
-    /// Index of a touched particle that is a bystander, or faster than the island allows.
+    /// Index of a touched particle that is a bystander or exceeds its speed limit; `None` if there is none.
     fn out_of_bounds(&mut self) -> Option<usize> {
         let struck = self.struck.take();
         let couples = self.scratch.contacts.iter().map(|contact| contact.touch.couple).chain(struck);
@@ -301,13 +304,13 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         (met.gap, met.normal_velocity)
     }
 
-    /// Computes all gaps.
+    /// Computes the gaps of all slots.
     fn look(&mut self) {
         let mut gaps = std::mem::take(&mut self.scratch.gaps);
         self.island.updates += self.island.list.slots() as u64;
         gaps.clear();
         for (slot, touch) in self.scratch.touches.iter().enumerate() {
-            // if the nearest contact of a wall is open, its further contacts are at least as far away
+            // if the nearest contact with a wall has a gap, the further contacts have at least this gap
             let before = slot.checked_sub(1).filter(|_| touch.couple.is_further() && !self.follows_normals(slot));
             let nearer = before.and_then(|slot| Some((self.scratch.touches.get(slot)?, gaps.get(slot)?)));
             let beyond =
@@ -317,8 +320,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.scratch.gaps = gaps;
     }
 
-    /// Makes one step of up to `dt` [s], cut short at the first instant at which a contact begins or ends. `gaps` holds
-    /// the present gaps, both before and after the step.
+    /// Makes one step of up to `dt` [s], which ends at the first instant at which a contact begins or ends. Before and
+    /// after the step, `gaps` contains the present gaps.
     fn step(&mut self, dt: f64) -> Result<(), Failure> {
         self.scratch.position.clone_from(&self.particles.position);
         self.scratch.velocity.clone_from(&self.particles.velocity);
@@ -341,8 +344,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         let mut first: Option<(f64, usize)> = None;
         for (slot, (&was, &(gap, rate))) in self.scratch.before.iter().zip(&self.scratch.gaps).enumerate() {
             let touching = self.scratch.touching[slot];
-            // a contact that has just ended may still overlap by rounding, but its gap grows; a gap that was open has
-            // closed
+            // an overlap begins a contact if it grows, or if there was a gap before the step; a contact that has just
+            // ended may still overlap by rounding, but its gap grows
             let turns = if touching { gap > 0.0 } else { gap < 0.0 && (rate < 0.0 || was.0 > 0.0) };
             if turns {
                 let fraction = crossing(was, (gap, rate), dt);
@@ -373,8 +376,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         Ok(())
     }
 
-    /// Refuses a step since `start` [s] in which the centre of a sphere has passed a thin wall. Such a step may show no
-    /// overlap at either end.
+    /// Returns an error if the centre of a sphere has passed a thin wall in the step that began at `start` [s]. Such a
+    /// step may have no overlap at either end.
     fn refuse_to_pass(&self, start: f64) -> Result<(), Failure> {
         for touch in &self.scratch.touches {
             let (i, Other::Wall(at)) = (touch.couple.i as usize, touch.couple.other) else { continue };
@@ -391,7 +394,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         Ok(())
     }
 
-    /// Makes the step of `dt` [s] again from its `start` [s].
+    /// Repeats the step that began at `start` [s], with the length `dt` [s].
     fn repeat(&mut self, start: f64, dt: f64) -> Rates {
         self.particles.position.clone_from(&self.scratch.position);
         self.particles.velocity.clone_from(&self.scratch.velocity);
@@ -402,7 +405,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.integrate(dt)
     }
 
-    /// Records powers and forces of a step of `dt` [s] in the log, and the overlaps in the contacts.
+    /// Records the powers and forces of a step of `dt` [s] in the log, and the overlaps in the contacts.
     fn book(&mut self, rates: Rates, dt: f64) -> Result<(), Failure> {
         let remaining = self.window.duration - (self.now - 0.5 * dt);
         rates.add(dt, remaining, self.scene, &mut self.island.log);
@@ -414,14 +417,14 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         Ok(())
     }
 
-    /// Records the overlap of a contact after a further `dt` [s]; fails if the overlap is too large or the centre has
-    /// passed.
+    /// Records the overlap of a contact after a step of `dt` [s]. Returns an error if the overlap is too large, or if
+    /// the centre has passed the other body.
     fn deepen(&mut self, contact: usize, met: &Encounter, dt: f64) -> Result<(), Failure> {
         let contact = &mut self.scratch.contacts[contact];
         let instant = (self.window.start + self.now, dt);
         let TouchingPair { couple, constants } = &contact.touch;
         contact.course.check(couple, constants, met, (self.particles, self.scene), instant)?;
-        // integral of the cubic through both overlaps and their rates
+        // integral of the cubic polynomial that has these overlaps and rates at both ends of the step
         let course = &mut contact.course;
         let (before, growing) = (course.overlap, course.growth);
         course.note(met);

@@ -1,6 +1,8 @@
-//! Encounters of an island's slots. Where spheres rotate, a contact with a wall that numbers its contacts by distance
-//! keeps its slot as long as it lasts, whichever number it has meanwhile; the other slots of that wall have the other
-//! encounters in the order of distance.
+//! Encounters (relative positions and velocities) of the slots of an island.
+//!
+//! Some walls, such as meshes, number their contacts with a sphere by distance. If spheres rotate, a contact with such
+//! a wall keeps its slot while it lasts, even if its number changes. The remaining encounters belong to the other slots
+//! of the wall, in the order of distance.
 
 use super::{InstantaneousRule, IslandRun};
 use crate::encounter::{Couple, Encounter, FrameTime, Other};
@@ -8,12 +10,12 @@ use crate::engine::soft::contact::Contact;
 use crate::engine::soft::wall_contacts::{are_of_one_wall, encounters, is_numbered_by_distance, matched};
 use nalgebra::Vector3;
 
-/// [-] gap of a slot without an encounter over the distance of touch: far enough not to touch.
+/// [-] gap of a slot without an encounter, divided by the distance at touch; far enough not to touch.
 const APART: f64 = 1.0;
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
-    /// Encounter of the two bodies of a slot at the time `moment`. A contact may name its bodies in the other order than
-    /// its slot: `couple` is the order of the result.
+    /// Encounter of the two bodies of a slot at the time `moment`. The result is for the order of the bodies in
+    /// `couple`, which may be opposite to that of the slot.
     #[inline(always)]
     pub(super) fn encounter(&self, slot: usize, couple: &Couple, moment: FrameTime) -> Encounter {
         if self.follows_normals(slot) {
@@ -22,13 +24,14 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         couple.meet(self.particles, self.scene, moment)
     }
 
-    /// True if spheres rotate, and the slot is of a wall that numbers its contacts by distance.
+    /// True if spheres rotate, and the slot belongs to a wall that numbers its contacts by distance.
     #[inline(always)]
     pub(super) fn is_by_distance(&self, slot: usize) -> bool {
         self.rotates() && is_numbered_by_distance(&self.scratch.touches[slot].couple, self.scene)
     }
 
-    /// True if the encounter of a slot follows from the normals of contacts, because the particle touches such a wall.
+    /// True if the encounter of a slot is found by normals, because the particle touches a wall that numbers its
+    /// contacts.
     #[inline(always)]
     pub(super) fn follows_normals(&self, slot: usize) -> bool {
         let couple = &self.scratch.touches[slot].couple;
@@ -36,7 +39,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.is_by_distance(slot) && touched.any(|other| are_of_one_wall(couple, other))
     }
 
-    /// Encounter of a slot of a wall that is touched.
+    /// Encounter of a slot of a touched wall, found by the normals of its contacts.
     fn encounter_by_normal(&self, slot: usize, moment: FrameTime) -> Encounter {
         let touch = &self.scratch.touches[slot];
         let here = |contact: &&Contact| are_of_one_wall(&touch.couple, &contact.touch.couple);
@@ -44,7 +47,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         let mut all = encounters(&touch.couple, self.particles, self.scene, moment);
         let normal = |contact: &&Contact| match (contact.course.normal, contact.touch.couple.other) {
             (Some(normal), _) => normal.cast(),
-            // not looked at yet: it has its number
+            // not evaluated yet: the contact still has its number
             (None, Other::Wall(at)) => all.get(at.which as usize).map_or_else(Vector3::zeros, |met| met.normal),
             (None, Other::Particle(_)) => Vector3::zeros(),
         };
@@ -54,7 +57,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         if let Some(k) = contacts.iter().position(|contact| contact.slot as usize == slot) {
             return found[k].map_or(apart, |n| all[n]);
         }
-        // the free slots have the encounters that are left
+        // the slots without a contact have the remaining encounters
         let slots = 0..slot;
         let is_free = |other: &usize| {
             are_of_one_wall(&touch.couple, &self.scratch.touches[*other].couple)

@@ -1,8 +1,9 @@
-//! Single contact of an island, without friction: the time for which it surely stays single, and its motion to the end.
+//! Single contact of an island, without friction: the time for which no other contact can begin, and the motion to its
+//! end.
 
 use super::alone::{IsolatedContact, OrbitState};
 use super::{InstantaneousRule, IslandRun, ReachedTouch};
-use crate::encounter::{Couple, Encounter};
+use crate::encounter::{Couple, Encounter, relative};
 use crate::engine::Failure;
 use crate::engine::soft::contact::{ContactConstants, TouchingPair};
 use nalgebra::Vector3;
@@ -13,8 +14,8 @@ fn is_of(couple: &Couple, place: u32) -> bool {
 }
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
-    /// [s] time for which a single contact without friction surely remains the only one, up to `end`. 0 if there are
-    /// several contacts, or friction, or a curved wall.
+    /// [s] time, up to `end`, for which a single contact without friction certainly remains the only one. It is 0 if
+    /// there are several contacts, or if the contact has friction or a curved wall.
     pub(super) fn clear_time(&self, end: f64) -> f64 {
         let [contact] = self.scratch.contacts.as_slice() else { return 0.0 };
         let TouchingPair { couple, constants: ContactConstants { spring, friction, .. } } = contact.touch;
@@ -23,7 +24,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             return 0.0;
         }
         let left = end - self.now;
-        // the relative speed of the two stays below this root, so neither velocity changes by more than twice the root
+        // the relative speed of the two bodies stays below this root, so neither velocity changes by more than twice
+        // the root
         let met = couple.meet(self.particles, self.scene, self.moment());
         let stored = 2.0 * self.engine.law.available_energy(&spring, contact.course.overlap) / spring.effective_mass;
         let change = 2.0 * (met.normal_velocity.powi(2) + met.slip().norm_squared() + stored).sqrt();
@@ -32,20 +34,25 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         clear.fold(left, |least, time| if time >= 0.0 { least.min(time) } else { 0.0 })
     }
 
-    /// Number of particles of a slot that belong to `couple`.
+    /// Separation [m] of two particles, and velocity [m/s] of the first relative to the second.
+    fn relative(&self, i: usize, j: usize) -> (Vector3<f64>, Vector3<f64>) {
+        relative(self.particles, self.scene, [i, j], self.moment())
+    }
+
+    /// Number of particles of a slot that also belong to `couple`.
     fn shared(&self, slot: usize, couple: &Couple) -> usize {
         let places = self.scratch.touches[slot].couple.places();
         places.into_iter().flatten().filter(|&place| is_of(couple, place)).count()
     }
 
-    /// [s] time before which the gap of a slot cannot close, within a part that ends at `end` [s]. The velocities of
-    /// the two bodies of `couple` may change by `change` [m/s] each. Negative if the gap is closed.
+    /// [s] time before which the gap of a slot cannot close, within a part that ends at `end` [s]. The velocity of each
+    /// body of `couple` may change by `change` [m/s]. The result is negative if the gap is closed.
     fn clear_of(&self, slot: usize, couple: &Couple, change: f64, end: f64) -> f64 {
         let velocity = |place: u32| self.particles.velocity[place as usize];
         let (gap, rate) = self.scratch.gaps[slot];
         let other = self.scratch.touches[slot].couple;
         let speed = match other.j() {
-            Some(j) => (velocity(other.i) - velocity(j)).norm(),
+            Some(j) => self.relative(other.i as usize, j as usize).1.norm(),
             None => {
                 let along = if other.is_flat(self.scene) { 0.0 } else { velocity(other.i).norm() };
                 rate.abs() + along + self.scene.gravity.norm() * end
@@ -54,10 +61,10 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         gap / (speed + self.shared(slot, couple) as f64 * change)
     }
 
-    /// True if the gap of a slot that shares a particle with a touch may close within `time` [s] of the touch.
+    /// True if the gap of a slot may close within `time` [s] after a touch of one of its particles with another body.
     ///
-    /// Between bodies that fly straight a gap closes ever more slowly. An impulse changes the velocity of a particle by
-    /// at most 2 (1 + μ) M |u_n|/m.
+    /// While two bodies fly straight, the rate at which their gap closes does not grow. An impulse changes the velocity
+    /// of a particle by at most 2 (1 + μ) M |u_n|/m.
     fn may_come(&self, slot: usize, meeting: &ReachedTouch, time: f64) -> bool {
         let other = self.scratch.touches[slot].couple;
         let ReachedTouch { touch, met, scene, .. } = meeting;
@@ -77,7 +84,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         (curved + change - rate) * time > gap
     }
 
-    /// True if the touch of a slot is instantaneous; its impulse has then been applied.
+    /// Applies an impulse if the touch of a slot is instantaneous, and returns true in that case.
     pub(super) fn strike(&mut self, slot: usize) -> bool {
         let touch = self.scratch.touches[slot];
         let moment = self.moment();
@@ -98,8 +105,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         true
     }
 
-    /// Takes the only contact to its end, or through `clear` [s], while all other particles fly. Returns the index of a
-    /// particle that got out of bounds.
+    /// Moves the only contact to its end, or through `clear` [s] if it lasts longer, while all other particles fly
+    /// straight. Returns the index of a particle that left its bounds.
     pub(super) fn resolve_alone(&mut self, clear: f64) -> Result<Option<usize>, Failure> {
         let start = self.now;
         let touch = self.scratch.contacts[0].touch;
@@ -147,34 +154,35 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         Ok(places.into_iter().flatten().find(|&place| !self.island.allows(place, &self.particles.velocity[place])))
     }
 
-    /// Moves all particles by `time` [s], in which the only contact went from state `begin` to `state`. All other
-    /// particles fly straight, and so does the centre of mass of the two bodies. `slip` is their tangential velocity
-    /// [m/s] at the start.
+    /// Moves all particles by `time` [s], while the only contact changes from the state `begin` to `state`. All other
+    /// particles fly straight, and so does the centre of mass of the two bodies. `slip` [m/s] is their tangential
+    /// relative velocity at the start.
     fn part(&mut self, alone: &IsolatedContact, slip: Vector3<f64>, [begin, state]: [OrbitState; 2], time: f64) {
         let couple = alone.touch.couple;
         let (i, j) = (couple.i as usize, couple.j().map(|j| j as usize));
-        let (x, v) = (self.particles.position[i], self.particles.velocity[i]);
-        let other = j.map(|j| (self.particles.position[j], self.particles.velocity[j]));
+        let before = j.map(|j| self.relative(i, j));
+        let image = couple.image_velocity(self.particles, self.scene, &before.unwrap_or_default().1);
         self.fly(self.now + time);
-        match (j, other) {
-            (Some(j), Some((xj, vj))) => {
+        match (j, before) {
+            (Some(j), Some((apart, relative))) => {
                 let (mi, mj) = (self.particles.mass[i], self.particles.mass[j]);
                 let spin = slip.norm();
                 let along = if spin > 0.0 { slip / spin } else { Vector3::zeros() };
                 let (sin, cos) = state.angle.sin_cos();
                 let (normal, along) = (alone.normal * cos + along * sin, along * cos - alone.normal * sin);
                 // relative displacement and velocity change of the two, beyond those of a straight flight
-                let straight = self.scene.domain.separation(&x, &xj) + (v - vj) * time;
+                let straight = apart + relative * time;
                 let moved = normal * state.distance - straight;
-                let kicked = normal * state.rate + along * (alone.spin / state.distance) - (v - vj);
+                let kicked = normal * state.rate + along * (alone.spin / state.distance) - relative;
                 let (share, rest) = (mj / (mi + mj), mi / (mi + mj));
                 self.particles.position[i] += moved * share;
                 self.particles.position[j] -= moved * rest;
                 self.particles.velocity[i] += kicked * share;
                 self.particles.velocity[j] -= kicked * rest;
+                self.island.log.ledger.shear_work += mi * share * kicked.z * image;
             }
             _ => {
-                // seen from the wall the frame falls
+                // relative to the wall, the frame falls
                 let (normal, fall) = (alone.normal, alone.gravity);
                 let straight = begin.distance + (begin.rate + 0.5 * fall * time) * time;
                 self.particles.position[i] += normal * (state.distance - straight);

@@ -1,11 +1,11 @@
-//! Springs with sliders of an island whose spheres rotate: they stick or slide, and the instants at which that changes
-//! are found within a step.
+//! Springs with sliders in the contacts of an island of rotating spheres. The springs stick or slide, and the instants
+//! at which this changes are found within a step.
 //!
-//! A contact has a tangential spring; where contacts resist rolling and twisting, it has a spring of each kind. While a
-//! contact sticks, its shear ξ is a state of the Runge-Kutta method: dξ/dt = v + ω_n n × ξ, where v is the relative
-//! velocity of that kind and ω_n the mean spin about the normal. While it slides, its state is the direction e of the
-//! force: the length of the spring follows from the limit, and e turns towards v as the spring is dragged along. States
-//! are held in the plane normal to n at the start of the step, and are carried along with n from there.
+//! Each contact has a tangential spring, and also a rolling and a twisting spring if contacts resist these motions. The
+//! state of a spring that sticks is its shear ξ: dξ/dt = v + ω_n n × ξ. Here v is the relative velocity of that kind,
+//! and ω_n the mean spin about the normal n. The state of a spring that slides is the direction e of its force. Its
+//! length follows from the limit, and e turns towards v. The Runge-Kutta method integrates states in the plane normal
+//! to n at the start of the step, and turns them with n.
 
 use super::springs::{ContactMotion, SpringKind, SpringMotion, carried};
 use super::{InstantaneousRule, IslandRun, Rates, TRIALS};
@@ -15,26 +15,26 @@ use crate::engine::soft::contact::{Contact, ContactConstants, ContactForce, Cont
 use crate::record::FrictionLosses;
 use nalgebra::Vector3;
 
-/// Way in which the surfaces of a contact move on one another.
+/// Phase of the motion of a spring with a slider.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Phase {
-    /// The contact remembers nothing.
+    /// The spring has no memory: its force follows from the present motion only.
     Memoryless,
-    /// The contact is too young to resist.
+    /// The contact is too young to resist rolling or twisting.
     Waiting,
-    /// Spring and dashpot are below the limit.
+    /// The force of spring and dashpot is below the limit.
     Stick,
-    /// The force is at the limit.
+    /// The force equals the limit.
     Slide,
-    /// The dashpot pulls: there is no tangential force.
+    /// The normal force would pull the bodies together (because of the dashpot), so the spring has no force.
     Free,
 }
 
-/// State of a spring.
+/// State of a spring, and the normal to which it refers.
 #[derive(Clone, Copy, Debug)]
 struct SpringState {
-    /// Shear ξ [m] of a contact that sticks, or direction e [-] of the force of one that slides; normal to `normal`, or
-    /// along it where the contact twists.
+    /// Shear ξ [m] of a spring that sticks, or direction e [-] of the force of one that slides. It is normal to
+    /// `normal`, or along it for a twisting spring.
     vector: Vector3<f64>,
     normal: Vector3<f64>,
 }
@@ -47,21 +47,21 @@ pub struct SlidingContact {
     start: SpringState,
     /// State now.
     now: SpringState,
-    /// Rate of change [1/s of the state] at the last stage, in the plane of the start.
+    /// Rate of change of the state [unit of the state per s] at the last stage, in the plane of the start.
     rate: Vector3<f64>,
     /// Weighted mean of the rates of all stages so far.
     mean: Vector3<f64>,
     /// [m] shear ξ now.
     pub(super) shear: Vector3<f64>,
-    /// Margins of the phase at the start of the step and now: the phase ends where one becomes negative.
+    /// Margins of the phase at the start of the step and now. The phase ends when a margin becomes negative.
     margins: [[f64; 2]; 2],
 }
 
-/// Index of the two sets of margins.
+/// Indices in `margins`: at the start of the step, and now.
 const BEFORE: usize = 0;
 const AFTER: usize = 1;
 
-/// [-] no step is cut to less than this share for the sake of friction.
+/// [-] smallest fraction of a step to which the step is shortened at the end of a phase.
 const SHORTEST: f64 = 1e-3;
 
 impl SlidingContact {
@@ -72,13 +72,13 @@ impl SlidingContact {
         Self { phase, start: none, now: none, rate, mean, shear, margins }
     }
 
-    /// Changes the phase, with the vector of the new one.
+    /// Sets a new phase, and the vector of its state.
     fn take(&mut self, phase: Phase, vector: Vector3<f64>) {
         (self.phase, self.now.vector) = (phase, vector);
     }
 }
 
-/// The vector over its length, or zero.
+/// Unit vector along a vector; zero for a zero vector.
 fn along(vector: Vector3<f64>) -> Vector3<f64> {
     vector.try_normalize(0.0).unwrap_or_else(Vector3::zeros)
 }
@@ -90,7 +90,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.scene.rotation.is_some()
     }
 
-    /// Takes the springs of contacts that last from the window before.
+    /// Takes over the springs of contacts that continue from an earlier window.
     pub(super) fn adopt_springs(&mut self) {
         self.scratch.sliding.clear();
         for k in 0..self.scratch.contacts.len() {
@@ -100,7 +100,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Adds the springs of a contact, with the encounter of its two bodies now, at the end.
+    /// Appends the springs of a contact; `met` is the present encounter of its two bodies.
     pub(super) fn open_springs(&mut self, touch: &TouchingPair, course: &ContactState, met: &Encounter) {
         let motion = ContactMotion::of(self, touch, met, true);
         for &kind in self.kinds() {
@@ -117,7 +117,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Spring with that shear [m] at present.
+    /// Makes a spring that has the given shear [m] at the present time.
     fn begin(
         &self,
         spring: &SpringMotion,
@@ -136,7 +136,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         let (square, limit) = (force.norm_squared(), spring.limit);
         let begins = limit == 0.0 && spring.at_touch && met.normal_velocity < 0.0;
         let slides = if begins && square == 0.0 {
-            // at the touch of an undamped contact spring and limit grow from zero
+            // at the touch of an undamped contact, the force of the spring and its limit both grow from zero
             spring.slides_from_touch(&self.engine.law, touch, met, self.engine.step)
         } else {
             square >= limit * limit * (1.0 - 1e-12)
@@ -152,7 +152,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         sliding
     }
 
-    /// Lets contacts that are old enough resist rolling and twisting.
+    /// Begins the rolling and twisting resistance of contacts that are old enough.
     fn wake_resistances(&mut self) {
         for k in 0..self.scratch.contacts.len() {
             let memory = self.scratch.contacts[k].course.resistance.unwrap_or_default();
@@ -169,7 +169,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Begins a step: what is now is the state to which trials of the step go back.
+    /// Begins a step: stores the present state, to which trials of the step return.
     pub(super) fn keep_springs(&mut self) {
         if self.kinds().len() > 1 {
             self.wake_resistances();
@@ -184,7 +184,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Goes back to the start of the step.
+    /// Restores the spins of the start of the step.
     pub(super) fn restore_spins(&mut self) {
         if let Some(spins) = &mut self.particles.spin {
             spins.clone_from(&self.scratch.spin);
@@ -205,8 +205,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Moves spins and springs from the start of the step to a stage `dt` [s] after it, at the rates of the stage
-    /// before.
+    /// Moves spins and springs from the start of the step to a stage `dt` [s] after it, at the rates of the previous
+    /// stage.
     pub(super) fn turn_to_stage(&mut self, dt: f64) {
         let scratch = &mut *self.scratch;
         if let Some(spins) = &mut self.particles.spin {
@@ -227,7 +227,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Moves spins and springs by `dt` [s] at their mean rates, once positions and velocities have been moved.
+    /// Moves spins and springs by `dt` [s] at their mean rates, after positions and velocities have been moved.
     pub(super) fn end_turning(&mut self, dt: f64) {
         let scratch = &mut *self.scratch;
         if let Some(spins) = &mut self.particles.spin {
@@ -257,8 +257,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Force of a contact at a stage, with its moment and weight [-], of a step of `dt` [s]. Torques go to the turning of its
-    /// particles, and the rates of its springs are kept.
+    /// Force of contact `k` at a stage of a step of `dt` [s], at the time `moment` and with the weight `weight` [-].
+    /// Adds the torques to the angular accelerations, and stores the rates of the springs.
     pub(super) fn force_at_stage(
         &mut self,
         k: usize,
@@ -309,11 +309,12 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
                 .couple
                 .wall_motion(met, (self.particles, self.scene), moment)
                 .map_or(0.0, |wall| wall.power(&on_i, Some(&couple))),
+            shear_power: on_i.z * touch.couple.image_velocity(self.particles, self.scene, &met.velocity),
             arm: met.normal * (touch.reach + met.gap),
         }
     }
 
-    /// [N] force of a spring at a stage of a step of `dt` [s], whose rate is kept.
+    /// [N] force of a spring at a stage of a step of `dt` [s]. Also stores the rate of change of the spring.
     #[inline(always)]
     fn spring_force(
         &mut self,
@@ -352,7 +353,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             Phase::Slide => {
                 let along = velocity.dot(&vector);
                 let across = velocity - vector * along;
-                // a spring shorter than the way of a step turns within the step: not faster than the step can follow
+                // a spring shorter than the path of a step turns within the step; its rate is limited to one that the
+                // step resolves
                 let length = constants.sliding_length(limit, along).max(velocity.norm() * dt);
                 let turning = if length > 0.0 { across / length } else { across };
                 (vector * limit, turning + spun(&vector))
@@ -362,8 +364,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         force
     }
 
-    /// Margins by which a spring is away from the end of its phase, at the end of a trial of a step of `dt` [s].
-    /// Accelerations are those of the last stage, which is at the end of the step.
+    /// Margins of a spring from the end of its phase, at the end of a trial of a step of `dt` [s]. Accelerations are
+    /// those of the last stage, which is at the end of the step.
     fn margins(
         &self,
         index: usize,
@@ -385,8 +387,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// [m/s] rate λ = v·e - d|ξ|/dt at which the surfaces of a contact slide; a contact that would have to slide
-    /// backwards sticks.
+    /// [m/s] rate λ = v·e - d|ξ|/dt at which the surfaces of a contact slide. If it becomes negative, the contact
+    /// sticks.
     fn sliding_rate(
         &self,
         touch: &TouchingPair,
@@ -424,8 +426,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         speed + spring.rates.force * length - (rate - of_dashpot) / constants.stiffness
     }
 
-    /// The first end of a phase within a step: the fraction of the step at which it is about to come, the contact, and
-    /// the margin that it shows in.
+    /// First end of a phase within a step: the estimated fraction [-] of the step, the index of the spring, and the
+    /// index of the margin that becomes negative.
     pub(super) fn first_switch(&self) -> Option<(f64, usize, usize)> {
         let ends = self.scratch.sliding.iter().enumerate().flat_map(|(k, sliding)| {
             let [before, after] = sliding.margins;
@@ -441,8 +443,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         ends.min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// Repeats the step from `start` [s] with the length at which a phase of a contact ends; begins with a fraction of
-    /// `dt` [s].
+    /// Repeats the step from `start` [s] with the length at which a phase of a spring ends. The first guess is a
+    /// fraction of `dt` [s].
     pub(super) fn find_switch(&mut self, start: f64, dt: f64, (fraction, k, which): (f64, usize, usize)) -> Rates {
         let before = self.scratch.sliding[k].margins[BEFORE][which];
         let mut low = (0.0, before.max(0.0));
@@ -469,7 +471,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         rates
     }
 
-    /// Ends the phases that are over now, and that of the spring that is `due` by the given margin.
+    /// Ends the phase of each spring with a negative margin, and that of the spring in `due` (its index, and that of
+    /// its margin).
     pub(super) fn switch_phases(&mut self, due: Option<(usize, usize)>) {
         for k in 0..self.scratch.contacts.len() {
             for (index, &kind) in self.springs_of(k).zip(self.kinds()) {

@@ -1,4 +1,4 @@
-//! Springs of an island by contact: their indices, their energy and losses, and their hand-over to the contacts.
+//! Springs of an island's contacts: their indices, energies and losses, and the storage of their state in the contacts.
 
 use super::sliding::Phase;
 use super::springs::{ContactMotion, SpringKind, SpringMotion};
@@ -12,11 +12,11 @@ use std::ops::Range;
 /// Energies of the springs of an island [J].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SpringEnergies {
-    /// Springs of pairs and of walls, of all kinds.
+    /// Energy of springs of all kinds, of pairs (first) and at walls (second).
     by_partner: [f64; 2],
-    /// Rolling springs.
+    /// Energy of rolling springs.
     rolling: f64,
-    /// Twisting springs.
+    /// Energy of twisting springs.
     twisting: f64,
 }
 
@@ -40,13 +40,13 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         springs.len() > 1 && self.scratch.sliding[springs.start + 1].phase != Phase::Waiting
     }
 
-    /// Contact `k`: its bodies, and their encounter now.
+    /// Bodies of contact `k`, and their present encounter.
     pub(super) fn met(&self, k: usize) -> (TouchingPair, Encounter) {
         let Contact { slot, touch, .. } = self.scratch.contacts[k];
         (touch, self.encounter(slot as usize, &touch.couple, self.moment()))
     }
 
-    /// [J] energies of the springs of contact `k`: of the tangential one, of the rolling and of the twisting one.
+    /// [J] energies of the tangential, the rolling and the twisting spring of contact `k`.
     fn energies_of(&self, k: usize) -> [f64; 3] {
         let Contact { touch, course, .. } = &self.scratch.contacts[k];
         let springs = self.springs_of(k);
@@ -66,8 +66,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         energies
     }
 
-    /// [W] parts of the power of a tangential force [N]: what its dashpot takes while the contact sticks, and what its
-    /// spring loses by a changing stiffness.
+    /// [W] parts of the power of a tangential force [N]: power of the dashpot while the contact sticks, and energy that
+    /// the spring loses because its stiffness changes.
     #[inline(always)]
     pub(super) fn tangential_losses(
         &self,
@@ -92,7 +92,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         FrictionLosses::new(damped * velocity.norm_squared(), [0.0, rescaling, 0.0, 0.0])
     }
 
-    /// Energies of all springs now.
+    /// Present energies of all springs.
     pub(super) fn spring_energies(&self) -> SpringEnergies {
         let mut energies = SpringEnergies::default();
         for (k, contact) in self.scratch.contacts.iter().enumerate() {
@@ -104,8 +104,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         energies
     }
 
-    /// Takes what springs hold more than the energies that they `stored` before a step of `dt` [s] from the work that
-    /// friction did in it. The parts of that work are booked here.
+    /// Subtracts the energy that springs have gained, relative to `stored` before a step of `dt` [s], from the work of
+    /// friction in this step. Also records the parts of that work.
     pub(super) fn keep_in_springs(&mut self, stored: &SpringEnergies, dt: f64) {
         let kept = self.spring_energies();
         let ledger = &mut self.island.log.ledger;
@@ -116,7 +116,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         ledger.friction.twisting -= kept.twisting - stored.twisting;
     }
 
-    /// Removes the springs of contact `k`, which has ended: friction takes the energy that they still hold.
+    /// Removes the springs of contact `k`, which has ended. Their remaining energy is recorded as lost by friction.
     pub(super) fn drop_springs(&mut self, k: usize) {
         let [sheared, rolling, twisting] = self.energies_of(k);
         let left = sheared + (rolling + twisting);
@@ -130,7 +130,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Leaves the shears to the contacts.
+    /// Stores the shears of the springs in their contacts.
     pub(super) fn leave_springs(&mut self) {
         for k in 0..self.scratch.contacts.len() {
             let springs = self.springs_of(k);

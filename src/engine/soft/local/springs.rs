@@ -1,4 +1,5 @@
-//! Motion against the springs of a contact: slip, rolling and twisting, and the limits of their forces.
+//! Relative motion that stretches the springs of a contact (slip, rolling and twisting), and the limits of their
+//! forces.
 
 use super::{InstantaneousRule, IslandRun};
 use crate::contact_law::ContactLaw;
@@ -8,14 +9,14 @@ use crate::engine::soft::rolling::RollingMotion;
 use crate::rotation::{Resistance, SpringDashpotSlider, SpringRates, slip};
 use nalgebra::Vector3;
 
-/// Relative motion that stretches a spring.
+/// Kind of relative motion that stretches a spring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SpringKind {
-    /// The surfaces slip.
+    /// Slip of the surfaces.
     Slide,
-    /// They roll on one another.
+    /// Rolling of the surfaces on one another.
     Roll,
-    /// They turn against one another about the normal.
+    /// Rotation of the surfaces against one another about the normal.
     Twist,
 }
 
@@ -23,15 +24,16 @@ impl SpringKind {
     /// All kinds, in the order of a contact's springs.
     pub const ALL: [Self; 3] = [Self::Slide, Self::Roll, Self::Twist];
 
-    /// The part of a vector that such a spring can have: along the normal if the contact twists, else normal to it.
+    /// Component of a vector that a spring of this kind can have: along the normal for twisting, otherwise normal to
+    /// it.
     pub fn in_space_of(self, vector: &Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
         let along = normal * vector.dot(normal);
         if self == Self::Twist { along } else { vector - along }
     }
 }
 
-/// A vector normal to `from`, carried along to the plane normal to `to` by the shortest turn; that of a twist stays
-/// along the normal.
+/// Turns a vector that is normal to `from` by the shortest rotation from `from` to `to`. The vector of a twisting
+/// spring stays along the normal.
 #[inline(always)]
 pub fn carried(kind: SpringKind, vector: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
     if kind == SpringKind::Twist {
@@ -43,19 +45,19 @@ pub fn carried(kind: SpringKind, vector: &Vector3<f64>, from: &Vector3<f64>, to:
 
 /// Relative motion and normal force of a contact between bodies that rotate.
 pub struct ContactMotion {
-    /// [m/s]
+    /// [m/s] slip of the surfaces.
     slip: Vector3<f64>,
-    /// [-] lever arms over radii.
+    /// [-] lever arms divided by radii.
     pub arm: f64,
-    /// [N]
+    /// [N] elastic part of the normal force.
     pub elastic: f64,
-    /// [N]
+    /// [N] part of the normal force by the dashpot.
     pub viscous: f64,
-    /// Rolling and twisting, where contacts resist these.
+    /// Rolling and twisting; `None` if the contact does not resist these.
     pub rolling: Option<RollingMotion>,
 }
 
-/// Motion against one spring of a contact.
+/// Motion that stretches one spring of a contact, and the properties of this spring.
 #[derive(Clone, Copy, Debug)]
 pub struct SpringMotion {
     /// Kind of the motion.
@@ -64,28 +66,28 @@ pub struct SpringMotion {
     pub velocity: Vector3<f64>,
     /// Constants at the present overlap.
     pub constants: SpringDashpotSlider,
-    /// [-] growth of the shear per way; less than 1 at the touch of a spring that stiffens.
+    /// [-] growth of the shear per length of motion; less than 1 at the touch if the stiffness grows with the overlap.
     pub grown: f64,
-    /// Rates by which the overlap changes the spring.
+    /// Rates at which a change of the overlap changes the spring.
     pub rates: SpringRates,
-    /// [-] limit over the normal force.
+    /// [-] largest force of the spring divided by the normal force.
     friction: f64,
-    /// [N] largest force.
+    /// [N] largest force of the spring.
     pub limit: f64,
-    /// True at the very touch.
+    /// True if the overlap is at most `TOUCHING` diameters.
     pub at_touch: bool,
-    /// Resistance to rolling or twisting.
+    /// Resistance to rolling or twisting; `None` for slip.
     pub resistance: Option<Resistance>,
 }
 
-/// [-] overlap over the diameter at which a contact has only just begun.
+/// [-] overlap over the diameter up to which a contact counts as just begun.
 const TOUCHING: f64 = 1e-9;
 
-/// [-] time over the step after which force and limit of a contact that begins are compared.
+/// [-] short time, as a fraction of a time step, after which force and limit of a beginning contact are compared.
 const SOON: f64 = 1e-4;
 
 impl ContactMotion {
-    /// Motion of two touching bodies now; with rolling and twisting if the contact `resists` these.
+    /// Present motion of two touching bodies, with rolling and twisting if the contact `resists` these.
     #[inline(always)]
     pub fn of(
         run: &IslandRun<'_, impl InstantaneousRule>,
@@ -108,7 +110,7 @@ impl ContactMotion {
         self.rolling.as_ref().map_or(0.0, |rolling| rolling.bodies.radius)
     }
 
-    /// Motion against the spring of that kind.
+    /// Motion that stretches the spring of the kind `kind`.
     #[inline(always)]
     pub fn spring(&self, kind: SpringKind, touch: &TouchingPair, met: &Encounter) -> SpringMotion {
         let none = (SpringDashpotSlider::default(), 0.0);
@@ -134,8 +136,8 @@ impl ContactMotion {
 }
 
 impl SpringMotion {
-    /// True if the contact, which begins without force, slides at once. Spring and limit are compared shortly after the
-    /// touch; `step` [s] is the time step.
+    /// True if a contact that begins without force slides at once. Spring force and limit are compared shortly after
+    /// the touch; `step` [s] is the time step.
     pub fn slides_from_touch(&self, law: &ContactLaw, touch: &TouchingPair, met: &Encounter, step: f64) -> bool {
         let time = SOON * step;
         let overlap = -met.normal_velocity * time;
@@ -147,7 +149,7 @@ impl SpringMotion {
         stiffness * self.grown * self.velocity.norm() * time > self.friction * (elastic + viscous)
     }
 
-    /// True if the spring remembers: it has a stiffness, and a limit above zero.
+    /// True if the spring has a memory: its stiffness and its limit are above zero.
     pub fn remembers(&self) -> bool {
         let stiff = match &self.resistance {
             Some(resistance) => resistance.spring.stiffness > 0.0,
@@ -156,7 +158,8 @@ impl SpringMotion {
         stiff && self.friction > 0.0
     }
 
-    /// [N/s] rate of the limit, from the rate of the normal velocity [m/s²].
+    /// [N/s] rate of change of the limit; `acceleration` [m/s²] is that of the normal velocity, and `dt` [s] the time
+    /// step.
     pub fn limit_rate(
         &self,
         law: &ContactLaw,
@@ -164,11 +167,11 @@ impl SpringMotion {
         met: &Encounter,
         (acceleration, dt): (f64, f64),
     ) -> f64 {
-        // a difference over so little time is exact enough to find an instant by
+        // a finite difference over this short time is accurate enough to find the end of a phase
         let time = SOON * dt;
         let force = |overlap: f64, velocity: f64| {
             let (elastic, viscous) = law.force(&touch.spring, overlap, velocity);
-            // the limit of twisting is in proportion to the radius of the contact
+            // the limit of twisting is proportional to the radius of the contact area
             let factor = if self.kind == SpringKind::Twist { (overlap / met.overlap()).abs().sqrt() } else { 1.0 };
             factor * (elastic + viscous)
         };

@@ -1,4 +1,4 @@
-//! Beginnings and ends of contacts of an island.
+//! Beginnings and ends of the contacts of an island.
 
 use super::alone::{TOUCH, TRIALS};
 use super::{InstantaneousRule, IslandRun};
@@ -28,13 +28,13 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.scratch.contacts.push(Contact { slot: slot as u32, touch, course });
     }
 
-    /// Repeats the step from `start` with the length at which the gap of `slot` is zero. The first guess of that length
-    /// is `fraction` of `dt`.
+    /// Repeats the step from `start` [s] with the length at which the gap of `slot` is zero. The first guess of that
+    /// length is `fraction` [-] of `dt` [s].
     ///
-    /// The contact of that slot ends where its gap becomes positive, or begins where the gap becomes negative. Two such
-    /// instants that nearly coincide may come in another order than estimated. The later one is then due at the very
-    /// start of its step, and the search must end there. A search that compared signs with the gap before the step
-    /// would run to the end of the step instead, past all other such instants.
+    /// The contact of the slot ends when its gap becomes positive, or begins when the gap becomes negative. If two such
+    /// instants nearly coincide, their order may differ from the estimate. The later one is then due at the very start
+    /// of its step, and the search must end there. A search for a sign other than that before the step would continue
+    /// to the end of the step instead, past all other such instants.
     pub(super) fn find_turn(&mut self, start: f64, dt: f64, fraction: f64, slot: usize) -> Rates {
         let touching = self.scratch.contacts.iter().any(|c| c.slot as usize == slot);
         let (mut low, mut high) = (0.0, 1.0);
@@ -47,7 +47,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             if gap.abs() <= TOUCH * diameter {
                 break;
             }
-            // Newton's method, kept between a time before the change and one after it
+            // Newton's method, restricted to the interval between a time before the change and one after it
             let turned = if touching { gap > 0.0 } else { gap < 0.0 };
             if turned {
                 high = fraction
@@ -75,7 +75,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
                 }
                 let contact = self.scratch.contacts.remove(k);
                 let (_, rate) = self.scratch.gaps[slot];
-                // a contact that was there from the start may never have approached
+                // a contact that existed at the start of the run may never have approached
                 if contact.course.normal_speed > 0.0 {
                     let now = self.window.start + self.now;
                     let impact = Impact { slip, ..contact.course.impact(contact.touch.diameter, rate, now) };

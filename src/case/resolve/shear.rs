@@ -1,0 +1,68 @@
+//! Reads and checks the shear of a box.
+
+use super::Resolver;
+use crate::case::de::Located;
+use crate::case::diagnostic::Diagnostic;
+use crate::case::file::{CaseFile, DomainFile, ShearFile};
+use crate::domain::Domain;
+use crate::scene::Scene;
+use nalgebra::Vector3;
+
+/// [-] smallest edge of a sheared box over the largest diameter. In a smaller box, two particles of an event queue could
+/// meet through two images.
+const SMALLEST_EDGE: f64 = 4.0;
+
+impl Resolver {
+    /// The box with the shear that the case gives.
+    ///
+    /// # Errors
+    /// A rate of zero or out of range, or a box that is not periodic along all axes.
+    pub(super) fn sheared(&self, domain: Domain, file: &Located<DomainFile>) -> Result<Domain, Diagnostic> {
+        let Some(shear) = &file.value.shear else { return Ok(domain) };
+        let typed = self.need(&shear.value.rate, "domain.shear.rate")?;
+        let rate = self.in_range(typed, "a rate such as \"20 1/s\"")?;
+        if rate == 0.0 {
+            return Err(self.refuse(typed, "shears nothing").help("leave [domain.shear] out for a box at rest"));
+        }
+        if domain.periodic != [true; 3] {
+            let help = "write `periodic = [\"x\", \"y\", \"z\"]` in [domain]";
+            return Err(self.refuse_shear(shear, "needs a box that is periodic along all axes").help(help));
+        }
+        let offset = match &shear.value.offset {
+            Some(offset) => self.in_range(offset, "a length, at most a period")?,
+            None => 0.0,
+        };
+        Ok(domain.sheared(rate, offset))
+    }
+
+    /// Refuses what a sheared box cannot have.
+    ///
+    /// # Errors
+    /// Walls, a gas, gravity, or a box of few diameters.
+    pub(super) fn check_shear(&self, file: &CaseFile, scene: &Scene) -> Result<(), Diagnostic> {
+        let Some(shear) = file.domain.as_ref().and_then(|domain| domain.value.shear.as_ref()) else { return Ok(()) };
+        let no = |what: &str, help: &str| Err(self.refuse_shear(shear, what).help(help));
+        if !scene.walls.is_empty() {
+            let help = "leave the walls out, or shear between two of them: `cases/walls/sheared-cell.toml`";
+            return no("cannot have walls: the images of a wall would slide", help);
+        }
+        if scene.fluid.is_some() {
+            let help = "leave [fluid] and [drag] out";
+            return no("cannot have a gas: no profile of the gas has this mean flow", help);
+        }
+        if scene.gravity != Vector3::zeros() {
+            let help = "leave [gravity] out";
+            return no("cannot have gravity: nothing holds the particles against it", help);
+        }
+        let (edge, diameter) = (scene.domain.size.min(), scene.largest_diameter());
+        if edge < SMALLEST_EDGE * diameter {
+            let help = format!("make every edge of the box at least {:.4e} m", SMALLEST_EDGE * diameter);
+            return no("needs a box of at least 4 largest diameters along each axis", &help);
+        }
+        Ok(())
+    }
+
+    fn refuse_shear(&self, shear: &Located<ShearFile>, what: &str) -> Diagnostic {
+        self.sources.error(&shear.origin, format!("a sheared box {what}"))
+    }
+}

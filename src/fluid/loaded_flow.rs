@@ -1,0 +1,411 @@
+//! Gas flow in a channel or a pipe that feels the particles in it (two-way coupling in one dimension).
+//! `docs/design/coupling.md` gives the equations and the reasons.
+
+use super::half_channel::{HalfChannel, SweepStep};
+use super::k_epsilon::{ChannelFlow, TurbulenceModel};
+use super::turbulence::Langevin;
+use serde::{Deserialize, Serialize};
+
+/// [-] factor C_ε3 of the damping of k by particles in the equation of ε: Elghobashi and Abou-Arab 1983, Phys. Fluids 26,
+/// 931, and Simonin (1996).
+const C_EPSILON_3: f64 = 1.2;
+/// [u_τ²] and [u_τ⁴/ν] smallest k and ε in units of the gas alone, far below any value of a turbulent flow. They keep k/ε
+/// finite where particles have damped the turbulence.
+const LEAST: f64 = 1e-12;
+
+/// Settings of the two-way coupling between gas and particles.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Coupling {
+    /// Number of slices of equal width from the wall to the centre plane or the axis, in which the force on the particles
+    /// is summed.
+    pub slices: usize,
+    /// Quantity that is kept constant while the particles change the flow.
+    pub held: HeldFlow,
+    /// Effect of the particles on the turbulence.
+    pub modulation: Modulation,
+}
+
+/// Quantity of a gas flow that is kept constant.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum HeldFlow {
+    /// Flow rate of the gas.
+    FlowRate,
+    /// Pressure drop per length [Pa/m], without the hydrostatic part; positive if it drives the gas along +z.
+    PressureGradient(f64),
+}
+
+/// Effect of the particles on the turbulence of the gas.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Modulation {
+    /// Particles change the turbulence only through the mean velocity of the gas.
+    None,
+    /// Particles damp k at the rate 2 r k St/(1 + St), with the exchange rate r = Σ(m/τ)/(ρ_f V_g) and St = τ/T_seen, and ε
+    /// at 1.2 times this rate ε/k (Simonin 1996). The covariance of gas and particles is that of Tchen (1947), 2k/(1 + St).
+    Simonin,
+}
+
+/// Sums over the particles of one slice in a kick of drag.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SliceSums {
+    /// [kg m/s] momentum along z that the gas has given to the particles.
+    pub impulse: f64,
+    /// [m³] volume of the particles.
+    pub volume: f64,
+    /// [kg] mass of the particles.
+    pub mass: f64,
+    /// [kg/s] Σ m/τ, with the response time τ of each particle.
+    pub exchange: f64,
+}
+
+/// Gas flow that particles change: velocity, k and ε from the wall to the centre plane, at one instant.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LoadedFlow {
+    coupling: Coupling,
+    model: TurbulenceModel,
+    /// Flow in wall units of the gas alone.
+    channel: HalfChannel,
+    /// [m] full width of the channel, or diameter of the pipe.
+    height: f64,
+    /// [m²/s] kinematic viscosity ν of the gas.
+    kinematic_viscosity: f64,
+    /// [kg/m³] density ρ_f of the gas.
+    density: f64,
+    /// [m²] area of all walls of the flow.
+    wall_area: f64,
+    /// [-] volume fraction of the gas in each cell; empty before the first step.
+    gas_fraction: Vec<f64>,
+    /// Flow rate of the gas at the start, per area of the wall, in wall units.
+    flow_rate: f64,
+    /// [m/s] bulk velocity of the gas alone, divided by its flow rate on the grid. The bulk velocity also counts the law of
+    /// the wall below the first node.
+    bulk_per_flow: f64,
+    /// Pressure gradient in the last step, in wall units; that of the gas alone is 1/h⁺.
+    pressure_gradient: f64,
+    /// [kg m/s] momentum along z that lift has taken from the gas in each slice since the last step.
+    owed: Vec<f64>,
+    /// [kg m/s] momentum of the gas along z at the start, and what it has gained since.
+    pub balance: GasBalance,
+}
+
+/// Momentum of the gas along z: value at the start, and gains and losses since.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GasBalance {
+    /// [kg m/s] momentum at the start.
+    pub start: f64,
+    /// [kg m/s] momentum at present.
+    pub now: f64,
+    /// [kg m/s] given by the pressure gradient.
+    pub by_pressure: f64,
+    /// [kg m/s] taken by friction at the walls.
+    pub to_walls: f64,
+    /// [kg m/s] taken by the particles.
+    pub to_particles: f64,
+}
+
+impl GasBalance {
+    /// [kg m/s] momentum of the gas that the gains and losses do not explain.
+    pub fn unexplained(&self) -> f64 {
+        self.now - self.start - self.by_pressure + self.to_walls + self.to_particles
+    }
+
+    /// [-] unexplained momentum over the largest of its parts.
+    pub fn unexplained_share(&self) -> f64 {
+        let parts = [self.start, self.now, self.by_pressure, self.to_walls, self.to_particles];
+        let largest = parts.into_iter().map(f64::abs).fold(0.0, f64::max);
+        if largest > 0.0 { self.unexplained() / largest } else { 0.0 }
+    }
+}
+
+impl LoadedFlow {
+    /// Makes the flow of a gas alone, before particles act on it. `flow` is its steady solution, `density` [kg/m³] the density
+    /// of the gas, and `wall_area` [m²] the area of the walls in the box.
+    pub fn new(coupling: Coupling, flow: &ChannelFlow, density: f64, wall_area: f64) -> Self {
+        let channel = flow.half_channel().clone();
+        let mut loaded = Self {
+            coupling,
+            model: flow.model,
+            height: flow.height,
+            kinematic_viscosity: flow.kinematic_viscosity,
+            density,
+            wall_area,
+            gas_fraction: Vec::new(),
+            flow_rate: 0.0,
+            bulk_per_flow: 0.0,
+            pressure_gradient: 1.0 / channel.reynolds_tau,
+            owed: vec![0.0; coupling.slices],
+            balance: GasBalance::default(),
+            channel,
+        };
+        loaded.bulk_per_flow = flow.bulk_velocity / loaded.gas_momentum();
+        loaded.renew_stress();
+        loaded
+    }
+
+    /// Begins with the volume fractions of the gas among the particles at the start.
+    fn begin(&mut self, gas_fraction: Vec<f64>) {
+        self.gas_fraction = gas_fraction;
+        self.flow_rate = self.gas_momentum();
+        let start = self.flow_rate * self.unit_impulse();
+        self.balance = GasBalance { start, now: start, ..GasBalance::default() };
+    }
+
+    /// [m/s] unit of velocities: the friction velocity of the gas alone.
+    fn unit_velocity(&self) -> f64 {
+        self.channel.reynolds_tau * self.kinematic_viscosity / (0.5 * self.height)
+    }
+
+    /// [m] unit of lengths.
+    fn unit_length(&self) -> f64 {
+        0.5 * self.height / self.channel.reynolds_tau
+    }
+
+    /// [s] unit of times.
+    fn unit_time(&self) -> f64 {
+        self.unit_length() / self.unit_velocity()
+    }
+
+    /// [kg m/s] momentum of a layer of gas at all walls, as thick as the unit of length, at the unit of velocity.
+    fn unit_impulse(&self) -> f64 {
+        self.density * self.wall_area * self.unit_length() * self.unit_velocity()
+    }
+
+    /// Index of the slice at the distance `depth` [m] from the wall.
+    #[inline]
+    pub fn slice(&self, depth: f64) -> usize {
+        let share = depth / (0.5 * self.height) * self.coupling.slices as f64;
+        (share.max(0.0) as usize).min(self.coupling.slices - 1)
+    }
+
+    /// Number of slices.
+    pub fn slices(&self) -> usize {
+        self.coupling.slices
+    }
+
+    /// Settings of the coupling.
+    pub fn coupling(&self) -> &Coupling {
+        &self.coupling
+    }
+
+    /// [m³] volume of one slice.
+    fn slice_volume(&self, slice: usize) -> f64 {
+        let width = self.channel.reynolds_tau / self.coupling.slices as f64;
+        let middle = (slice as f64 + 0.5) * width;
+        self.channel.area(middle) * width * self.wall_area * self.unit_length()
+    }
+
+    /// Mean over each cell of values that are constant in slices, weighted by volume.
+    fn on_cells(&self, values: &[f64]) -> Vec<f64> {
+        let width = self.channel.reynolds_tau / self.coupling.slices as f64;
+        let cell = |ends: &[f64]| {
+            let [start, end] = [ends[0], ends[1]];
+            let first = ((start / width) as usize).min(self.coupling.slices - 1);
+            let (mut sum, mut whole) = (0.0, 0.0);
+            for (slice, value) in (first..).zip(&values[first..]) {
+                let low = start.max(slice as f64 * width);
+                let high = if slice + 1 == self.coupling.slices { end } else { end.min((slice + 1) as f64 * width) };
+                if high <= low {
+                    break;
+                }
+                let volume = (high - low) * self.channel.area(0.5 * (low + high));
+                (sum, whole) = (sum + volume * value, whole + volume);
+            }
+            sum / whole
+        };
+        self.channel.face.windows(2).map(cell).collect()
+    }
+
+    /// Adds momentum along z [kg m/s] that lift has given to the particles of each slice. The next step takes it from the
+    /// gas.
+    pub fn owe(&mut self, impulses: impl IntoIterator<Item = f64>) {
+        self.owed.iter_mut().zip(impulses).for_each(|(owed, impulse)| *owed += impulse);
+    }
+
+    /// Advances the gas by `duration` [s], in which it has given momentum to the particles of each slice. The implicit Euler
+    /// scheme is used, with k, ε and ν_t one step behind.
+    pub fn advance(&mut self, duration: f64, slices: &[SliceSums]) {
+        let per_volume = |of: &dyn Fn(usize, &SliceSums) -> f64| -> Vec<f64> {
+            slices.iter().enumerate().map(|(slice, sums)| of(slice, sums) / self.slice_volume(slice)).collect()
+        };
+        let unit = self.density * self.unit_velocity();
+        let taken = self.on_cells(&per_volume(&|slice, sums| (sums.impulse + self.owed[slice]) / unit));
+        let fraction = self.on_cells(&per_volume(&|_, sums| sums.volume));
+        let fraction: Vec<f64> = fraction.into_iter().map(|particles| 1.0 - particles).collect();
+        if self.gas_fraction.is_empty() {
+            self.begin(fraction.clone());
+        }
+        let damping = self.damping(duration, slices);
+        let step = duration / self.unit_time();
+        self.advance_velocity(step, &taken, fraction);
+        self.renew_stress();
+        let factor = C_EPSILON_3;
+        let turbulence = SweepStep { relaxation: 1.0, rate: 1.0 / step, damping: (&damping, factor) };
+        self.model.sweep_turbulence(&mut self.channel, &turbulence);
+        self.channel.k.iter_mut().chain(&mut self.channel.epsilon).for_each(|value| *value = value.max(LEAST));
+        let to_particles: f64 = slices.iter().zip(&self.owed).map(|(sums, owed)| sums.impulse + owed).sum();
+        let pressed = self.pressure_gradient * self.volume() * step;
+        let braked = self.channel.wall_stress() * self.gas_fraction[0] * step;
+        let unit = self.unit_impulse();
+        self.balance.to_particles += to_particles;
+        self.balance.by_pressure += pressed * unit;
+        self.balance.to_walls += braked * unit;
+        self.balance.now = self.gas_momentum() * unit;
+        self.owed.fill(0.0);
+    }
+
+    /// Volume of the flow per area of the wall, in wall units.
+    fn volume(&self) -> f64 {
+        (0..self.channel.u.len()).map(|cell| self.channel.volume(cell)).sum()
+    }
+
+    /// Momentum of the gas, and its flow rate, per area of the wall in wall units.
+    fn gas_momentum(&self) -> f64 {
+        let fraction = |cell: usize| self.gas_fraction.get(cell).copied().unwrap_or(1.0);
+        let cells = self.channel.u.iter().enumerate();
+        cells.map(|(cell, u)| fraction(cell) * self.channel.volume(cell) * u).sum()
+    }
+
+    /// Computes the velocity after `step`, in wall units. Each volume of gas loses the momentum `taken`; `fraction` are the new
+    /// volume fractions of the gas.
+    fn advance_velocity(&mut self, step: f64, taken: &[f64], fraction: Vec<f64>) {
+        let channel = &self.channel;
+        let count = channel.u.len();
+        let volume: Vec<f64> = (0..count).map(|cell| channel.volume(cell)).collect();
+        // where particles move away from the wall, gas moves towards it with its velocity
+        let mut right = Vec::with_capacity(count);
+        let mut inflow = 0.0;
+        for cell in 0..count {
+            let carried = |face: usize, inflow: f64| {
+                let from = if inflow > 0.0 { face.min(count - 1) } else { face.saturating_sub(1) };
+                inflow * channel.u[from]
+            };
+            let before = carried(cell, inflow);
+            inflow += (fraction[cell] - self.gas_fraction[cell]) * volume[cell];
+            let after = if cell + 1 < count { carried(cell + 1, inflow) } else { 0.0 };
+            let own = self.gas_fraction[cell] * volume[cell] * channel.u[cell];
+            right.push(own + after - before - taken[cell] * volume[cell]);
+        }
+        let conductance: Vec<f64> = (0..=count)
+            .map(|face| match face {
+                0 => step * fraction[0] / self.model.first_velocity_per_stress(channel),
+                _ if face == count => 0.0,
+                _ => {
+                    let gas = 0.5 * (fraction[face - 1] + fraction[face]);
+                    let distance = channel.y[face] - channel.y[face - 1];
+                    step * gas * channel.area(channel.face[face]) * (1.0 + channel.face_nu_t(face)) / distance
+                }
+            })
+            .collect();
+        let inertia: Vec<f64> = fraction.iter().zip(&volume).map(|(fraction, volume)| fraction * volume).collect();
+        let alone = diffused(&inertia, &conductance, &right);
+        let pressed: Vec<f64> = volume.iter().map(|volume| step * volume).collect();
+        let response = diffused(&inertia, &conductance, &pressed);
+        let flow = |u: &[f64]| -> f64 { inertia.iter().zip(u).map(|(inertia, u)| inertia * u).sum() };
+        self.pressure_gradient = match self.coupling.held {
+            HeldFlow::FlowRate => (self.flow_rate - flow(&alone)) / flow(&response),
+            HeldFlow::PressureGradient(gradient) => {
+                gradient / self.density * self.unit_length() / self.unit_velocity().powi(2)
+            }
+        };
+        let gradient = self.pressure_gradient;
+        self.channel.u = alone.iter().zip(&response).map(|(u, more)| u + gradient * more).collect();
+        self.gas_fraction = fraction;
+    }
+
+    /// Computes the shear stress at all faces from the velocity.
+    fn renew_stress(&mut self) {
+        let channel = &self.channel;
+        let count = channel.u.len();
+        let stress = (0..=count).map(|face| match face {
+            0 => channel.u[0] / self.model.first_velocity_per_stress(channel),
+            _ if face == count => 0.0,
+            _ => {
+                let slope = (channel.u[face] - channel.u[face - 1]) / (channel.y[face] - channel.y[face - 1]);
+                (1.0 + channel.face_nu_t(face)) * slope
+            }
+        });
+        self.channel.face_stress = Some(stress.collect());
+    }
+
+    /// Rate at which particles damp k in each cell, in wall units, in a step of `duration` [s].
+    fn damping(&self, duration: f64, slices: &[SliceSums]) -> Vec<f64> {
+        let count = self.channel.u.len();
+        if self.coupling.modulation == Modulation::None {
+            return vec![0.0; count];
+        }
+        let slice = |of: fn(&SliceSums, f64) -> f64| -> Vec<f64> {
+            self.on_cells(&slices.iter().map(|sums| of(sums, duration)).collect::<Vec<_>>())
+        };
+        let rates: Vec<f64> = slices
+            .iter()
+            .enumerate()
+            .map(|(slice, sums)| sums.exchange / (self.density * self.slice_volume(slice)))
+            .collect();
+        let rates = self.on_cells(&rates);
+        // means of slices without particles are 0 and have no effect, since their rate is 0 too
+        let response = slice(|sums, _| if sums.exchange > 0.0 { sums.mass / sums.exchange } else { 0.0 });
+        let slip =
+            slice(|sums, duration| if sums.exchange > 0.0 { sums.impulse / (sums.exchange * duration) } else { 0.0 });
+        let langevin = Langevin::default();
+        let (unit_time, unit_velocity) = (self.unit_time(), self.unit_velocity());
+        (0..count)
+            .map(|cell| {
+                let (k, epsilon) = (self.channel.k[cell], self.channel.epsilon[cell]);
+                let slip = slip[cell] / unit_velocity;
+                let crossing = (1.0 + langevin.time_scale_ratio.powi(2) * slip * slip / (2.0 / 3.0 * k)).sqrt();
+                let seen = langevin.share_of_turnover() * k / epsilon / crossing;
+                let stokes = response[cell] / unit_time / seen;
+                2.0 * rates[cell] * unit_time / self.gas_fraction[cell] * stokes / (1.0 + stokes)
+            })
+            .collect()
+    }
+
+    /// [m³] volume of the gas and the particles in the flow.
+    pub fn box_volume(&self) -> f64 {
+        self.volume() * self.wall_area * self.unit_length()
+    }
+
+    /// [Pa/m] pressure drop per length in the last step, without the hydrostatic part.
+    pub fn pressure_gradient(&self) -> f64 {
+        self.pressure_gradient * self.density * self.unit_velocity().powi(2) / self.unit_length()
+    }
+
+    /// [m/s] flow rate of the gas over the cross-section.
+    pub fn bulk_velocity(&self) -> f64 {
+        self.gas_momentum() * self.bulk_per_flow
+    }
+
+    /// [m/s] friction velocity, with the sign of the stress at the wall.
+    pub fn friction_velocity(&self) -> f64 {
+        let stress = self.channel.wall_stress();
+        stress.signum() * stress.abs().sqrt() * self.unit_velocity()
+    }
+
+    /// The flow at present, from which a velocity profile can be made.
+    ///
+    /// # Errors
+    /// A velocity that is not finite.
+    pub fn flow(&self) -> Result<ChannelFlow, String> {
+        ChannelFlow::of(&self.channel, self.model, [self.height, self.kinematic_viscosity, self.bulk_velocity()])
+    }
+}
+
+/// Solution u of inertia u = right + flux from the neighbours, by Thomas' algorithm. The flux through face i is
+/// conductance[i] (u[i - 1] - u[i]); the velocity at the wall is 0.
+fn diffused(inertia: &[f64], conductance: &[f64], right: &[f64]) -> Vec<f64> {
+    let count = inertia.len();
+    let (mut upper, mut u) = (vec![0.0; count], vec![0.0; count]);
+    for cell in 0..count {
+        let lower = if cell > 0 { conductance[cell] } else { 0.0 };
+        let diagonal = inertia[cell] + conductance[cell] + conductance[cell + 1];
+        let (before_upper, before) = if cell > 0 { (upper[cell - 1], u[cell - 1]) } else { (0.0, 0.0) };
+        let pivot = diagonal - lower * before_upper;
+        upper[cell] = conductance[cell + 1] / pivot;
+        u[cell] = (right[cell] + lower * before) / pivot;
+    }
+    for cell in (0..count.saturating_sub(1)).rev() {
+        u[cell] += upper[cell] * u[cell + 1];
+    }
+    u
+}

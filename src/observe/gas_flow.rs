@@ -1,0 +1,114 @@
+//! Gas that feels the particles, over time and averaged.
+
+use super::{Needs, Observer, plain_data};
+use crate::fluid::{Fluid, GasBalance, GridNode};
+use crate::schedule::Schedule;
+use crate::simulation::Simulation;
+use crate::statistics::{Estimate, estimate};
+use serde::{Deserialize, Serialize};
+
+/// Largest number of samples that are stored.
+const MOST_SAMPLES: u64 = 200;
+
+/// Flow of a gas that feels the particles, over the averaging period.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GasFlow {
+    /// State of the gas alone at the grid points, from the wall to the centre plane or the axis.
+    pub alone: Vec<GridNode>,
+    /// Time averages at the same grid points.
+    pub mean: Vec<GridNode>,
+    /// [Pa/m] pressure drop per length, without the hydrostatic part. `None` for fewer than two samples.
+    pub pressure_gradient: Option<Estimate>,
+    /// [Pa/m] pressure drop per length of the gas alone.
+    pub pressure_gradient_alone: f64,
+    /// [m/s] flow rate over the cross-section.
+    pub bulk_velocity: Option<Estimate>,
+    /// [m/s] friction velocity; negative where the gas flows backwards at the wall.
+    pub friction_velocity: Option<Estimate>,
+    /// Momentum of the gas along z over the whole run.
+    pub balance: GasBalance,
+}
+
+/// Gas at one instant.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct GasSample {
+    /// [s] simulated time.
+    time: f64,
+    /// [Pa s/m] pressure drop per length, integrated over time since the start.
+    pressed: f64,
+    /// [m/s] flow rate over the cross-section.
+    bulk_velocity: f64,
+    /// [m/s] friction velocity.
+    friction_velocity: f64,
+    nodes: Vec<GridNode>,
+}
+
+/// Measurement of the gas that feels the particles.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct GasFlows {
+    /// [s] time between samples.
+    interval: f64,
+    samples: Vec<GasSample>,
+    balance: GasBalance,
+}
+
+impl GasFlows {
+    /// Creates a measurement for runs with the given schedule.
+    pub fn new(schedule: &Schedule) -> Self {
+        let every = schedule.samples.div_ceil(MOST_SAMPLES).max(1);
+        Self { interval: every as f64 * schedule.interval(), ..Self::default() }
+    }
+
+    /// Averages from the time `from` [s] on; `None` if the gas `alone` is frozen, or without a sample.
+    pub fn averages(&self, alone: Option<&Fluid>, from: f64) -> Option<GasFlow> {
+        let (fluid, flow) = alone.and_then(|fluid| Some((fluid, fluid.profile.channel_flow()?)))?;
+        let used: Vec<&GasSample> = self.samples.iter().filter(|sample| sample.time >= from).collect();
+        let last = used.last()?;
+        let mean = |node: usize, of: fn(&GridNode) -> f64| {
+            used.iter().map(|sample| of(&sample.nodes[node])).sum::<f64>() / used.len() as f64
+        };
+        let nodes = last.nodes.iter().enumerate().map(|(index, node)| GridNode {
+            y: node.y,
+            u: mean(index, |node| node.u),
+            k: mean(index, |node| node.k),
+            epsilon: mean(index, |node| node.epsilon),
+            nu_t: mean(index, |node| node.nu_t),
+        });
+        let pressed = used.windows(2).map(|pair| (pair[1].pressed - pair[0].pressed) / (pair[1].time - pair[0].time));
+        let over_time = |of: fn(&GasSample) -> f64| used.iter().map(|sample| of(sample)).collect::<Vec<_>>();
+        Some(GasFlow {
+            alone: flow.nodes.clone(),
+            mean: nodes.collect(),
+            pressure_gradient: estimate(&pressed.collect::<Vec<_>>()),
+            pressure_gradient_alone: flow.pressure_gradient(fluid.density),
+            bulk_velocity: estimate(&over_time(|sample| sample.bulk_velocity)),
+            friction_velocity: estimate(&over_time(|sample| sample.friction_velocity)),
+            balance: self.balance,
+        })
+    }
+}
+
+impl Observer for GasFlows {
+    fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
+        Some(now + self.interval)
+    }
+
+    fn sight(&self) -> Needs {
+        Needs::Nothing
+    }
+
+    fn see(&mut self, simulation: &Simulation) {
+        let Some(flow) = simulation.loaded_flow() else { return };
+        let Ok(present) = flow.flow() else { return };
+        self.balance = flow.balance;
+        self.samples.push(GasSample {
+            time: simulation.time,
+            pressed: flow.balance.by_pressure / flow.box_volume(),
+            bulk_velocity: flow.bulk_velocity(),
+            friction_velocity: flow.friction_velocity(),
+            nodes: present.nodes,
+        });
+    }
+
+    plain_data!();
+}

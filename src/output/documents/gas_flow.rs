@@ -1,0 +1,83 @@
+//! Parts of a report about a gas that feels the particles.
+
+use super::run::{measured, table};
+use crate::observe::GasFlow;
+use crate::outcome::Outcome;
+use crate::output::OutputError;
+use crate::output::csv::{CsvTable, number};
+use crate::output::document::Block;
+use crate::output::numbers::{significant, with_error};
+use serde_json::{Value, json};
+
+/// Table of the gas with and without particles; empty if the gas is frozen in all variants.
+pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
+    if outcomes.iter().all(|outcome| outcome.gas.is_none()) {
+        return Vec::new();
+    }
+    let head = "variant | pressure drop [Pa/m] | of the gas alone [Pa/m] | flow rate over the cross-section [m/s] | friction velocity [m/s] | k in the middle over that of the gas alone | momentum of the gas that is unexplained";
+    let cells = |outcome: &Outcome| {
+        let cells = match &outcome.gas {
+            None => {
+                vec!["frozen gas".into(), String::new(), String::new(), String::new(), String::new(), String::new()]
+            }
+            Some(gas) => vec![
+                with_error(gas.pressure_gradient),
+                significant(Some(gas.pressure_gradient_alone), 4),
+                with_error(gas.bulk_velocity),
+                with_error(gas.friction_velocity),
+                significant(remaining_turbulence(gas), 3),
+                significant(Some(gas.balance.unexplained_share()), 2),
+            ],
+        };
+        (false, cells)
+    };
+    vec![
+        Block::heading("Gas that feels the particles"),
+        table(head, outcomes, cells),
+        Block::note(
+            "Two-way coupling in one dimension: the mean force on the particles of each slice is taken from the gas. The pressure drop is without its hydrostatic part; it carries friction at the \
+             walls and the force on the particles. The last column is the sum of gains and losses against the change, over the largest of them. gas.csv has velocity, k and ε across the flow.",
+        ),
+    ]
+}
+
+/// [-] turbulent kinetic energy k in the middle of the flow, over that of the gas alone.
+fn remaining_turbulence(gas: &GasFlow) -> Option<f64> {
+    Some(gas.mean.last()?.k / gas.alone.last()?.k)
+}
+
+/// Gas of a variant for `summary.json`, in SI units; null if it is frozen.
+pub(super) fn json(outcome: &Outcome) -> Value {
+    let Some(gas) = &outcome.gas else { return Value::Null };
+    json!({
+        "pressure_gradient": measured(gas.pressure_gradient),
+        "pressure_gradient_alone": gas.pressure_gradient_alone,
+        "bulk_velocity": measured(gas.bulk_velocity),
+        "friction_velocity": measured(gas.friction_velocity),
+        "turbulent_kinetic_energy_in_the_middle_over_that_alone": remaining_turbulence(gas),
+        "momentum": gas.balance,
+        "unexplained_momentum_over_the_largest_part": gas.balance.unexplained_share(),
+    })
+}
+
+/// Contents of `gas.csv`: the gas alone and its time average among the particles, at the grid points from the wall to the
+/// middle. `None` if the gas is frozen in all variants.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
+pub(super) fn csv(outcomes: &[Outcome]) -> Result<Option<Vec<u8>>, OutputError> {
+    if outcomes.iter().all(|outcome| outcome.gas.is_none()) {
+        return Ok(None);
+    }
+    let mut table = CsvTable::new();
+    let head = "variant,y_m,U_alone_m_s,U_m_s,k_alone_m2_s2,k_m2_s2,epsilon_alone_m2_s3,epsilon_m2_s3,nu_t_alone_m2_s,nu_t_m2_s";
+    table.head(head)?;
+    for (outcome, gas) in outcomes.iter().filter_map(|outcome| Some((outcome, outcome.gas.as_ref()?))) {
+        for (alone, mean) in gas.alone.iter().zip(&gas.mean) {
+            let pairs = [[alone.u, mean.u], [alone.k, mean.k], [alone.epsilon, mean.epsilon], [alone.nu_t, mean.nu_t]];
+            let numbers = std::iter::once(mean.y).chain(pairs.into_iter().flatten()).map(|value| number(Some(value)));
+            table.row(std::iter::once(outcome.experiment.name.clone()).chain(numbers))?;
+        }
+    }
+    table.bytes().map(Some)
+}

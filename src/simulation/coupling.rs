@@ -1,0 +1,99 @@
+//! Two-way coupling: the gas loses the momentum that a kick gives to the particles, and its profile is made anew.
+
+use super::Simulation;
+use crate::domain::Domain;
+use crate::drag::Kick;
+use crate::engine::Failure;
+use crate::fluid::{Fluid, LoadedFlow, LocalFractions, Modulation, Profile, SliceSums, TurbulenceStatistics};
+use std::f64::consts::PI;
+
+/// Gas that feels the particles, at the start; `None` if the gas of the scene is frozen.
+pub(super) fn flow_at_start(fluid: &Fluid, domain: &Domain) -> Option<LoadedFlow> {
+    let (coupling, flow) = (fluid.coupling?, fluid.profile.channel_flow()?);
+    let wall_area = match &fluid.profile {
+        Profile::Pipe(pipe) => 2.0 * PI * pipe.radius() * domain.size.z,
+        Profile::Uniform(_) | Profile::Tabulated(_) | Profile::Channel(_) | Profile::LogLaw(_) => {
+            2.0 * domain.size.x * domain.size.z
+        }
+    };
+    Some(LoadedFlow::new(coupling, flow, fluid.density, wall_area))
+}
+
+impl Simulation {
+    /// Gas that feels the particles; `None` if the gas of the scene is frozen.
+    pub fn loaded_flow(&self) -> Option<&LoadedFlow> {
+        self.loaded_flow.as_deref()
+    }
+
+    /// Sums over the particles in each slice of a gas that feels them; `None` in a frozen gas. The impulse is the momentum
+    /// of the particles. The exchange rates are those of a kick; without a kick they are 0.
+    pub(super) fn slice_sums(&self, kick: Option<(&Kick, Option<&LocalFractions>)>) -> Option<Vec<SliceSums>> {
+        let (flow, fluid) = (self.loaded_flow()?, self.scene.fluid.as_ref()?);
+        let kick = kick.filter(|_| flow.coupling().modulation != Modulation::None);
+        let particles = &self.particles;
+        let sums = self.sample().sums_in_groups(flow.slices(), |place| {
+            let (position, velocity, radius) =
+                (&particles.position[place], particles.velocity[place], particles.radius[place]);
+            let mass = particles.mass[place];
+            let exchange = kick.map_or(0.0, |(kick, fractions)| {
+                let mut slip = velocity;
+                slip.z -= fluid.profile.velocity_at(position);
+                let (species, square) = (particles.species[place], slip.norm_squared());
+                let ratio = match fractions {
+                    Some(fractions) => kick.change_among(species, radius, fractions.at(position, radius), square),
+                    None => kick.change_of(species, radius, square),
+                };
+                // the share of the slip that remains after a duration h is exp(-h/τ)
+                -mass * ratio.max(-1.0 + f64::EPSILON).ln_1p() / kick.duration()
+            });
+            let volume = 4.0 / 3.0 * PI * radius.powi(3);
+            (flow.slice(fluid.profile.depth(position).0), [mass * velocity.z, volume, mass, exchange])
+        });
+        let slice = |[impulse, volume, mass, exchange]: [f64; 4]| SliceSums { impulse, volume, mass, exchange };
+        Some(sums.into_iter().map(slice).collect())
+    }
+
+    /// Advances the gas by the `duration` [s] of a kick. `before` are the [`slice_sums`](Self::slice_sums) before the kick.
+    pub(super) fn advance_gas(&mut self, before: Option<Vec<SliceSums>>, duration: f64) {
+        let Some((before, after)) = before.zip(self.slice_sums(None)) else { return };
+        let given = before.iter().zip(&after).map(|(before, after)| after.impulse - before.impulse);
+        let sums: Vec<_> = before.iter().zip(given).map(|(sums, impulse)| SliceSums { impulse, ..*sums }).collect();
+        if let Some(flow) = &mut self.loaded_flow {
+            flow.advance(duration, &sums);
+        }
+        self.renew_profile();
+    }
+
+    /// Books the momentum that lift has given to the particles since `before`, the [`slice_sums`](Self::slice_sums). The gas
+    /// loses it in the next kick.
+    pub(super) fn owe_lift(&mut self, before: Option<Vec<SliceSums>>) {
+        let Some((before, after)) = before.zip(self.slice_sums(None)) else { return };
+        if let Some(flow) = &mut self.loaded_flow {
+            flow.owe(before.iter().zip(&after).map(|(before, after)| after.impulse - before.impulse));
+        }
+    }
+
+    /// Replaces the gas that feels the particles, and its profile.
+    pub(super) fn take_gas(&mut self, flow: Option<Box<LoadedFlow>>) {
+        if flow.is_some() && flow != self.loaded_flow {
+            self.loaded_flow = flow;
+            self.renew_profile();
+        }
+    }
+
+    /// Makes the velocity profile of the gas, and its turbulence, from the present flow. A flow that is not finite stops the
+    /// run.
+    pub(super) fn renew_profile(&mut self) {
+        let (Some(flow), Some(fluid)) = (&self.loaded_flow, &mut self.scene.fluid) else { return };
+        let renewed = flow.flow().and_then(|flow| {
+            if let Some(turbulence) = &mut fluid.turbulence {
+                turbulence.statistics = TurbulenceStatistics::of(&flow)?;
+            }
+            fluid.profile = fluid.profile.with_flow(flow)?;
+            Ok(())
+        });
+        if let Err(why) = renewed {
+            self.refused = Some(Failure::Gas { time: self.time, why });
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! Results of a sensitivity study: the outcomes of its runs, and the files made of them.
+
+use super::plan::{PlannedRun, SensitivityPlan};
+use super::{Question, needs, weigh, words};
+use crate::outcome::Outcome;
+use crate::output::sensitivity::{Factor, OmittedFactor, SensitivityRun, SensitivityStudy};
+use crate::output::{Folder, OutputError, Provenance, write_sensitivity, write_sensitivity_part};
+use crate::statistics::Answer;
+use crate::study::replicas::pool;
+use crate::study::trust::notes;
+use std::path::PathBuf;
+
+/// Outcomes of all runs that are complete.
+pub struct SensitivityTable<'a> {
+    /// Runs and factors of the study.
+    pub plan: SensitivityPlan<'a>,
+    /// Question of the study, which sets the sentences.
+    pub question: Question,
+    /// [-] margin of equivalence, relative to the scale of each observable.
+    pub margin: f64,
+    /// Origin of the results.
+    pub provenance: Provenance,
+    /// Outcomes by run and replica; `None` for an incomplete run.
+    pub outcomes: Vec<Vec<Option<Outcome>>>,
+}
+
+impl SensitivityTable<'_> {
+    /// True if all runs are complete.
+    pub fn is_whole(&self) -> bool {
+        self.outcomes.iter().flatten().all(Option::is_some)
+    }
+
+    /// Pooled replicas of each run; `None` for a run of which a replica is incomplete.
+    pub fn pooled(&self) -> Vec<Option<Outcome>> {
+        let one = |runs: &Vec<Option<Outcome>>| {
+            let runs: Vec<Outcome> = runs.iter().cloned().collect::<Option<_>>()?;
+            let (first, others) = runs.split_first()?;
+            Some(pool(first.clone(), others.to_vec()).0)
+        };
+        self.outcomes.iter().map(one).collect()
+    }
+
+    /// Writes the results so far, and the summary if all runs are complete. Returns the page, the sentences and the
+    /// answer.
+    pub fn write(&self, folder: &Folder) -> Result<(PathBuf, Vec<String>, Option<Answer>), OutputError> {
+        let pooled = self.pooled();
+        let (factors, waiting) = weigh::factors(&self.plan, &pooled, &self.outcomes, self.margin);
+        let runs = self.runs();
+        let sentences = match self.question {
+            Question::Sensitivity => words::sentences(&factors, &waiting, self.margin),
+            Question::Needs => needs::sentences(&self.plan, &factors, &runs, self.margin),
+        };
+        let over: Vec<Outcome> = pooled.into_iter().flatten().collect();
+        // notes run by run, because the runs may have different starts on purpose
+        let notes: Vec<String> = over.iter().flat_map(|one| notes(std::slice::from_ref(one))).collect();
+        let left_out: &[OmittedFactor] = &self.plan.left_out;
+        let study = SensitivityStudy {
+            provenance: &self.provenance,
+            margin: self.margin,
+            factors: &factors,
+            left_out,
+            waiting: &waiting,
+            runs: &runs,
+            sentences: &sentences,
+            notes: &notes,
+        };
+        let write = if self.is_whole() { write_sensitivity } else { write_sensitivity_part };
+        let page = write(folder, &study)?;
+        let overall = factors.iter().map(|factor: &Factor| factor.answer).max();
+        Ok((page, sentences, overall))
+    }
+
+    pub fn runs(&self) -> Vec<SensitivityRun> {
+        let one = |(planned, runs): (&PlannedRun, &Vec<Option<Outcome>>)| {
+            let over: Vec<&Outcome> = runs.iter().flatten().collect();
+            let first = over.first()?;
+            Some(SensitivityRun {
+                name: planned.experiment.name.clone(),
+                set: planned.set.clone(),
+                model: planned.experiment.model(),
+                replicas: over.len(),
+                steady: 2 * over.iter().filter(|run| run.steadiness.steady).count() > over.len(),
+                simulated_seconds: first.simulated_seconds,
+                wall_seconds: over.iter().map(|run| run.timing.wall_seconds).sum(),
+                failure: over.iter().find_map(|run| run.failure.as_ref()).map(ToString::to_string),
+            })
+        };
+        self.plan.runs.iter().zip(&self.outcomes).filter_map(one).collect()
+    }
+}

@@ -1,0 +1,247 @@
+//! Two-way coupling: the gas alone stays as it is, momentum of gas and particles closes, the pressure drop carries the
+//! weight of the particles, same bits, messages.
+
+use crate::support::{case, close, diptych, shared, words};
+use diptych::ContactLaw;
+use diptych::engine::distributed::Distributed;
+use diptych::engine::soft::Soft;
+use diptych::experiment::{Experiment, Integrator, Model, SoftStepping};
+use diptych::fluid::{ChannelFlow, Coupling, HeldFlow, LoadedFlow, Modulation, SliceSums, TurbulenceModel};
+use diptych::placement::initial_state;
+use diptych::schedule::Schedule;
+use diptych::simulation::Simulation;
+
+/// A vertical channel, 40 mm wide, with a thousand beads; `@` stands for further keys of the gas.
+const CHANNEL: &str = r#"
+[domain]
+size = ["10 mm", "40 mm", "20 mm"]
+periodic = ["x", "z"]
+[gravity]
+acceleration = ["0 m/s^2", "0 m/s^2", "-9.81 m/s^2"]
+[fluid]
+density = "1.2 kg/m^3"
+kinematic_viscosity = "1.5e-5 m^2/s"
+[fluid.profile.k_epsilon_channel]
+reynolds_number = 42000
+[fluid.coupling]
+slices = 10
+[drag.schiller_naumann]
+[[particles]]
+name = "bead"
+diameter = "0.4 mm"
+density = "1000 kg/m^3"
+count = 1000
+velocity_mean = ["0 m/s", "0 m/s", "13 m/s"]
+velocity_fluctuation = "0.5 m/s"
+[[walls]]
+restitution = 1
+plane = { point = ["0 m", "0 m", "0 m"], normal = [0, 1, 0] }
+[[walls]]
+restitution = 1
+plane = { point = ["0 m", "40 mm", "0 m"], normal = [0, -1, 0] }
+[contact]
+restitution = 1
+[soft.linear_spring_dashpot]
+stiffness = "1000 N/m"
+[run]
+model = "hard"
+duration = "0.5 s"
+seed = 3
+"#;
+
+fn begin(experiment: &Experiment) -> Simulation {
+    Simulation::new(experiment, initial_state(experiment).unwrap())
+}
+
+/// Runs a part of the schedule of an experiment.
+fn run(experiment: &Experiment, windows: u64) -> Simulation {
+    let mut simulation = begin(experiment);
+    simulation.run(windows, Schedule::new(experiment).window).unwrap();
+    simulation
+}
+
+fn flow(model: TurbulenceModel) -> ChannelFlow {
+    ChannelFlow::solve(15.75, 0.04, 1.5e-5, model).unwrap()
+}
+
+/// Without particles the steady solution of the gas stays steady. It was iterated until k and ε changed by less than
+/// 1e-11 in a sweep with a weight of 0.7; a time step of any length repeats such a sweep.
+#[test]
+fn a_gas_without_particles_stays_as_it_is() {
+    for model in [TurbulenceModel::WallFunctions, TurbulenceModel::LaunderSharma] {
+        let alone = flow(model);
+        let gradient = alone.pressure_gradient(1.2);
+        for held in [HeldFlow::FlowRate, HeldFlow::PressureGradient(gradient)] {
+            let coupling = Coupling { slices: 7, held, modulation: Modulation::Simonin };
+            let mut loaded = LoadedFlow::new(coupling, &alone, 1.2, 1.0);
+            for duration in [1e-4, 1e-3, 0.1] {
+                (0..50).for_each(|_| loaded.advance(duration, &[SliceSums::default(); 7]));
+            }
+            let present = loaded.flow().unwrap();
+            for (now, before) in present.nodes.iter().zip(&alone.nodes) {
+                close("velocity", now.u, before.u, 1e-8 * alone.bulk_velocity);
+                close("k", now.k, before.k, 1e-8 * before.k);
+                close("ε", now.epsilon, before.epsilon, 1e-8 * before.epsilon);
+            }
+            close("pressure gradient", loaded.pressure_gradient(), gradient, 1e-8 * gradient);
+            let momentum = loaded.balance;
+            close("momentum", momentum.unexplained(), 0.0, 1e-12 * momentum.by_pressure);
+        }
+    }
+}
+
+/// A force that is uniform across a channel or a pipe changes the pressure drop by itself, and nothing else: the shear
+/// stress is as before. The gas answers within L_y/u_τ = 0.05 s, and 2 s are simulated.
+#[test]
+fn a_uniform_force_is_carried_by_the_pressure_drop() {
+    let pipe = ChannelFlow::solve_pipe(15.75, 0.04, 1.5e-5, None).unwrap();
+    for alone in [flow(TurbulenceModel::WallFunctions), flow(TurbulenceModel::LaunderSharma), pipe] {
+        let coupling = Coupling { slices: 9, held: HeldFlow::FlowRate, modulation: Modulation::None };
+        let mut loaded = LoadedFlow::new(coupling, &alone, 1.2, 1.0);
+        let volume = loaded.box_volume();
+        let (force, duration) = (100.0, 1e-3);
+        // slices of a pipe have the volumes of rings
+        let part = |slice: usize| match alone.section {
+            diptych::fluid::Section::Channel => 1.0 / 9.0,
+            diptych::fluid::Section::Pipe => (17.0 - 2.0 * slice as f64) / 81.0,
+        };
+        let sums = |slice| SliceSums { impulse: force * duration * volume * part(slice), ..SliceSums::default() };
+        let slices: Vec<SliceSums> = (0..9).map(sums).collect();
+        (0..2000).for_each(|_| loaded.advance(duration, &slices));
+        let wanted = alone.pressure_gradient(1.2) + force;
+        close("pressure drop", loaded.pressure_gradient(), wanted, 1e-8 * wanted);
+        for (now, before) in loaded.flow().unwrap().nodes.iter().zip(&alone.nodes) {
+            close("velocity", now.u, before.u, 1e-7 * alone.bulk_velocity);
+        }
+    }
+}
+
+/// The momentum of the particles and of the gas changes by weight, by the pressure drop and by friction of the gas at the
+/// walls alone. Smooth walls take none of the particles along z. Sums are exact to rounding: 1e-10 of the largest part.
+#[test]
+fn momentum_of_gas_and_particles_closes() {
+    for (model, keys) in [
+        (Model::Hard, &["fluid.coupling.pressure_gradient=\"120 Pa/m\""][..]),
+        (Model::Soft, &["fluid.lift.shear=true"]),
+        (Model::Dsmc, &["fluid.profile.k_epsilon_channel.model=\"launder_sharma\"", "fluid.turbulence.langevin={}"]),
+    ] {
+        let experiment = case(CHANNEL, model, keys).unwrap();
+        let before = begin(&experiment);
+        let after = run(&experiment, 300);
+        let gas = after.loaded_flow().unwrap().balance;
+        let ledger = &after.record.ledger;
+        let weight = ledger.gravity_impulse.z;
+        let gained = after.particles.momentum().z - before.particles.momentum().z;
+        let largest = gas.by_pressure.abs().max(weight.abs()).max(gas.to_particles.abs());
+        close("particles", gained, weight + ledger.drag_impulse.z, 1e-10 * largest);
+        close("exchange", gas.to_particles, ledger.drag_impulse.z, 1e-10 * largest);
+        close("gas", gas.unexplained(), 0.0, 1e-10 * largest);
+        let both = gained + gas.now - gas.start;
+        close("both", both, weight + gas.by_pressure - gas.to_walls, 1e-10 * largest);
+        assert!(gas.to_particles > 0.1 * largest, "the gas has hardly acted: {gas:?}");
+    }
+}
+
+/// In the steady state the pressure drop carries the friction of the gas at the walls and the weight of the particles. The
+/// mean over the second half of the run is compared by the books of momentum: what particles and gas have gained
+/// meanwhile is the whole difference, so the balance holds to rounding, and the particles carry nearly all of it.
+#[test]
+fn the_pressure_drop_rises_by_the_weight_of_the_particles() {
+    let experiment = case(CHANNEL, Model::Hard, &[]).unwrap();
+    let schedule = Schedule::new(&experiment);
+    let mut simulation = begin(&experiment);
+    simulation.run(schedule.windows() / 2, schedule.window).unwrap();
+    let (early, start) = (simulation.loaded_flow().unwrap().balance, simulation.time);
+    let moving = simulation.particles.momentum().z;
+    simulation.run(schedule.windows() / 2, schedule.window).unwrap();
+    let late = simulation.loaded_flow().unwrap();
+    let (volume, time) = (late.box_volume(), simulation.time - start);
+    let per_volume = |impulse: f64| impulse / (volume * time);
+    let drop = per_volume(late.balance.by_pressure - early.by_pressure);
+    let friction = per_volume(late.balance.to_walls - early.to_walls);
+    let gained = per_volume(simulation.particles.momentum().z - moving + late.balance.now - early.now);
+    let fluid = experiment.scene.fluid.as_ref().unwrap();
+    let weight = 9.81 * (1000.0 - fluid.density) * 1000.0 * std::f64::consts::PI / 6.0 * 0.4e-3_f64.powi(3) / volume;
+    close("balance", drop, friction + weight + gained, 1e-9 * drop);
+    // one response time is 0.3 s: the particles still gain some of their weight
+    assert!(gained.abs() < 0.2 * weight && drop > 1.5 * friction, "{drop} {friction} {weight} {gained}");
+}
+
+/// Damping of k by particles at rest in a gas of no mean shear cannot be isolated in a channel; instead the damped and the
+/// undamped flow are compared: Simonin's model lowers k everywhere, and the exchange of momentum is as before.
+#[test]
+fn particles_damp_turbulence() {
+    let of = |modulation: &str| {
+        let experiment = case(CHANNEL, Model::Hard, &[&format!("fluid.coupling.modulation=\"{modulation}\"")]).unwrap();
+        run(&experiment, Schedule::new(&experiment).windows()).loaded_flow().unwrap().flow().unwrap().nodes
+    };
+    let (without, with) = (of("none"), of("simonin"));
+    for (without, with) in without.iter().zip(&with) {
+        assert!(with.k < 0.95 * without.k, "{with:?} {without:?}");
+    }
+}
+
+#[test]
+fn the_gas_is_the_same_on_processes_and_after_a_snapshot() {
+    let experiment = case(CHANNEL, Model::Soft, &["fluid.lift.shear=true", "fluid.turbulence.langevin={}"]).unwrap();
+    let window = Schedule::new(&experiment).window;
+    let start = initial_state(&experiment).unwrap();
+    let whole = run(&experiment, 40);
+    let state = |simulation: &mut Simulation| (simulation.fingerprint(), simulation.loaded_flow().cloned());
+    // resumed in the middle, after observers have looked at half-kicked states
+    let mut first = Simulation::new(&experiment, start.clone());
+    let mut done = 0;
+    first
+        .run_while(40, window, &mut |simulation, windows| {
+            done = windows;
+            simulation.look(0.5 * window, |_| ());
+            windows < 17
+        })
+        .unwrap();
+    let mut second = Simulation::restore(&experiment, first.snapshot().unwrap()).unwrap();
+    second.run(40 - done, window).unwrap();
+    let mut whole = whole;
+    assert_eq!(state(&mut whole), state(&mut second));
+    let of = (experiment.scene.clone(), start);
+    for stepping in [SoftStepping::Local, SoftStepping::Uniform] {
+        let engine = || {
+            Box::new(Soft::new(ContactLaw::linear(1000.0), Integrator::VelocityVerlet, 1e-6, stepping))
+                as Box<dyn Distributed>
+        };
+        let on = |size| shared(size, &of, &engine, (4e-3, 12), state);
+        let alone = on(1);
+        for size in [2, 3] {
+            assert_eq!(on(size), alone, "{size} processes");
+        }
+    }
+}
+
+#[test]
+fn a_gas_that_cannot_feel_particles_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("case.toml");
+    let say = |text: &str| {
+        std::fs::write(&file, text).unwrap();
+        let output = diptych(&["check", file.to_str().unwrap()]).output().unwrap();
+        (output.status.code(), words(&output.stdout) + &words(&output.stderr))
+    };
+    let uniform = CHANNEL
+        .replace("[fluid.profile.k_epsilon_channel]\nreynolds_number = 42000", "[fluid.profile.uniform]\nvelocity = 3");
+    let across = CHANNEL.replace("\"-9.81 m/s^2\"]", "\"0 m/s^2\"]").replacen(
+        "\"0 m/s^2\", \"0 m/s^2\"",
+        "\"0 m/s^2\", \"-9.81 m/s^2\"",
+        1,
+    );
+    for (text, wanted) in [
+        (uniform, "needs a gas flow that is computed"),
+        (CHANNEL.replace("[drag.schiller_naumann]\n", ""), "needs drag"),
+        (across, "needs gravity along z or none"),
+        (CHANNEL.replace("slices = 10", "slices = 0"), "1 ..= 1000"),
+    ] {
+        let (code, message) = say(&text);
+        assert!(code == Some(2) && message.contains(wanted) && message.contains("case.toml"), "{code:?} {message}");
+    }
+    let long = CHANNEL.replace("seed = 3", "window = \"10 ms\"");
+    let (code, message) = say(&long);
+    assert!(code == Some(0) && message.contains("a tenth of the slip"), "{code:?} {message}");
+}
