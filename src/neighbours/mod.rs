@@ -5,6 +5,7 @@
 //! engine passes to the list the distance that its particles may have moved. The list then shows whether it must be
 //! rebuilt.
 
+mod across;
 pub mod cells;
 mod lanes;
 pub mod levels;
@@ -13,7 +14,6 @@ pub mod plan;
 pub mod region;
 
 use crate::clock::Clock;
-use crate::domain::Domain;
 use crate::encounter::{AtWall, Couple, Other};
 use crate::particles::{CHUNK, Particles};
 use crate::scene::Scene;
@@ -153,16 +153,6 @@ impl NeighbourList {
         if self.builds > 0 { 0.5 * self.skin - self.travelled } else { 0.0 }
     }
 
-    /// [m/s] speed, to be added to the largest speed relative to the frame, by which the mean flow of a sheared box moves
-    /// two listed particles towards each other: half the shear rate times the distance up to which pairs are listed.
-    pub fn strain(&self, particles: &Particles, domain: &Domain) -> f64 {
-        if domain.shear.is_none() {
-            return 0.0;
-        }
-        let largest = particles.radius.iter().fold(0.0, |most: f64, &radius| most.max(radius));
-        0.5 * domain.strain_rate() * (2.0 * largest + self.skin)
-    }
-
     /// Marks the list as outdated, after other code has moved or reordered particles. The list must be rebuilt before
     /// its next use.
     pub fn invalidate(&mut self) {
@@ -284,42 +274,6 @@ impl NeighbourList {
             parts.iter().for_each(|part| self.pairs.extend_from_slice(part));
         }
         self.note_first_pairs(particles.len());
-    }
-
-    /// Adds the pairs across the sheared sides of the box: the images of the lowest particles above the upper side are
-    /// compared with the particles below it.
-    fn find_pairs_across(
-        &mut self,
-        levels: &SizeLevels,
-        region: &Region,
-        (particles, scene): (&Particles, &Scene),
-        skin: f64,
-    ) {
-        if scene.domain.shear.is_none() {
-            return;
-        }
-        let (mut packed, known) = (PackedBalls::default(), self.pairs.len());
-        let places: Vec<u32> = (0..particles.len() as u32).collect();
-        let ball = |i: usize| (particles.position[i], particles.radius[i] + 0.5 * skin);
-        packed.fill(&places, ball, region);
-        for i in 0..particles.len() {
-            let (position, reach) = ball(i);
-            let sight = reach + levels.largest_reach();
-            if position.y >= sight {
-                continue;
-            }
-            scene.domain.for_each_across(&position, sight, |image| {
-                packed.for_each_beside((image, reach), levels, region, |others| {
-                    let pairs = others.iter().map(|&j| Pair { i: i as u32, j });
-                    let near = |pair: &Pair| pair.is_within(pair.reach(particles) + skin, particles, scene);
-                    self.pairs.extend(pairs.filter(near));
-                });
-            });
-        }
-        if self.pairs.len() > known {
-            self.pairs.sort_by_key(|pair| pair.i);
-            self.note_first_pairs(particles.len());
-        }
     }
 
     /// Removes all candidates without a chosen particle. `chosen` has one entry for each particle, by index: true if it

@@ -1,7 +1,8 @@
 //! Exact sums of the powers and forces of contacts. The sums do not depend on the order of contacts, nor on the process
 //! or thread that adds them.
 
-use super::contact::{ContactForce, Rates};
+use super::contact::ContactForce;
+use super::rates::Rates;
 use crate::encounter::Couple;
 use crate::exact::{ExactSum, add_rows, condense, none, values};
 use crate::record::{AT_WALLS, BY_SHEAR, FrictionLosses, Ledger, OF_PAIRS, OF_SPRINGS, SOME};

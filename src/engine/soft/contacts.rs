@@ -1,9 +1,10 @@
 //! Contacts in progress: forces, records and dissipated energy.
 
 use super::block::{BlockScratch, ContactBlock, ForceEvaluation, first_named};
-use super::contact::{Alike, Contact, ContactState, Rates, TouchingPair};
+use super::contact::{Alike, Contact, ContactState, TouchingPair};
 use super::contact_sums::ContactSums;
 use super::force_buffer::ForceBuffer;
+use super::rates::Rates;
 use crate::contact_law::ContactLaw;
 use crate::domain::Domain;
 use crate::encounter::{Couple, FrameTime};

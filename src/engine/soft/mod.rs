@@ -6,11 +6,13 @@ mod contact;
 mod contact_sums;
 mod contacts;
 mod crowd;
+mod fastest;
 mod force_buffer;
 mod heun;
 mod local;
 mod packed_contacts;
 mod passing;
+mod rates;
 mod rolling;
 mod rotating;
 mod wall_contacts;
@@ -25,7 +27,6 @@ use super::population::PopulationSummary;
 use super::{Counters, EngineTimes, Failure, Window};
 use crate::clock::Clock;
 use crate::contact_law::ContactLaw;
-use crate::domain::Domain;
 use crate::experiment::{Integrator, SoftStepping};
 use crate::neighbours::{NeighbourList, along_walls};
 use crate::particles::Particles;
@@ -38,6 +39,7 @@ use contacts::Due;
 use contacts::{ContactSearch, EvaluationTime};
 pub(in crate::engine) use contacts::{Contacts, StepRecord};
 pub(in crate::engine) use crowd::{Steps, solve as solve_crowd};
+pub(in crate::engine) use fastest::Fastest;
 pub(in crate::engine) use force_buffer::{ContactTorque, ForceBuffer, ForceIncrement, kick_all};
 use local::NoInstants;
 pub(in crate::engine) use local::{Allowance, InstantaneousRule, IslandScratch, ReachedTouch, SoftIslands};
@@ -88,22 +90,6 @@ pub struct SoftSolver {
     pub(in crate::engine) alike: Option<Alike>,
     /// Data used while several processes share the steps.
     pub(in crate::engine) shared: SharedSteps,
-}
-
-/// [m/s] upper limits of speeds.
-#[derive(Clone, Copy, Debug, Default)]
-pub(in crate::engine) struct Fastest {
-    /// Upper limit for all particles.
-    pub(in crate::engine) all: f64,
-    /// Largest speed that a particle had after a contact force was applied.
-    pushed: f64,
-}
-
-impl Fastest {
-    /// Raises both limits to a speed [m/s] that a particle had after a force was applied.
-    fn rise(&mut self, now: f64) {
-        (self.all, self.pushed) = (self.all.max(now), self.pushed.max(now));
-    }
 }
 
 /// State that the solver stores from one window to the next.
@@ -189,20 +175,6 @@ impl SoftSolver {
         self.counters.pair_checks += done.checks;
         self.counters.force_evaluations += done.forces;
         Ok(())
-    }
-
-    /// Applies the forces of the last evaluation: v += a dt.
-    fn kick(&mut self, particles: &mut Particles, domain: &Domain, dt: f64) {
-        let mass = self.alike.as_ref().map(|alike| alike.mass);
-        let pushed = kick_all(&self.pushes, (particles, mass), dt, self.list.frame());
-        // relative to the mean flow of a sheared box also particles that are not pushed change their speed
-        let in_flow = |_| particles.largest_speed_in(self.list.frame(), domain);
-        self.speed.rise(domain.shear.map_or(pushed, in_flow));
-    }
-
-    /// [m/s] speed at which two particles of the list may come nearer to each other, per particle.
-    fn closing_speed(&self, particles: &Particles, domain: &Domain) -> f64 {
-        self.speed.all + self.list.strain(particles, domain)
     }
 
     /// Applies the half-kick at the start of a window, whose steps have the length `dt` [s]. Its forces are those at

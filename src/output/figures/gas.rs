@@ -90,7 +90,7 @@ pub fn loaded(outcomes: &[Outcome]) -> Option<Figure> {
         };
         let alone = PanelSeries::new("gas alone", SeriesStyle::Reference, points(&first.alone));
         let among = flows.iter().enumerate().map(|(style, (name, flow))| {
-            PanelSeries::new(format!("among the particles of {name}"), SeriesStyle::Line(style), points(&flow.mean))
+            PanelSeries::new(*name, SeriesStyle::Line(style), points(&flow.mean))
         });
         Panel {
             x_label: format!("distance from the wall  [{}m]", prefix.symbol),

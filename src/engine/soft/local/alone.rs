@@ -7,7 +7,8 @@
 
 use super::{RungeKuttaStage, crossing};
 use crate::contact_law::{ContactLaw, Law, with_law};
-use crate::engine::soft::contact::{AlongNormal, Rates, TouchingPair};
+use crate::engine::soft::contact::TouchingPair;
+use crate::engine::soft::rates::{AlongNormal, Rates};
 use nalgebra::Vector3;
 
 /// [-] accuracy of a touch: gap over the diameter. The rounding error of positions is not much smaller.

@@ -15,7 +15,8 @@ mod springs;
 mod turns;
 
 use super::backoff::steps_cost;
-use super::contact::{Contact, Rates, SHORT, TouchingPair, passed};
+use super::contact::{Contact, SHORT, TouchingPair, passed};
+use super::rates::Rates;
 use crate::contact_law::ContactLaw;
 use crate::encounter::{Couple, Encounter, FrameTime, Other};
 use crate::engine::islands::{BoundedIslands, GivenUp, Island, Solve};

@@ -2,7 +2,8 @@
 
 use super::alone::{TOUCH, TRIALS};
 use super::{InstantaneousRule, IslandRun};
-use crate::engine::soft::contact::{Contact, ContactState, Rates};
+use crate::engine::soft::contact::{Contact, ContactState};
+use crate::engine::soft::rates::Rates;
 use crate::engine::soft::rotating::SurfaceMotion;
 use crate::record::{Between, Impact};
 

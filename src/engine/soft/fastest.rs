@@ -1,0 +1,38 @@
+//! Bounds on the speeds of particles in uniform steps, by which neighbour lists are kept complete.
+
+use super::SoftSolver;
+use super::force_buffer::kick_all;
+use crate::domain::Domain;
+use crate::particles::Particles;
+
+/// [m/s] upper limits of speeds.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::engine) struct Fastest {
+    /// Upper limit for all particles.
+    pub(in crate::engine) all: f64,
+    /// Largest speed that a particle had after a contact force was applied.
+    pub(super) pushed: f64,
+}
+
+impl Fastest {
+    /// Raises both limits to a speed [m/s] that a particle had after a force was applied.
+    pub(super) fn rise(&mut self, now: f64) {
+        (self.all, self.pushed) = (self.all.max(now), self.pushed.max(now));
+    }
+}
+
+impl SoftSolver {
+    /// Applies the forces of the last evaluation: v += a dt.
+    pub(super) fn kick(&mut self, particles: &mut Particles, domain: &Domain, dt: f64) {
+        let mass = self.alike.as_ref().map(|alike| alike.mass);
+        let pushed = kick_all(&self.pushes, (particles, mass), dt, self.list.frame());
+        // relative to the mean flow of a sheared box also particles that are not pushed change their speed
+        let in_flow = |_| particles.largest_speed_in(self.list.frame(), domain);
+        self.speed.rise(domain.shear.map_or(pushed, in_flow));
+    }
+
+    /// [m/s] speed at which two particles of the list may come nearer to each other, per particle.
+    pub(super) fn closing_speed(&self, particles: &Particles, domain: &Domain) -> f64 {
+        self.speed.all + self.list.strain(particles, domain)
+    }
+}

@@ -1,0 +1,57 @@
+//! Neighbour lists of sheared boxes: pairs across the sheared sides, and the motion of the mean flow.
+
+use super::levels::SizeLevels;
+use super::packed::PackedBalls;
+use super::region::Region;
+use super::{NeighbourList, Pair};
+use crate::domain::Domain;
+use crate::particles::Particles;
+use crate::scene::Scene;
+
+impl NeighbourList {
+    /// [m/s] speed, to be added to the largest speed relative to the frame, by which the mean flow of a sheared box moves
+    /// two listed particles towards each other: half the shear rate times the distance up to which pairs are listed.
+    pub fn strain(&self, particles: &Particles, domain: &Domain) -> f64 {
+        if domain.shear.is_none() {
+            return 0.0;
+        }
+        let largest = particles.radius.iter().fold(0.0, |most: f64, &radius| most.max(radius));
+        0.5 * domain.strain_rate() * (2.0 * largest + self.skin)
+    }
+
+    /// Adds the pairs across the sheared sides of the box: the images of the lowest particles above the upper side are
+    /// compared with the particles below it.
+    pub(super) fn find_pairs_across(
+        &mut self,
+        levels: &SizeLevels,
+        region: &Region,
+        (particles, scene): (&Particles, &Scene),
+        skin: f64,
+    ) {
+        if scene.domain.shear.is_none() {
+            return;
+        }
+        let (mut packed, known) = (PackedBalls::default(), self.pairs.len());
+        let places: Vec<u32> = (0..particles.len() as u32).collect();
+        let ball = |i: usize| (particles.position[i], particles.radius[i] + 0.5 * skin);
+        packed.fill(&places, ball, region);
+        for i in 0..particles.len() {
+            let (position, reach) = ball(i);
+            let sight = reach + levels.largest_reach();
+            if position.y >= sight {
+                continue;
+            }
+            scene.domain.for_each_across(&position, sight, |image| {
+                packed.for_each_beside((image, reach), levels, region, |others| {
+                    let pairs = others.iter().map(|&j| Pair { i: i as u32, j });
+                    let near = |pair: &Pair| pair.is_within(pair.reach(particles) + skin, particles, scene);
+                    self.pairs.extend(pairs.filter(near));
+                });
+            });
+        }
+        if self.pairs.len() > known {
+            self.pairs.sort_by_key(|pair| pair.i);
+            self.note_first_pairs(particles.len());
+        }
+    }
+}
