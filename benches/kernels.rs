@@ -182,6 +182,7 @@ fn soft(stepping: SoftStepping) -> Box<dyn Engine> {
         effective_mass: 0.5 * mass,
         effective_radius: 0.25 * DIAMETER,
         restitution: 1.0,
+        by_speed: None,
         elasticity: [None; 2],
         stiffness_ratio: 1.0,
     };

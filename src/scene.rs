@@ -277,6 +277,11 @@ impl Scene {
         }
     }
 
+    /// Sets the seed of the facets of rough walls.
+    pub fn seed_facets(&mut self, seed: u64) {
+        self.walls.iter_mut().filter_map(|wall| wall.roughness.as_mut()).for_each(|roughness| roughness.seed = seed);
+    }
+
     /// True if the restitution of any impact depends on its speed.
     pub fn depends_on_speed(&self) -> bool {
         let walls = self.walls.iter().map(|wall| &wall.surface);

@@ -151,7 +151,9 @@ impl Simulation {
         let bound = if soft && broken.is_none() { Bound::new(experiment, &sample, step) } else { None };
         let refused = broken.or_else(|| too_long(experiment, totals.count, step).filter(|_| soft && !may_run));
         let unseen = bound.as_ref().map(Bound::elastic_at_start);
-        let simulation = Self::with_totals(experiment.scene.clone(), particles, totals, engine);
+        let mut scene = experiment.scene.clone();
+        scene.seed_facets(experiment.run.seed);
+        let simulation = Self::with_totals(scene, particles, totals, engine);
         Self { refused, bound, unseen, seed: experiment.run.seed, ..simulation }
     }
 

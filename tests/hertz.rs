@@ -155,7 +155,7 @@ fn bad_elasticity_is_refused() {
     assert!(refused("soft.hertz.youngs_modulus=3000 N/m").contains("pressure"));
     let both = std::fs::read_to_string(&path).unwrap() + "\n[soft.linear_spring_dashpot]\nstiffness = \"3000 N/m\"\n";
     let both = Case::from_text(&path, both.into(), &[]).and_then(|case| case.experiment(None, None)).unwrap_err();
-    assert!(both.to_string().contains("keep one of `linear_spring_dashpot` and `hertz`"), "{both}");
+    assert!(both.to_string().contains("keep one of `linear_spring_dashpot`, `hertz` and `kuwabara_kono`"), "{both}");
     // a law on the command line replaces that of the case
     let other = Case::read(&path, &["soft.linear_spring_dashpot.stiffness=3000 N/m".into()]).unwrap();
     assert!(other.experiment(Some(Model::Soft), None).unwrap().0.law().unwrap().is_linear());

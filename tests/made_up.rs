@@ -28,6 +28,7 @@ fn scene() -> Scene {
         velocity: Vector3::zeros(),
         turning: None,
         resistance: Default::default(),
+        roughness: None,
     };
     Scene {
         domain: Domain::new(Vector3::new(0.12, 0.04, 0.064), [true, false, true]),

@@ -69,6 +69,7 @@ mod player; // recordings of particles: same bits, bounded, complete in the page
 mod restitution; // restitution by speed: every model, every soft law, gases, bits, messages
 mod resume; // killed or stopped runs continue with the same bits; damaged checkpoints; full disks
 mod rotation;
+mod roughness; // rough walls: density of facets, energy, bits, messages
 mod schedule; // windows of the schedule against shorter windows
 mod schema; // the schema for editors: values that it refuses or accepts
 mod seams; // drag laws and wall shapes of the calling program, with the required methods alone

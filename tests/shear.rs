@@ -261,7 +261,7 @@ fn what_a_sheared_box_cannot_have_is_refused() {
     // a random start has the mean flow on top of its velocities
     let start = initial_state(&sheared).unwrap();
     assert!(start.position.iter().zip(&start.velocity).all(|(x, v)| *v == Vector3::new(0.0, 0.0, 100.0 * x.y)));
-    let wall = r#"walls=[{ plane = { point = ["0 m", "0 m", "0 m"], normal = [0, 1, 0] }, restitution = 1 }]"#;
+    let wall = r#"walls=[{ sphere = { center = ["2 mm", "2 mm", "2 mm"], radius = "0.5 mm" }, restitution = 1 }]"#;
     let gas =
         r#"fluid={ density = "1.2 kg/m^3", kinematic_viscosity = "15 mm^2/s", profile.uniform.velocity = "0 m/s" }"#;
     for (sets, words) in [

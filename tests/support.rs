@@ -59,6 +59,7 @@ pub fn plane(point: [f64; 3], normal: [f64; 3], surface: Surface) -> Wall {
         velocity: Vector3::zeros(),
         turning: None,
         resistance: Default::default(),
+        roughness: None,
     }
 }
 

@@ -194,6 +194,7 @@ fn walls_are_surfaces_within_the_box() {
         velocity: Vector3::zeros(),
         turning: None,
         resistance: Default::default(),
+        roughness: None,
     });
     crowd.start[0].amount = Amount::Count(0);
     crowd.run.duration = 0.0;

@@ -20,7 +20,7 @@ use std::fmt;
 use std::marker::PhantomData;
 
 /// Text that separates the message from the remedy in a custom error.
-pub(super) const HELP_MARK: &str = "\u{1}help: ";
+pub(in crate::case) const HELP_MARK: &str = "\u{1}help: ";
 
 /// Reason why a value does not fit its type. The source position of the value is added while the error is passed on.
 #[derive(Clone, Debug)]

@@ -134,6 +134,9 @@ fn motion_in_words(wall: &Wall) -> String {
     if let Some(turning) = &wall.turning {
         let _ = write!(text, ", its surface turns at {} rad/s", vector(&turning.spin));
     }
+    if let Some(roughness) = &wall.roughness {
+        let _ = write!(text, ", rough with facets inclined by {} degrees", short(roughness.deviation.to_degrees(), 4));
+    }
     for (name, friction) in [("rolling", wall.resistance.rolling), ("twisting", wall.resistance.twisting)] {
         if let Some(friction) = friction {
             let _ = write!(text, ", {name} friction {friction}");

@@ -55,6 +55,13 @@ impl CaseNode {
             self.overlay(value, place);
             return Ok(());
         };
+        let is_single = !matches!(self.value, Value::Table(_) | Value::Array(_));
+        if let (true, KeyPart::Key(key)) = (is_single, segment)
+            && !alternatives(place, key).is_empty()
+        {
+            // a law takes the place of a number, or of the name of another law
+            *self = CaseNode::empty_table(key_origin.clone());
+        }
         let kind = self.value.kind();
         match (&mut self.value, segment) {
             (Value::Array(items), segment) if segment.index().is_some() => {

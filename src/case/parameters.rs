@@ -133,6 +133,9 @@ fn wall(wall: &Wall) -> Value {
     if let Some(turning) = &wall.turning {
         value["rotation"] = json!({ "center": three(&turning.center), "spin": three(&turning.spin) });
     }
+    if let Some(roughness) = &wall.roughness {
+        value["roughness"] = json!({ "deviation": roughness.deviation });
+    }
     match wall.geometry.plane() {
         Some(plane) => value["plane"] = json!({ "point": three(&plane.point), "normal": three(&plane.normal) }),
         None => value["obstacle"] = json!(format!("{:?}", wall.geometry.law())),

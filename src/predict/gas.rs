@@ -282,6 +282,7 @@ mod tests {
             velocity: Vector3::zeros(),
             turning: None,
             resistance: Default::default(),
+            roughness: None,
         };
         Scene {
             domain: Domain::new(Vector3::new(edge, edge, edge), [true, !walls, true]),

@@ -1,7 +1,7 @@
 //! Impact of two viscoelastic spheres: one function of one number.
 //!
 //! In units of the mass M, the speed of approach u and Hertz's constant k, the overlap x obeys x'' = -x^(3/2) - β sqrt(x)
-//! x', with x = 0 and x' = 1 at touch, and the impact ends when x = 0 again. With w = sqrt(x), p = x' and the variable σ,
+//! x'. At touch x = 0 and x' = 1. The impact ends when x = 0 again. With w = sqrt(x), p = x' and the variable σ,
 //! dt = 2 w dσ, the equations are polynomials: dw/dσ = p, dp/dσ = -2 w² (w² + β p). So the classical Runge-Kutta method
 //! keeps its order at touch and at the end, where force and time have roots.
 

@@ -17,6 +17,7 @@ mod near;
 mod plane;
 mod polynomial;
 mod repeated;
+mod roughness;
 mod round;
 mod shape;
 mod shell;
@@ -28,6 +29,7 @@ pub use mesh::{Continued, Fault, Findings, Mesh, Mismatch, Nested, Sides, contin
 pub use near::NearWalls;
 pub use plane::Plane;
 pub use repeated::Repeated;
+pub use roughness::{RoughApproach, WallRoughness, perpendicular};
 pub use round::{Frustum, RoundAxis};
 pub use shape::Obstacle;
 pub use turning::Turning;
@@ -393,13 +395,16 @@ pub struct Wall {
     /// Rolling and twisting friction at the wall, where they differ from those of the contact law.
     #[serde(skip_serializing_if = "ResistanceFriction::is_of_law")]
     pub resistance: ResistanceFriction,
+    /// Roughness, for instantaneous impacts; `None`: the wall is smooth. Soft contacts meet the smooth wall.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub roughness: Option<WallRoughness>,
 }
 
 impl Wall {
     /// Makes a wall whose surface does not move.
     pub fn new(geometry: WallGeometry, surface: Surface) -> Self {
         let (velocity, resistance) = (Vector3::zeros(), ResistanceFriction::default());
-        Self { geometry, surface, elasticity: None, velocity, turning: None, resistance }
+        Self { geometry, surface, elasticity: None, velocity, turning: None, resistance, roughness: None }
     }
 }
 

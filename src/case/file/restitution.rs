@@ -1,6 +1,6 @@
 //! Restitution in a case file: one number, or a law by which it depends on the speed.
 
-use crate::case::de::Located;
+use crate::case::de::{HELP_MARK, Located};
 use crate::case::quantity::{QUANTITY, Ratio, Speed};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
@@ -83,8 +83,11 @@ impl<'de> Deserialize<'de> for RestitutionFile {
 
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<RestitutionFile, A::Error> {
                 let law = RestitutionLawFile::deserialize(MapAccessDeserializer::new(&mut map))?;
-                // two known laws are refused beforehand, as keys that exclude each other
                 match map.next_key::<String>()? {
+                    Some(name) if LAWS.contains(&name.as_str()) => {
+                        let (mark, laws) = (HELP_MARK, LAWS.join("`, `"));
+                        Err(A::Error::custom(format_args!("names two laws{mark}choose exactly one of `{laws}`")))
+                    }
                     Some(name) => Err(A::Error::unknown_variant(&name, LAWS)),
                     None => Ok(RestitutionFile::BySpeed(Box::new(law))),
                 }

@@ -50,6 +50,8 @@ pub struct WallFile {
     /// radius of the contact, times the normal force.
     #[schemars(example = 0.1, extend("x-default" = "`friction`", "x-range" = "0 ..= 100"))]
     pub twisting_friction: Option<Located<Ratio>>,
+    /// Roughness of the wall, for the hard model and collisions by chance. Without this table the wall is smooth.
+    pub roughness: Option<Located<RoughnessFile>>,
     /// Velocity of the surface in its own plane, such as that of a conveyor belt; the shape stays at rest. Allowed for
     /// planes, pipes without ends, and meshes all of whose triangles are parallel to the velocity.
     #[schemars(extend("examples" = [["0 m/s", "0 m/s", "0.5 m/s"]], "default" = [0, 0, 0]))]
@@ -60,6 +62,15 @@ pub struct WallFile {
     pub rotation: Option<Located<WallRotationFile>>,
     /// Elasticity of this wall, if it differs from `[soft.hertz]`.
     pub elasticity: Option<Located<ElasticityFile>>,
+}
+
+/// Table `[walls.roughness]`: facets with random inclinations, which impacts meet (Sommerfeld and Huber 1999).
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RoughnessFile {
+    /// Standard deviation of the inclination of the facets, Δγ, in each of two directions along the wall. 0 is smooth.
+    #[schemars(example = &"5 deg", extend("x-required" = "always", "x-range" = "0 ..= 0.6"))]
+    pub deviation: Option<Located<Ratio>>,
 }
 
 /// Rotation of the surface of a wall.

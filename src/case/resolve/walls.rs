@@ -6,8 +6,10 @@ use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{Axis, CaseFile, ConeFile, CylinderFile, PlaneFile, Three, WallFile};
 use crate::case::quantity::Length;
 use crate::domain::Domain;
-use crate::scene::Species;
-use crate::walls::{Cavity, Frustum, Geometry, Hollow, Obstacle, Plane, RoundAxis, Turning, Wall, WallGeometry};
+use crate::scene::{Species, Surface};
+use crate::walls::{
+    Cavity, Frustum, Geometry, Hollow, Obstacle, Plane, RoundAxis, Turning, Wall, WallGeometry, WallRoughness,
+};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -76,9 +78,36 @@ impl Resolver {
             let turning = self.wall_turning(&wall.value, &geometry, domain)?;
             let WallFile { rolling_friction, twisting_friction, .. } = &wall.value;
             let resistance = self.resistance_friction(file, rolling_friction, twisting_friction)?;
-            walls.push(Wall { geometry, surface, elasticity, velocity, turning, resistance });
+            let roughness = self.roughness(&wall.value, &surface, velocity != Vector3::zeros() || turning.is_some())?;
+            walls.push(Wall { geometry, surface, elasticity, velocity, turning, resistance, roughness });
         }
         Ok(walls)
+    }
+
+    /// Roughness of a wall; `None` if it is smooth. `moves` tells that the surface moves.
+    fn roughness(&self, wall: &WallFile, surface: &Surface, moves: bool) -> Result<Option<WallRoughness>, Diagnostic> {
+        let Some(typed) = &wall.roughness else { return Ok(None) };
+        let number = self.need(&typed.value.deviation, "walls.roughness.deviation")?;
+        let help = "the standard deviation of the inclination, such as \"5 deg\"; a plain number is in radians";
+        let deviation = self.in_range(number, help)?;
+        let refuse = |what: &str, help: &str| {
+            Err(self.sources.error(&typed.origin, format!("`{}` {what}", typed.path)).help(help))
+        };
+        match deviation > 0.0 {
+            true if self.model.has_contacts() => refuse(
+                "is for impacts without duration: a contact that lasts would have to leave a facet before it leaves the wall",
+                "use the hard or the dsmc model, or leave it out",
+            ),
+            true if moves => {
+                refuse("needs a surface that does not move", "leave out `velocity` and `rotation` of the wall")
+            }
+            true if !surface.always_rebounds() => {
+                refuse("needs a rebound: with restitution 0 a sphere stays on a facet", "use a restitution of 0.01")
+            }
+            // the run has the seed
+            true => Ok(Some(WallRoughness { deviation, seed: 0 })),
+            false => Ok(None),
+        }
     }
 
     /// [m/s] velocity of a wall's surface, which must be parallel to the surface.

@@ -6,6 +6,7 @@ use crate::engine::hard::Collision;
 use crate::particles::Particles;
 use crate::record::Log;
 use crate::scene::Scene;
+use crate::walls::perpendicular;
 use nalgebra::Vector3;
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
@@ -157,13 +158,4 @@ fn by_chance(pair: &Particles, relative: Vector3<f64>, speed: f64, noise: &mut C
     let met = Encounter { normal, gap: 0.0, velocity: relative, normal_velocity: relative.dot(&normal) };
     let couple = Couple::pair(0, 1);
     Collision { couple, met, elastic: false, kinds: couple.kinds(pair), wall: None, image: 0.0 }
-}
-
-/// Two unit vectors that are perpendicular to a unit vector and to each other.
-fn perpendicular(along: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
-    // the cross product with the axis farthest from the vector is never close to 0
-    let mut axis = Vector3::zeros();
-    axis[along.iamin()] = 1.0;
-    let aside = along.cross(&axis).normalize();
-    (aside, along.cross(&aside))
 }

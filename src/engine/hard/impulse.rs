@@ -1,9 +1,10 @@
 //! Impulse of a collision: the instantaneous change of momentum.
 
-use crate::encounter::{Couple, Encounter, WallMotion};
+use crate::encounter::{AtWall, Couple, Encounter, Other, WallMotion};
 use crate::particles::Particles;
 use crate::record::{Between, Impact, Log};
 use crate::scene::{Kind, Scene, Surface};
+use crate::walls::RoughApproach;
 use nalgebra::Vector3;
 
 /// Impulse on body i [kg m/s] from a body j that it approaches, without rotation. The normal part is J_n = (1+e) M
@@ -106,6 +107,18 @@ impl Collision {
         changes
     }
 
+    /// The collision with the facet of a rough wall; `None` if the other body is smooth.
+    fn on_facet(&self, particles: &Particles, scene: &Scene) -> Option<Self> {
+        let Other::Wall(AtWall { wall, .. }) = self.couple.other else { return None };
+        let roughness = scene.walls[wall as usize].roughness?;
+        let surface = scene.surface(self.kinds.0, self.kinds.1);
+        let Encounter { velocity, normal, .. } = self.met;
+        let impact = RoughApproach { velocity, normal, id: particles.id[self.couple.i as usize], wall };
+        let restitution = |speed: f64| if self.elastic { 1.0 } else { surface.restitution_at(speed) };
+        let normal = roughness.facet(&impact, restitution);
+        Some(Self { met: Encounter { normal, normal_velocity: velocity.dot(&normal), ..self.met }, ..*self })
+    }
+
     /// Records the impulse, and returns the velocity changes [m/s] of `i` and of the other particle (zero for a wall).
     /// If spheres rotate, the function changes the spins in `particles`. `remaining` [s] is the rest of the time
     /// window.
@@ -117,26 +130,29 @@ impl Collision {
         remaining: f64,
         log: &mut Log,
     ) -> (Vector3<f64>, Vector3<f64>) {
-        let (velocity, normal) = (self.met.velocity, self.met.normal);
+        let wall_normal = self.met.normal;
+        let facet = self.on_facet(particles, scene);
+        let this = facet.as_ref().unwrap_or(self);
+        let (velocity, normal) = (this.met.velocity, this.met.normal);
         let effective_mass = weights.effective();
-        let of_kinds = scene.surface(self.kinds.0, self.kinds.1).at_speed(self.approach());
+        let of_kinds = scene.surface(this.kinds.0, this.kinds.1).at_speed(this.approach());
         let mut surface = of_kinds;
-        if self.elastic {
+        if this.elastic {
             let e = std::mem::replace(&mut surface.restitution, 1.0);
-            let speed = self.approach();
+            let speed = this.approach();
             log.ledger.contact_time_kept += 0.5 * effective_mass * speed * speed * (1.0 - e * e);
         }
         let rough = scene.rotation.as_ref().map(|rotation| {
-            let normal_impulse = (1.0 + surface.restitution) * effective_mass * self.approach();
+            let normal_impulse = (1.0 + surface.restitution) * effective_mass * this.approach();
             let numbers = (normal_impulse, effective_mass, weights.reach);
-            self.rough_impulse(rotation, &of_kinds, numbers, particles)
+            this.rough_impulse(rotation, &of_kinds, numbers, particles)
         });
         let impulse = match &rough {
             Some(rough) => rough.impulse,
             None => impulse(&surface, effective_mass, &velocity, &normal),
         };
         let after = velocity + impulse / effective_mass;
-        let (before_n, after_n) = (self.met.normal_velocity, after.dot(&normal));
+        let (before_n, after_n) = (this.met.normal_velocity, after.dot(&normal));
         let slip_square = |u: &Vector3<f64>, n: f64| (u - normal * n).norm_squared();
         let restitution_loss = 0.5 * effective_mass * (before_n * before_n - after_n * after_n);
         let friction_loss = if let Some(rough) = &rough {
@@ -147,7 +163,7 @@ impl Collision {
         } else {
             0.0
         };
-        let overlap = self.met.overlap().max(0.0) / weights.diameter;
+        let overlap = this.met.overlap().max(0.0) / weights.diameter;
         let impact = Impact {
             normal_speed: -before_n,
             rebound_speed: after_n,
@@ -159,23 +175,23 @@ impl Collision {
             slip: rough.as_ref().map(|rough| rough.slip),
         };
         let ledger = &mut log.ledger;
-        let (species, other) = self.kinds;
+        let (species, other) = this.kinds;
         log.impacts.push((Between::of(species, other), impact));
         let change_i = impulse / weights.mass;
         match weights.other {
             Some(other) => {
                 ledger.pair_restitution_loss += restitution_loss;
                 ledger.pair_friction_loss += friction_loss;
-                ledger.shear_work += impulse.z * self.image;
-                ledger.pair_virial += normal * (impulse * (weights.reach + self.met.gap)).transpose();
+                ledger.shear_work += impulse.z * this.image;
+                ledger.pair_virial += normal * (impulse * (weights.reach + this.met.gap)).transpose();
                 (change_i, -impulse / other)
             }
             None => {
                 ledger.wall_restitution_loss += restitution_loss;
                 ledger.wall_friction_loss += friction_loss;
-                ledger.wall_work += self.wall.map_or(0.0, |wall| wall.power(&impulse, None));
+                ledger.wall_work += this.wall.map_or(0.0, |wall| wall.power(&impulse, None));
                 ledger.wall_impulse += impulse;
-                ledger.wall_normal_impulse += impulse.dot(&normal);
+                ledger.wall_normal_impulse += impulse.dot(&wall_normal);
                 // gravity does work on the momentum from the wall during the rest of the window
                 ledger.gravity_work += scene.gravity.dot(&impulse) * remaining;
                 (change_i, Vector3::zeros())

@@ -282,6 +282,7 @@ impl HeadOn {
             velocity: Vector3::zeros(),
             turning: None,
             resistance: Default::default(),
+            roughness: None,
         };
         let mut scene = Scene {
             domain: Domain::new(size, [false; 3]),
