@@ -205,8 +205,10 @@ fn neither_threads_nor_the_order_of_the_store_change_a_bit() {
         for (name, engine) in engines {
             let bits = |threads: usize, start: &Particles| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                let simulation = pool.install(|| run(&scene, start.clone(), engine(), duration, 4));
-                (simulation.state().fingerprint(), simulation.record.pairs.count, *simulation.record.ledger)
+                pool.install(|| {
+                    let simulation = run(&scene, start.clone(), engine(), duration, 4);
+                    (simulation.state().fingerprint(), simulation.record.pairs.count, *simulation.record.ledger)
+                })
             };
             let one = bits(1, &start);
             assert!(one.1 > 100, "{name}: {} impacts", one.1);

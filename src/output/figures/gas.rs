@@ -89,9 +89,10 @@ pub fn loaded(outcomes: &[Outcome]) -> Option<Figure> {
             nodes.iter().map(|node| SeriesPoint::at(node.y * prefix.factor, of(node))).collect()
         };
         let alone = PanelSeries::new("gas alone", SeriesStyle::Reference, points(&first.alone));
-        let among = flows.iter().enumerate().map(|(style, (name, flow))| {
-            PanelSeries::new(*name, SeriesStyle::Line(style), points(&flow.mean))
-        });
+        let among = flows
+            .iter()
+            .enumerate()
+            .map(|(style, (name, flow))| PanelSeries::new(*name, SeriesStyle::Line(style), points(&flow.mean)));
         Panel {
             x_label: format!("distance from the wall  [{}m]", prefix.symbol),
             y_label: label.into(),
