@@ -245,7 +245,7 @@ fn a_case_tells_what_rough_walls_need() {
         (Model::Hard, "walls[0].velocity=[\"1 m/s\", 0, 0]", "needs a surface that does not move"),
         (Model::Hard, "walls[0].restitution=0", "needs a rebound"),
         (Model::Hard, "walls[0].roughness.deviation=40 deg", "allowed: 0 ..= 0.6"),
-        (Model::Hard, "walls[0].roughness={}", "walls[0].roughness.deviation"),
+        (Model::Hard, "walls[1].roughness={}", "walls[1].roughness.deviation"),
     ] {
         let why = case(CASE, model, &[set]).expect_err(set);
         assert!(why.contains(says), "{set}: {why}");
