@@ -98,6 +98,27 @@ fn two_spheres_meet_across_a_sheared_side_as_two_beside_each_other() {
 }
 
 #[test]
+fn spheres_at_rest_are_met_by_images_that_slide_past() {
+    // The image of the upper sphere slides at -3 along z past the lower one, 0.9 below it, and touches it after 1.19 s,
+    // when it is sqrt(1 - 0.9²) = 0.436 away along z. Neither sphere leaves the place for which its neighbours were found.
+    // Rounding of the place, 1e-15, is divided by that distance twice; soft spheres have turned meanwhile.
+    let scene = sheared(10.0, 0.3, 0.8);
+    let start = placed(&scene, &[([5.0, 0.6, 5.0], [0.0; 3]), ([5.0, 9.7, 9.0], [0.0; 3])]);
+    let along = (1.0_f64 - 0.9 * 0.9).sqrt();
+    // (1 + e)/2 times the speed of approach, along the line of centres
+    let want = Vector3::new(0.0, 0.9, -along) * (0.9 * 3.0 * along);
+    for ((name, engine), tolerance) in
+        EXACT.iter().map(|engine| (engine, 1e-12)).chain([(&SOFT[0], 0.1), (&SOFT[2], 0.1)])
+    {
+        let simulation = run(&scene, start.clone(), engine(), 1.5, 3);
+        assert_eq!(simulation.record.pairs.count, 1, "{name}");
+        for (velocity, want) in simulation.particles.velocity.iter().zip([want, -want]) {
+            assert!((velocity - want).norm() < tolerance, "{name}: {velocity} {want}");
+        }
+    }
+}
+
+#[test]
 fn a_translated_box_has_the_same_physics() {
     // every sphere collides some times, which multiplies rounding by about ten each: 1e-15 becomes 1e-9 at most
     for (name, engine) in EXACT.iter().chain(&SOFT) {
