@@ -61,7 +61,7 @@ pub enum Command {
     Sensitivity(Sensitivity),
     /// Finds the cheapest set of models (contacts, rotation, turbulence, two-way coupling, lift, ...) that gives the results
     /// of the richest one.
-    Needs(Needs),
+    Needs(NeededModels),
     /// Serves a page on this machine, on which both models run side by side: scenes to try out, sliders, questions.
     #[cfg(feature = "lab")]
     Lab(Lab),
@@ -431,7 +431,7 @@ pub struct Sensitivity {
 
 /// Arguments of `diptych needs`.
 #[derive(Clone, Debug, Args)]
-pub struct Needs {
+pub struct NeededModels {
     /// The case file, or the name of a built-in case.
     pub case: PathBuf,
     /// Richest collision model [default: soft, or that of the case if it gives no contact law].
@@ -464,7 +464,7 @@ pub struct Needs {
     pub keep: Keep,
 }
 
-impl Needs {
+impl NeededModels {
     /// Arguments of the sensitivity study by which the needs are found.
     pub fn as_sensitivity(&self) -> Sensitivity {
         let Self { case, model, duration, replicas, margin, plan, exit_code, input, output, effort, keep } =

@@ -63,6 +63,12 @@ impl Domain {
         Self { shear: Some(Shear { rate, start, offset: 0.0 }), ..self }.at(0.0).into_owned()
     }
 
+    /// The box with other edge lengths [m], with the same periodic axes and shear.
+    pub fn resized(&self, size: Vector3<f64>) -> Self {
+        let resized = Self::new(size, self.periodic);
+        self.shear.map_or_else(|| resized.clone(), |shear| resized.clone().sheared(shear.rate, shear.start))
+    }
+
     /// The box with images at rest at their present places, where only positions matter.
     pub fn at_rest(&self) -> Self {
         let rest = |shear: Shear| Shear { rate: 0.0, start: shear.offset, ..shear };

@@ -38,7 +38,7 @@ pub struct Work<'a, C> {
 }
 
 impl<C> Work<'_, C> {
-    /// The same data with a scene of another instant.
+    /// Returns this data with a scene of another instant.
     pub fn in_scene<'b>(&'b mut self, scene: &'b Scene) -> Work<'b, C> {
         let Self { particles, lasting, log, record, .. } = self;
         Work { particles, scene, lasting, log, record }

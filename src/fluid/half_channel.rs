@@ -41,7 +41,7 @@ pub(super) struct HalfChannel {
 pub(super) struct SweepStep<'a> {
     /// [-] weight of the newly computed values in the next iterate; the previous values have the remaining weight.
     pub relaxation: f64,
-    /// Inverse of the time step, by the implicit Euler scheme; 0 for the steady equations.
+    /// [-] inverse of the time step in wall units, for the implicit Euler scheme; 0 for the steady equations.
     pub rate: f64,
     /// Rate at which particles damp k in each cell, and the factor of this rate in the equation of ε.
     pub damping: (&'a [f64], f64),

@@ -68,21 +68,21 @@ columns! {
 /// Changes of momentum and energy of the particles that leave a sheared box through a side and come back at the other
 /// side with the velocity of their image there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Crossings {
+pub struct SideCrossings {
     /// [kg m/s] change of the momentum along z.
     pub impulse: f64,
     /// [J] change of the kinetic energy.
     pub work: f64,
 }
 
-impl Crossings {
+impl SideCrossings {
     /// Changes of one particle of `mass` [kg], whose velocity along z is `before` [m/s] and changes by `change` [m/s].
     pub fn of(mass: f64, before: f64, change: f64) -> Self {
         Self { impulse: mass * change, work: mass * change * (before + 0.5 * change) }
     }
 }
 
-impl std::ops::Neg for Crossings {
+impl std::ops::Neg for SideCrossings {
     type Output = Self;
 
     fn neg(self) -> Self {
@@ -136,7 +136,7 @@ impl Particles {
 
     /// Replaces every position outside a periodic side by the periodic image inside the box. Particles outside a sheared
     /// side also get the velocity of that image; the result sums these changes.
-    pub fn wrap(&mut self, domain: &Domain) -> Crossings {
+    pub fn wrap(&mut self, domain: &Domain) -> SideCrossings {
         if domain.shear.is_some() {
             return self.cross(domain);
         }
@@ -145,23 +145,23 @@ impl Particles {
                 *x = domain.wrap(x);
             }
         });
-        Crossings::default()
+        SideCrossings::default()
     }
 
     /// Wraps all particles into a sheared box.
-    fn cross(&mut self, domain: &Domain) -> Crossings {
+    fn cross(&mut self, domain: &Domain) -> SideCrossings {
         let (mut impulse, mut work) = (ExactSum::default(), ExactSum::default());
         let motions = self.position.iter_mut().zip(&mut self.velocity);
         for ((x, v), &mass) in motions.zip(&self.mass) {
             let before = v.z;
             let change = domain.wrap_motion(x, v);
             if change != 0.0 {
-                let crossing = Crossings::of(mass, before, change);
+                let crossing = SideCrossings::of(mass, before, change);
                 impulse.add(crossing.impulse);
                 work.add(crossing.work);
             }
         }
-        Crossings { impulse: impulse.value(), work: work.value() }
+        SideCrossings { impulse: impulse.value(), work: work.value() }
     }
 
     /// The particles with velocities relative to the mean flow of a sheared box; without shear the particles themselves.

@@ -1,7 +1,7 @@
 //! The ledger of a run: work, losses of energy, and impulses, summed since the start.
 
 use crate::exact::{ExactSum, add_rows, none, values};
-use crate::particles::Crossings;
+use crate::particles::SideCrossings;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::sync::OnceLock;
@@ -80,15 +80,15 @@ pub struct Ledger {
     pub shear_impulse: Vector3<f64>,
 }
 
-impl std::ops::AddAssign<Crossings> for Ledger {
-    fn add_assign(&mut self, Crossings { impulse, work }: Crossings) {
+impl std::ops::AddAssign<SideCrossings> for Ledger {
+    fn add_assign(&mut self, SideCrossings { impulse, work }: SideCrossings) {
         self.shear_work += work;
         self.shear_impulse.z += impulse;
     }
 }
 
-impl std::ops::AddAssign<Crossings> for Books {
-    fn add_assign(&mut self, crossings: Crossings) {
+impl std::ops::AddAssign<SideCrossings> for Books {
+    fn add_assign(&mut self, crossings: SideCrossings) {
         let mut ledger = Ledger::default();
         ledger += crossings;
         *self += ledger;

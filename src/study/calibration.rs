@@ -94,12 +94,10 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
     let drawn = variance_of(&start);
     let (outcome, end) = execute(&small, start, &mut []);
     let found = granular_temperature(&outcome).filter(|found| found.is_finite() && *found > 0.0).unwrap_or(drawn);
-    // without a gas that drives the particles, the temperature is that of the start minus the part that collisions
-    // dissipate
-    let variance = match &experiment.scene.fluid {
-        Some(_) => found,
-        None => found / drawn * variance_of(&initial_state(experiment).ok()?),
-    };
+    // without a gas or a shear that drives the particles, the temperature is that of the start minus the part that
+    // collisions dissipate
+    let driven = experiment.scene.fluid.is_some() || experiment.scene.domain.shear.is_some();
+    let variance = if driven { found } else { found / drawn * variance_of(&initial_state(experiment).ok()?) };
     let count = outcome.particles.max(1) as f64;
     let size = small.scene.domain.size;
     let rate = |rate: Option<Estimate>, sides: f64| {
@@ -117,7 +115,8 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
         size: [size.x, size.y, size.z],
         failure: outcome.failure.as_ref().map(ToString::to_string),
     };
-    let temperatures = by_species(&end, variance, experiment.scene.species.len());
+    let relative = end.relative_to_flow(&small.scene.domain);
+    let temperatures = by_species(&relative, variance, experiment.scene.species.len());
     // with walls, slices across y are compared; without walls all positions are equivalent
     let walled = experiment.scene.fluid.is_some() && !experiment.scene.walls.is_empty();
     let spread = if walled { AgitationSpread::of(&slices(&outcome)) } else { AgitationSpread::even() };
@@ -155,12 +154,13 @@ pub fn variance_of(particles: &Particles) -> f64 {
     particles.velocity.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / (3.0 * count)
 }
 
-/// True if nothing drives the particles and no impact dissipates energy. The state is then steady from the start.
+/// True if nothing drives the particles, not even shear, and no impact dissipates energy. The state is then steady from the start.
 fn conserves(experiment: &Experiment) -> bool {
     let scene = &experiment.scene;
     let surfaces = scene.surfaces(2);
     let mut lossless = surfaces.iter().map(|surface| surface.restitution == 1.0 && surface.friction == 0.0);
-    scene.fluid.is_none() && scene.gravity.norm() == 0.0 && lossless.all(|lossless| lossless)
+    let is_left_alone = scene.fluid.is_none() && scene.gravity.norm() == 0.0 && scene.domain.shear.is_none();
+    is_left_alone && lossless.all(|lossless| lossless)
 }
 
 /// Case with shorter periodic sides of its box, so with fewer particles at equal number density. The spheres are hard,
@@ -179,7 +179,7 @@ fn smaller(experiment: &Experiment) -> Experiment {
             let side = domain.size[axis];
             if domain.periodic[axis] { (side * factor).max(NARROWEST * diameter).min(side) } else { side }
         });
-        *domain = crate::domain::Domain::new(size, domain.periodic);
+        *domain = domain.resized(size);
     }
     let share = small.scene.domain.volume() / experiment.scene.domain.volume();
     let mut left = 0.0;

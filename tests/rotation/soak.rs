@@ -212,9 +212,24 @@ fn books_balance_in_a_few_random_crowds_of_rough_spheres() {
     assert!(faults.is_empty(), "{faults:#?}");
 }
 
-#[test]
-#[ignore = "minutes: 500 random crowds in six ways of stepping; `cargo test -- --ignored soak --nocapture` prints the counts"]
-fn books_balance_in_500_random_crowds_of_rough_spheres() {
-    let faults = soak(0..500);
-    assert!(faults.is_empty(), "{} faults: {faults:#?}", faults.len());
+/// Defines an ignored test of the crowds with a range of seeds, so that five of them can run side by side.
+macro_rules! hundred_crowds {
+    ($($name:ident: $seeds:expr),*) => {
+        $(
+            #[test]
+            #[ignore = "an hour of processor time in all: 500 random crowds in six ways of stepping; `cargo test --release -- --ignored crowds_ --nocapture` prints the counts"]
+            fn $name() {
+                let faults = soak($seeds);
+                assert!(faults.is_empty(), "{} faults: {faults:#?}", faults.len());
+            }
+        )*
+    };
 }
+
+hundred_crowds!(
+    books_balance_in_crowds_0_to_99: 0..100,
+    books_balance_in_crowds_100_to_199: 100..200,
+    books_balance_in_crowds_200_to_299: 200..300,
+    books_balance_in_crowds_300_to_399: 300..400,
+    books_balance_in_crowds_400_to_499: 400..500
+);

@@ -24,14 +24,14 @@ impl Resolver {
         if rate == 0.0 {
             return Err(self.refuse(typed, "shears nothing").help("leave [domain.shear] out for a box at rest"));
         }
-        if domain.periodic != [true; 3] {
-            let help = "write `periodic = [\"x\", \"y\", \"z\"]` in [domain]";
-            return Err(self.refuse_shear(shear, "needs a box that is periodic along all axes").help(help));
-        }
         let offset = match &shear.value.offset {
             Some(offset) => self.in_range(offset, "a length, at most a period")?,
             None => 0.0,
         };
+        if domain.periodic != [true; 3] {
+            let help = "write `periodic = [\"x\", \"y\", \"z\"]` in [domain]";
+            return Err(self.refuse_shear(shear, "needs a box that is periodic along all axes").help(help));
+        }
         Ok(domain.sheared(rate, offset))
     }
 

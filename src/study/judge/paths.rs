@@ -220,11 +220,13 @@ impl Widest {
                     continue;
                 }
                 if !theirs.during[there][k] {
-                    let size = domain.separation(&p.position, &q.position).norm();
+                    let size = domain.at(time).separation(&p.position, &q.position).norm();
                     widest.place = widest.place.or(Apart { size, id: p.id, time });
                 }
                 let others = near.clone().filter(|at| theirs.during[*at].get(k) == Some(&false));
-                let sizes = others.map(|at| (p.velocity - theirs.instants[at][k].velocity).norm());
+                // a body that has just crossed a sheared side differs by the speed of images, but not relative to the flow
+                let relative = |of: &PathSample| of.velocity - domain.mean_flow(&of.position);
+                let sizes = others.map(|at| (relative(p) - relative(&theirs.instants[at][k])).norm());
                 if let Some(size) = sizes.reduce(f64::min) {
                     compared = true;
                     widest.velocity = widest.velocity.or(Apart { size, id: p.id, time });
@@ -326,7 +328,7 @@ pub fn apart(runs: &[(f64, &Outcome)], reference: &Outcome, horizon: &Horizon) -
             terms.sum::<Vector3<f64>>().norm()
         };
         velocity = velocity.max(sum(&|one, base| one.velocity - base.velocity));
-        place = place.max(sum(&|one, base| domain.separation(&one.position, &base.position)));
+        place = place.max(sum(&|one, base| domain.at(one.time).separation(&one.position, &base.position)));
     }
     let speed = largest_speed(reference);
     let speed = if speed > 0.0 { speed } else { runs.iter().map(|(_, run)| largest_speed(run)).fold(0.0, f64::max) };

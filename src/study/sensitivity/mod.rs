@@ -16,7 +16,7 @@ mod words;
 use super::replicas::replicas;
 use crate::case::{Case, Checked, describe};
 use crate::checkpoint::checksum;
-use crate::cli::{Needs, Sensitivity};
+use crate::cli::{NeededModels, Sensitivity};
 use crate::outcome::Outcome;
 use crate::runs::{
     CommandOrigin, CommandSettings, Executor, INTERVAL, Ranks, ResumableRun, StudyError, answer, failures, read,
@@ -30,9 +30,9 @@ use table::SensitivityTable;
 /// Question of a study that changes a case by one factor at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Question {
-    /// Which factors matter most to the case as it is?
+    /// Order of the factors by their effect on the case as it is.
     Sensitivity,
-    /// Which models can the richest form of the case do without?
+    /// Models without which the richest form of the case has the same results.
     Needs,
 }
 
@@ -65,7 +65,7 @@ pub fn sensitivity(args: &Sensitivity, ranks: &Ranks) -> Result<Option<Answer>, 
 ///
 /// # Errors
 /// Those of [`sensitivity`].
-pub fn needs(args: &Needs, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
+pub fn needs(args: &NeededModels, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
     sensitivity_on(&args.as_sensitivity(), Question::Needs, CommandOrigin::Typed, ranks)
 }
 

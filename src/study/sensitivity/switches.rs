@@ -4,6 +4,7 @@ use super::factors::{KNOWN, surfaces};
 use super::plan::{PlannedFactor, SensitivityPlan, Simplification};
 use crate::case::{Case, Checked};
 use crate::cli::Sensitivity;
+use crate::contact_law::ContactLaw;
 use crate::experiment::{Experiment, Model};
 use crate::fluid::{Fluid, Profile};
 use crate::output::sensitivity::OmittedFactor;
@@ -41,8 +42,14 @@ struct Switch {
 }
 
 /// All models, in the order in which they are added to the case: later ones may need earlier ones.
-const SWITCHES: [Switch; 9] = [
+const SWITCHES: [Switch; 10] = [
     Switch { name: "friction", title: "friction", richer: friction, simpler: without_friction },
+    Switch {
+        name: "restitution-by-speed",
+        title: "restitution by speed",
+        richer: by_speed,
+        simpler: |_| of_edit(at_usual_speed),
+    },
     Switch { name: "rotation", title: "rotation", richer: rotation, simpler: |_| of_keys(&["contact.rotation=false"]) },
     Switch {
         name: "turbulence",
@@ -120,6 +127,23 @@ fn friction(experiment: &Experiment) -> Richer {
 fn without_friction(plan: &SensitivityPlan) -> Simplification {
     let tables = surfaces(plan).into_iter().map(|table| format!("{table}.friction=0"));
     Simplification { sets: tables.collect(), ..Simplification::default() }
+}
+
+fn by_speed(experiment: &Experiment) -> Richer {
+    match experiment.law() {
+        _ if !experiment.scene.depends_on_speed() => Richer::No("the case gives a constant one, and no law is usual"),
+        Some(ContactLaw::KuwabaraKono(_)) if experiment.model().has_contacts() => {
+            Richer::No("it is that of the contact law itself")
+        }
+        _ => Richer::Has,
+    }
+}
+
+/// Replaces every restitution that depends on the speed by its value at the usual speed of impact.
+fn at_usual_speed(experiment: &mut Experiment) {
+    let scene = &mut experiment.scene;
+    let walls = scene.walls.iter_mut().map(|wall| &mut wall.surface);
+    walls.chain([&mut scene.contact]).chain(scene.pairs.surfaces_mut()).for_each(|surface| surface.by_speed = None);
 }
 
 fn rotation(experiment: &Experiment) -> Richer {

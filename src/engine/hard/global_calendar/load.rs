@@ -6,6 +6,7 @@ use super::event_queue::{EventQueue, EventTable};
 use super::frame::FallingFrame;
 use super::next_events::{FlightState, NextEvents};
 use super::shells::RadiusClass;
+use super::sliding::SLIDE;
 use super::walls::WallContacts;
 use super::{GlobalCalendar, LastCollision, Recent};
 use crate::engine::driver::Work;
@@ -358,8 +359,9 @@ fn margin(particles: &Particles, crowds: &[(f64, f64)], scene: &Scene) -> f64 {
     let wanted = candidates.min_by(|a, b| cost(*a).total_cmp(&cost(*b))).unwrap_or(diameter);
     let periods = (0..3).filter(|axis| scene.domain.periodic[*axis]).map(|axis| scene.domain.size[axis]);
     let room = periods.fold(f64::INFINITY, f64::min) * 0.25 - 0.5 * largest;
-    // of two particles in a sheared box only the nearest images may touch, even if both fly through their whole shells
-    let room = if scene.domain.shear.is_some() { 0.45 * room } else { room };
+    // in a sheared box only the nearest images of two particles may touch, although both may fly through their whole
+    // shells while images slide through an interval
+    let room = if scene.domain.shear.is_some() { room / (SLIDE + 2.0) } else { room };
     // at least the rounding error of the centres of shells, which is 6e-8 of the box
     wanted.min(room).min(scene.domain.size.max()).max(0.03 * diameter).max(ROUNDING * scene.domain.size.max())
 }

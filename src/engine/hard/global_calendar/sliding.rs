@@ -8,7 +8,7 @@
 use super::{GlobalCalendar, Recent};
 use crate::domain::Domain;
 use crate::engine::driver::Work;
-use crate::particles::Crossings;
+use crate::particles::SideCrossings;
 use crate::scene::Scene;
 use std::borrow::Cow;
 
@@ -50,7 +50,7 @@ impl GlobalCalendar {
         let before = body.velocity.z + self.frame.velocity_at(now).z;
         let change = domain.wrap_motion(&mut body.position, &mut body.velocity);
         if change != 0.0 {
-            work.record.ledger += Crossings::of(mass, before, change);
+            work.record.ledger += SideCrossings::of(mass, before, change);
         }
         let at_wall = self.at_wall(place as usize, scene);
         let domain = self.domain_of_interval(scene);
@@ -68,7 +68,7 @@ impl GlobalCalendar {
             let before = velocity.z;
             let change = work.scene.domain.wrap_motion(&mut position, &mut velocity);
             if change != 0.0 {
-                work.record.ledger += -Crossings::of(self.shells.mass(&self.bodies[place]), before, change);
+                work.record.ledger += -SideCrossings::of(self.shells.mass(&self.bodies[place]), before, change);
             }
         }
     }
