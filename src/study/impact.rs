@@ -66,8 +66,7 @@ pub fn impact(args: &ImpactArguments) -> Result<(), StudyError> {
     let (first, particles, meeting) = &runs[0];
     let scene = describe_variants(variants.iter().map(|(experiment, _)| experiment));
     let approach = -point(&first.scene, particles, meeting, 0.0).normal_velocity;
-    let mut verdicts: Vec<String> =
-        bounces.iter().map(|bounce| sentence(bounce, meeting.surface.restitution)).collect();
+    let mut verdicts: Vec<String> = bounces.iter().map(|bounce| sentence(bounce, &meeting.surface)).collect();
     let all: Vec<_> = runs.iter().map(|(experiment, particles, _)| (*experiment, particles)).collect();
     let oblique = oblique(&all, meeting, approach);
     verdicts.extend(oblique.iter().flat_map(differences));
@@ -115,7 +114,7 @@ fn differences(study: &ObliqueStudy) -> Vec<String> {
     (1..study.curves.len()).filter_map(sentence).collect()
 }
 
-fn sentence(bounce: &Bounce, asked: f64) -> String {
+fn sentence(bounce: &Bounce, surface: &Surface) -> String {
     if let Some(why) = &bounce.failure {
         return format!("\"{}\" stopped: {why}.", bounce.name);
     }
@@ -123,6 +122,10 @@ fn sentence(bounce: &Bounce, asked: f64) -> String {
         bounce.values
     else {
         return format!("\"{}\": no impact ended within the duration.", bounce.name);
+    };
+    let asked = match surface.by_speed {
+        None => surface.restitution.to_string(),
+        Some(_) => format!("{:.6}", surface.restitution),
     };
     let rebound = format!("\"{}\": restitution {restitution:.6} where {asked} was asked for", bounce.name);
     if bounce.time_step.is_some() && time > 0.0 {
