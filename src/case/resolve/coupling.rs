@@ -20,6 +20,17 @@ impl Resolver {
         profile: &Profile,
     ) -> Result<Option<Coupling>, Diagnostic> {
         let Some(typed) = &fluid.coupling else { return Ok(None) };
+        let slices = match &typed.value.slices {
+            Some(slices) => self.whole(slices, 1, 1000, "a slice should hold some hundred particles")?,
+            None => 20,
+        };
+        let held = match &typed.value.pressure_gradient {
+            Some(gradient) => {
+                let help = "the weight of the particles per volume is carried by the pressure gradient too";
+                HeldFlow::PressureGradient(self.in_range(gradient, help)?)
+            }
+            None => HeldFlow::FlowRate,
+        };
         let refuse = |message: &str, help: &str| Err(self.sources.error(&typed.origin, message).help(help));
         if profile.channel_flow().is_none() {
             return refuse(
@@ -33,17 +44,6 @@ impl Resolver {
                 "add [drag.schiller_naumann]",
             );
         }
-        let slices = match &typed.value.slices {
-            Some(slices) => self.whole(slices, 1, 1000, "a slice should hold some hundred particles")?,
-            None => 20,
-        };
-        let held = match &typed.value.pressure_gradient {
-            Some(gradient) => {
-                let help = "the weight of the particles per volume is carried by the pressure gradient too";
-                HeldFlow::PressureGradient(self.in_range(gradient, help)?)
-            }
-            None => HeldFlow::FlowRate,
-        };
         let modulation = match typed.value.modulation.as_ref().map_or(ModulationFile::Simonin, |typed| typed.value) {
             ModulationFile::None => Modulation::None,
             ModulationFile::Simonin => Modulation::Simonin,
