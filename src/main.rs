@@ -64,8 +64,8 @@ fn command(command: Command, ranks: &Ranks) -> Result<u8, StudyError> {
     let done = match command {
         Command::Run(args) => study::run(&args, ranks),
         Command::Compare(args) => return Ok(verdict(args.exit_code, study::compare(&args, ranks)?)),
-        Command::Sensitivity(args) => return Ok(verdict(args.exit_code, study::sensitivity(&args, ranks)?)),
-        Command::Needs(args) => return Ok(verdict(args.exit_code, study::needs(&args, ranks)?)),
+        Command::Sensitivity(args) => return Ok(verdict(args.runs.exit_code, study::sensitivity(&args, ranks)?)),
+        Command::Needs(args) => return Ok(verdict(args.runs.exit_code, study::needs(&args, ranks)?)),
         Command::Judge(args) => return Ok(verdict(args.exit_code, ranks.by_lead(|| study::judge_files(&args))?)),
         Command::Validate(args) => return Ok(verdict(args.exit_code, ranks.by_lead(|| study::validate(&args))?)),
         Command::Sweep(args) => study::sweep(&args, ranks),

@@ -41,10 +41,10 @@ pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
         adopt(args, &mut compare.output, &mut compare.effort);
         compare_on(&compare, origin, ranks).map(|_| ())
     } else if let Command::Sensitivity(mut study) = cli.command {
-        adopt(args, &mut study.output, &mut study.effort);
+        adopt(args, &mut study.runs.output, &mut study.runs.effort);
         sensitivity_on(&study, Question::Sensitivity, origin, ranks).map(|_| ())
     } else if let Command::Needs(mut study) = cli.command {
-        adopt(args, &mut study.output, &mut study.effort);
+        adopt(args, &mut study.runs.output, &mut study.runs.effort);
         sensitivity_on(&study.as_sensitivity(), Question::Needs, origin, ranks).map(|_| ())
     } else if let Command::Sweep(mut sweep) = cli.command {
         adopt(args, &mut sweep.output, &mut sweep.effort);

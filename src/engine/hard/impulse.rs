@@ -130,7 +130,6 @@ impl Collision {
         remaining: f64,
         log: &mut Log,
     ) -> (Vector3<f64>, Vector3<f64>) {
-        let wall_normal = self.met.normal;
         let facet = self.on_facet(particles, scene);
         let this = facet.as_ref().unwrap_or(self);
         let (velocity, normal) = (this.met.velocity, this.met.normal);
@@ -139,8 +138,7 @@ impl Collision {
         let mut surface = of_kinds;
         if this.elastic {
             let e = std::mem::replace(&mut surface.restitution, 1.0);
-            let speed = this.approach();
-            log.ledger.contact_time_kept += 0.5 * effective_mass * speed * speed * (1.0 - e * e);
+            log.ledger.contact_time_kept += 0.5 * effective_mass * this.approach().powi(2) * (1.0 - e * e);
         }
         let rough = scene.rotation.as_ref().map(|rotation| {
             let normal_impulse = (1.0 + surface.restitution) * effective_mass * this.approach();
@@ -191,7 +189,8 @@ impl Collision {
                 ledger.wall_friction_loss += friction_loss;
                 ledger.wall_work += this.wall.map_or(0.0, |wall| wall.power(&impulse, None));
                 ledger.wall_impulse += impulse;
-                ledger.wall_normal_impulse += impulse.dot(&wall_normal);
+                // the pressure on a rough wall counts along its smooth normal
+                ledger.wall_normal_impulse += impulse.dot(&self.met.normal);
                 // gravity does work on the momentum from the wall during the rest of the window
                 ledger.gravity_work += scene.gravity.dot(&impulse) * remaining;
                 (change_i, Vector3::zeros())

@@ -250,6 +250,23 @@ fn impact_cells(impacts: &Impacts, rate: Option<Estimate>, requested: String, ro
     cells
 }
 
+/// Notes on the energy that collisions within the contact time of another one have kept.
+fn notes_on_contact_time(outcomes: &[Outcome], prefix: &Prefix) -> Vec<Block> {
+    let note = |o: &Outcome| {
+        let kept = o.record.ledger.contact_time_kept;
+        let all = o.record.ledger.through(o.energy_at_start);
+        Block::Note(format!(
+            "“{}”: restitution would have taken another {} {}J ({}) from collisions that came within the contact \
+             time of another and were elastic for it.",
+            o.experiment.name,
+            significant(kept * prefix.factor, 4),
+            prefix.symbol,
+            percent(kept, all)
+        ))
+    };
+    outcomes.iter().filter(|o| o.record.ledger.contact_time_kept > 0.0).map(note).collect()
+}
+
 /// Parts of the page about the energy balance.
 fn energy(outcomes: &[Outcome]) -> Vec<Block> {
     let largest = outcomes
@@ -275,24 +292,24 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
             if rounding { "0".into() } else { format!("{} ({})", joule(-of(o)), percent(-of(o), through(o))) }
         })
     };
-    let kept = |o: &Outcome| o.record.ledger.contact_time_kept;
     let suspect = outcomes.iter().filter_map(relative_residual).any(|residual| residual.abs() > SUSPECT_RESIDUAL);
-    let driven = outcomes.iter().any(|o| o.record.ledger.wall_work != 0.0);
     let mut rows = vec![
         plain("at the start", |o| o.energy_at_start),
         work("drag", |o| o.record.ledger.drag_work),
         work("gravity", |o| o.record.ledger.gravity_work),
     ];
-    rows.extend(driven.then(|| work("moving walls", |o| o.record.ledger.wall_work)));
-    let sheared = outcomes.iter().any(|o| o.experiment.scene.domain.shear.is_some());
-    rows.extend(sheared.then(|| work("shear", |o| o.record.ledger.shear_work)));
+    let any = |of: fn(&Outcome) -> bool| outcomes.iter().any(of);
+    rows.extend(any(|o| o.record.ledger.wall_work != 0.0).then(|| work("moving walls", |o| o.record.ledger.wall_work)));
+    rows.extend(
+        any(|o| o.experiment.scene.domain.shear.is_some()).then(|| work("shear", |o| o.record.ledger.shear_work)),
+    );
     rows.extend([
         loss("restitution between particles", |o| o.record.ledger.pair_restitution_loss),
         loss("friction between particles", |o| o.record.ledger.pair_friction_loss),
         loss("restitution at walls", |o| o.record.ledger.wall_restitution_loss),
         loss("friction at walls", |o| o.record.ledger.wall_friction_loss),
     ]);
-    if outcomes.iter().any(|o| o.experiment.scene.rotation.is_some()) {
+    if any(|o| o.experiment.scene.rotation.is_some()) {
         type Part = (&'static str, fn(&Outcome) -> f64);
         let parts: [Part; 6] = [
             ("… of this friction: sliding", |o| o.record.ledger.sliding_loss()),
@@ -312,16 +329,7 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
     let head = std::iter::once(format!("energy [{}J]", prefix.symbol));
     let head = head.chain(outcomes.iter().map(|o| o.experiment.name.clone())).collect();
     let mut blocks = vec![Block::Table(Table { head, rows, remarks: false })];
-    blocks.extend(outcomes.iter().filter(|o| kept(o) > 0.0).map(|o| {
-        Block::Note(format!(
-            "“{}”: restitution would have taken another {} {}J ({}) from collisions that came within the contact \
-             time of another and were elastic for it.",
-            o.experiment.name,
-            joule(kept(o)),
-            prefix.symbol,
-            percent(kept(o), through(o))
-        ))
-    }));
+    blocks.extend(notes_on_contact_time(outcomes, &prefix));
     blocks.push(Block::note(
         "Kinetic and elastic energy; in brackets the share of what went through the ledger (start + |drag| + |gravity| + |moving walls| + |shear|). \
          Unexplained: rounding for hard spheres, also the integrator’s own gain or loss for soft ones; marked above 0.1 %.",

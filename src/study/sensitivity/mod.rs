@@ -77,17 +77,17 @@ pub(super) fn sensitivity_on(
     ranks: &Ranks,
 ) -> Result<Option<Answer>, StudyError> {
     let settings = CommandSettings {
-        checkpoint_every: args.keep.checkpoint_every,
-        ..CommandSettings::new(origin, question.command(), &args.case, &args.output, &args.effort)
+        checkpoint_every: args.runs.keep.checkpoint_every,
+        ..CommandSettings::new(origin, question.command(), &args.case, &args.runs.output, &args.runs.effort)
     };
     let read = || {
-        share_threads(&args.effort, ranks)?;
-        read(&args.case, &args.input.with_duration(args.duration.as_ref()))
+        share_threads(&args.runs.effort, ranks)?;
+        read(&args.case, &args.runs.input.with_duration(args.runs.duration.as_ref()))
     };
     let case = ranks.agree(read(), |case| checksum(case.text.as_bytes()))?;
     let (plan, checked) = question.plan(&case, args)?;
     let threads = ranks.count() * ranks.threads(settings.threads);
-    if args.plan {
+    if args.runs.plan {
         let said = ranks.is_lead().then(|| outlook::text(&plan, threads));
         return said.transpose()?.map_or(Ok(()), |text| answer(&text)).map(|()| None);
     }
@@ -99,7 +99,7 @@ pub(super) fn sensitivity_on(
     }
     let mut table = SensitivityTable {
         question,
-        margin: args.margin,
+        margin: args.runs.margin,
         provenance: settings.provenance(&case, describe(plan.reference())),
         outcomes: plan.runs.iter().map(|_| vec![None; usize::from(plan.replicas)]).collect(),
         plan,

@@ -118,8 +118,8 @@ impl<'a> SensitivityPlan<'a> {
     /// The unchanged case cannot run; or a factor is unknown, named twice, or requested although it makes no sense for
     /// the case.
     pub fn new(case: &'a Case, args: &Sensitivity) -> Result<(Self, Checked), StudyError> {
-        let seed = args.effort.seed;
-        let checked = match args.model {
+        let seed = args.runs.effort.seed;
+        let checked = match args.runs.model {
             Some(model) => case.experiment(Some(model), seed)?,
             None => any_model(case, seed)?,
         };
@@ -145,12 +145,12 @@ impl<'a> SensitivityPlan<'a> {
         (reference, name): (&Experiment, &str),
         base: Vec<String>,
     ) -> Result<Self, StudyError> {
-        let (seed, reference) = (args.effort.seed, reference.clone());
+        let (seed, reference) = (args.runs.effort.seed, reference.clone());
         let placed = reference.start.iter().all(|population| matches!(population.amount, Amount::Placed(_)));
         // replicas are refused before anything is planned
-        replicas(&reference, args.replicas.unwrap_or(1))?;
+        replicas(&reference, args.runs.replicas.unwrap_or(1))?;
         let transient = fades(&reference) && !placed && reference.count() > FEW;
-        let count = args.replicas.unwrap_or(if transient { REPLICAS } else { 1 });
+        let count = args.runs.replicas.unwrap_or(if transient { REPLICAS } else { 1 });
         let model = Some(reference.model());
         let set = base.join(", ");
         let (runs, factors, left_out, assumed) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());

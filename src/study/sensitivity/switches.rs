@@ -224,9 +224,9 @@ impl<'a> SensitivityPlan<'a> {
     /// # Errors
     /// The case cannot run, or has no model to leave out.
     pub fn richest(case: &'a Case, args: &Sensitivity) -> Result<(Self, Checked), StudyError> {
-        let seed = args.effort.seed;
+        let seed = args.runs.effort.seed;
         let soft = || case.experiment(Some(Model::Soft), seed);
-        let mut checked = match args.model {
+        let mut checked = match args.runs.model {
             Some(model) => case.experiment(Some(model), seed)?,
             None => soft().or_else(|_| any_model(case, seed))?,
         };
