@@ -91,3 +91,15 @@ fn models_that_a_scene_cannot_have_are_named_with_the_reason() {
         assert!(said.contains(words), "{words} in {said}");
     }
 }
+
+/// Hard spheres and collisions by chance stop where a ball slides on a floor. That is an answer and no error.
+#[test]
+fn a_model_without_which_a_run_stops_cannot_be_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let output = diptych(&["needs", "rotation/slide-to-roll", "--out", out.to_str().unwrap()]).output().unwrap();
+    let said = words(&output.stdout) + &words(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert!(said.contains("Contacts that last (hard spheres have none) cannot be left out: \"hard\": "), "{said}");
+    assert!(said.contains("something shifts beyond the margin: rotation ("), "{said}");
+}
