@@ -142,6 +142,7 @@ fn cube(count: usize, volume_fraction: f64) -> Scene {
         contact: Surface::new(1.0, 0.0),
         pairs: Default::default(),
         rotation: None,
+        thermostat: None,
         species: vec![species],
     }
 }

@@ -13,6 +13,7 @@ fn scene() -> Scene {
         contact: Surface::new(0.9, 0.0),
         pairs: Default::default(),
         rotation: None,
+        thermostat: None,
         species: vec![Species::new("glass", 2e-4, 2500.0)],
     }
 }

@@ -36,6 +36,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
         contact,
         pairs: Default::default(),
         rotation: None,
+        thermostat: None,
         species: vec![glass],
     };
     let mut simulation = Simulation::with_engine(scene, particles, Box::new(Hard::new()));

@@ -25,6 +25,8 @@ pub enum NoiseUse {
     Collisions = 3,
     /// Facets of rough walls.
     Facets = 4,
+    /// Random accelerations of a thermostat.
+    Thermostat = 5,
 }
 
 /// One number of 64 bits from several, which changes at random if any of them changes, by the mixing function of

@@ -4,11 +4,13 @@ mod buoyancy;
 mod sizes;
 mod start_region;
 mod surface;
+mod thermostat;
 
 pub use buoyancy::ADDED_MASS;
 pub use sizes::{Fraction, SizeDistribution};
 pub use start_region::StartRegion;
 pub use surface::Surface;
+pub use thermostat::Thermostat;
 
 use crate::domain::Domain;
 use crate::fluid::Fluid;
@@ -228,6 +230,7 @@ impl Species {
 ///     contact: surface,
 ///     pairs: Default::default(),
 ///     rotation: None,
+///     thermostat: None,
 ///     species: vec![Species::new("glass", 1e-3, 2500.0)],
 /// };
 /// assert!((scene.species[0].mass() - 1.309e-6).abs() < 1e-9); // kg
@@ -253,6 +256,9 @@ pub struct Scene {
     /// Tangential behaviour of spheres that rotate; `None` if no sphere rotates, and friction then has no memory.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotation: Option<Rotation>,
+    /// Heating of the particles from outside; `None` if there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thermostat: Option<Thermostat>,
 }
 
 impl Scene {

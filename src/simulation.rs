@@ -11,6 +11,7 @@ mod kick;
 mod lift;
 mod share;
 mod snapshot;
+mod thermostat;
 mod totals;
 mod turbulence;
 mod weight;
@@ -59,6 +60,7 @@ const TABULATE: usize = 1000;
 /// #     contact: Surface::new(0.5, 0.0),
 /// #     pairs: Default::default(),
 /// #     rotation: None,
+/// #     thermostat: None,
 /// #     species: vec![Species::new("sphere", 1.0, 1.0)],
 /// # };
 /// // two spheres of 1 m and 1 kg, 2 m apart, approach at 1 m/s; the scene's restitution is 0.5
@@ -400,14 +402,14 @@ impl Simulation {
     /// duration of the half-kick. Afterwards the velocities are restored, so that the next kick is a whole one and this
     /// call changes no rounding. If each process has a part of the particles, all processes apply the half-kick.
     pub fn look<T>(&mut self, kick: f64, show: impl FnOnce(&mut Self) -> T) -> T {
-        let dragged = self.scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
-        let kept = dragged.then(|| {
+        let kicked = self.is_dragged() || self.scene.thermostat.is_some();
+        let kept = kicked.then(|| {
             let mut before = Particles::default();
             self.particles.keep_kicked(&mut before);
             before.eddies.clone_from(&self.particles.eddies);
             (before, self.record.ledger.clone(), self.totals.momentum, self.loaded_flow.clone())
         });
-        let by_all = dragged && self.engine.is_cut();
+        let by_all = kicked && self.engine.is_cut();
         if by_all {
             self.order(&Order::Keep);
         }
@@ -427,13 +429,31 @@ impl Simulation {
         answer
     }
 
-    /// Applies drag alone for `duration` [s]; `number` is the number of the kick, which determines its random numbers.
+    /// True if the gas exerts drag.
+    fn is_dragged(&self) -> bool {
+        self.scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some())
+    }
+
+    /// Applies drag and a thermostat alone for `duration` [s]; `number` is the number of the kick, which determines its
+    /// random numbers.
     fn kick(&mut self, duration: f64, number: u64) {
-        let Some(fluid) = &self.scene.fluid else { return };
-        let Some(law) = &fluid.drag else { return };
-        if self.engine.is_cut() {
+        let (dragged, heated) = (self.is_dragged(), self.scene.thermostat.is_some());
+        if (dragged || heated) && self.engine.is_cut() {
             self.order(&Order::Kick(duration, number));
         }
+        // with drag, half of the heat is given before it and half after it, so that the splitting is of second order
+        let share = if dragged { 0.5 } else { 1.0 };
+        self.heat(share * duration, 2 * number);
+        if dragged {
+            self.drag(duration, number);
+            self.heat(share * duration, 2 * number + 1);
+        }
+    }
+
+    /// Applies drag alone for `duration` [s], as the kick with a number.
+    fn drag(&mut self, duration: f64, number: u64) {
+        let Some(fluid) = &self.scene.fluid else { return };
+        let Some(law) = &fluid.drag else { return };
         let began = self.clock.now();
         let place = self.kicks.iter().position(|kick| kick.duration() == duration).unwrap_or_else(|| {
             self.kicks.truncate(1);

@@ -161,6 +161,7 @@ fn simulation_follows_the_exact_flow() {
         contact: surface(1.0, 0.0),
         pairs: Default::default(),
         rotation: None,
+        thermostat: None,
         species: vec![small(), large()],
     };
     let mut particles = Particles::default();

@@ -38,6 +38,7 @@ fn scene() -> Scene {
         contact: Surface::new(1.0, 0.0),
         pairs: Default::default(),
         rotation: None,
+        thermostat: None,
         species: vec![Species::new("polystyrene, 406 um", 406e-6, 1038.0)],
     }
 }

@@ -85,6 +85,7 @@ mod stress; // stress, contacts per particle, volume fraction, and the densest s
 mod suspensions; // drag in suspensions: published values, packed beds, hindered settling, local fractions, bits
 mod sweep; // sweeps: killed and continued, grids and replicas, refusals, points that stop
 mod terminal; // messages may be lost, results may not
+mod thermostat; // heated gases: without losses, ledger, kinetic theory, drag, bits, messages
 mod trajectory; // frames for other programs: bits, surfaces, failures
 mod trust; // the trust sheet of a run, and the halved step
 mod turbulence; // turbulence along the paths of particles: well mixed, Tchen, Hinze and Csanady, frozen limit, ledger, bits, messages

@@ -11,7 +11,7 @@ use diptych::observe::{
     Stresses,
 };
 use diptych::placement::initial_state;
-use diptych::scene::{Elasticity, Species};
+use diptych::scene::{Elasticity, Species, Thermostat};
 use diptych::schedule::Schedule;
 use diptych::simulation::{Simulation, Snapshot};
 use diptych::statistics::Accumulator;
@@ -67,6 +67,13 @@ fn sheared() -> Experiment {
     sheared
 }
 
+/// A crowd with random accelerations.
+fn heated() -> Experiment {
+    let mut heated = crowd(200, 0.2, 0.5);
+    heated.scene.thermostat = Some(Thermostat::Stochastic { heating: 100.0 });
+    heated
+}
+
 fn scenes() -> Vec<(&'static str, Experiment)> {
     vec![
         ("dilute", crowd(200, 0.01, 0.5)),
@@ -76,6 +83,7 @@ fn scenes() -> Vec<(&'static str, Experiment)> {
         ("falling", falling()),
         ("blown", blown()),
         ("sheared", sheared()),
+        ("heated", heated()),
     ]
 }
 
@@ -197,7 +205,7 @@ fn observers(experiment: &Experiment, schedule: &Schedule) -> Vec<Box<dyn Observ
 /// Number of the storage layout, and checksum of the stored data of a run before its first window, with every model and
 /// observer. Only the types define the meaning of these bytes. If the types change without the number, older files are
 /// misread.
-const LAYOUT: (&str, u32) = ("34", 3_658_447_532);
+const LAYOUT: (&str, u32) = ("35", 708_026_314);
 
 #[test]
 fn types_that_are_stored_change_with_the_number_of_the_layout_only() {

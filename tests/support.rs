@@ -46,6 +46,7 @@ pub fn empty(size: [f64; 3], periodic: [bool; 3], species: Species, contact: Sur
         contact,
         pairs: Default::default(),
         rotation: None,
+        thermostat: None,
         species: vec![species],
     }
 }

@@ -7,7 +7,7 @@ use crate::experiment::{
 use crate::fluid::{Fluid, Langevin, LocalTurbulence, Turbulence};
 use crate::predict::contact::usual_impact;
 use crate::predict::flow::terminal_slip;
-use crate::scene::{Kind, Scene, Species, Surface};
+use crate::scene::{Kind, Scene, Species, Surface, Thermostat};
 use crate::walls::Wall;
 use nalgebra::Vector3;
 use std::fmt::Write;
@@ -93,6 +93,20 @@ pub(crate) fn scene_in_words(experiment: &Experiment) -> String {
             short(shear.rate, 4),
             short(speed, 4)
         );
+    }
+    if let Some(thermostat) = &scene.thermostat {
+        let _ = match thermostat {
+            Thermostat::Stochastic { heating } => writeln!(
+                text,
+                "Thermostat: random accelerations that raise T by {} m^2/s^3 per second.",
+                short(*heating, 4)
+            ),
+            Thermostat::Gaussian { rate } => writeln!(
+                text,
+                "Thermostat: velocities relative to the mean grow exponentially at {} 1/s.",
+                short(*rate, 4)
+            ),
+        };
     }
     for (index, wall) in scene.walls.iter().enumerate() {
         let shape = match wall.geometry.plane() {

@@ -24,6 +24,7 @@ mod restitution;
 mod rotation;
 mod shear;
 mod sizes;
+mod thermostat;
 mod walls;
 
 pub use contact::{ContactFile, PairFile};
@@ -35,6 +36,7 @@ pub use restitution::{RestitutionFile, RestitutionLawFile};
 pub use rotation::{HistoryFile, ImpactRuleFile, RollingFile, TangentialFile, TwistingFile};
 pub use shear::ShearFile;
 pub use sizes::{ByFile, SizesFile};
+pub use thermostat::ThermostatFile;
 pub use walls::{BoxFile, ConeFile, CuboidFile, CylinderFile, MeshFile, PlaneFile, SphereFile, WallFile};
 
 use super::against::AgainstFile;
@@ -65,6 +67,8 @@ pub struct CaseFile {
     pub fluid: Option<Located<FluidFile>>,
     /// The drag law. Without this table the gas exerts no drag.
     pub drag: Option<Located<DragFile>>,
+    /// Heating of the particles from outside. Without this table nothing heats them.
+    pub thermostat: Option<Located<ThermostatFile>>,
     /// One kind of particles. Exactly one of `count`, `volume_fraction`, `file` and `at` determines the number of
     /// particles.
     #[schemars(extend("x-required" = "always"))]

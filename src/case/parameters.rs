@@ -19,7 +19,7 @@ pub fn parameters(experiment: &Experiment) -> Value {
     if let Some(shear) = &scene.domain.shear {
         domain["shear"] = json!({ "rate": shear.rate, "offset": shear.start });
     }
-    json!({
+    let mut value = json!({
         "domain": domain,
         "gravity": { "acceleration": three(&scene.gravity_alone()) },
         "fluid": scene.fluid.as_ref().map(|fluid| fluid_parameters(fluid, scene.domain.size.y)),
@@ -39,7 +39,11 @@ pub fn parameters(experiment: &Experiment) -> Value {
             "slices": experiment.statistics.slices,
             "sample_interval": experiment.statistics.sample_interval,
         },
-    })
+    });
+    if let Some(thermostat) = &scene.thermostat {
+        value["thermostat"] = json!(thermostat);
+    }
+    value
 }
 
 /// Settings of the soft engine. The contact law is a table within them, as in a case.

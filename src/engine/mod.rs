@@ -50,6 +50,7 @@ pub struct Window {
 /// #     contact: Surface::new(1.0, 0.0),
 /// #     pairs: Default::default(),
 /// #     rotation: None,
+/// #     thermostat: None,
 /// #     species: vec![Species::new("sphere", 1.0, 1.0)],
 /// # };
 /// # let mut particles = Particles::default();

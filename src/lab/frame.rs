@@ -31,7 +31,7 @@ pub struct Live {
     pub elastic: f64,
     /// [J] energy lost in impacts.
     pub dissipated: f64,
-    /// [J] work of gravity, drag, moving walls and shear.
+    /// [J] work of gravity, drag, moving walls, shear and a thermostat.
     pub work: f64,
     /// [J] kinetic and elastic energy at the start.
     pub at_start: f64,

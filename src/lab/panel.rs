@@ -128,7 +128,7 @@ impl<'a> LabPanel<'a> {
             kinetic: simulation.particles.kinetic_energy() + simulation.particles.rotational_energies().value(),
             elastic: simulation.elastic_energy(),
             dissipated: ledger.dissipated(),
-            work: ledger.gravity_work + ledger.drag_work + ledger.wall_work + ledger.shear_work,
+            work: ledger.work(),
             at_start: self.at_start,
             residual: ledger.residual(self.at_start, simulation.energy()),
             pairs: record.pairs.count,

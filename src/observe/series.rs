@@ -45,6 +45,8 @@ pub struct Row {
     pub gas: Option<GasMeans>,
     /// Stress in a sheared box; `None` without shear.
     pub shear: Option<ShearStress>,
+    /// [J] energy given by a thermostat since the start; `None` without one.
+    pub thermostat_work: Option<f64>,
     /// [kg m/s] momentum of all particles.
     pub momentum: Vector3<f64>,
     /// Number of impacts between particles that have ended since the start.
@@ -223,6 +225,7 @@ impl Row {
             turbulence: TurbulenceMeans::of(simulation),
             gas: GasMeans::of(simulation),
             shear: ShearStress::of(simulation, before),
+            thermostat_work: simulation.scene().thermostat.map(|_| simulation.record.ledger.thermostat_work),
             pair_impacts: simulation.record.pairs.count,
             wall_impacts: simulation.record.walls.count,
             coordination: touching.ends as f64 / simulation.count().max(1) as f64,
@@ -250,6 +253,7 @@ impl Row {
             turbulence: None,
             gas: None,
             shear: None,
+            thermostat_work: None,
             momentum: sums.momentum,
             pair_impacts: 0,
             wall_impacts: 0,

@@ -205,8 +205,7 @@ impl Bound {
     /// [`Failure::EnergyGrew`].
     pub fn check(&self, time: f64, uniform: bool, energy: f64, elastic: f64, record: &Record) -> Result<(), Failure> {
         let ledger = &record.ledger;
-        let undriven = energy - self.start - ledger.drag_work - ledger.gravity_work - ledger.wall_work;
-        let grown = undriven - ledger.shear_work;
+        let grown = energy - self.start - ledger.work();
         let at_walls = self.wall * record.walls.normal_speed.sum_of_squares();
         let ended = self.pair * record.pairs.normal_speed.sum_of_squares() + at_walls;
         let through = ledger.through(self.start) + ledger.dissipated();

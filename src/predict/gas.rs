@@ -292,6 +292,7 @@ mod tests {
             contact: smooth,
             pairs: Default::default(),
             rotation: None,
+            thermostat: None,
             species: Vec::new(),
         }
     }

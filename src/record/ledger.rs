@@ -7,7 +7,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::sync::OnceLock;
 
 /// Number of entries of a ledger: a multiple of four, for vector instructions.
-pub const ENTRIES: usize = 36;
+pub const ENTRIES: usize = 40;
 
 /// Number of ledger entries to which a contact adds.
 pub const SOME: usize = 12;
@@ -31,11 +31,14 @@ const BY_WALLS: usize = 15;
 /// Entries of the work and the impulse of shear.
 pub const BY_SHEAR: [usize; 4] = [32, 33, 34, 35];
 
+/// Index of the entry of the work of a thermostat, which the three entries of its impulse follow.
+const BY_THERMOSTAT: usize = 36;
+
 /// Totals of energy and momentum of an island (a group of particles that may meet), a window (the time between two
 /// exchanges with the gas) or a run.
 ///
-/// Balance: kinetic plus elastic energy now = that at the start + drag_work + gravity_work + wall_work + shear_work -
-/// dissipated.
+/// Balance: kinetic plus elastic energy now = that at the start + drag_work + gravity_work + wall_work + shear_work +
+/// thermostat_work - dissipated.
 /// The left side minus the right side is the residual. For hard spheres the residual is a rounding error; for soft
 /// spheres it is the energy that the integrator creates (> 0) or loses (< 0).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -78,6 +81,10 @@ pub struct Ledger {
     pub shear_work: f64,
     /// [kg m/s] momentum that particles get where they cross a sheared side.
     pub shear_impulse: Vector3<f64>,
+    /// [J] energy given to the particles by a thermostat.
+    pub thermostat_work: f64,
+    /// [kg m/s] momentum given to the particles by a thermostat; zero but for rounding.
+    pub thermostat_impulse: Vector3<f64>,
 }
 
 impl std::ops::AddAssign<SideCrossings> for Ledger {
@@ -160,17 +167,21 @@ impl Ledger {
         self.pair_restitution_loss + self.pair_friction_loss + self.wall_restitution_loss + self.wall_friction_loss
     }
 
+    /// [J] energy that drag, gravity, moving walls, shear and a thermostat have given to the particles.
+    pub fn work(&self) -> f64 {
+        self.drag_work + self.gravity_work + self.wall_work + self.shear_work + self.thermostat_work
+    }
+
     /// [J] total energy turnover: sum of the magnitudes of the energy at the start [J], of drag work, of gravity work,
-    /// of wall work and of the work of shear.
+    /// of wall work, of the work of shear and of that of a thermostat.
     pub fn through(&self, energy_at_start: f64) -> f64 {
-        let works = [self.drag_work, self.gravity_work, self.wall_work, self.shear_work];
+        let works = [self.drag_work, self.gravity_work, self.wall_work, self.shear_work, self.thermostat_work];
         works.iter().fold(energy_at_start.abs(), |sum, work| sum + work.abs())
     }
 
     /// [J] residual of the balance, from kinetic plus elastic energy at the start and now [J].
     pub fn residual(&self, energy_at_start: f64, energy_now: f64) -> f64 {
-        let given = energy_now - energy_at_start - self.drag_work - self.gravity_work - self.wall_work;
-        given - self.shear_work + self.dissipated()
+        energy_now - energy_at_start - self.work() + self.dissipated()
     }
 }
 
@@ -217,6 +228,10 @@ impl Ledger {
             self.shear_impulse.x,
             self.shear_impulse.y,
             self.shear_impulse.z,
+            self.thermostat_work,
+            self.thermostat_impulse.x,
+            self.thermostat_impulse.y,
+            self.thermostat_impulse.z,
         ]
     }
 
@@ -247,6 +262,8 @@ impl Ledger {
             friction: FrictionLosses::new(all[27], OF_SPRINGS.map(|entry| all[entry])),
             shear_work: all[BY_SHEAR[0]],
             shear_impulse: vector(BY_SHEAR[1]),
+            thermostat_work: all[BY_THERMOSTAT],
+            thermostat_impulse: vector(BY_THERMOSTAT + 1),
         }
     }
 }

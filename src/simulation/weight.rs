@@ -43,7 +43,9 @@ impl Simulation {
         }
         let began = self.clock.now();
         let changes: Vec<Vector3<f64>> = differences.iter().map(|difference| difference * duration).collect();
-        let sums = accelerate(&mut self.particles, &changes);
+        let species = std::mem::take(&mut self.particles.species);
+        let sums = accelerate(&mut self.particles, |place| changes[usize::from(species[place])]);
+        self.particles.species = species;
         self.book_kick(sums, |gravity_impulse, gravity_work| Ledger {
             gravity_impulse,
             gravity_work,
@@ -53,21 +55,18 @@ impl Simulation {
     }
 }
 
-/// Velocities [m/s], masses [kg] and species of the particles of one chunk.
-type Weighed<'a> = (&'a mut [Vector3<f64>], (&'a [f64], &'a [u16]));
-
-/// Adds to the velocity of each particle the entry of `changes` [m/s] of its species. Returns sums over all particles:
-/// the impulse [kg m/s] along x, y and z, and the work [J].
-fn accelerate(particles: &mut Particles, changes: &[Vector3<f64>]) -> [ExactSum; 4] {
-    let Particles { velocity, mass, species, .. } = particles;
-    let chunks = velocity.chunks_mut(CHUNK).zip(mass.chunks(CHUNK).zip(species.chunks(CHUNK)));
-    let each = |(velocity, (mass, species)): Weighed| {
+/// Adds to the velocity of each particle the change [m/s] for its index. Returns sums over all particles: the impulse
+/// [kg m/s] along x, y and z, and the work [J].
+pub(super) fn accelerate(particles: &mut Particles, change: impl Fn(usize) -> Vector3<f64> + Sync) -> [ExactSum; 4] {
+    let Particles { velocity, mass, .. } = particles;
+    let chunks = velocity.chunks_mut(CHUNK).zip(mass.chunks(CHUNK)).enumerate();
+    let each = |(chunk, (velocity, mass)): (usize, (&mut [Vector3<f64>], &[f64]))| {
         let (mut sums, mut rows) = (exact::none(), [[0.0; 4]; BLOCK]);
-        let others = mass.chunks(BLOCK).zip(species.chunks(BLOCK));
-        for (velocity, (mass, species)) in velocity.chunks_mut(BLOCK).zip(others) {
+        let blocks = velocity.chunks_mut(BLOCK).zip(mass.chunks(BLOCK));
+        for (first, (velocity, mass)) in (chunk * CHUNK..).step_by(BLOCK).zip(blocks) {
             let rows = &mut rows[..velocity.len()];
-            for (((v, m), species), row) in velocity.iter_mut().zip(mass).zip(species).zip(&mut *rows) {
-                let change = changes[usize::from(*species)];
+            for (place, ((v, m), row)) in (first..).zip(velocity.iter_mut().zip(mass).zip(&mut *rows)) {
+                let change = change(place);
                 *row = [change.x * m, change.y * m, change.z * m, m * change.dot(&(*v + 0.5 * change))];
                 *v += change;
             }

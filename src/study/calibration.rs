@@ -94,10 +94,9 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
     let drawn = variance_of(&start);
     let (outcome, end) = execute(&small, start, &mut []);
     let found = granular_temperature(&outcome).filter(|found| found.is_finite() && *found > 0.0).unwrap_or(drawn);
-    // without a gas or a shear that drives the particles, the temperature is that of the start minus the part that
-    // collisions dissipate
-    let driven = experiment.scene.fluid.is_some() || experiment.scene.domain.shear.is_some();
-    let variance = if driven { found } else { found / drawn * variance_of(&initial_state(experiment).ok()?) };
+    // if nothing drives the particles, the temperature is that of the start minus the part that collisions dissipate
+    let variance =
+        if is_driven(experiment) { found } else { found / drawn * variance_of(&initial_state(experiment).ok()?) };
     let count = outcome.particles.max(1) as f64;
     let size = small.scene.domain.size;
     let rate = |rate: Option<Estimate>, sides: f64| {
@@ -121,7 +120,7 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
     let walled = experiment.scene.fluid.is_some() && !experiment.scene.walls.is_empty();
     let spread = if walled { AgitationSpread::of(&slices(&outcome)) } else { AgitationSpread::even() };
     let enough = |speeds: &Histogram| (speeds.total >= IMPACTS).then(|| speeds.clone());
-    let changing = experiment.scene.fluid.is_none() && !conserves(experiment);
+    let changing = experiment.scene.fluid.is_none() && experiment.scene.thermostat.is_none() && !conserves(experiment);
     let pair_speeds = enough(&outcome.record.pairs.normal_speed).filter(|_| changing);
     let wall_speeds = enough(&outcome.record.walls.normal_speed);
     Some(Physics { calibration, variance, temperatures, spread, pair_speeds, wall_speeds })
@@ -154,12 +153,18 @@ pub fn variance_of(particles: &Particles) -> f64 {
     particles.velocity.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / (3.0 * count)
 }
 
-/// True if nothing drives the particles, not even shear, and no impact dissipates energy. The state is then steady from the start.
+/// True if a gas, a shear of the box or a thermostat drives the particles.
+fn is_driven(experiment: &Experiment) -> bool {
+    let scene = &experiment.scene;
+    scene.fluid.is_some() || scene.domain.shear.is_some() || scene.thermostat.is_some()
+}
+
+/// True if nothing drives the particles, neither shear nor a thermostat, and no impact dissipates energy. The state is then steady from the start.
 fn conserves(experiment: &Experiment) -> bool {
     let scene = &experiment.scene;
     let surfaces = scene.surfaces(2);
     let mut lossless = surfaces.iter().map(|surface| surface.restitution == 1.0 && surface.friction == 0.0);
-    let is_left_alone = scene.fluid.is_none() && scene.gravity.norm() == 0.0 && scene.domain.shear.is_none();
+    let is_left_alone = !is_driven(experiment) && scene.gravity.norm() == 0.0;
     is_left_alone && lossless.all(|lossless| lossless)
 }
 

@@ -167,7 +167,7 @@ fn energy(outcome: &Outcome) -> TrustCheck {
     }
     remarked(
         check(NAME, "", outcome.energy_residual.over(through), Expected::AtMost(RESIDUAL), 0.0),
-        "through: start + |drag| + |gravity| + |moving walls| + |shear|; rounding for hard spheres, the integrator's gain or loss for soft ones",
+        "through: start + |drag| + |gravity| + |moving walls| + |shear| + |thermostat|; rounding for hard spheres, the integrator's gain or loss for soft ones",
     )
 }
 

@@ -20,6 +20,7 @@ mod shear;
 mod sizes;
 mod start;
 mod table;
+mod thermostat;
 mod triangles;
 mod turbulence;
 mod walls;
@@ -93,7 +94,9 @@ pub fn resolve(
         None => crate::scene::Surface::new(1.0, 0.0),
     };
     let pairs = crate::scene::Pairs::default();
-    let mut scene = crate::scene::Scene { domain, gravity, fluid, walls, contact, pairs, species, rotation: None };
+    let (rotation, thermostat) = (None, resolver.thermostat(file)?);
+    let mut scene =
+        crate::scene::Scene { domain, gravity, fluid, walls, contact, pairs, species, rotation, thermostat };
     resolver.check_shear(file, &scene)?;
     resolver.added_mass(file, &mut scene)?;
     resolver.buoyancy(file, &mut scene);
@@ -121,6 +124,7 @@ pub fn resolve(
     resolver.check_drag(file, &experiment);
     resolver.check_eddies(file, &experiment);
     resolver.check_coupling(file, &experiment)?;
+    resolver.check_thermostat(file, &experiment);
     resolver.check_trajectories(file, &experiment)?;
     Ok((experiment, resolver.warnings))
 }

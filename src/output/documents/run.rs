@@ -303,6 +303,8 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
     rows.extend(
         any(|o| o.experiment.scene.domain.shear.is_some()).then(|| work("shear", |o| o.record.ledger.shear_work)),
     );
+    let heated = any(|o| o.experiment.scene.thermostat.is_some());
+    rows.extend(heated.then(|| work("thermostat", |o| o.record.ledger.thermostat_work)));
     rows.extend([
         loss("restitution between particles", |o| o.record.ledger.pair_restitution_loss),
         loss("friction between particles", |o| o.record.ledger.pair_friction_loss),
@@ -331,7 +333,7 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
     let mut blocks = vec![Block::Table(Table { head, rows, remarks: false })];
     blocks.extend(notes_on_contact_time(outcomes, &prefix));
     blocks.push(Block::note(
-        "Kinetic and elastic energy; in brackets the share of what went through the ledger (start + |drag| + |gravity| + |moving walls| + |shear|). \
+        "Kinetic and elastic energy; in brackets the share of what went through the ledger (start + |drag| + |gravity| + |moving walls| + |shear| + |thermostat|). \
          Unexplained: rounding for hard spheres, also the integrator’s own gain or loss for soft ones; marked above 0.1 %.",
     ));
     blocks
@@ -418,6 +420,11 @@ fn energies(outcome: &Outcome) -> Value {
         && outcome.experiment.scene.domain.shear.is_none()
     {
         energies.retain(|key, _| !key.starts_with("shear_"));
+    }
+    if let Value::Object(energies) = &mut energies
+        && outcome.experiment.scene.thermostat.is_none()
+    {
+        energies.retain(|key, _| !key.starts_with("thermostat_"));
     }
     energies["dissipated"] = ledger.dissipated().into();
     energies["residual"] = ledger.residual(outcome.energy_at_start, outcome.energy_at_end).into();

@@ -292,6 +292,7 @@ impl HeadOn {
             contact: self.surface,
             pairs: Default::default(),
             rotation: None,
+            thermostat: None,
             species: std::iter::once(self.bodies.0.clone()).chain(self.bodies.1.clone()).collect(),
         };
         let other = if self.bodies.1.is_some() { Kind::Species(1) } else { Kind::Wall(0) };
