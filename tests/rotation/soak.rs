@@ -158,7 +158,9 @@ impl RoughCrowd {
         };
         let miss = (about(&simulation.particles) - about(&self.crowd.start)).norm();
         let counters = simulation.counters();
-        let changes = counters.force_evaluations + counters.events + counters.island_members;
+        // a step of hard spheres moves all of them, and each position is rounded
+        let moves = if soft { 0 } else { counters.steps * simulation.count() as u64 };
+        let changes = counters.force_evaluations + counters.events + counters.island_members + moves;
         let speed = simulation.particles.largest_speed(Vector3::zeros());
         // positions have the rounding error of the size of the box
         let rounding = f64::EPSILON * changes as f64 * size.x * speed;
