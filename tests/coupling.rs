@@ -216,6 +216,30 @@ fn the_gas_is_the_same_on_processes_and_after_a_snapshot() {
     }
 }
 
+/// Three beads in a narrow channel weigh more than the pressure gradient carries: the gas stops, and the report says so.
+#[test]
+fn a_report_says_that_the_gas_has_left_the_range_of_its_model() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("case.toml");
+    let heavy = CHANNEL
+        .replace("size = [\"10 mm\", \"40 mm\"", "size = [\"10 mm\", \"20 mm\"")
+        .replace("point = [\"0 m\", \"40 mm\"", "point = [\"0 m\", \"20 mm\"")
+        .replace("reynolds_number = 42000", "reynolds_number = 8000\nmodel = \"launder_sharma\"")
+        .replace("slices = 10", "slices = 5\npressure_gradient = \"20 Pa/m\"")
+        .replace("count = 1000", "count = 400")
+        .replace("\"13 m/s\"", "\"4 m/s\"")
+        .replace("duration = \"0.5 s\"", "duration = \"2 s\"");
+    let sentence = "the gas has left the range of its turbulence model";
+    for (text, wanted) in [(heavy.clone(), true), (heavy.replace("count = 400", "count = 1"), false)] {
+        std::fs::write(&file, text).unwrap();
+        let out = folder.path().join(if wanted { "heavy" } else { "light" });
+        let output = diptych(&["run", file.to_str().unwrap(), "--out", out.to_str().unwrap()]).output().unwrap();
+        assert!(output.status.success(), "{}", words(&output.stderr));
+        let report = std::fs::read_to_string(out.join("report.html")).unwrap();
+        assert_eq!(report.contains(sentence), wanted, "{sentence}");
+    }
+}
+
 #[test]
 fn a_gas_that_cannot_feel_particles_is_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -31,14 +31,34 @@ pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
         };
         (false, cells)
     };
-    vec![
+    let mut blocks = vec![
         Block::heading("Gas that feels the particles"),
         table(head, outcomes, cells),
         Block::note(
             "Two-way coupling in one dimension: the mean force on the particles of each slice is taken from the gas. The pressure drop is without its hydrostatic part; it carries friction at the \
              walls and the force on the particles. The last column is the sum of gains and losses against the change, over the largest of them. gas.csv has velocity, k and ε across the flow.",
         ),
-    ]
+    ];
+    blocks.extend(outcomes.iter().filter_map(beyond_the_model).map(Block::note));
+    blocks
+}
+
+/// Sentence about a gas whose mean flow is outside the range of its turbulence model; `None` if it is within.
+fn beyond_the_model(outcome: &Outcome) -> Option<String> {
+    let (gas, fluid) = (outcome.gas.as_ref()?, outcome.experiment.scene.fluid.as_ref()?);
+    let flow = fluid.profile.channel_flow()?;
+    let (bulk, friction) = (gas.bulk_velocity?.value, gas.friction_velocity?.value);
+    let (reynolds, lowest) = (bulk * flow.height / flow.kinematic_viscosity, flow.model.lowest_reynolds());
+    (reynolds < lowest || friction < 0.0).then(|| {
+        format!(
+            "\"{}\": the gas has left the range of its turbulence model ({}). Its Reynolds number is {} (the model needs at least {}) and its friction velocity {} m/s. A larger pressure gradient, or a constant flow rate, keeps it in the range.",
+            outcome.experiment.name,
+            flow.model,
+            significant(Some(reynolds), 3),
+            significant(Some(lowest), 3),
+            significant(Some(friction), 3),
+        )
+    })
 }
 
 /// [-] turbulent kinetic energy k in the middle of the flow, over that of the gas alone.
