@@ -27,6 +27,8 @@ pub enum NoiseUse {
     Facets = 4,
     /// Random accelerations of a thermostat.
     Thermostat = 5,
+    /// Rebounds from thermal walls.
+    ThermalWalls = 6,
 }
 
 /// One number of 64 bits from several, which changes at random if any of them changes, by the mixing function of

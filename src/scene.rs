@@ -283,9 +283,17 @@ impl Scene {
         }
     }
 
-    /// Sets the seed of the facets of rough walls.
-    pub fn seed_facets(&mut self, seed: u64) {
-        self.walls.iter_mut().filter_map(|wall| wall.roughness.as_mut()).for_each(|roughness| roughness.seed = seed);
+    /// Sets the seed of the random rebounds from rough and thermal walls.
+    pub fn seed_walls(&mut self, seed: u64) {
+        for wall in &mut self.walls {
+            wall.roughness.iter_mut().for_each(|roughness| roughness.seed = seed);
+            wall.thermal.iter_mut().for_each(|thermal| thermal.seed = seed);
+        }
+    }
+
+    /// True if a thermostat or thermal walls give energy to the particles.
+    pub fn is_heated(&self) -> bool {
+        self.thermostat.is_some() || self.walls.iter().any(|wall| wall.thermal.is_some())
     }
 
     /// True if the restitution of any impact depends on its speed.

@@ -154,7 +154,7 @@ impl Simulation {
         let refused = broken.or_else(|| too_long(experiment, totals.count, step).filter(|_| soft && !may_run));
         let unseen = bound.as_ref().map(Bound::elastic_at_start);
         let mut scene = experiment.scene.clone();
-        scene.seed_facets(experiment.run.seed);
+        scene.seed_walls(experiment.run.seed);
         let simulation = Self::with_totals(scene, particles, totals, engine);
         Self { refused, bound, unseen, seed: experiment.run.seed, ..simulation }
     }

@@ -103,6 +103,7 @@ fn a_gas_around_a_body_stays_outside_and_keeps_its_energy() {
         turning: None,
         resistance: Default::default(),
         roughness: None,
+        thermal: None,
     }];
     let start = random(&scene, 80, 1.0, 12);
     let energy = start.kinetic_energy();

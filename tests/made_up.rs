@@ -29,6 +29,7 @@ fn scene() -> Scene {
         turning: None,
         resistance: Default::default(),
         roughness: None,
+        thermal: None,
     };
     Scene {
         domain: Domain::new(Vector3::new(0.12, 0.04, 0.064), [true, false, true]),

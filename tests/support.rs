@@ -61,6 +61,7 @@ pub fn plane(point: [f64; 3], normal: [f64; 3], surface: Surface) -> Wall {
         turning: None,
         resistance: Default::default(),
         roughness: None,
+        thermal: None,
     }
 }
 

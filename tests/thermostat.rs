@@ -1,4 +1,5 @@
-//! Thermostats: heat without collisions, momentum and ledger, steady states against kinetic theory, bits, messages.
+//! Thermostats and thermal walls: heat without collisions, momentum and ledger, steady states against kinetic theory, bits,
+//! messages.
 
 use crate::support::*;
 use diptych::engine::distributed::Distributed;
@@ -10,7 +11,8 @@ use diptych::placement::initial_state;
 use diptych::scene::Thermostat;
 use diptych::schedule::Schedule;
 use diptych::simulation::Simulation;
-use diptych::{ContactLaw, Particles, Scene, Vector3};
+use diptych::walls::{ThermalWall, WallApproach};
+use diptych::{ContactLaw, Particles, Scene, Vector3, Wall};
 use std::f64::consts::PI;
 
 const STOCHASTIC: Thermostat = Thermostat::Stochastic { heating: 0.1 };
@@ -247,6 +249,111 @@ fn a_seed_changes_the_accelerations_and_nothing_else_does() {
     };
     assert_eq!(of(1, 1), of(1, 1));
     assert_ne!(of(1, 1), of(2, 1));
+}
+
+/// A box between two thermal walls at y = 0 and y = 12, for elastic spheres.
+fn between(temperatures: [f64; 2]) -> Scene {
+    let mut scene = empty([12.0; 3], [true, false, true], unit(), surface(1.0, 0.0));
+    let walls = [(0.0, 1.0), (12.0, -1.0)].into_iter().zip(temperatures);
+    scene.walls = walls
+        .map(|((y, n), temperature)| Wall {
+            thermal: Some(ThermalWall { temperature, seed: 5 }),
+            ..plane([0.0, y, 0.0], [0.0, n, 0.0], surface(1.0, 0.0))
+        })
+        .collect();
+    scene
+}
+
+/// Velocities after an impact: means and variances of their components against Maxwell's density, within five standard
+/// errors, at any angle of approach.
+#[test]
+fn spheres_leave_a_thermal_wall_as_from_an_opening() {
+    let (wall, count) = (ThermalWall { temperature: 2.0, seed: 1 }, 100_000);
+    for velocity in [[0.0, -1.0, 0.0], [30.0, -0.1, 2.0]] {
+        let of = |id| {
+            let velocity = Vector3::from(velocity);
+            wall.rebound(&WallApproach { velocity, normal: Vector3::y(), id, wall: 0 }) / 2.0_f64.sqrt()
+        };
+        let mean =
+            |what: &dyn Fn(Vector3<f64>) -> f64| (0..count).map(|id| what(of(id))).sum::<f64>() / f64::from(count);
+        let root = f64::from(count).sqrt();
+        for axis in [0, 2] {
+            close("along", mean(&|v| v[axis]), 0.0, 5.0 / root);
+            close("variance along", mean(&|v| v[axis] * v[axis]), 1.0, 5.0 * 2.0_f64.sqrt() / root);
+        }
+        // u has the mean sqrt(π/2) and the mean square 2; u² is exponential with the standard deviation 2
+        close("normal", mean(&|v| v.y), (0.5 * PI).sqrt(), 5.0 * (2.0 - 0.5 * PI).sqrt() / root);
+        close("square", mean(&|v| v.y * v.y), 2.0, 5.0 * 2.0 / root);
+    }
+}
+
+/// Spheres that meet no others between walls of T_1 and T_2: half of the flux comes from each wall, so that the densities
+/// of both halves are as 1/sqrt(T), and T is sqrt(T_1 T_2) (Knudsen's limit of heat conduction). Walls of one temperature
+/// give an ordinary gas of this temperature, dense or not. The ledger closes to rounding.
+#[test]
+fn gases_between_thermal_walls() {
+    let dsmc = || Box::new(Dsmc::new(DsmcSettings::default(), 1)) as Box<dyn diptych::engine::Engine>;
+    for (temperatures, count, wanted) in [([1.0, 4.0], 1, 2.0), ([0.5, 0.5], 300, 0.5)] {
+        let engines: Vec<(&str, Box<dyn diptych::engine::Engine>)> =
+            vec![("islands", islands()), ("calendar", Box::new(Hard::with_one_calendar())), ("dsmc", dsmc())];
+        for (name, engine) in engines {
+            let scene = between(temperatures);
+            let mut simulation = Simulation::with_engine(scene.clone(), at_random(&scene, count, 1.0), engine);
+            let energy = simulation.particles.kinetic_energy();
+            // a sphere crosses the gap in some 10, and each of these times gives a new velocity
+            let (blocks, each) = if count == 1 { (400, 100) } else { (20, 10) };
+            simulation.run(20, 2.0).unwrap();
+            let sampled = |simulation: &mut Simulation| {
+                simulation.run(1, 2.0).unwrap();
+                simulation.particles.velocity.iter().map(|v| v.norm_squared() / 3.0).sum::<f64>() / count as f64
+            };
+            let means: Vec<f64> = (0..blocks)
+                .map(|_| (0..each).map(|_| sampled(&mut simulation)).sum::<f64>() / f64::from(each))
+                .collect();
+            let mean = means.iter().sum::<f64>() / f64::from(blocks);
+            let variance = means.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / f64::from(blocks - 1);
+            close(name, mean, wanted, 5.0 * (variance / f64::from(blocks)).sqrt());
+            assert!(variance.sqrt() < f64::from(blocks).sqrt() * 0.02 * wanted, "{name}: scatter {}", variance.sqrt());
+            let ledger = &simulation.record.ledger;
+            let residual = ledger.residual(energy, simulation.particles.kinetic_energy());
+            // each of some 1e4 impacts rounds an energy of the size of that of all spheres
+            assert!(residual.abs() < 1e-11 * energy.max(count as f64) * 10.0, "{name}: {residual}");
+            assert!(ledger.wall_restitution_loss == 0.0 && ledger.thermostat_work != 0.0);
+        }
+    }
+}
+
+#[test]
+fn thermal_walls_give_the_same_bits_for_any_seed_order_and_snapshot_and_are_refused_for_contacts() {
+    let text = CASE.replace("periodic = [\"x\", \"y\", \"z\"]", "periodic = [\"x\", \"z\"]").replace(
+        "[thermostat.stochastic]\nheating = \"10 m^2/s^3\"\n",
+        "[[walls]]\nrestitution = 1\ntemperature = \"0.1 m^2/s^2\"\nplane = { point = [0, 0, 0], normal = [0, 1, 0] }\n\
+         [[walls]]\nrestitution = 1\ntemperature = \"0.2 m^2/s^2\"\nplane = { point = [0, \"10 mm\", 0], normal = [0, -1, 0] }\n",
+    );
+    let experiment = case(&text, Model::Hard, &[]).unwrap();
+    let start = initial_state(&experiment).unwrap();
+    let mut whole = Simulation::new(&experiment, start.clone());
+    whole.run(40, 1e-3).unwrap();
+    let mut first = Simulation::new(&experiment, start.clone());
+    first.run(17, 1e-3).unwrap();
+    let mut second = Simulation::restore(&experiment, first.snapshot().unwrap()).unwrap();
+    second.run(23, 1e-3).unwrap();
+    assert_eq!(whole.fingerprint(), second.fingerprint());
+    let mut backwards = Particles::default();
+    backwards.copy_from(&start, &(0..start.len() as u32).rev().collect::<Vec<u32>>());
+    let mut turned = Simulation::new(&experiment, backwards);
+    turned.run(40, 1e-3).unwrap();
+    assert_eq!(whole.fingerprint(), turned.fingerprint());
+    for (model, set, wanted) in [
+        (Model::Soft, "run.seed=1", "is for impacts without duration"),
+        (Model::Hard, "walls[0].restitution=0.9", "replaces restitution, friction and roughness"),
+        (Model::Hard, "walls[1].friction=0.1", "replaces restitution, friction and roughness"),
+        (Model::Dsmc, "walls[1].roughness.deviation=5 deg", "replaces restitution, friction and roughness"),
+        (Model::Hard, "walls[0].temperature=0 m^2/s^2", "greater than 0"),
+    ] {
+        let message = case(&text, model, &[set]).unwrap_err();
+        assert!(message.contains(wanted), "{set}: {message}");
+    }
 }
 
 #[test]

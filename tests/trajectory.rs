@@ -195,6 +195,7 @@ fn walls_are_surfaces_within_the_box() {
         turning: None,
         resistance: Default::default(),
         roughness: None,
+        thermal: None,
     });
     crowd.start[0].amount = Amount::Count(0);
     crowd.run.duration = 0.0;

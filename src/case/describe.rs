@@ -151,6 +151,9 @@ fn motion_in_words(wall: &Wall) -> String {
     if let Some(roughness) = &wall.roughness {
         let _ = write!(text, ", rough with facets inclined by {} degrees", short(roughness.deviation.to_degrees(), 4));
     }
+    if let Some(thermal) = &wall.thermal {
+        let _ = write!(text, ", thermal with T = {} m^2/s^2", short(thermal.temperature, 4));
+    }
     for (name, friction) in [("rolling", wall.resistance.rolling), ("twisting", wall.resistance.twisting)] {
         if let Some(friction) = friction {
             let _ = write!(text, ", {name} friction {friction}");

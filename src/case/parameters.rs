@@ -140,6 +140,9 @@ fn wall(wall: &Wall) -> Value {
     if let Some(roughness) = &wall.roughness {
         value["roughness"] = json!({ "deviation": roughness.deviation });
     }
+    if let Some(thermal) = &wall.thermal {
+        value["temperature"] = thermal.temperature.into();
+    }
     match wall.geometry.plane() {
         Some(plane) => value["plane"] = json!({ "point": three(&plane.point), "normal": three(&plane.normal) }),
         None => value["obstacle"] = json!(format!("{:?}", wall.geometry.law())),

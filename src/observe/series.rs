@@ -45,7 +45,7 @@ pub struct Row {
     pub gas: Option<GasMeans>,
     /// Stress in a sheared box; `None` without shear.
     pub shear: Option<ShearStress>,
-    /// [J] energy given by a thermostat since the start; `None` without one.
+    /// [J] energy given by a thermostat and thermal walls since the start; `None` without any.
     pub thermostat_work: Option<f64>,
     /// [kg m/s] momentum of all particles.
     pub momentum: Vector3<f64>,
@@ -225,7 +225,7 @@ impl Row {
             turbulence: TurbulenceMeans::of(simulation),
             gas: GasMeans::of(simulation),
             shear: ShearStress::of(simulation, before),
-            thermostat_work: simulation.scene().thermostat.map(|_| simulation.record.ledger.thermostat_work),
+            thermostat_work: simulation.scene().is_heated().then_some(simulation.record.ledger.thermostat_work),
             pair_impacts: simulation.record.pairs.count,
             wall_impacts: simulation.record.walls.count,
             coordination: touching.ends as f64 / simulation.count().max(1) as f64,

@@ -137,6 +137,6 @@ pub const SHEAR_COLUMNS: [SeriesColumn; 3] = [
     mean("contact_stress_yz_Pa", "contact stress yz", "Pa", |row| row.shear.and_then(|of| of.contact)),
 ];
 
-/// Further column of scenes with a thermostat.
+/// Further column of scenes with a thermostat or thermal walls.
 pub const THERMOSTAT_COLUMNS: [SeriesColumn; 1] =
     [sum("thermostat_work_J", "work of the thermostat", "J", |row| row.thermostat_work)];

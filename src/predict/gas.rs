@@ -283,6 +283,7 @@ mod tests {
             turning: None,
             resistance: Default::default(),
             roughness: None,
+            thermal: None,
         };
         Scene {
             domain: Domain::new(Vector3::new(edge, edge, edge), [true, !walls, true]),

@@ -79,13 +79,13 @@ pub fn fades(experiment: &Experiment) -> bool {
     !driven && (drag.is_some() || lossy)
 }
 
-/// True if moving walls, the shear of the box, eddies of the gas or a thermostat give energy to the particles.
+/// True if moving walls, the shear of the box, eddies of the gas, a thermostat or thermal walls give energy to the particles.
 fn is_stirred(scene: &Scene) -> bool {
     let turbulent = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some() && fluid.turbulence.is_some());
     let moves = |wall: &Wall| wall.turning.is_some() || wall.velocity != Vector3::zeros();
     turbulent
         || scene.domain.shear.is_some()
-        || scene.thermostat.is_some()
+        || scene.is_heated()
         || scene.walls.iter().any(|wall| moves(wall) && wall.surface.friction > 0.0)
 }
 

@@ -81,7 +81,7 @@ pub struct Ledger {
     pub shear_work: f64,
     /// [kg m/s] momentum that particles get where they cross a sheared side.
     pub shear_impulse: Vector3<f64>,
-    /// [J] energy given to the particles by a thermostat.
+    /// [J] energy given to the particles by a thermostat, and by thermal walls beyond their other work.
     pub thermostat_work: f64,
     /// [kg m/s] momentum given to the particles by a thermostat; zero but for rounding.
     pub thermostat_impulse: Vector3<f64>,

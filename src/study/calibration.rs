@@ -120,7 +120,7 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
     let walled = experiment.scene.fluid.is_some() && !experiment.scene.walls.is_empty();
     let spread = if walled { AgitationSpread::of(&slices(&outcome)) } else { AgitationSpread::even() };
     let enough = |speeds: &Histogram| (speeds.total >= IMPACTS).then(|| speeds.clone());
-    let changing = experiment.scene.fluid.is_none() && experiment.scene.thermostat.is_none() && !conserves(experiment);
+    let changing = experiment.scene.fluid.is_none() && !experiment.scene.is_heated() && !conserves(experiment);
     let pair_speeds = enough(&outcome.record.pairs.normal_speed).filter(|_| changing);
     let wall_speeds = enough(&outcome.record.walls.normal_speed);
     Some(Physics { calibration, variance, temperatures, spread, pair_speeds, wall_speeds })
@@ -153,13 +153,13 @@ pub fn variance_of(particles: &Particles) -> f64 {
     particles.velocity.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / (3.0 * count)
 }
 
-/// True if a gas, a shear of the box or a thermostat drives the particles.
+/// True if a gas, a shear of the box, a thermostat or thermal walls drive the particles.
 fn is_driven(experiment: &Experiment) -> bool {
     let scene = &experiment.scene;
-    scene.fluid.is_some() || scene.domain.shear.is_some() || scene.thermostat.is_some()
+    scene.fluid.is_some() || scene.domain.shear.is_some() || scene.is_heated()
 }
 
-/// True if nothing drives the particles, neither shear nor a thermostat, and no impact dissipates energy. The state is then steady from the start.
+/// True if nothing drives the particles, neither shear nor heat, and no impact dissipates energy. The state is then steady from the start.
 fn conserves(experiment: &Experiment) -> bool {
     let scene = &experiment.scene;
     let surfaces = scene.surfaces(2);

@@ -21,6 +21,7 @@ mod roughness;
 mod round;
 mod shape;
 mod shell;
+mod thermal;
 mod turning;
 
 pub use drawing::Drawing;
@@ -29,9 +30,10 @@ pub use mesh::{Continued, Fault, Findings, Mesh, Mismatch, Nested, Sides, contin
 pub use near::NearWalls;
 pub use plane::Plane;
 pub use repeated::Repeated;
-pub use roughness::{RoughApproach, WallRoughness, perpendicular};
+pub use roughness::{WallApproach, WallRoughness, perpendicular};
 pub use round::{Frustum, RoundAxis};
 pub use shape::Obstacle;
+pub use thermal::ThermalWall;
 pub use turning::Turning;
 
 use crate::rotation::ResistanceFriction;
@@ -398,13 +400,25 @@ pub struct Wall {
     /// Roughness, for instantaneous impacts; `None`: the wall is smooth. Soft contacts meet the smooth wall.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub roughness: Option<WallRoughness>,
+    /// Temperature, for instantaneous impacts; `None`: rebounds are those of the surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thermal: Option<ThermalWall>,
 }
 
 impl Wall {
     /// Makes a wall whose surface does not move.
     pub fn new(geometry: WallGeometry, surface: Surface) -> Self {
         let (velocity, resistance) = (Vector3::zeros(), ResistanceFriction::default());
-        Self { geometry, surface, elasticity: None, velocity, turning: None, resistance, roughness: None }
+        Self {
+            geometry,
+            surface,
+            elasticity: None,
+            velocity,
+            turning: None,
+            resistance,
+            roughness: None,
+            thermal: None,
+        }
     }
 }
 

@@ -25,9 +25,9 @@ pub struct WallRoughness {
     pub seed: u64,
 }
 
-/// An impact on a rough wall.
+/// An impact on a wall whose rebounds are random.
 #[derive(Clone, Copy, Debug)]
-pub struct RoughApproach {
+pub struct WallApproach {
     /// [m/s] velocity of the particle relative to the wall.
     pub velocity: Vector3<f64>,
     /// [-] unit normal of the smooth wall towards the particle.
@@ -42,12 +42,12 @@ impl WallRoughness {
     /// [-] unit normal of the facet that an impact meets. `restitution` is e > 0 [-] at a normal speed [m/s]. The draw is a
     /// function of the seed, the wall, the particle and its velocity. An impact that does not approach meets the smooth
     /// wall; so does one that leaves the wall by none of many facets, as with e = 0.
-    pub fn facet(&self, impact: &RoughApproach, restitution: impl Fn(f64) -> f64) -> Vector3<f64> {
+    pub fn facet(&self, impact: &WallApproach, restitution: impl Fn(f64) -> f64) -> Vector3<f64> {
         /// [-] tilt over Δγ beyond which a facet is not expected: its probability is exp(-50).
         const FAR: f64 = 10.0;
         /// Largest number of facets that are drawn. Even at normal incidence with e = 0.01 and Δγ = 0.6, one in 72 is left.
         const MOST: u32 = 100_000;
-        let RoughApproach { velocity, normal, id, wall } = *impact;
+        let WallApproach { velocity, normal, id, wall } = *impact;
         if velocity.dot(&normal) >= 0.0 {
             return normal;
         }

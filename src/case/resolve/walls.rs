@@ -8,7 +8,8 @@ use crate::case::quantity::Length;
 use crate::domain::Domain;
 use crate::scene::{Species, Surface};
 use crate::walls::{
-    Cavity, Frustum, Geometry, Hollow, Obstacle, Plane, RoundAxis, Turning, Wall, WallGeometry, WallRoughness,
+    Cavity, Frustum, Geometry, Hollow, Obstacle, Plane, RoundAxis, ThermalWall, Turning, Wall, WallGeometry,
+    WallRoughness,
 };
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -79,7 +80,8 @@ impl Resolver {
             let WallFile { rolling_friction, twisting_friction, .. } = &wall.value;
             let resistance = self.resistance_friction(file, rolling_friction, twisting_friction)?;
             let roughness = self.roughness(&wall.value, &surface, velocity != Vector3::zeros() || turning.is_some())?;
-            walls.push(Wall { geometry, surface, elasticity, velocity, turning, resistance, roughness });
+            let thermal = self.thermal(&wall.value, &surface, roughness.is_some())?;
+            walls.push(Wall { geometry, surface, elasticity, velocity, turning, resistance, roughness, thermal });
         }
         Ok(walls)
     }
@@ -108,6 +110,24 @@ impl Resolver {
             true => Ok(Some(WallRoughness { deviation, seed: 0 })),
             false => Ok(None),
         }
+    }
+
+    /// Temperature of a thermal wall; `None` if rebounds are those of the surface.
+    fn thermal(&self, wall: &WallFile, surface: &Surface, rough: bool) -> Result<Option<ThermalWall>, Diagnostic> {
+        let Some(typed) = &wall.temperature else { return Ok(None) };
+        let temperature = self.in_range(typed, "for a wall without a temperature leave it out")?;
+        let elastic = surface.restitution == 1.0 && surface.by_speed.is_none() && surface.friction == 0.0;
+        if self.model.has_contacts() {
+            let what =
+                "is for impacts without duration: a lasting contact has no instant at which it gets a new velocity";
+            return Err(self.refuse(typed, what).help("use the hard or the dsmc model, or leave it out"));
+        }
+        if !elastic || rough {
+            let what = "gives every sphere a new velocity, which replaces restitution, friction and roughness";
+            return Err(self.refuse(typed, what).help("write `restitution = 1`, and leave out friction and roughness"));
+        }
+        // the run has the seed
+        Ok(Some(ThermalWall { temperature, seed: 0 }))
     }
 
     /// [m/s] velocity of a wall's surface, which must be parallel to the surface.

@@ -4,7 +4,7 @@ use crate::encounter::{AtWall, Couple, Encounter, Other, WallMotion};
 use crate::particles::Particles;
 use crate::record::{Between, Impact, Log};
 use crate::scene::{Kind, Scene, Surface};
-use crate::walls::RoughApproach;
+use crate::walls::WallApproach;
 use nalgebra::Vector3;
 
 /// Impulse on body i [kg m/s] from a body j that it approaches, without rotation. The normal part is J_n = (1+e) M
@@ -112,11 +112,22 @@ impl Collision {
         let Other::Wall(AtWall { wall, .. }) = self.couple.other else { return None };
         let roughness = scene.walls[wall as usize].roughness?;
         let surface = scene.surface(self.kinds.0, self.kinds.1);
-        let Encounter { velocity, normal, .. } = self.met;
-        let impact = RoughApproach { velocity, normal, id: particles.id[self.couple.i as usize], wall };
+        let impact = self.wall_approach(particles, wall);
         let restitution = |speed: f64| if self.elastic { 1.0 } else { surface.restitution_at(speed) };
         let normal = roughness.facet(&impact, restitution);
+        let velocity = self.met.velocity;
         Some(Self { met: Encounter { normal, normal_velocity: velocity.dot(&normal), ..self.met }, ..*self })
+    }
+
+    /// [m/s] velocity, relative to the wall, with which the particle leaves a thermal wall; `None` if the other body is none.
+    fn thermal_rebound(&self, particles: &Particles, scene: &Scene) -> Option<Vector3<f64>> {
+        let Other::Wall(AtWall { wall, .. }) = self.couple.other else { return None };
+        Some(scene.walls[wall as usize].thermal?.rebound(&self.wall_approach(particles, wall)))
+    }
+
+    fn wall_approach(&self, particles: &Particles, wall: u32) -> WallApproach {
+        let Encounter { velocity, normal, .. } = self.met;
+        WallApproach { velocity, normal, id: particles.id[self.couple.i as usize], wall }
     }
 
     /// Records the impulse, and returns the velocity changes [m/s] of `i` and of the other particle (zero for a wall).
@@ -140,14 +151,16 @@ impl Collision {
             let e = std::mem::replace(&mut surface.restitution, 1.0);
             log.ledger.contact_time_kept += 0.5 * effective_mass * this.approach().powi(2) * (1.0 - e * e);
         }
-        let rough = scene.rotation.as_ref().map(|rotation| {
+        let thermal = this.thermal_rebound(particles, scene);
+        let rough = scene.rotation.as_ref().filter(|_| thermal.is_none()).map(|rotation| {
             let normal_impulse = (1.0 + surface.restitution) * effective_mass * this.approach();
             let numbers = (normal_impulse, effective_mass, weights.reach);
             this.rough_impulse(rotation, &of_kinds, numbers, particles)
         });
-        let impulse = match &rough {
-            Some(rough) => rough.impulse,
-            None => impulse(&surface, effective_mass, &velocity, &normal),
+        let impulse = match (&thermal, &rough) {
+            (Some(after), _) => (after - velocity) * effective_mass,
+            (None, Some(rough)) => rough.impulse,
+            (None, None) => impulse(&surface, effective_mass, &velocity, &normal),
         };
         let after = velocity + impulse / effective_mass;
         let (before_n, after_n) = (this.met.normal_velocity, after.dot(&normal));
@@ -185,8 +198,16 @@ impl Collision {
                 (change_i, -impulse / other)
             }
             None => {
-                ledger.wall_restitution_loss += restitution_loss;
-                ledger.wall_friction_loss += friction_loss;
+                match thermal {
+                    Some(after) => {
+                        ledger.thermostat_work +=
+                            0.5 * effective_mass * (after.norm_squared() - velocity.norm_squared());
+                    }
+                    None => {
+                        ledger.wall_restitution_loss += restitution_loss;
+                        ledger.wall_friction_loss += friction_loss;
+                    }
+                }
                 ledger.wall_work += this.wall.map_or(0.0, |wall| wall.power(&impulse, None));
                 ledger.wall_impulse += impulse;
                 // the pressure on a rough wall counts along its smooth normal

@@ -303,8 +303,8 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
     rows.extend(
         any(|o| o.experiment.scene.domain.shear.is_some()).then(|| work("shear", |o| o.record.ledger.shear_work)),
     );
-    let heated = any(|o| o.experiment.scene.thermostat.is_some());
-    rows.extend(heated.then(|| work("thermostat", |o| o.record.ledger.thermostat_work)));
+    let heated = any(|o| o.experiment.scene.is_heated());
+    rows.extend(heated.then(|| work("thermostat and thermal walls", |o| o.record.ledger.thermostat_work)));
     rows.extend([
         loss("restitution between particles", |o| o.record.ledger.pair_restitution_loss),
         loss("friction between particles", |o| o.record.ledger.pair_friction_loss),
@@ -422,7 +422,7 @@ fn energies(outcome: &Outcome) -> Value {
         energies.retain(|key, _| !key.starts_with("shear_"));
     }
     if let Value::Object(energies) = &mut energies
-        && outcome.experiment.scene.thermostat.is_none()
+        && !outcome.experiment.scene.is_heated()
     {
         energies.retain(|key, _| !key.starts_with("thermostat_"));
     }

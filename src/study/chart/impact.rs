@@ -283,6 +283,7 @@ impl HeadOn {
             turning: None,
             resistance: Default::default(),
             roughness: None,
+            thermal: None,
         };
         let mut scene = Scene {
             domain: Domain::new(size, [false; 3]),

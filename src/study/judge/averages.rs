@@ -191,7 +191,9 @@ fn is_mirrored(experiment: &Experiment) -> bool {
     let has_image = |wall: &Wall| {
         let Some(plane) = wall.geometry.plane() else { return false };
         let point = Vector3::new(plane.point.x, height - plane.point.y, plane.point.z);
-        let is_like = |other: &&Wall| other.surface == wall.surface && other.roughness == wall.roughness;
+        let is_like = |other: &&Wall| {
+            other.surface == wall.surface && other.roughness == wall.roughness && other.thermal == wall.thermal
+        };
         walls.iter().filter(is_like).filter_map(|other| other.geometry.plane()).any(|image| {
             let apart = (image.point - point).dot(&image.normal).abs();
             (image.normal - mirror(plane.normal)).norm() < 1e-9 && apart < 1e-9 * height
