@@ -178,8 +178,9 @@ impl GlobalCalendar {
         let crowds = crowds(&self.bodies, &self.shells.kinds, scene.domain.volume());
         let margin = margin(particles, &crowds, scene);
         let reach = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
+        // two particles may each cross their shell, by two margins; only then a farther image could come into reach
         self.far_images = std::array::from_fn(|axis| {
-            scene.domain.periodic[axis] && 0.5 * scene.domain.size[axis] - reach < 2.0 * margin
+            scene.domain.periodic[axis] && 0.5 * scene.domain.size[axis] - reach < 4.0 * margin
         });
         self.shells.margin = margin;
         self.begin_interval(scene);
