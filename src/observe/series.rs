@@ -1,5 +1,6 @@
 //! Time series of averages over all particles.
 
+use super::velocity_distribution::Sonine;
 use super::{Needs, Observer, plain_data};
 use crate::domain::Domain;
 use crate::experiment::Experiment;
@@ -45,6 +46,8 @@ pub struct Row {
     pub gas: Option<GasMeans>,
     /// Stress in a sheared box; `None` without shear.
     pub shear: Option<ShearStress>,
+    /// Coefficients of the velocity distribution, if the case asks for this distribution.
+    pub sonine: Option<Sonine>,
     /// [kg m/s] momentum of all particles.
     pub momentum: Vector3<f64>,
     /// Number of impacts between particles that have ended since the start.
@@ -250,6 +253,7 @@ impl Row {
             turbulence: None,
             gas: None,
             shear: None,
+            sonine: None,
             momentum: sums.momentum,
             pair_impacts: 0,
             wall_impacts: 0,
@@ -314,6 +318,8 @@ pub struct Series {
     slices: usize,
     /// [s] time between rows.
     interval: f64,
+    /// True if rows contain the coefficients of the velocity distribution.
+    has_sonine: bool,
     /// Rows in the order of time.
     pub rows: Vec<Row>,
 }
@@ -322,7 +328,12 @@ impl Series {
     /// Creates an observer for an experiment that runs with the given schedule.
     pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
         let least = if experiment.count() <= FEW { CURVE } else { 0 };
-        Self { slices: experiment.statistics.slices, interval: interval(schedule, least, MOST), rows: Vec::new() }
+        Self {
+            slices: experiment.statistics.slices,
+            interval: interval(schedule, least, MOST),
+            has_sonine: experiment.observe.velocity_distribution.is_some(),
+            rows: Vec::new(),
+        }
     }
 }
 
@@ -343,7 +354,8 @@ impl Observer for Series {
     }
 
     fn see(&mut self, simulation: &Simulation) {
-        self.rows.push(Row::of(simulation, self.slices, self.rows.last()));
+        let sonine = if self.has_sonine { Sonine::of(simulation, self.slices) } else { None };
+        self.rows.push(Row { sonine, ..Row::of(simulation, self.slices, self.rows.last()) });
     }
 
     fn sight_of_end(&self, now: f64) -> Needs {

@@ -136,3 +136,9 @@ pub const SHEAR_COLUMNS: [SeriesColumn; 3] = [
     mean("kinetic_stress_yz_Pa", "kinetic stress yz", "Pa", |row| row.shear.map(|of| of.kinetic)),
     mean("contact_stress_yz_Pa", "contact stress yz", "Pa", |row| row.shear.and_then(|of| of.contact)),
 ];
+
+/// Further columns of runs that measure the distribution of the velocities: its Sonine coefficients.
+pub const SONINE_COLUMNS: [SeriesColumn; 2] = [
+    mean("a2", "a₂ of the velocities", "", |row| row.sonine.map(|of| of.a2)),
+    mean("a3", "a₃ of the velocities", "", |row| row.sonine.map(|of| of.a3)),
+];

@@ -3,24 +3,27 @@
 use super::OutputError;
 use super::csv::{CsvTable, number};
 use crate::observe::{
-    FRICTION_COLUMNS, GAS_COLUMNS, PathSample, Row, SERIES_COLUMNS, SHEAR_COLUMNS, SeriesColumn, TURBULENCE_COLUMNS,
+    FRICTION_COLUMNS, GAS_COLUMNS, PathSample, Row, SERIES_COLUMNS, SHEAR_COLUMNS, SONINE_COLUMNS, SeriesColumn,
+    TURBULENCE_COLUMNS,
 };
 use crate::outcome::Outcome;
 
 /// Contents of `series.csv`: averages over all particles, with one row per variant and instant. Impacts and losses are
 /// counted from the start. The columns of friction exist only where spheres rotate, those of turbulence only where
-/// particles see it, those of the gas only where it feels the particles, and those of shear only for sheared boxes.
+/// particles see it, those of the gas only where it feels the particles, and those of shear only for sheared boxes. Those of the velocity
+/// distribution exist only where it is measured.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn series(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     let mut table = CsvTable::new();
     let has = |part: fn(&Row) -> bool| rows(outcomes, |outcome| &outcome.series.rows).any(|(_, row)| part(row));
-    let further: [(&[SeriesColumn], bool); 4] = [
+    let further: [(&[SeriesColumn], bool); 5] = [
         (&FRICTION_COLUMNS, has(|row| row.friction.is_some())),
         (&TURBULENCE_COLUMNS, has(|row| row.turbulence.is_some())),
         (&GAS_COLUMNS, has(|row| row.gas.is_some())),
         (&SHEAR_COLUMNS, has(|row| row.shear.is_some())),
+        (&SONINE_COLUMNS, has(|row| row.sonine.is_some())),
     ];
     let further = further.into_iter().filter(|(_, has)| *has).flat_map(|(columns, _)| columns);
     let columns: Vec<&SeriesColumn> = SERIES_COLUMNS.iter().chain(further).collect();
