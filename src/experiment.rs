@@ -1,5 +1,11 @@
 //! One variant of a case, checked and converted to SI units. It contains all data on which a simulation depends.
 
+mod observe_settings;
+
+pub use observe_settings::{
+    DiffusionSettings, ObserveSettings, PairDistributionSettings, VelocityDistributionSettings,
+};
+
 use crate::contact_law::ContactLaw;
 use crate::particles::Particles;
 use crate::scene::{Scene, StartRegion};
@@ -110,6 +116,9 @@ pub struct Experiment {
     pub run: RunSettings,
     /// Settings of the averages.
     pub statistics: StatisticsSettings,
+    /// Measurements in addition to the standard ones.
+    #[serde(skip_serializing_if = "ObserveSettings::is_empty")]
+    pub observe: ObserveSettings,
 }
 
 impl Experiment {

@@ -1,4 +1,6 @@
-//! Closed forms of the kinetic theory of hard spheres that engines and predictions share.
+//! Closed forms of the kinetic theory of hard spheres that engines, measurements and predictions share.
+
+use std::f64::consts::PI;
 
 /// [-] contact value of spheres with the diameters a and b [m] in a mixture with the volume fraction φ and
 /// `second_moment` ξ_2 = π/6 Σ n_i d_i² [1/m] (Boublík 1970, J. Chem. Phys. 53, 471; Mansoori, Carnahan, Starling and
@@ -7,4 +9,21 @@ pub fn contact_value(a: f64, b: f64, volume_fraction: f64, second_moment: f64) -
     let free = 1.0 - volume_fraction;
     let ratio = a * b / (a + b) * second_moment;
     1.0 / free + 3.0 * ratio / (free * free) + 2.0 * ratio * ratio / (free * free * free)
+}
+
+/// [-] coefficient a₂ of the velocity distribution in a homogeneous gas of smooth spheres that cools, with the
+/// `restitution` e: 16 (1 - e)(1 - 2e²)/(81 - 17 e + 30 e² (1 - e)) (van Noije and Ernst 1998, Granular Matter 1, 57). It
+/// is linear in a₂, and differs from simulations by some per cent for e above 0.6.
+pub fn cooling_a2(restitution: f64) -> f64 {
+    let (e, square) = (restitution, restitution * restitution);
+    // numbers of van Noije and Ernst 1998 in three dimensions
+    16.0 * (1.0 - e) * (1.0 - 2.0 * square) / (81.0 - 17.0 * e + 30.0 * square * (1.0 - e))
+}
+
+/// [m²/s] coefficient of self-diffusion of elastic hard spheres by Enskog's theory, in the first approximation:
+/// 3/(8 n d² χ) sqrt(T/π). n is the `density` [1/m³], d the `diameter` [m], T the granular `temperature` [m²/s²] and χ the
+/// contact value (Chapman and Cowling 1970, The Mathematical Theory of Non-Uniform Gases, sections 14.2 and 16.6). The
+/// exact value of a dilute gas is 1.9 % larger.
+pub fn enskog_self_diffusion(density: f64, diameter: f64, temperature: f64, contact_value: f64) -> f64 {
+    3.0 / (8.0 * density * diameter * diameter * contact_value) * (temperature / PI).sqrt()
 }

@@ -172,6 +172,11 @@ impl Schedule {
         self.windows_per_sample as f64 * self.window
     }
 
+    /// [s] time between every n-th sample, with the smallest n for at most `most` of them after the start.
+    pub fn spacing(&self, most: u64) -> f64 {
+        self.samples.div_ceil(most).max(1) as f64 * self.interval()
+    }
+
     /// Length of the whole run, as a number of the shortest windows.
     pub fn length(&self) -> u64 {
         self.samples * self.windows_per_sample

@@ -172,7 +172,7 @@ fn every_example_is_read_and_every_key_explained() {
 /// True if [`FULL`] does not contain the table, so that all required keys of the table must be set.
 fn is_new(table: &str) -> bool {
     let outer = ["domain.shear", "particles.sizes", "fluid.profile", "soft.kuwabara_kono", "soft.tangential"];
-    outer.iter().chain(&["soft.rolling", "hard.friction"]).any(|outer| table.starts_with(outer))
+    outer.iter().chain(&["soft.rolling", "hard.friction", "observe"]).any(|outer| table.starts_with(outer))
         || table.contains(".restitution.")
 }
 

@@ -119,6 +119,7 @@ pub fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
     };
     Outcome {
         gas: None,
+        observations: Vec::new(),
         stress: Stress::default(),
         pairs: record.pairs.clone(),
         walls: record.walls.clone(),

@@ -52,6 +52,7 @@ mod lab; // the lab: token, other hosts, limits, protocol, every scene in both p
 mod lift; // forces across the slip and torque of the gas
 mod limits; // kinds of failures, the TC model, and maps of failures against theory
 mod maps; // the maps of `limits`, which show where each method fails, against theory
+mod measurements; // measurements that a case asks for, against theories and brute force
 mod meshes; // walls of triangles: seams, corners, vessels, damaged meshes
 mod mixtures; // pairs of kinds, spheres of very different sizes
 mod needs; // models that a scene needs, against closed forms

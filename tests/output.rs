@@ -168,7 +168,8 @@ fn results_are_never_replaced_unasked_and_leave_nothing_behind() {
     with_study(&outcomes(), |study| drop(write_part(&folder, study).unwrap()));
     let mut left = names(place.path());
     left.sort();
-    assert_eq!(left, ["figures", "impacts.csv", "overlaps.csv", "profiles.csv", "report.html", "series.csv"]);
+    let tables = ["figures", "impacts.csv", "overlaps.csv", "profiles.csv", "report.html", "series.csv", "stress.csv"];
+    assert_eq!(left, tables);
     assert!(!names(&place.path().join(FIGURES)).contains(&"of-two-variants.svg".to_owned()));
     // the folder is in use until the value is dropped; then its results are protected
     drop(folder);

@@ -116,6 +116,7 @@ pub fn experiment(scene: Scene, count: usize, mean: [f64; 3], fluctuation: f64, 
             seed,
         },
         statistics: StatisticsSettings { slices: 10, sample_interval: None },
+        observe: Default::default(),
     }
 }
 

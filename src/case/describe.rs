@@ -58,12 +58,17 @@ fn run_in_words(experiment: &Experiment) -> String {
         1 => "over the whole height".to_string(),
         slices => format!("in {slices} slices across y"),
     };
-    format!(
+    let mut text = format!(
         "Run: {}, {average}, {slices}; seed {}; window {}.\n",
         time(run.duration),
         run.seed,
         run.window.map_or("chosen by the run".to_string(), time),
-    )
+    );
+    let observed = experiment.observe.names();
+    if !observed.is_empty() {
+        let _ = writeln!(text, "Measured in addition: {}.", observed.join(", "));
+    }
+    text
 }
 
 /// Describes the scene of an experiment, without its model and its run.

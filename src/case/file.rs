@@ -19,6 +19,7 @@
 
 mod contact;
 mod gas;
+mod observe;
 mod region;
 mod restitution;
 mod rotation;
@@ -31,6 +32,7 @@ pub use contact::{ContactFile, PairFile};
 pub use gas::{
     CouplingFile, DragFile, FluidFile, LangevinFile, ModulationFile, ProfileFile, SeenTurbulenceFile, TurbulenceFile,
 };
+pub use observe::{DiffusionFile, ObserveFile, PairDistributionFile, VelocityDistributionFile};
 pub use region::{BlockRegionFile, CylinderRegionFile, RegionFile};
 pub use restitution::{RestitutionFile, RestitutionLawFile};
 pub use rotation::{HistoryFile, ImpactRuleFile, RollingFile, TangentialFile, TwistingFile};
@@ -92,6 +94,8 @@ pub struct CaseFile {
     pub run: Option<Located<RunFile>>,
     /// Settings of the averages: slices and time between samples.
     pub statistics: Option<Located<StatisticsFile>>,
+    /// Measurements in addition to the standard ones. Without this table there are none.
+    pub observe: Option<Located<ObserveFile>>,
     /// Settings of the trajectory files, which are written in addition to the results of every variant. Without this
     /// table no trajectories are written.
     pub output: Option<Located<OutputFile>>,

@@ -39,6 +39,7 @@ pub fn parameters(experiment: &Experiment) -> Value {
             "slices": experiment.statistics.slices,
             "sample_interval": experiment.statistics.sample_interval,
         },
+        "observe": experiment.observe,
     });
     if let Some(thermostat) = &scene.thermostat {
         value["thermostat"] = json!(thermostat);

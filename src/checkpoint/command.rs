@@ -33,8 +33,19 @@ impl RunIdentity {
     /// # Errors
     /// If the experiment cannot be written as JSON.
     pub fn new(experiment: &Experiment, start: u64) -> Result<Self, serde_json::Error> {
-        let Experiment { name, against: _, scene, start: populations, soft, hard, hybrid, dsmc, run, statistics } =
-            experiment;
+        let Experiment {
+            name,
+            against: _,
+            scene,
+            start: populations,
+            soft,
+            hard,
+            hybrid,
+            dsmc,
+            run,
+            statistics,
+            observe,
+        } = experiment;
         let parts = [
             ("scene", serde_json::to_vec(scene)?),
             ("particles", serde_json::to_vec(&(populations, start))?),
@@ -44,6 +55,7 @@ impl RunIdentity {
             ("dsmc", serde_json::to_vec(dsmc)?),
             ("run", serde_json::to_vec(run)?),
             ("statistics", serde_json::to_vec(statistics)?),
+            ("observe", serde_json::to_vec(observe)?),
         ];
         let parts = parts.into_iter().map(|(part, text)| (part.to_owned(), checksum(&text))).collect();
         Ok(Self { name: name.clone(), parts })

@@ -55,8 +55,7 @@ pub struct GasFlows {
 impl GasFlows {
     /// Creates a measurement for runs with the given schedule.
     pub fn new(schedule: &Schedule) -> Self {
-        let every = schedule.samples.div_ceil(MOST_SAMPLES).max(1);
-        Self { interval: every as f64 * schedule.interval(), ..Self::default() }
+        Self { interval: schedule.spacing(MOST_SAMPLES), ..Self::default() }
     }
 
     /// Averages from the time `from` [s] on; `None` if the gas `alone` is frozen, or without a sample.

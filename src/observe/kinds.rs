@@ -124,17 +124,6 @@ pub struct KindAverages {
     pub curves: Vec<KindCurve>,
 }
 
-/// Mean of independent estimates of one number. The mean has no error if one estimate has no error. `None` without
-/// estimates, or if one of the values is unknown.
-fn mean_of(estimates: impl Iterator<Item = Option<Estimate>>) -> Option<Estimate> {
-    let all: Vec<Estimate> = estimates.collect::<Option<_>>()?;
-    let count = all.len() as f64;
-    let errors: Option<Vec<f64>> = all.iter().map(|one| one.error).collect();
-    let square = errors.map(|errors| errors.iter().map(|error| error * error).sum::<f64>());
-    let value = all.iter().map(|one| one.value).sum::<f64>() / count;
-    (!all.is_empty()).then(|| Estimate { value, error: square.map(|sum| sum.sqrt() / count) })
-}
-
 /// Averages over blocks of time of all runs together; `None` if one run has no such averages.
 fn pool<'a>(runs: impl Iterator<Item = &'a Option<Batches>>, by_runs: bool) -> Option<Batches> {
     let all: Option<Vec<&Batches>> = runs.map(Option::as_ref).collect();
@@ -149,9 +138,9 @@ impl KindAverages {
         let species = first.species.iter().enumerate().map(|(place, own)| {
             let each = || runs.iter().filter_map(|run| run.species.get(place));
             SpeciesAverages {
-                velocity: mean_of(each().map(|one| one.velocity)),
-                temperature: mean_of(each().map(|one| one.temperature)),
-                random_energy: mean_of(each().map(|one| one.random_energy)),
+                velocity: Estimate::mean_of(each().map(|one| one.velocity)),
+                temperature: Estimate::mean_of(each().map(|one| one.temperature)),
+                random_energy: Estimate::mean_of(each().map(|one| one.random_energy)),
                 profiles: ProfileTable::pool(&each().map(|one| &one.profiles).collect::<Vec<_>>(), by_runs),
                 batches: [0, 1, 2].map(|which| pool(each().map(|one| &one.batches[which]), by_runs)),
                 ..own.clone()
@@ -185,7 +174,7 @@ impl MeetingAverages {
         let never = first.rate.map(|_| Estimate { value: 0.0, error: None });
         Self {
             count,
-            rate: mean_of(runs.iter().map(|run| run.map_or(never, |one| one.rate))),
+            rate: Estimate::mean_of(runs.iter().map(|run| run.map_or(never, |one| one.rate))),
             normal_speed: weighted(|one| one.normal_speed),
             // mean of the ratios of energies after and before, weighted by the numbers of impacts; impacts of one pair
             // of kinds have similar energies

@@ -6,14 +6,18 @@
 //! with the gas. The data of an observer can be stored with the state of the particles. [`RunLoop`] is the loop for
 //! runs that may be stopped at the end of any window, stored, and resumed.
 
+mod diffusion;
 mod energy;
 mod frames;
 mod gas_flow;
 mod impacts;
 mod kinds;
+mod measurements;
 mod mixing;
 mod momentum;
 mod motion;
+mod near_pairs;
+mod pair_distribution;
 mod paths;
 mod rings;
 mod run_loop;
@@ -21,25 +25,30 @@ mod second_moments;
 mod series;
 mod series_columns;
 mod stress;
+mod velocity_distribution;
 
+pub use diffusion::Diffusion;
 pub use energy::EnergyBooks;
 pub use frames::{Frame, Frames};
 pub use gas_flow::{GasFlow, GasFlows};
 pub use impacts::ImpactSeries;
 pub use kinds::{KindAverages, KindCurve, Kinds, MeetingAverages, SpeciesAverages};
+pub use measurements::{Measurement, Measurements, Observation, ObservedCurve, ObservedNumber, ObservedQuantity};
 pub use mixing::Mixing;
 pub use momentum::{Balance, MomentumBooks};
 pub use motion::Motion;
+pub use pair_distribution::PairDistribution;
 pub use paths::{PathSample, Paths};
 pub use rings::{Ring, RingAverages, Rings};
 pub use run_loop::{Pause, RunLoop};
 pub use second_moments::{Budgets, MOMENTS, SecondMoments, Terms};
 pub use series::{GasMeans, RotationSums, Row, Series, ShearStress, TurbulenceMeans};
 pub use series_columns::{
-    CurveScale, FRICTION_COLUMNS, GAS_COLUMNS, SERIES_COLUMNS, SHEAR_COLUMNS, SeriesColumn, THERMOSTAT_COLUMNS,
-    TURBULENCE_COLUMNS,
+    CurveScale, FRICTION_COLUMNS, GAS_COLUMNS, SERIES_COLUMNS, SHEAR_COLUMNS, SONINE_COLUMNS, SeriesColumn,
+    THERMOSTAT_COLUMNS, TURBULENCE_COLUMNS,
 };
 pub use stress::{Stress, Stresses};
+pub use velocity_distribution::{Sonine, VelocityDistribution};
 
 use crate::engine::Failure;
 use crate::schedule::Schedule;

@@ -1,5 +1,6 @@
 //! Time series of averages over all particles.
 
+use super::velocity_distribution::Sonine;
 use super::{Needs, Observer, plain_data};
 use crate::domain::Domain;
 use crate::experiment::Experiment;
@@ -47,6 +48,8 @@ pub struct Row {
     pub shear: Option<ShearStress>,
     /// [J] energy given by a thermostat and thermal walls since the start; `None` without any.
     pub thermostat_work: Option<f64>,
+    /// Coefficients of the velocity distribution, if the case asks for this distribution.
+    pub sonine: Option<Sonine>,
     /// [kg m/s] momentum of all particles.
     pub momentum: Vector3<f64>,
     /// Number of impacts between particles that have ended since the start.
@@ -254,6 +257,7 @@ impl Row {
             gas: None,
             shear: None,
             thermostat_work: None,
+            sonine: None,
             momentum: sums.momentum,
             pair_impacts: 0,
             wall_impacts: 0,
@@ -318,6 +322,8 @@ pub struct Series {
     slices: usize,
     /// [s] time between rows.
     interval: f64,
+    /// True if rows contain the coefficients of the velocity distribution.
+    has_sonine: bool,
     /// Rows in the order of time.
     pub rows: Vec<Row>,
 }
@@ -326,7 +332,12 @@ impl Series {
     /// Creates an observer for an experiment that runs with the given schedule.
     pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
         let least = if experiment.count() <= FEW { CURVE } else { 0 };
-        Self { slices: experiment.statistics.slices, interval: interval(schedule, least, MOST), rows: Vec::new() }
+        Self {
+            slices: experiment.statistics.slices,
+            interval: interval(schedule, least, MOST),
+            has_sonine: experiment.observe.velocity_distribution.is_some(),
+            rows: Vec::new(),
+        }
     }
 }
 
@@ -347,7 +358,8 @@ impl Observer for Series {
     }
 
     fn see(&mut self, simulation: &Simulation) {
-        self.rows.push(Row::of(simulation, self.slices, self.rows.last()));
+        let sonine = if self.has_sonine { Sonine::of(simulation, self.slices) } else { None };
+        self.rows.push(Row { sonine, ..Row::of(simulation, self.slices, self.rows.last()) });
     }
 
     fn sight_of_end(&self, now: f64) -> Needs {

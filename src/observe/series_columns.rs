@@ -140,3 +140,9 @@ pub const SHEAR_COLUMNS: [SeriesColumn; 3] = [
 /// Further column of scenes with a thermostat or thermal walls.
 pub const THERMOSTAT_COLUMNS: [SeriesColumn; 1] =
     [sum("thermostat_work_J", "work of the thermostat", "J", |row| row.thermostat_work)];
+
+/// Further columns of runs that measure the distribution of the velocities: its Sonine coefficients.
+pub const SONINE_COLUMNS: [SeriesColumn; 2] = [
+    mean("a2", "a₂ of the velocities", "", |row| row.sonine.map(|of| of.a2)),
+    mean("a3", "a₃ of the velocities", "", |row| row.sonine.map(|of| of.a3)),
+];

@@ -28,6 +28,8 @@ pub struct Stress {
     /// of two particles in contact, and f is the force between them. For a collision of hard spheres, the impulse is
     /// the integral of f over time.
     pub contact: [Option<Estimate>; 6],
+    /// [Pa] sum of the kinetic and the contact part.
+    pub total: [Option<Estimate>; 6],
     /// [Pa] pressure: a third of the trace of the total stress, kinetic part plus contact part.
     pub pressure: Option<Estimate>,
     /// [-] ratio of the pressure to its kinetic part; for a gas at rest this is the compressibility factor Z.
@@ -92,6 +94,10 @@ impl Stresses {
         };
         // per interval between samples: the kinetic part is the mean of the values at both ends, the contact part the
         // change within the interval
+        let total = |k: usize| {
+            let moving = samples.windows(2).map(|pair| 0.5 * (pair[0].kinetic[k] + pair[1].kinetic[k]) / self.volume);
+            moving.zip(contact(k)).map(|(moving, pushing)| moving + pushing).collect::<Vec<_>>()
+        };
         let traces: Vec<(f64, f64)> = samples
             .windows(2)
             .map(|pair| {
@@ -109,6 +115,7 @@ impl Stresses {
         Stress {
             kinetic: std::array::from_fn(|k| estimate(&kinetic(k))),
             contact: std::array::from_fn(|k| estimate(&contact(k))),
+            total: std::array::from_fn(|k| estimate(&total(k))),
             pressure: estimate(&pressure),
             compressibility: estimate(&over).filter(|_| moving > 0.0),
             coordination: estimate(&touched).filter(|_| self.lasts),

@@ -4,6 +4,7 @@
 use super::document::{Document, status};
 use super::trajectory::{self, TRAJECTORY};
 use super::{OutputError, html};
+use crate::experiment::ObserveSettings;
 use serde_json::{Value, json};
 use std::fs::{File, TryLockError};
 use std::io::Write;
@@ -26,12 +27,17 @@ const REPORT: &str = "report.html";
 
 /// Names of tables that a run may write, apart from [`SUMMARY`]. When results are replaced, these files are removed, so
 /// that no file of an earlier run remains.
-const TABLES: [&str; 16] = [
+const TABLES: [&str; 21] = [
     "series.csv",
     "paths.csv",
     "profiles.csv",
     "impacts.csv",
     "overlaps.csv",
+    "stress.csv",
+    "observables.csv",
+    "rings.csv",
+    "species.csv",
+    "meetings.csv",
     "state.csv",
     "impact.csv",
     "judge.csv",
@@ -44,6 +50,12 @@ const TABLES: [&str; 16] = [
     "validation.csv",
     REPORT,
 ];
+
+/// Names of all files that a run may write directly into its folder.
+fn tables() -> impl Iterator<Item = String> {
+    let curves = ObserveSettings::NAMES.iter().map(|name| format!("{name}.csv"));
+    [SUMMARY].iter().chain(&TABLES).map(|name| (*name).to_owned()).chain(curves)
+}
 
 /// Texts that occur only in generated pictures: the first in those of the drawing library, the second in those drawn by
 /// this program. A picture without these texts belongs to the user.
@@ -154,7 +166,7 @@ impl Folder {
     }
 
     fn open(path: PathBuf, owner: Owner) -> Result<Self, OutputError> {
-        if let Some(name) = std::iter::once(&SUMMARY).chain(&TABLES).find(|name| path.join(name).is_dir()) {
+        if let Some(name) = tables().find(|name| path.join(name).is_dir()) {
             let what = "there is a folder of that name; remove it, or name another folder with --out";
             return Err(OutputError::io("write", &path.join(name), std::io::Error::other(what)));
         }
@@ -230,8 +242,7 @@ impl Folder {
     /// Removes the files that an earlier run wrote. The summary is removed first, because a folder without a summary
     /// counts as incomplete.
     fn clear(&self) -> Result<(), OutputError> {
-        let mut old: Vec<PathBuf> =
-            std::iter::once(&SUMMARY).chain(&TABLES).map(|name| self.path.join(name)).filter(|p| p.exists()).collect();
+        let mut old: Vec<PathBuf> = tables().map(|name| self.path.join(name)).filter(|p| p.exists()).collect();
         let drawn = |file: &PathBuf| {
             std::fs::read_to_string(file).is_ok_and(|text| DRAWN.iter().any(|mark| text.contains(mark)))
         };

@@ -3,7 +3,8 @@
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Model, SoftStepping};
 use crate::observe::{
-    EnergyBooks, GasFlows, ImpactSeries, Kinds, Mixing, MomentumBooks, Motion, Observer, Paths, Rings, Series, Stresses,
+    EnergyBooks, GasFlows, ImpactSeries, Kinds, Measurements, Mixing, MomentumBooks, Motion, Observer, Paths, Rings,
+    Series, Stresses,
 };
 use crate::outcome::{Averaged, Outcome, Timing};
 use crate::schedule::Schedule;
@@ -30,6 +31,7 @@ pub(crate) struct StandardObservers<'a> {
     kinds: Kinds,
     rings: Rings,
     mixing: Mixing,
+    measurements: Measurements,
 }
 
 impl<'a> StandardObservers<'a> {
@@ -53,16 +55,18 @@ impl<'a> StandardObservers<'a> {
             kinds: Kinds::new(experiment, &schedule),
             rings: Rings::new(experiment),
             mixing: Mixing::new(experiment, &schedule),
+            measurements: Measurements::new(experiment, &schedule),
         }
     }
 
-    /// All standard observers, followed by the `others`.
+    /// All standard observers and the measurements that the case asks for, followed by the `others`.
     pub fn with<'b>(&'b mut self, others: &'b mut [&mut dyn Observer]) -> Vec<&'b mut dyn Observer> {
         let Self { profiles, motion, pairs, walls, energy, momentum, .. } = self;
-        let Self { stresses, gas, series, paths, kinds, rings, mixing, .. } = self;
+        let Self { stresses, gas, series, paths, kinds, rings, mixing, measurements, .. } = self;
         let own: [&mut dyn Observer; 13] =
             [profiles, motion, pairs, walls, energy, momentum, stresses, gas, series, paths, kinds, rings, mixing];
-        own.into_iter().chain(others.iter_mut().map(|other| &mut **other as &mut dyn Observer)).collect()
+        let asked = measurements.each().map(|measurement| measurement as &mut dyn Observer);
+        own.into_iter().chain(asked).chain(others.iter_mut().map(|other| &mut **other as &mut dyn Observer)).collect()
     }
 
     /// Outcome of a run that is over or has failed, made from the measurements.
@@ -108,6 +112,7 @@ impl<'a> StandardObservers<'a> {
             balance: self.momentum.balance(first),
             stress: self.stresses.averages(first),
             gas: self.gas.averages(self.experiment.scene.fluid.as_ref(), steadiness.from),
+            observations: self.measurements.results(self.experiment, steadiness.from),
             series: self.series,
             paths: self.paths,
             counters: simulation.counters(),

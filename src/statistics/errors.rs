@@ -45,6 +45,17 @@ impl Estimate {
         Self { value, error: Some(0.0) }
     }
 
+    /// Mean of independent estimates of one number. The mean has no error if one estimate has no error. `None` without
+    /// estimates, or if one of the values is unknown.
+    pub fn mean_of(estimates: impl Iterator<Item = Option<Self>>) -> Option<Self> {
+        let all: Vec<Self> = estimates.collect::<Option<_>>()?;
+        let count = all.len() as f64;
+        let errors: Option<Vec<f64>> = all.iter().map(|one| one.error).collect();
+        let square = errors.map(|errors| errors.iter().map(|error| error * error).sum::<f64>());
+        let value = all.iter().map(|one| one.value).sum::<f64>() / count;
+        (!all.is_empty()).then(|| Self { value, error: square.map(|sum| sum.sqrt() / count) })
+    }
+
     /// Estimate times a factor that is known exactly.
     pub fn times(self, factor: f64) -> Self {
         Self { value: self.value * factor, error: self.error.map(|error| error * factor) }

@@ -1,7 +1,7 @@
 //! `--replicas`: runs one variant with several seeds, and averages the results to one outcome.
 
 use crate::experiment::{Amount, Experiment};
-use crate::observe::KindAverages;
+use crate::observe::{KindAverages, Observation};
 use crate::outcome::{Averaged, Outcome, Replicas};
 use crate::runs::StudyError;
 use crate::statistics::{Batches, Estimate, FEWEST_RUNS, ProfileTable, U};
@@ -27,7 +27,7 @@ pub fn replicas(experiment: &Experiment, count: u16) -> Result<Vec<Experiment>, 
 }
 
 /// Pools the replicas of a variant into one outcome. Returns this outcome, and all its replicas except the first.
-/// Profiles, temperature, rates and averages of each species are averages over all replicas. All other results, such as
+/// Profiles, temperature, rates, averages of each species and measurements are averages over all replicas. All other results, such as
 /// times, counts and energy balances, are those of the first replica. Failed replicas are left out unless all have
 /// failed; the failure remains in the outcome.
 pub fn pool(first: Outcome, others: Vec<Outcome>) -> (Outcome, Vec<Outcome>) {
@@ -80,6 +80,7 @@ fn merge(first: &Outcome, others: &[Outcome]) -> Outcome {
     outcome.kinds = KindAverages::pool(&all.iter().map(|run| &run.kinds).collect::<Vec<_>>(), by_runs);
     outcome.rings.profiles =
         ProfileTable::pool(&all.iter().map(|run| &run.rings.profiles).collect::<Vec<_>>(), by_runs);
+    outcome.observations = Observation::pool(&all.iter().map(|run| run.observations.as_slice()).collect::<Vec<_>>());
     outcome.averaged = averaged;
     outcome
 }

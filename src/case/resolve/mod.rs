@@ -6,6 +6,7 @@ mod gas;
 mod length;
 mod mesh;
 mod missing;
+mod observe;
 mod output;
 mod overlap;
 mod pairs;
@@ -115,9 +116,10 @@ pub fn resolve(
     let dsmc = resolver.dsmc(file, &scene, &start)?;
     let run = resolver.run(file, choice, &soft)?;
     let statistics = resolver.statistics(file)?;
+    let observe = resolver.observe(file, &scene)?;
     let name = choice.name.clone().unwrap_or_else(|| model_name(resolver.model).to_string());
     let against = choice.against.as_ref().map(|against| resolver.reference(&against.value, &scene)).transpose()?;
-    let experiment = Experiment { name, against, scene, start, soft, hard, hybrid, dsmc, run, statistics };
+    let experiment = Experiment { name, against, scene, start, soft, hard, hybrid, dsmc, run, statistics, observe };
     resolver.check_step(file, &experiment)?;
     resolver.check_stability(file, &experiment)?;
     resolver.check_length(file, &experiment)?;
@@ -126,6 +128,7 @@ pub fn resolve(
     resolver.check_coupling(file, &experiment)?;
     resolver.check_thermostat(file, &experiment);
     resolver.check_trajectories(file, &experiment)?;
+    resolver.check_observe(file, &experiment)?;
     Ok((experiment, resolver.warnings))
 }
 

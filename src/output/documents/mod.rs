@@ -7,6 +7,7 @@ mod hybrid;
 mod impact;
 mod kinds;
 mod limits;
+mod measurements;
 mod overview;
 mod plan;
 mod run;

@@ -1,6 +1,6 @@
 //! Document of a run or a comparison.
 
-use super::{gas_flow, hybrid, kinds, overview, stress, trust, verdict, work};
+use super::{gas_flow, hybrid, kinds, measurements, overview, stress, trust, verdict, work};
 use crate::outcome::Outcome;
 use crate::output::document::{Block, Document, Table, TextRow, known, status};
 use crate::output::figures::ROUNDING;
@@ -62,6 +62,7 @@ fn document<'a>(study: &Study<'a>) -> Result<Document<'a>, OutputError> {
         ("series.csv".to_owned(), over_time::series(outcomes)?),
         ("profiles.csv".to_owned(), csv::profiles(outcomes)?),
         ("impacts.csv".to_owned(), csv::impacts(outcomes)?),
+        ("stress.csv".to_owned(), stress::csv(outcomes)?),
     ];
     tables.extend(kinds::tables(outcomes)?);
     if outcomes.iter().any(|outcome| !outcome.rings.rings.is_empty()) {
@@ -70,6 +71,7 @@ fn document<'a>(study: &Study<'a>) -> Result<Document<'a>, OutputError> {
     if outcomes.iter().any(|outcome| outcome.experiment.model().has_contacts()) {
         tables.push(("overlaps.csv".to_owned(), csv::overlaps(outcomes)?));
     }
+    tables.extend(measurements::tables(outcomes)?);
     tables.extend(gas_flow::csv(outcomes)?.map(|table| ("gas.csv".to_owned(), table)));
     tables.extend(over_time::paths(outcomes)?.map(|table| ("paths.csv".to_owned(), table)));
     let reproduction = [
@@ -81,6 +83,7 @@ fn document<'a>(study: &Study<'a>) -> Result<Document<'a>, OutputError> {
     let over_time = figures.len();
     figures.extend(figures::glance(study));
     figures.extend(figures::study(outcomes));
+    figures.extend(figures::measurements(outcomes));
     Ok(Document {
         provenance: study.provenance,
         failures: outcomes.iter().filter_map(|o| Some((o.experiment.name.as_str(), o.failure.as_ref()?))).collect(),
@@ -127,6 +130,7 @@ fn body(study: &Study, over_time: usize, figures: &[Figure]) -> Vec<Block> {
     body.extend(kinds::blocks(outcomes));
     body.extend(hybrid::blocks(outcomes));
     body.extend(stress::blocks(outcomes));
+    body.extend(measurements::blocks(outcomes, |name| pictures(figures, &[name])));
     body.extend(gas_flow::blocks(outcomes));
     body.extend(pictures(figures, &["gas"]));
     body.push(Block::heading("Energy ledger"));
@@ -459,6 +463,7 @@ fn variant(outcome: &Outcome, parameters: Option<&Value>) -> Value {
         "energy": energies(outcome),
         "granular_temperature": measured(outcome.temperature),
         "stress": stress::json(outcome),
+        "observe": measurements::json(outcome),
         "gas": gas_flow::json(outcome),
         "restitution": {
             "requested_pairs": experiment.scene.restitution_of_pairs(),

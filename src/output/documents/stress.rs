@@ -3,10 +3,15 @@
 use super::run::{measured, table};
 use crate::experiment::Model;
 use crate::outcome::Outcome;
+use crate::output::OutputError;
+use crate::output::csv::{CsvTable, number};
 use crate::output::document::{Block, known};
 use crate::output::numbers::{significant, with_error};
 use crate::statistics::Estimate;
 use serde_json::{Value, json};
+
+/// Names of the components of a stress, in the order of [`Stress`](crate::observe::Stress).
+const COMPONENTS: [&str; 6] = ["xx", "yy", "zz", "xy", "xz", "yz"];
 
 /// Table of the stress with its kinetic and contact parts, and of the contacts per particle.
 pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
@@ -41,7 +46,7 @@ pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
         table(head, outcomes, cells),
         Block::note(
             "Averages over the volume of the whole box. Kinetic: Σ m c c, with velocities about the mean of their slice. Contact: Σ r f, with the force f between two particles that touch (of hard \
-             spheres the impulse over time) and r from centre to centre; walls count in the contacts per particle only. All components and the volume fraction of each slice are in summary.json.",
+             spheres the impulse over time) and r from centre to centre; walls count in the contacts per particle only. All components are in stress.csv, and the volume fraction of each slice is in summary.json.",
         ),
     ];
     blocks.into_iter().chain(kinetic_only).collect()
@@ -52,7 +57,7 @@ pub(super) fn json(outcome: &Outcome) -> Value {
     let stress = &outcome.stress;
     let all = |list: &[Option<Estimate>]| list.iter().map(|part| measured(*part)).collect::<Vec<_>>();
     json!({
-        "components": ["xx", "yy", "zz", "xy", "xz", "yz"],
+        "components": COMPONENTS,
         "kinetic": all(&stress.kinetic),
         "contact": all(&stress.contact),
         "pressure": measured(stress.pressure),
@@ -60,4 +65,26 @@ pub(super) fn json(outcome: &Outcome) -> Value {
         "contacts_per_particle": measured(stress.coordination),
         "volume_fraction_of_slices": all(&stress.volume_fraction),
     })
+}
+
+/// Contents of `stress.csv`: kinetic and contact part of each component of the stress [Pa], averaged over the volume of the
+/// box and the averaging period, and the pressure. Compression is positive. Columns with `_se` contain one standard error.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
+pub(super) fn csv(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
+    let mut table = CsvTable::new();
+    table.head("variant,component,kinetic_Pa,kinetic_se,contact_Pa,contact_se,total_Pa,total_se")?;
+    for outcome in outcomes {
+        let stress = &outcome.stress;
+        let parts = stress.kinetic.iter().zip(&stress.contact).zip(&stress.total);
+        let components = COMPONENTS.iter().zip(parts);
+        let rows = components.map(|(name, ((kinetic, contact), total))| (*name, [*kinetic, *contact, *total]));
+        for (name, parts) in rows.chain([("pressure", [None, None, stress.pressure])]) {
+            let numbers = parts.iter().flat_map(|part| [part.map(|part| part.value), part.and_then(|part| part.error)]);
+            let names = [outcome.experiment.name.clone(), name.to_owned()];
+            table.row(names.into_iter().chain(numbers.map(number)))?;
+        }
+    }
+    table.bytes()
 }

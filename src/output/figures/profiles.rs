@@ -85,7 +85,7 @@ fn room(group: &PanelGroup, height: &Height) -> Vec<PanelSeries> {
 }
 
 /// Picture of one panel, or of several panels in rows of two.
-fn draw(panels: &[Panel]) -> String {
+pub(super) fn draw(panels: &[Panel]) -> String {
     match panels {
         [panel] => chart::single(panel),
         panels => chart::grid(panels),

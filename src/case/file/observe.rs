@@ -1,0 +1,55 @@
+//! Tables of the measurements in addition to the standard ones.
+
+use super::Located;
+use crate::case::quantity::{Length, Ratio, Time};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// Table `[observe]`: measurements in addition to the standard ones. Each is a table, which may be empty where no key is
+/// required. Results are in the report, in a CSV file with the name of the table, and in `observables.csv`.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ObserveFile {
+    /// Pair distribution g(r), of all particles and of each pair of species, and its value at contact.
+    pub pair_distribution: Option<Located<PairDistributionFile>>,
+    /// Distribution of the velocities, and its coefficients a₂ and a₃ in Sonine polynomials.
+    pub velocity_distribution: Option<Located<VelocityDistributionFile>>,
+    /// Mean squared displacement, autocorrelation of the velocities, and the coefficient of self-diffusion.
+    pub diffusion: Option<Located<DiffusionFile>>,
+}
+
+/// Table `[observe.pair_distribution]`: pair distribution g(r), in a box that is periodic along x, y and z.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PairDistributionFile {
+    /// Largest distance of two centres, at most half the shortest edge of the box. The time of a sample grows with its
+    /// third power.
+    #[schemars(example = &"2 mm", extend("x-required" = "always", "x-range" = "1e-9 ..= 1e4 m"))]
+    pub reach: Option<Located<Length>>,
+    /// Number of bins between 0 and the largest distance.
+    #[schemars(example = 200, extend("default" = 100, "x-range" = "1 ..= 10000"))]
+    pub bins: Option<Located<i64>>,
+}
+
+/// Table `[observe.velocity_distribution]`: distribution of the velocities relative to the mean velocity of their slice,
+/// in units of sqrt(2T).
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct VelocityDistributionFile {
+    /// Largest speed of the histogram in units of sqrt(2T).
+    #[schemars(example = 6, extend("default" = 4, "x-range" = "0.1 ..= 100"))]
+    pub largest_speed: Option<Located<Ratio>>,
+    /// Number of bins of the histogram.
+    #[schemars(example = 100, extend("default" = 40, "x-range" = "1 ..= 10000"))]
+    pub bins: Option<Located<i64>>,
+}
+
+/// Table `[observe.diffusion]`: motion of the particles from an origin on. Origins follow each other without overlap.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DiffusionFile {
+    /// Longest time over which the motion is followed: at least ten times `statistics.sample_interval`. Standard errors need
+    /// eight such times in the averaging period.
+    #[schemars(example = &"5 ms", extend("x-required" = "always", "x-range" = "greater than 0 s"))]
+    pub duration: Option<Located<Time>>,
+}

@@ -1,0 +1,59 @@
+//! Settings of the measurements that a case asks for.
+
+use serde::Serialize;
+
+/// Measurements that a case asks for in addition to the standard ones. A measurement is `None` if the case does not ask
+/// for it; it then costs nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct ObserveSettings {
+    /// Pair distribution g(r).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pair_distribution: Option<PairDistributionSettings>,
+    /// Distribution of the velocities, and its Sonine coefficients.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub velocity_distribution: Option<VelocityDistributionSettings>,
+    /// Mean squared displacement and autocorrelation of the velocities.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub diffusion: Option<DiffusionSettings>,
+}
+
+impl ObserveSettings {
+    /// Names of all measurements, as in the case. Files of curves have these names.
+    pub const NAMES: [&str; 3] = ["pair_distribution", "velocity_distribution", "diffusion"];
+
+    /// True if the case asks for none of the measurements.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Names of the measurements that the case asks for, as in the case.
+    pub fn names(&self) -> Vec<&'static str> {
+        let asked = [self.pair_distribution.is_some(), self.velocity_distribution.is_some(), self.diffusion.is_some()];
+        Self::NAMES.into_iter().zip(asked).filter_map(|(name, asked)| asked.then_some(name)).collect()
+    }
+}
+
+/// Settings of the pair distribution.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PairDistributionSettings {
+    /// [m] largest distance of two centres, at most half the shortest edge of the box.
+    pub reach: f64,
+    /// Number of bins between 0 and the largest distance.
+    pub bins: usize,
+}
+
+/// Settings of the distribution of the velocities.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct VelocityDistributionSettings {
+    /// [-] largest speed of the histogram in units of sqrt(2T), with the granular temperature T.
+    pub largest_speed: f64,
+    /// Number of bins of the histogram.
+    pub bins: usize,
+}
+
+/// Settings of the mean squared displacement.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct DiffusionSettings {
+    /// [s] longest time over which displacements are followed.
+    pub duration: f64,
+}

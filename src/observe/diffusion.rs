@@ -1,0 +1,247 @@
+//! Mean squared displacement, autocorrelation of the velocities, and the coefficient of self-diffusion D.
+//!
+//! After the time t from an origin, M(t) = <|Δ|²> and C(t) = <v(0)·v(t)>/3 are means over the particles of a species.
+//! Displacements Δ and velocities v are relative to the mean of the species at the same time. Both means are multiplied by
+//! N/(N - 1), since N particles share their own mean. With the longest time t₁, D is the slope (M(t₁) - M(t₁/2))/(3 t₁) (Einstein). D
+//! is also the integral ∫ C dt from 0 to t₁ (Green and Kubo; Allen and Tildesley, Computer Simulation of Liquids, 2nd edition 2017, section 2.7).
+//!
+//! **Unwrapped displacements.** The displacement of a particle is the sum of its displacements between samples, each to
+//! the nearest image. This image is the right one if the particle has moved less than half a period. So no particle may be
+//! faster at a sample than a quarter of a period per interval between samples. Otherwise the results are unknown, and a
+//! remark says so.
+
+use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumber, ObservedQuantity};
+use super::{Needs, Observer, plain_data};
+use crate::exact::sums_in_groups;
+use crate::experiment::{DiffusionSettings, Experiment};
+use crate::kinetic_theory::{contact_value, enskog_self_diffusion};
+use crate::schedule::Schedule;
+use crate::simulation::Simulation;
+use crate::statistics::{Estimate, estimate};
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// Largest number of times of a curve. If there are more samples in the longest time, every n-th is used.
+const MOST_TIMES: u64 = 1000;
+
+/// Sums over the particles of a species at one time after an origin, as means.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct MotionSample {
+    /// [m²] M(t).
+    displacement: f64,
+    /// [m²/s²] C(t).
+    correlation: f64,
+}
+
+/// Particles at the origin of a block of time and at the last sample, in the order of ids.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+struct TrackedParticles {
+    /// [m/s] velocities at the origin.
+    velocity: Vec<Vector3<f64>>,
+    /// [m] positions in the box at the last sample.
+    position: Vec<Vector3<f64>>,
+    /// [m] displacements from the origin to the last sample.
+    displacement: Vec<Vector3<f64>>,
+}
+
+/// Motion from one origin up to the longest time.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct MotionBlock {
+    /// [s] time of the origin.
+    origin: f64,
+    /// Means at each time after the origin, per species.
+    samples: Vec<Vec<MotionSample>>,
+}
+
+/// Measurement of the motion of the particles, in blocks of time one after another.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Diffusion {
+    /// [s] time between the used samples.
+    interval: f64,
+    /// Number of intervals in a block of time.
+    intervals: usize,
+    species: usize,
+    tracked: TrackedParticles,
+    blocks: Vec<MotionBlock>,
+    /// True if a particle was too fast for its displacement to be known.
+    is_ambiguous: bool,
+}
+
+impl Diffusion {
+    /// Creates a measurement for an experiment that runs with the given schedule.
+    pub fn new(experiment: &Experiment, schedule: &Schedule, settings: DiffusionSettings) -> Self {
+        let samples = (settings.duration / schedule.interval()).round().max(1.0);
+        let every = (samples as u64).div_ceil(MOST_TIMES).max(1);
+        Self {
+            interval: every as f64 * schedule.interval(),
+            intervals: (samples / every as f64).round() as usize,
+            species: experiment.scene.species.len(),
+            tracked: TrackedParticles::default(),
+            blocks: Vec::new(),
+            is_ambiguous: false,
+        }
+    }
+
+    /// Begins a block of time with all particles, in the order of `by_id`.
+    fn begin(&mut self, simulation: &Simulation, by_id: &[u32]) {
+        let particles = &simulation.particles;
+        let domain = &simulation.scene().domain;
+        let each = || by_id.iter().map(|place| *place as usize);
+        self.tracked = TrackedParticles {
+            velocity: each().map(|place| particles.velocity[place]).collect(),
+            position: each().map(|place| domain.wrap(&particles.position[place])).collect(),
+            displacement: vec![Vector3::zeros(); by_id.len()],
+        };
+        self.blocks.push(MotionBlock { origin: simulation.time, samples: vec![Vec::new(); self.species] });
+    }
+
+    /// Adds the displacements since the last sample.
+    fn track(&mut self, simulation: &Simulation, by_id: &[u32]) {
+        let domain = &simulation.scene().domain;
+        let TrackedParticles { position, displacement, .. } = &mut self.tracked;
+        for ((last, moved), place) in position.iter_mut().zip(displacement).zip(by_id) {
+            let now = domain.wrap(&simulation.particles.position[*place as usize]);
+            *moved += domain.separation(&now, last);
+            *last = now;
+        }
+    }
+
+    /// True if a particle moves further than a quarter of a period between two samples.
+    fn is_too_fast(&self, simulation: &Simulation) -> bool {
+        let furthest = 0.5 * simulation.scene().domain.half;
+        let reaches = |v: &Vector3<f64>| (0..3).any(|axis| (v[axis] * self.interval).abs() > furthest[axis]);
+        simulation.particles.velocity.iter().any(reaches)
+    }
+
+    /// Adds the means at the present time to the block.
+    fn measure(&mut self, simulation: &Simulation, by_id: &[u32]) {
+        let (particles, tracked) = (&simulation.particles, &self.tracked);
+        let sums = sums_in_groups(self.species, by_id.len(), |id| {
+            let place = by_id[id] as usize;
+            let (moved, first, now) = (tracked.displacement[id], tracked.velocity[id], particles.velocity[place]);
+            let [x, y, z] = moved.into();
+            let row =
+                [1.0, x, y, z, moved.norm_squared(), first.x, first.y, first.z, now.x, now.y, now.z, first.dot(&now)];
+            (usize::from(particles.species[place]), row)
+        });
+        let Some(block) = self.blocks.last_mut() else { return };
+        for (samples, sums) in block.samples.iter_mut().zip(sums.values()) {
+            let [count, x, y, z, square, fx, fy, fz, nx, ny, nz, product] = sums;
+            let (moved, first, now) = (Vector3::new(x, y, z), Vector3::new(fx, fy, fz), Vector3::new(nx, ny, nz));
+            let freedom = (count - 1.0).max(1.0);
+            samples.push(MotionSample {
+                displacement: (square - moved.norm_squared() / count.max(1.0)) / freedom,
+                correlation: (product - first.dot(&now) / count.max(1.0)) / freedom / 3.0,
+            });
+        }
+    }
+
+    /// Complete blocks of time from the time `from` [s] on; none if displacements are unknown.
+    fn complete(&self, from: f64) -> Vec<&MotionBlock> {
+        let is_used = |block: &&MotionBlock| {
+            block.origin >= from && block.samples.iter().all(|samples| samples.len() == self.intervals + 1)
+        };
+        if self.is_ambiguous { Vec::new() } else { self.blocks.iter().filter(is_used).collect() }
+    }
+}
+
+/// [m²/s] D of a gas of equal elastic spheres without forces by Enskog's theory, for particles with the granular
+/// temperature `temperature` [m²/s²]; `None` for other scenes.
+fn theory(experiment: &Experiment, temperature: f64) -> Option<f64> {
+    let scene = &experiment.scene;
+    let ([species], false) = (scene.species.as_slice(), scene.has_sizes()) else { return None };
+    let is_alone = scene.domain.periodic == [true; 3] && scene.fluid.is_none() && scene.gravity == Vector3::zeros();
+    if !is_alone || scene.contact.restitution < 1.0 || scene.contact.friction > 0.0 || scene.rotation.is_some() {
+        return None;
+    }
+    let density = experiment.count() as f64 / scene.domain.volume();
+    let d = species.diameter;
+    let contact = contact_value(d, d, density * species.volume(), PI / 6.0 * density * d * d);
+    Some(enskog_self_diffusion(density, d, temperature, contact))
+}
+
+impl Measurement for Diffusion {
+    fn result(&self, experiment: &Experiment, from: f64) -> Observation {
+        let (blocks, interval) = (self.complete(from), self.interval);
+        let times: Vec<f64> = (0..=self.intervals).map(|k| k as f64 * interval).collect();
+        let (longest, middle) = (self.intervals, self.intervals / 2);
+        let over_blocks = |of: &dyn Fn(&MotionBlock) -> f64| -> Option<Estimate> {
+            estimate(&blocks.iter().map(|block| of(block)).collect::<Vec<_>>())
+        };
+        let (mut curves, mut numbers) = (Vec::new(), Vec::new());
+        for (index, species) in experiment.scene.species.iter().enumerate() {
+            let quantity = |column: &str, symbol: &str, unit: &'static str| match experiment.scene.species.len() {
+                1 => ObservedQuantity::new(column, symbol, unit),
+                _ => ObservedQuantity::new(
+                    format!("{column} {}", species.name),
+                    format!("{symbol} {}", species.name),
+                    unit,
+                ),
+            };
+            let mut curve = |quantity: ObservedQuantity, of: fn(&MotionSample) -> f64| {
+                let values = (0..times.len()).map(|k| over_blocks(&|block| of(&block.samples[index][k]))).collect();
+                curves.push(ObservedCurve { quantity, values, theory: None, is_logarithmic: false });
+            };
+            curve(quantity("displacement_m2", "M", "m²"), |sample| sample.displacement);
+            curve(quantity("correlation_m2_s2", "C", "m²/s²"), |sample| sample.correlation);
+            let einstein = |block: &MotionBlock| {
+                let at = |k: usize| block.samples[index][k].displacement;
+                (at(longest) - at(middle)) / (6.0 * (longest - middle) as f64 * interval)
+            };
+            let green_kubo = |block: &MotionBlock| {
+                let of = &block.samples[index];
+                of.windows(2).map(|pair| 0.5 * interval * (pair[0].correlation + pair[1].correlation)).sum()
+            };
+            let temperature = over_blocks(&|block| block.samples[index][0].correlation);
+            let exact = temperature.and_then(|found| theory(experiment, found.value)).map(|d| ("Enskog", d));
+            let mut number = |column: &str, symbol: &str, value: Option<Estimate>| {
+                numbers.push(ObservedNumber { quantity: quantity(column, symbol, "m²/s"), value, theory: exact });
+            };
+            number("D_einstein_m2_s", "D by displacements", over_blocks(&einstein));
+            number("D_green_kubo_m2_s", "D by velocities", over_blocks(&green_kubo));
+        }
+        let remark = self.is_ambiguous.then(|| {
+            "Displacements are unknown: some particles move further than a quarter of a period between samples. \
+             Give a shorter statistics.sample_interval."
+        });
+        Observation {
+            name: "diffusion",
+            title: "Mean squared displacement and autocorrelation of the velocities",
+            axis: ObservedQuantity::new("t_s", "t", "s"),
+            places: times,
+            curves,
+            numbers,
+            remark,
+        }
+    }
+}
+
+impl Observer for Diffusion {
+    fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
+        Some(now + self.interval)
+    }
+
+    fn sight(&self) -> Needs {
+        Needs::Every(1)
+    }
+
+    fn see(&mut self, simulation: &Simulation) {
+        self.is_ambiguous |= self.is_too_fast(simulation);
+        let mut by_id: Vec<u32> = vec![0; simulation.particles.len()];
+        for (place, id) in (0..).zip(&simulation.particles.id) {
+            by_id[*id as usize] = place;
+        }
+        if !self.blocks.is_empty() {
+            self.track(simulation, &by_id);
+            self.measure(simulation, &by_id);
+        }
+        let is_full = |block: &MotionBlock| block.samples.first().is_none_or(|samples| samples.len() > self.intervals);
+        if self.blocks.last().is_none_or(is_full) {
+            self.begin(simulation, &by_id);
+            self.measure(simulation, &by_id);
+        }
+    }
+
+    plain_data!();
+}

@@ -1,0 +1,132 @@
+//! Measurements that a case asks for, and the common form of their results: curves and numbers with standard errors.
+
+use super::Observer;
+use super::diffusion::Diffusion;
+use super::pair_distribution::PairDistribution;
+use super::velocity_distribution::VelocityDistribution;
+use crate::experiment::Experiment;
+use crate::schedule::Schedule;
+use crate::statistics::Estimate;
+
+/// Quantity of a curve or of a number.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObservedQuantity {
+    /// Name of the column in files, with its unit.
+    pub column: String,
+    /// Name of the quantity in pictures and tables.
+    pub symbol: String,
+    /// SI unit of the quantity; empty for a pure number.
+    pub unit: &'static str,
+}
+
+impl ObservedQuantity {
+    /// Creates a quantity from the name of its column, its symbol and its unit.
+    pub fn new(column: impl Into<String>, symbol: impl Into<String>, unit: &'static str) -> Self {
+        Self { column: column.into(), symbol: symbol.into(), unit }
+    }
+}
+
+/// Values at the places of a measurement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObservedCurve {
+    /// Quantity of the values.
+    pub quantity: ObservedQuantity,
+    /// Values in the unit of the quantity, one for each place; `None` where the value is unknown.
+    pub values: Vec<Option<Estimate>>,
+    /// Name of a theory, and its values at the same places in the same unit; `None` without a theory.
+    pub theory: Option<(&'static str, Vec<f64>)>,
+    /// True if pictures have a logarithmic axis for the values.
+    pub is_logarithmic: bool,
+}
+
+/// Single number of a measurement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObservedNumber {
+    /// Quantity of the number.
+    pub quantity: ObservedQuantity,
+    /// Value in the unit of the quantity; `None` if it is unknown.
+    pub value: Option<Estimate>,
+    /// Name of a theory, and its value in the same unit; `None` without a theory.
+    pub theory: Option<(&'static str, f64)>,
+}
+
+/// Result of a measurement, averaged over the averaging period.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Observation {
+    /// Name of the measurement in the case. The file of the curves has this name too.
+    pub name: &'static str,
+    /// Heading in reports.
+    pub title: &'static str,
+    /// Quantity along which the curves extend.
+    pub axis: ObservedQuantity,
+    /// [SI] places along the axis, in the unit of the axis.
+    pub places: Vec<f64>,
+    /// Curves over the places.
+    pub curves: Vec<ObservedCurve>,
+    /// Single numbers.
+    pub numbers: Vec<ObservedNumber>,
+    /// Reason why values are unknown, with its remedy; `None` if all are as they should be.
+    pub remark: Option<&'static str>,
+}
+
+impl Observation {
+    /// Means over several independent runs of one variant.
+    pub fn pool(runs: &[&[Self]]) -> Vec<Self> {
+        let Some(first) = runs.first() else { return Vec::new() };
+        let mut pooled = first.to_vec();
+        for (place, result) in pooled.iter_mut().enumerate() {
+            for (k, curve) in result.curves.iter_mut().enumerate() {
+                let values = |point: usize| runs.iter().map(move |run| run[place].curves[k].values[point]);
+                curve.values = (0..curve.values.len()).map(|point| Estimate::mean_of(values(point))).collect();
+            }
+            for (k, number) in result.numbers.iter_mut().enumerate() {
+                number.value = Estimate::mean_of(runs.iter().map(|run| run[place].numbers[k].value));
+            }
+            result.remark = runs.iter().find_map(|run| run[place].remark);
+        }
+        pooled
+    }
+}
+
+/// Observer whose result has the common form.
+pub trait Measurement: Observer {
+    /// Result of the samples from the time `from` [s] on.
+    fn result(&self, experiment: &Experiment, from: f64) -> Observation;
+}
+
+/// Measurements of a run that the case asks for.
+#[derive(Clone, Debug, Default)]
+pub struct Measurements {
+    pair_distribution: Option<PairDistribution>,
+    velocity_distribution: Option<VelocityDistribution>,
+    diffusion: Option<Diffusion>,
+}
+
+impl Measurements {
+    /// Creates the measurements of an experiment that runs with the given schedule.
+    pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
+        let asked = &experiment.observe;
+        Self {
+            pair_distribution: asked
+                .pair_distribution
+                .map(|settings| PairDistribution::new(experiment, schedule, settings)),
+            velocity_distribution: asked
+                .velocity_distribution
+                .map(|settings| VelocityDistribution::new(experiment, schedule, settings)),
+            diffusion: asked.diffusion.map(|settings| Diffusion::new(experiment, schedule, settings)),
+        }
+    }
+
+    /// All measurements.
+    pub fn each(&mut self) -> impl Iterator<Item = &mut dyn Measurement> {
+        let pairs = self.pair_distribution.as_mut().map(|of| of as &mut dyn Measurement);
+        let velocities = self.velocity_distribution.as_mut().map(|of| of as &mut dyn Measurement);
+        let diffusion = self.diffusion.as_mut().map(|of| of as &mut dyn Measurement);
+        [pairs, velocities, diffusion].into_iter().flatten()
+    }
+
+    /// Results of the samples from the time `from` [s] on.
+    pub fn results(mut self, experiment: &Experiment, from: f64) -> Vec<Observation> {
+        self.each().map(|measurement| measurement.result(experiment, from)).collect()
+    }
+}

@@ -1,0 +1,162 @@
+//! Parts of a report about the measurements that a case asks for, and their tables of numbers.
+
+use super::run::{distinct, measured};
+use crate::observe::{Observation, ObservedCurve, ObservedNumber};
+use crate::outcome::Outcome;
+use crate::output::OutputError;
+use crate::output::csv::{CsvTable, number};
+use crate::output::document::Block;
+use crate::output::figures;
+use crate::output::numbers::{significant, with_error};
+use crate::statistics::Estimate;
+use serde_json::{Value, json};
+
+/// Name of the file with the single numbers of all measurements.
+const NUMBERS: &str = "observables.csv";
+
+/// Numbers of all measurements with their theories, then the pictures that `pictures` returns for a name of figures.
+/// Empty if no variant has a measurement.
+pub(super) fn blocks(outcomes: &[Outcome], pictures: impl Fn(&str) -> Vec<Block>) -> Vec<Block> {
+    let row = |(outcome, observed): (&Outcome, &Observation)| {
+        let name = outcome.experiment.name.clone();
+        let rows = observed.numbers.iter().map(move |number| {
+            let unit = number.quantity.unit;
+            let symbol = &number.quantity.symbol;
+            let quantity = if unit.is_empty() { symbol.clone() } else { format!("{symbol} [{unit}]") };
+            let (theory, source) = match number.theory {
+                Some((source, value)) => (significant(value, 4), source.to_owned()),
+                None => (String::new(), String::new()),
+            };
+            (false, vec![name.clone(), quantity, with_error(number.value), theory, in_errors(number), source])
+        });
+        rows.collect::<Vec<_>>()
+    };
+    let names: Vec<&str> = names(outcomes).collect();
+    if names.is_empty() {
+        return Vec::new();
+    }
+    let head = "variant | quantity | measured | theory | difference in SE | source";
+    let mut blocks = vec![
+        Block::heading("Measurements that the case asks for"),
+        Block::table(head, all(outcomes).flat_map(row)),
+        Block::note(format!(
+            "Averages over the averaging period, ± one standard error. {NUMBERS} has these numbers; the curves are in {}.",
+            distinct(names.iter().map(|name| format!("{name}.csv")))
+        )),
+    ];
+    let remarks = all(outcomes).filter_map(|(outcome, observed)| {
+        let name = &outcome.experiment.name;
+        Some(Block::note(format!("“{name}”, {}: {}", observed.title.to_lowercase(), observed.remark?)))
+    });
+    blocks.extend(remarks);
+    blocks.extend(names.into_iter().flat_map(|name| pictures(&figures::of_measurement(name))));
+    blocks
+}
+
+/// Difference between a number and its theory, in standard errors.
+fn in_errors(number: &ObservedNumber) -> String {
+    let exact = number.theory.map(|(_, value)| Estimate::exact(value));
+    let difference = number.value.zip(exact).and_then(|(value, exact)| value.less(exact).in_errors());
+    difference.map_or_else(String::new, |errors| significant(errors, 2))
+}
+
+/// Results of all variants, each with its variant.
+fn all(outcomes: &[Outcome]) -> impl Iterator<Item = (&Outcome, &Observation)> {
+    outcomes.iter().flat_map(|outcome| outcome.observations.iter().map(move |observed| (outcome, observed)))
+}
+
+/// Names of the measurements, each once.
+fn names(outcomes: &[Outcome]) -> impl Iterator<Item = &'static str> {
+    let mut names: Vec<&'static str> = Vec::new();
+    for (_, observed) in all(outcomes) {
+        if !names.contains(&observed.name) {
+            names.push(observed.name);
+        }
+    }
+    names.into_iter()
+}
+
+/// Measurements of a variant for `summary.json`: the single numbers of each, in SI units.
+pub(super) fn json(outcome: &Outcome) -> Value {
+    let numbers = |observed: &Observation| {
+        let each = observed.numbers.iter().map(|number| {
+            let mut value = measured(number.value);
+            if let Some((source, exact)) = number.theory {
+                value["theory"] = json!({ "value": exact, "source": source });
+            }
+            (number.quantity.column.clone(), value)
+        });
+        let mut values: Value = each.collect();
+        if let Some(remark) = observed.remark {
+            values["remark"] = remark.into();
+        }
+        (observed.name.to_owned(), values)
+    };
+    outcome.observations.iter().map(numbers).collect()
+}
+
+/// Files of the measurements: one with the curves of each measurement, and one with the numbers of all.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
+pub(super) fn tables(outcomes: &[Outcome]) -> Result<Vec<(String, Vec<u8>)>, OutputError> {
+    let mut tables = Vec::new();
+    for name in names(outcomes) {
+        let of_name: Vec<_> = all(outcomes).filter(|(_, observed)| observed.name == name).collect();
+        tables.push((format!("{name}.csv"), curves(&of_name)?));
+    }
+    if !tables.is_empty() {
+        tables.push((NUMBERS.to_owned(), numbers(outcomes)?));
+    }
+    Ok(tables)
+}
+
+/// Curves of one measurement, with one row per variant and place. Variants may have different curves.
+fn curves(results: &[(&Outcome, &Observation)]) -> Result<Vec<u8>, OutputError> {
+    let mut columns: Vec<(&str, bool)> = Vec::new();
+    for curve in results.iter().flat_map(|(_, observed)| &observed.curves) {
+        if !columns.iter().any(|(column, _)| *column == curve.quantity.column) {
+            columns.push((&curve.quantity.column, curve.theory.is_some()));
+        }
+    }
+    let head = columns.iter().flat_map(|(column, has_theory)| {
+        let theory = has_theory.then(|| format!("{column}_theory"));
+        [(*column).to_owned(), format!("{column}_se")].into_iter().chain(theory)
+    });
+    let axis = results.first().map_or("", |(_, observed)| &observed.axis.column);
+    let mut table = CsvTable::new();
+    table.row(["variant".to_owned(), axis.to_owned()].into_iter().chain(head))?;
+    for (outcome, observed) in results {
+        for (place, at) in observed.places.iter().enumerate() {
+            let cells = columns.iter().flat_map(|(column, has_theory)| {
+                let curve = observed.curves.iter().find(|curve| curve.quantity.column == *column);
+                let value = curve.and_then(|curve| curve.values[place]);
+                let theory = |curve: &ObservedCurve| curve.theory.as_ref().map(|(_, values)| values[place]);
+                let known = [value.map(|value| value.value), value.and_then(|value| value.error)];
+                known.into_iter().chain(has_theory.then(|| curve.and_then(theory)))
+            });
+            let cells = cells.map(number).collect::<Vec<_>>();
+            table.row([outcome.experiment.name.clone(), number(*at)].into_iter().chain(cells))?;
+        }
+    }
+    table.bytes()
+}
+
+/// Single numbers of all measurements.
+fn numbers(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
+    let mut table = CsvTable::new();
+    table.head("variant,measurement,quantity,unit,value,value_se,theory,source")?;
+    for (outcome, observed) in all(outcomes) {
+        for found in &observed.numbers {
+            let names = [&outcome.experiment.name, observed.name, &found.quantity.column, found.quantity.unit];
+            let values = [
+                found.value.map(|value| value.value),
+                found.value.and_then(|value| value.error),
+                found.theory.map(|(_, value)| value),
+            ];
+            let source = found.theory.map_or("", |(source, _)| source).to_owned();
+            table.row(names.map(str::to_owned).into_iter().chain(values.map(number)).chain([source]))?;
+        }
+    }
+    table.bytes()
+}
