@@ -19,6 +19,7 @@
 
 mod contact;
 mod gas;
+mod motion;
 mod region;
 mod restitution;
 mod rotation;
@@ -30,6 +31,7 @@ pub use contact::{ContactFile, PairFile};
 pub use gas::{
     CouplingFile, DragFile, FluidFile, LangevinFile, ModulationFile, ProfileFile, SeenTurbulenceFile, TurbulenceFile,
 };
+pub use motion::{KnotFile, MotionFile, ShapeTurningFile, VibrationFile};
 pub use region::{BlockRegionFile, CylinderRegionFile, RegionFile};
 pub use restitution::{RestitutionFile, RestitutionLawFile};
 pub use rotation::{HistoryFile, ImpactRuleFile, RollingFile, TangentialFile, TwistingFile};
