@@ -12,7 +12,7 @@ use crate::rotation::tangential_mass;
 use crate::scene::{Kind, Scene, Surface};
 pub use crate::walls::{first_touch, may_touch};
 
-use crate::walls::{Flight, Touch};
+use crate::walls::{Flight, Touch, Wall};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -79,29 +79,37 @@ pub struct FrameTime {
     /// Time [s] from the time of the particle store to the computed time; particles fly straight meanwhile.
     pub ahead: f64,
     /// Time [s] of free fall whose displacement g t²/2 must be added to positions relative to a wall. Images in a sheared
-    /// box have slid for this time since the instant of the scene.
+    /// box have slid, and walls have moved, for this time since the instant of the scene.
     pub sunk: f64,
     /// Time [s] of free fall whose velocity g t must be added to velocities relative to a wall.
     pub fallen: f64,
+    /// [s] time by which the velocities of the store are earlier than its positions, as half steps of Verlet's method
+    /// are. Velocities of walls that move are those of this earlier time.
+    pub lag: f64,
 }
 
 impl FrameTime {
     /// Creates the time of the particle store, for positions relative to the walls and velocities in a frame that has
     /// fallen freely for `time` [s].
     pub fn fallen(time: f64) -> Self {
-        Self { ahead: 0.0, sunk: 0.0, fallen: time }
+        Self { fallen: time, ..Self::default() }
+    }
+
+    /// Creates the time [`fallen`](Self::fallen) creates, for velocities that are `lag` [s] earlier than the positions.
+    pub fn lagging(time: f64, lag: f64) -> Self {
+        Self { fallen: time, lag, ..Self::default() }
     }
 
     /// Creates the time of the particle store, for positions and velocities in a frame that has fallen freely for
     /// `time` [s].
     pub fn in_free_fall(time: f64) -> Self {
-        Self { ahead: 0.0, sunk: time, fallen: time }
+        Self { sunk: time, fallen: time, ..Self::default() }
     }
 
     /// Creates the time `time` [s] after that of the particle store, for a frame that begins to fall at the time of the
     /// store.
     pub fn ahead(time: f64) -> Self {
-        Self { ahead: time, sunk: time, fallen: time }
+        Self { ahead: time, sunk: time, fallen: time, lag: 0.0 }
     }
 
     /// [m] centre of the particle at index `place`, in the frame of the particle store.
@@ -130,9 +138,37 @@ pub struct WallMotion {
     pub velocity: Vector3<f64>,
     /// [rad/s] angular velocity.
     pub spin: Vector3<f64>,
+    /// [m/s] part of `velocity` with which the shape itself moves; zero if only the surface moves along itself.
+    pub carried: Vector3<f64>,
+    /// [m/s²] rate at which `velocity` changes at one place; zero for a steady rotation.
+    pub acceleration: Vector3<f64>,
+    /// [m/s²] centripetal acceleration of the shape at the contact point, if the shape turns.
+    pub centripetal: Vector3<f64>,
 }
 
 impl WallMotion {
+    /// Motion of the surface of a wall at `point` [m], `ahead` [s] of the instant of the wall.
+    pub fn of(wall: &Wall, point: &Vector3<f64>, ahead: f64) -> Self {
+        let (velocity, spin) = (wall.surface_velocity(point, ahead), wall.spin().unwrap_or_default());
+        let Some(moving) = &wall.moving else { return Self { velocity, spin, ..Self::default() } };
+        let (motion, time) = (moving.motion(), moving.time() + ahead);
+        let carried = motion.velocity(point, time);
+        let centripetal = motion.spin().map_or_else(Vector3::zeros, |spin| spin.cross(&carried));
+        Self { velocity, spin, carried, acceleration: motion.acceleration(time), centripetal }
+    }
+
+    /// [m/s²] acceleration that presses a particle at rest on the wall to it, along the unit vector `normal`. It is
+    /// negative if the particle leaves the wall. `gravity` [m/s²] is that of the particle.
+    pub fn pressing(&self, gravity: &Vector3<f64>, normal: &Vector3<f64>) -> f64 {
+        (self.acceleration + self.centripetal - gravity).dot(normal)
+    }
+
+    /// The motion `time` [s] later, at constant acceleration.
+    #[inline(always)]
+    pub fn later(self, time: f64) -> Self {
+        Self { velocity: self.velocity + self.acceleration * time, ..self }
+    }
+
     /// [W] power of the moving wall on the particle, by a force [N] and a torque `couple` [N m] on the particle.
     #[inline(always)]
     pub fn power(&self, force: &Vector3<f64>, couple: Option<&Vector3<f64>>) -> f64 {
@@ -261,13 +297,13 @@ impl Couple {
     ) -> Option<WallMotion> {
         let Other::Wall(at) = self.other else { return None };
         let wall = &scene.walls[at.wall as usize];
-        let Some(turning) = &wall.turning else {
-            return Some(WallMotion { velocity: wall.velocity, spin: Vector3::zeros() });
-        };
+        if wall.turning.is_none() && wall.moving.is_none() {
+            return Some(WallMotion { velocity: wall.velocity, ..WallMotion::default() });
+        }
         let i = self.i as usize;
         let position = moment.flight(particles, scene, i).position;
         let at_contact = position - met.normal * (particles.radius[i] + met.gap);
-        Some(WallMotion { velocity: wall.surface_velocity(&at_contact), spin: turning.spin })
+        Some(WallMotion::of(wall, &at_contact, moment.sunk - moment.lag))
     }
 
     /// [m/s] velocity along z, relative to particle j itself, of the image of j that particle i meets. It is 0 unless a
@@ -333,9 +369,9 @@ impl Couple {
         match self.other {
             _ if spins.is_empty() => 0.0,
             Other::Particle(j) => 0.5 * (spins[self.i as usize] + spins[j as usize]).dot(normal),
-            Other::Wall(at) => match &scene.walls[at.wall as usize].turning {
+            Other::Wall(at) => match scene.walls[at.wall as usize].spin() {
                 None => 0.5 * spins[self.i as usize].dot(normal),
-                Some(turning) => 0.5 * (spins[self.i as usize] + turning.spin).dot(normal),
+                Some(spin) => 0.5 * (spins[self.i as usize] + spin).dot(normal),
             },
         }
     }
@@ -347,9 +383,9 @@ impl Couple {
         match self.other {
             _ if spins.is_empty() => Vector3::zeros(),
             Other::Particle(j) => spins[self.i as usize] - spins[j as usize],
-            Other::Wall(at) => match &scene.walls[at.wall as usize].turning {
+            Other::Wall(at) => match scene.walls[at.wall as usize].spin() {
                 None => spins[self.i as usize],
-                Some(turning) => spins[self.i as usize] - turning.spin,
+                Some(spin) => spins[self.i as usize] - spin,
             },
         }
     }
@@ -376,8 +412,9 @@ impl Couple {
         let i = self.i as usize;
         let (flight, radius) = (moment.flight(particles, scene, i), particles.radius[i]);
         let wall = &scene.walls[at.wall as usize];
-        let nearest = wall.geometry.struck(at.which, place, &flight.position, radius);
-        let surface = wall.surface_velocity(&(flight.position - nearest.normal * nearest.distance));
+        let nearest = wall.struck([at.which, place], &flight.position, radius, moment.sunk);
+        let touched = flight.position - nearest.normal * nearest.distance;
+        let surface = wall.surface_velocity(&touched, moment.sunk - moment.lag);
         let (normal, velocity) = (nearest.normal, flight.velocity - surface);
         Encounter { normal, gap: nearest.distance - radius, velocity, normal_velocity: velocity.dot(&normal) }
     }
@@ -410,8 +447,9 @@ impl Couple {
             Other::Wall(at) => {
                 let flight = moment.flight(particles, scene, i);
                 let wall = &scene.walls[at.wall as usize];
-                let nearest = wall.geometry.contact(at.which, &flight.position, reach);
-                let surface = wall.surface_velocity(&(flight.position - nearest.normal * nearest.distance));
+                let nearest = wall.contact(at.which, &flight.position, reach, moment.sunk);
+                let touched = flight.position - nearest.normal * nearest.distance;
+                let surface = wall.surface_velocity(&touched, moment.sunk - moment.lag);
                 (nearest.normal, nearest.distance - reach, flight.velocity - surface)
             }
         };
@@ -440,7 +478,8 @@ impl Couple {
             }
             Other::Wall(at) => {
                 let flight = moment.flight(particles, scene, i);
-                scene.walls[at.wall as usize].geometry.first_touch(at.which, &flight, particles.radius[i], until)
+                let wall = &scene.walls[at.wall as usize];
+                wall.first_touch(at.which, &flight, particles.radius[i], (moment.sunk, until))
             }
         }
     }

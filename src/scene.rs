@@ -1,12 +1,14 @@
 //! The scene: all data that engines read and do not change.
 
 mod buoyancy;
+mod instants;
 mod sizes;
 mod start_region;
 mod surface;
 mod thermostat;
 
 pub use buoyancy::ADDED_MASS;
+pub use instants::SceneInTime;
 pub use sizes::{Fraction, SizeDistribution};
 pub use start_region::StartRegion;
 pub use surface::Surface;
@@ -19,7 +21,6 @@ use crate::rotation::{ImpactKind, ResistanceFriction, Rotation, SOLID_SPHERE, ta
 use crate::walls::Wall;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
-use std::borrow::Cow;
 
 /// Properties of the contact between two kinds of bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -262,14 +263,6 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// The scene with the images of a sheared box at the places of a time [s]. Without shear it is the scene itself.
-    pub fn at(&self, time: f64) -> Cow<'_, Self> {
-        match self.domain.at(time) {
-            Cow::Borrowed(_) => Cow::Borrowed(self),
-            Cow::Owned(domain) => Cow::Owned(Self { domain, ..self.clone() }),
-        }
-    }
-
     /// [m³] volume available to particles: the volume of the domain, or of the smallest vessel in it.
     pub fn room(&self) -> f64 {
         let vessels = self.walls.iter().filter_map(|wall| wall.geometry.law().vessel_volume(&self.domain.size));

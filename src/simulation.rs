@@ -377,7 +377,7 @@ impl Simulation {
         if !self.is_follower() {
             self.book_gravity(by_walls, [window, reached]);
         }
-        self.slide_images();
+        self.move_scene();
         self.add_differences_in_gravity(0.5 * window);
         self.lift(0.5 * window, LiftKick::AfterWindow);
         turbulence::mirror_at_walls(&mut self.particles, &self.scene, window);
@@ -387,13 +387,13 @@ impl Simulation {
         result
     }
 
-    /// Moves the images of a sheared box to their places at the present time. The particles that have crossed a sheared
-    /// side come back at the other side.
-    fn slide_images(&mut self) {
+    /// Moves the walls, and the images of a sheared box, to their places at the present time. The particles that have
+    /// crossed a sheared side come back at the other side.
+    fn move_scene(&mut self) {
+        self.scene.move_to(self.time);
         if self.scene.domain.shear.is_none() {
             return;
         }
-        self.scene.domain = self.scene.domain.at(self.time).into_owned();
         self.record.ledger += self.particles.wrap(&self.scene.domain);
         self.totals.momentum = self.particles.momentum();
     }

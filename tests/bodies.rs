@@ -101,6 +101,7 @@ fn a_gas_around_a_body_stays_outside_and_keeps_its_energy() {
         elasticity: None,
         velocity: Vector3::zeros(),
         turning: None,
+        moving: None,
         resistance: Default::default(),
         roughness: None,
         thermal: None,

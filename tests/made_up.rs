@@ -27,6 +27,7 @@ fn scene() -> Scene {
         elasticity: None,
         velocity: Vector3::zeros(),
         turning: None,
+        moving: None,
         resistance: Default::default(),
         roughness: None,
         thermal: None,

@@ -55,6 +55,8 @@ mod maps; // the maps of `limits`, which show where each method fails, against t
 mod measurements; // measurements that a case asks for, against theories and brute force
 mod meshes; // walls of triangles: seams, corners, vessels, damaged meshes
 mod mixtures; // pairs of kinds, spheres of very different sizes
+mod moving_bodies; // bodies and meshes that move: times of touch, vessels, rotation, no missed touch, images, ledger
+mod moving_walls; // walls whose shape moves: exact map, period doubling, no missed touch, frames, ledger, bits, messages
 mod needs; // models that a scene needs, against closed forms
 mod numbers; // every number of the paper, and every claim with its words, in docs/paper.md
 mod observers; // measurements while a simulation runs, and their times

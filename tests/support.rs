@@ -59,6 +59,7 @@ pub fn plane(point: [f64; 3], normal: [f64; 3], surface: Surface) -> Wall {
         elasticity: None,
         velocity: Vector3::zeros(),
         turning: None,
+        moving: None,
         resistance: Default::default(),
         roughness: None,
         thermal: None,

@@ -193,6 +193,7 @@ fn walls_are_surfaces_within_the_box() {
         elasticity: None,
         velocity: Vector3::zeros(),
         turning: None,
+        moving: None,
         resistance: Default::default(),
         roughness: None,
         thermal: None,

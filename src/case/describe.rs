@@ -8,7 +8,7 @@ use crate::fluid::{Fluid, Langevin, LocalTurbulence, Turbulence};
 use crate::predict::contact::usual_impact;
 use crate::predict::flow::terminal_slip;
 use crate::scene::{Kind, Scene, Species, Surface, Thermostat};
-use crate::walls::Wall;
+use crate::walls::{PrescribedMotion, Wall};
 use nalgebra::Vector3;
 use std::fmt::Write;
 
@@ -142,7 +142,7 @@ pub(crate) fn scene_in_words(experiment: &Experiment) -> String {
     text
 }
 
-/// Describes the motion of the surface of a wall, and the wall's own rolling and twisting friction. The text is empty
+/// Describes the motion of a wall and of its surface, and the wall's own rolling and twisting friction. The text is empty
 /// if the wall has neither.
 fn motion_in_words(wall: &Wall) -> String {
     let mut text = String::new();
@@ -152,6 +152,22 @@ fn motion_in_words(wall: &Wall) -> String {
     }
     if let Some(turning) = &wall.turning {
         let _ = write!(text, ", its surface turns at {} rad/s", vector(&turning.spin));
+    }
+    if let Some(moving) = &wall.moving {
+        let _ = match moving.motion() {
+            PrescribedMotion::Translation { velocity } => write!(text, ", moves at {} m/s", vector(velocity)),
+            PrescribedMotion::Vibration { amplitude, frequency, .. } => write!(
+                text,
+                ", vibrates at {} Hz with the amplitude {} m, {} m/s at most",
+                short(*frequency, 4),
+                vector(amplitude),
+                short(moving.largest_speed(), 4)
+            ),
+            PrescribedMotion::Path(_) => {
+                write!(text, ", moves on a given path, at {} m/s at most", short(moving.largest_speed(), 4))
+            }
+            PrescribedMotion::Turning(turning) => write!(text, ", turns at {} rad/s", vector(&turning.spin)),
+        };
     }
     if let Some(roughness) = &wall.roughness {
         let _ = write!(text, ", rough with facets inclined by {} degrees", short(roughness.deviation.to_degrees(), 4));

@@ -19,6 +19,7 @@
 
 mod contact;
 mod gas;
+mod motion;
 mod observe;
 mod region;
 mod restitution;
@@ -32,6 +33,7 @@ pub use contact::{ContactFile, PairFile};
 pub use gas::{
     CouplingFile, DragFile, FluidFile, LangevinFile, ModulationFile, ProfileFile, SeenTurbulenceFile, TurbulenceFile,
 };
+pub use motion::{KnotFile, MotionFile, ShapeTurningFile, VibrationFile};
 pub use observe::{DiffusionFile, ObserveFile, PairDistributionFile, VelocityDistributionFile};
 pub use region::{BlockRegionFile, CylinderRegionFile, RegionFile};
 pub use restitution::{RestitutionFile, RestitutionLawFile};

@@ -138,6 +138,9 @@ fn wall(wall: &Wall) -> Value {
     if let Some(turning) = &wall.turning {
         value["rotation"] = json!({ "center": three(&turning.center), "spin": three(&turning.spin) });
     }
+    if let Some(moving) = &wall.moving {
+        value["motion"] = json!(moving.motion());
+    }
     if let Some(roughness) = &wall.roughness {
         value["roughness"] = json!({ "deviation": roughness.deviation });
     }

@@ -71,7 +71,7 @@ impl NearWall {
     pub fn gap(&self, particles: &Particles, scene: &Scene) -> f64 {
         let place = self.particle as usize;
         let (x, radius) = (&particles.position[place], particles.radius[place]);
-        scene.walls[self.at.wall as usize].geometry.contact(self.at.which, x, radius).distance - radius
+        scene.walls[self.at.wall as usize].contact(self.at.which, x, radius, 0.0).distance - radius
     }
 }
 

@@ -63,7 +63,7 @@ impl ListSettings {
         let fall = scene.gravity - along_walls(scene, scene.gravity);
         // the mean flow of a sheared box moves the particles of a pair, which are some diameters apart, towards each other
         let strain = scene.domain.strain_rate() * 2.0 * sizes.1;
-        let speed = largest_speed + fall.norm() * between_uses + strain;
+        let speed = largest_speed + fall.norm() * between_uses + strain + scene.wall_speed();
         let skin = cheapest_skin(sizes, &scene.domain, speed * between_uses);
         Self { frame, largest_speed, skin, uses: skin / (2.0 * speed * between_uses), everyone: None }
     }

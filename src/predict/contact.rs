@@ -309,7 +309,7 @@ pub const AGITATION: f64 = 0.025;
 const AT_REST: f64 = 5e-3;
 
 /// [m/s] normal speed that hardly any impact of an experiment exceeds; always positive. It is estimated from the
-/// initial velocities, gravity and the gas.
+/// initial velocities, gravity, the gas and the speed of walls that move.
 ///
 /// For laws whose contacts last longer at lower speed, the time step is computed from this speed. The duration of a
 /// Hertzian contact is proportional to u^(-1/5), so an error of a factor of two in the speed changes the step by 13 %.
@@ -323,7 +323,7 @@ pub fn fastest_impact(experiment: &Experiment) -> f64 {
         Amount::Placed(placed) => 2.0 * placed.velocity.iter().map(|v| (v - frame).norm()).fold(0.0, f64::max),
         Amount::Count(_) => (population.velocity_mean - frame).norm() + FASTEST * population.velocity_fluctuation.max(),
     });
-    let start = start.fold(AT_REST, f64::max);
+    let start = start.fold(AT_REST, f64::max) + 2.0 * scene.wall_speed();
     let gas = scene.fluid.as_ref().map_or(0.0, |fluid| fluid.profile.velocity(0.5 * scene.domain.size.y).abs());
     (start * start + 2.0 * fall(scene) + (FASTEST * AGITATION * gas).powi(2)).sqrt()
 }
@@ -332,7 +332,7 @@ pub fn fastest_impact(experiment: &Experiment) -> f64 {
 /// speed; always positive. It is the root of the sum of three squares:
 ///
 /// * of the mean speed of impact in a gas with the velocity fluctuation σ of the start, sqrt(π) σ; of listed particles,
-///   the largest speed,
+///   the largest speed; the speed of walls that move is added,
 /// * of the speed after a fall through half of the box,
 /// * of the mean speed of impact at the agitation that a channel flow maintains.
 pub fn usual_impact(scene: &Scene, start: &[Population]) -> f64 {
@@ -341,7 +341,7 @@ pub fn usual_impact(scene: &Scene, start: &[Population]) -> f64 {
         Amount::Placed(placed) => placed.velocity.iter().map(|v| (v - frame).norm()).fold(0.0, f64::max),
         Amount::Count(_) => (PI / 3.0).sqrt() * population.velocity_fluctuation.norm(),
     });
-    let drawn = drawn.fold(AT_REST, f64::max);
+    let drawn = drawn.fold(AT_REST, f64::max) + scene.wall_speed();
     let gas = scene.fluid.as_ref().map_or(0.0, |fluid| fluid.profile.velocity(0.5 * scene.domain.size.y).abs());
     (drawn * drawn + fall(scene) + PI * (AGITATION * gas).powi(2)).sqrt()
 }

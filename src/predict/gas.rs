@@ -281,6 +281,7 @@ mod tests {
             elasticity: None,
             velocity: Vector3::zeros(),
             turning: None,
+            moving: None,
             resistance: Default::default(),
             roughness: None,
             thermal: None,

@@ -82,11 +82,11 @@ pub fn fades(experiment: &Experiment) -> bool {
 /// True if moving walls, the shear of the box, eddies of the gas, a thermostat or thermal walls give energy to the particles.
 fn is_stirred(scene: &Scene) -> bool {
     let turbulent = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some() && fluid.turbulence.is_some());
-    let moves = |wall: &Wall| wall.turning.is_some() || wall.velocity != Vector3::zeros();
+    let slides = |wall: &Wall| wall.turning.is_some() || wall.velocity != Vector3::zeros();
     turbulent
-        || scene.domain.shear.is_some()
+        || scene.changes()
         || scene.is_heated()
-        || scene.walls.iter().any(|wall| moves(wall) && wall.surface.friction > 0.0)
+        || scene.walls.iter().any(|wall| slides(wall) && wall.surface.friction > 0.0)
 }
 
 /// Weighted mean of numbers, given as pairs of weight and number; 0 for an empty list.

@@ -101,7 +101,7 @@ impl Simulation {
         self.take_gas(loaded_flow);
         let by_walls = record.ledger.by_walls();
         let mut run = Self { particles, record, time, windows, spent, totals, by_walls, ..self };
-        run.scene.domain = run.scene.domain.at(time).into_owned();
+        run.scene.move_to(time);
         Ok(Self { half_kicked, bound, unseen, ..run })
     }
 }

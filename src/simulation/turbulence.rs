@@ -42,7 +42,8 @@ pub(super) fn mirror_at_walls(particles: &mut Particles, scene: &Scene, window: 
     let all = &*particles;
     let each = |(chunk, eddies): (usize, &mut [Vector3<f64>])| {
         for (place, eddy) in (chunk * CHUNK..).zip(eddies) {
-            let reach = all.radius[place] + 2.0 * (all.velocity[place].norm() + scene.gravity.norm() * window) * window;
+            let speed = all.velocity[place].norm() + scene.gravity.norm() * window + scene.wall_speed();
+            let reach = all.radius[place] + 2.0 * speed * window;
             for (number, wall) in (0..).zip(&scene.walls) {
                 if wall.geometry.nearest(&all.position[place]).distance > reach {
                     continue;

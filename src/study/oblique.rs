@@ -107,7 +107,7 @@ fn thrown(
             particles.position[0] -= nearest.normal * (nearest.distance - particles.radius[0] - gap);
             (
                 nearest.normal,
-                wall.surface_velocity(&(particles.position[0] - nearest.normal * (particles.radius[0] + gap))),
+                wall.surface_velocity(&(particles.position[0] - nearest.normal * (particles.radius[0] + gap)), 0.0),
             )
         }
         Partner::Particle(_) => {

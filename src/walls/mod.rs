@@ -13,6 +13,7 @@ mod drawing;
 mod hollow;
 mod inside;
 mod mesh;
+mod moving;
 mod near;
 mod plane;
 mod polynomial;
@@ -27,6 +28,7 @@ mod turning;
 pub use drawing::Drawing;
 pub use hollow::{Cavity, Hollow};
 pub use mesh::{Continued, Fault, Findings, Mesh, Mismatch, Nested, Sides, continued};
+pub use moving::{MovingShape, PiecewisePath, PrescribedMotion};
 pub use near::NearWalls;
 pub use plane::Plane;
 pub use repeated::Repeated;
@@ -270,6 +272,8 @@ pub enum WallGeometry {
     Mesh(Arc<Mesh>),
     /// A body with its images across periodic sides. In a periodic domain, a simulation uses this form for every body.
     Repeated(Arc<Repeated>),
+    /// A shape that moves, at an instant. A plane in translation is a [`Plane`](Self::Plane) at each instant.
+    Moving(Arc<MovingShape>),
     /// A shape that the calling program defines; a case cannot contain it.
     #[serde(skip)]
     Other(Arc<dyn Geometry>),
@@ -353,6 +357,7 @@ impl WallGeometry {
             Self::Hollow(hollow) => hollow,
             Self::Mesh(mesh) => mesh.as_ref(),
             Self::Repeated(body) => body.as_ref(),
+            Self::Moving(moving) => moving.as_ref(),
             Self::Other(shape) => shape.as_ref(),
         }
     }
@@ -379,10 +384,10 @@ impl WallGeometry {
     }
 }
 
-/// A wall: a shape at a fixed position, and the properties of its surface.
+/// A wall: a shape with its position at an instant, and the properties of its surface.
 #[derive(Clone, Debug, Serialize)]
 pub struct Wall {
-    /// Shape and position of the wall.
+    /// Shape and position of the wall at the instant of its scene.
     pub geometry: WallGeometry,
     /// Restitution and friction between the wall and every particle.
     pub surface: Surface,
@@ -394,6 +399,9 @@ pub struct Wall {
     /// Rotation of the surface, as of a drum or a turntable. The shape stays in position.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turning: Option<Turning>,
+    /// Motion of the shape; `None`: the shape stays in position. [`Wall::moving`] sets it together with `geometry`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub moving: Option<MovingShape>,
     /// Rolling and twisting friction at the wall, where they differ from those of the contact law.
     #[serde(skip_serializing_if = "ResistanceFriction::is_of_law")]
     pub resistance: ResistanceFriction,
@@ -409,16 +417,8 @@ impl Wall {
     /// Makes a wall whose surface does not move.
     pub fn new(geometry: WallGeometry, surface: Surface) -> Self {
         let (velocity, resistance) = (Vector3::zeros(), ResistanceFriction::default());
-        Self {
-            geometry,
-            surface,
-            elasticity: None,
-            velocity,
-            turning: None,
-            resistance,
-            roughness: None,
-            thermal: None,
-        }
+        let (turning, moving, roughness, thermal) = (None, None, None, None);
+        Self { geometry, surface, elasticity: None, velocity, turning, moving, resistance, roughness, thermal }
     }
 }
 

@@ -11,7 +11,8 @@ const MANY: usize = 8;
 /// pins of a board, only a few near a point need to be tested.
 #[derive(Clone, Default)]
 pub struct NearWalls {
-    /// Indices of the walls that are tested for every point: planes and vessels, or all walls if there are few.
+    /// Indices of the walls that are tested for every point: planes, vessels and walls that move, or all walls if there
+    /// are few.
     always: Vec<u32>,
     /// Index of the wall in each box of the tree.
     boxed: Vec<u32>,
@@ -25,7 +26,8 @@ impl NearWalls {
         let mut boxes = Vec::new();
         let (mut always, mut boxed) = (Vec::new(), Vec::new());
         for (wall, shape) in numbered() {
-            let around = shape.geometry.boxes();
+            // a wall that moves is tested for every point, because its box is that of one instant
+            let around = if shape.moving.is_some() { Vec::new() } else { shape.geometry.boxes() };
             if around.is_empty() {
                 always.push(wall);
             }

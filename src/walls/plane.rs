@@ -71,7 +71,7 @@ pub(super) fn is_along(velocity: &Vector3<f64>, normal: &Vector3<f64>) -> bool {
 
 /// [s] first time t > 0 at which g0 + v t + a t²/2 falls through zero. A negative g0 counts as zero, because the caller
 /// has already treated spheres that overlap and approach.
-fn first_closing(gap: f64, speed: f64, acceleration: f64) -> Option<f64> {
+pub(super) fn first_closing(gap: f64, speed: f64, acceleration: f64) -> Option<f64> {
     let gap = gap.max(0.0);
     let discriminant = speed * speed - 2.0 * acceleration * gap;
     if discriminant < 0.0 {

@@ -32,8 +32,7 @@ impl Repeated {
 
     /// Copies of the walls, in which all bodies have images.
     pub fn all(walls: &[Wall], domain: &Domain) -> Vec<Wall> {
-        let repeated = |wall: &Wall| Wall { geometry: Self::of(wall.geometry.clone(), domain), ..wall.clone() };
-        walls.iter().map(repeated).collect()
+        walls.iter().map(|wall| wall.repeated(domain)).collect()
     }
 
     /// The body without its images.

@@ -1,6 +1,6 @@
 //! Walls whose surface turns about an axis while their shape stays in position.
 
-use super::{Wall, WallGeometry};
+use super::{MovingShape, Wall, WallGeometry};
 use nalgebra::Vector3;
 use serde::Serialize;
 
@@ -37,9 +37,21 @@ impl Turning {
 }
 
 impl Wall {
-    /// [m/s] velocity of the surface at `point` [m].
+    /// [m/s] velocity of the surface at `point` [m], `ahead` [s] of the instant of the wall.
     #[inline(always)]
-    pub fn surface_velocity(&self, point: &Vector3<f64>) -> Vector3<f64> {
+    pub fn surface_velocity(&self, point: &Vector3<f64>, ahead: f64) -> Vector3<f64> {
+        match &self.moving {
+            None => self.sliding_velocity(point),
+            Some(moving) => {
+                let time = moving.time() + ahead;
+                self.sliding_velocity(&moving.to_shape(point, time)) + moving.motion().velocity(point, time)
+            }
+        }
+    }
+
+    /// [m/s] velocity of the surface along itself, relative to the shape, at `point` [m] of the shape without displacement.
+    #[inline(always)]
+    pub fn sliding_velocity(&self, point: &Vector3<f64>) -> Vector3<f64> {
         match &self.turning {
             None => self.velocity,
             Some(turning) => self.velocity + self.turning_velocity(turning, point),
@@ -48,16 +60,20 @@ impl Wall {
 
     /// [m/s] part of the velocity at `point` [m] by rotation. Each periodic image of a body turns about its own axis.
     fn turning_velocity(&self, turning: &Turning, point: &Vector3<f64>) -> Vector3<f64> {
-        let near = match &self.geometry {
+        let near = match self.moving.as_ref().map_or(&self.geometry, MovingShape::shape) {
             WallGeometry::Repeated(body) => body.near(point),
             _ => *point,
         };
         turning.spin.cross(&(near - turning.center))
     }
 
-    /// [rad/s] angular velocity of the surface.
+    /// [rad/s] angular velocity of the surface; `None` if neither the surface nor the shape turns.
     #[inline(always)]
-    pub fn spin(&self) -> Vector3<f64> {
-        self.turning.map_or_else(Vector3::zeros, |turning| turning.spin)
+    pub fn spin(&self) -> Option<Vector3<f64>> {
+        let shape = self.moving.as_ref().and_then(|moving| moving.motion().spin());
+        match (&self.turning, shape) {
+            (None, shape) => shape,
+            (Some(turning), shape) => Some(shape.map_or(turning.spin, |spin| turning.spin + spin)),
+        }
     }
 }

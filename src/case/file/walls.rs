@@ -1,6 +1,6 @@
 //! Walls and their shapes.
 
-use super::{Axis, ElasticityFile, RestitutionFile, Three};
+use super::{Axis, ElasticityFile, MotionFile, RestitutionFile, Three};
 use crate::case::de::Located;
 use crate::case::quantity::{Length, Ratio, SpecificEnergy, Speed, Spin};
 use schemars::JsonSchema;
@@ -64,6 +64,8 @@ pub struct WallFile {
     /// Rotation of the surface along itself, such as that of a drum or a turntable; the shape stays at rest. Allowed
     /// for planes, spheres, cylinders and cones.
     pub rotation: Option<Located<WallRotationFile>>,
+    /// Motion of the shape itself, for hard, soft and hybrid spheres. Without this table the shape stays at rest.
+    pub motion: Option<Located<MotionFile>>,
     /// Elasticity of this wall, if it differs from `[soft.hertz]`.
     pub elasticity: Option<Located<ElasticityFile>>,
 }

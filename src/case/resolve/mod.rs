@@ -6,6 +6,7 @@ mod gas;
 mod length;
 mod mesh;
 mod missing;
+mod motion;
 mod observe;
 mod output;
 mod overlap;
@@ -123,6 +124,7 @@ pub fn resolve(
     resolver.check_step(file, &experiment)?;
     resolver.check_stability(file, &experiment)?;
     resolver.check_length(file, &experiment)?;
+    resolver.check_motion(file, &experiment);
     resolver.check_drag(file, &experiment);
     resolver.check_eddies(file, &experiment);
     resolver.check_coupling(file, &experiment)?;

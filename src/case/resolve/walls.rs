@@ -79,9 +79,13 @@ impl Resolver {
             let turning = self.wall_turning(&wall.value, &geometry, domain)?;
             let WallFile { rolling_friction, twisting_friction, .. } = &wall.value;
             let resistance = self.resistance_friction(file, rolling_friction, twisting_friction)?;
-            let roughness = self.roughness(&wall.value, &surface, velocity != Vector3::zeros() || turning.is_some())?;
+            let motion = wall.value.motion.as_ref();
+            let moves = velocity != Vector3::zeros() || turning.is_some() || motion.is_some();
+            let roughness = self.roughness(&wall.value, &surface, moves)?;
             let thermal = self.thermal(&wall.value, &surface, roughness.is_some())?;
-            walls.push(Wall { geometry, surface, elasticity, velocity, turning, resistance, roughness, thermal });
+            let still =
+                Wall { elasticity, velocity, turning, resistance, roughness, thermal, ..Wall::new(geometry, surface) };
+            walls.push(self.moving(still, motion, domain)?);
         }
         Ok(walls)
     }
@@ -100,9 +104,10 @@ impl Resolver {
                 "is for impacts without duration: a contact that lasts would have to leave a facet before it leaves the wall",
                 "use the hard or the dsmc model, or leave it out",
             ),
-            true if moves => {
-                refuse("needs a surface that does not move", "leave out `velocity` and `rotation` of the wall")
-            }
+            true if moves => refuse(
+                "needs a surface that does not move",
+                "leave out `velocity`, `rotation` and `motion` of the wall",
+            ),
             true if !surface.always_rebounds() => {
                 refuse("needs a rebound: with restitution 0 a sphere stays on a facet", "use a restitution of 0.01")
             }

@@ -120,7 +120,7 @@ impl Collapsed {
 }
 
 /// Normal speed [m/s] away from the wall that is given to a particle at rest on the wall, in the TC model with the
-/// contact time t_c. A particle is at rest if gravity presses it to the wall, and if it would rise by an unresolvably
+/// contact time t_c. A particle is at rest if gravity, or the acceleration of a moving wall, presses it to the wall, and if it would rise by an unresolvably
 /// small height. `None` for other particles, and without t_c.
 ///
 /// Without t_c the particle would have infinitely many collisions in finite time. In reality a contact of finite
@@ -133,7 +133,7 @@ pub fn rests(collision: &Collision, scene: &Scene, contact_time: Option<f64>) ->
         return None;
     }
     let approach = collision.approach();
-    let weight = -scene.gravity.dot(&collision.met.normal);
+    let weight = collision.wall.unwrap_or_default().pressing(&scene.gravity, &collision.met.normal);
     let speed = 0.25 * weight * contact_time?;
     let rise = 2.0 * weight * COLLAPSE_FLIGHT * scene.domain.size.max();
     (approach * approach <= rise && speed > approach).then_some(speed)

@@ -228,6 +228,7 @@ impl Collision {
         let impulse = change * mass;
         let ledger = &mut log.ledger;
         ledger.wall_restitution_loss -= 0.5 * mass * (speed * speed - before * before);
+        ledger.wall_work += self.wall.map_or(0.0, |wall| impulse.dot(&wall.carried));
         ledger.wall_impulse += impulse;
         ledger.wall_normal_impulse += impulse.dot(&self.met.normal);
         // work of gravity on this momentum during the rest of the window, as after an impact

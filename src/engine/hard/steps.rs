@@ -8,7 +8,7 @@ use crate::engine::{Counters, Engine, EngineTimes, Failure, Window};
 use crate::neighbours::{NeighbourList, Pair, along_walls};
 use crate::particles::{CHUNK, Particles};
 use crate::record::{Log, Record};
-use crate::scene::Scene;
+use crate::scene::{Scene, SceneInTime};
 use crate::stored::{StoreError, Stored};
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -39,14 +39,14 @@ impl SteppedHard {
     ///
     /// The agitation is that of the velocities relative to their mean along the walls. The mean velocity perpendicular
     /// to a wall is included, and the velocity that gravity adds until the end of the window. So the step is also
-    /// finite for a single falling sphere.
+    /// finite for a single falling sphere. The square of the largest speed of a wall that moves is added.
     pub fn longest_step(theta: f64, particles: &Particles, scene: &Scene, duration: f64) -> f64 {
         let particles = &*particles.relative_to_flow(&scene.domain);
         let mean = along_walls(scene, particles.mean_velocity());
         let fall = (scene.gravity - along_walls(scene, scene.gravity)) * duration;
         let square = |frame: Vector3<f64>| particles.mean_square_speed(frame);
         // the mean square is a convex function of time in free fall, so it is largest at the beginning or the end
-        let agitation = 0.5 * square(mean).max(square(mean - fall));
+        let agitation = 0.5 * (square(mean).max(square(mean - fall)) + scene.wall_speed().powi(2));
         let diameter = 2.0 * particles.radius.iter().fold(f64::INFINITY, |a, &r| a.min(r));
         theta * diameter / (8.0 * agitation / (3.0 * PI)).sqrt()
     }
@@ -101,26 +101,28 @@ impl Engine for SteppedHard {
         let steps = (window.duration / longest - 1e-9).ceil().max(1.0);
         let dt = window.duration / steps;
         let fall = (scene.gravity - along_walls(scene, scene.gravity)).norm();
+        let walls = scene.wall_speed();
+        let mut scenes = SceneInTime::of(scene);
         let mut log = Log::default();
         for step in 0..steps as u64 {
             let elapsed = step as f64 * dt;
             self.list.clock.tell(window.start + elapsed);
-            let now = scene.at(window.start + elapsed);
+            let now = scenes.at(window.start + elapsed);
             let travel = |list: &NeighbourList, p: &Particles| {
                 let speed = p.largest_speed_in(list.frame(), &now.domain) + list.strain(p, &now.domain);
-                (speed + fall * (elapsed + dt)) * dt
+                (speed + walls + fall * (elapsed + dt)) * dt
             };
             let mut distance = travel(&self.list, particles);
             if !self.list.allows(distance) {
                 if now.domain.shear.is_some() {
                     record.ledger += particles.wrap(&now.domain);
                 }
-                self.list.build(particles, &now, dt);
+                self.list.build(particles, now, dt);
                 distance = travel(&self.list, particles);
             }
             drift(particles, dt, scene.gravity * (dt * (elapsed + 0.5 * dt)));
             self.list.travel(distance);
-            let scene = &*scene.at(window.start + (elapsed + dt));
+            let scene = scenes.at(window.start + (elapsed + dt));
             self.counters.missed_collisions += self.missed(particles, scene, dt);
             self.resolve(particles, scene, elapsed + dt, window.duration - (elapsed + dt), &mut log);
         }

@@ -82,13 +82,16 @@ impl Hybrid {
 }
 
 impl InstantaneousRule for Impulses {
-    fn clear_for(&self, meeting: &ReachedTouch) -> Option<f64> {
-        let ReachedTouch { touch, met, scene, .. } = meeting;
+    fn clear_for(&self, meeting: &ReachedTouch, particles: &Particles) -> Option<f64> {
+        let ReachedTouch { touch, met, scene, moment, .. } = meeting;
         let approach = -met.normal_velocity;
         let clear = self.clearance * self.law.contact_time(&touch.spring, approach);
         // a sphere that leaves a wall too slowly returns to the wall before the clear time ends
         let weight = match touch.couple.other {
-            Other::Wall(_) => -scene.gravity.dot(&met.normal),
+            Other::Wall(_) => {
+                let wall = touch.couple.wall_motion(met, (particles, scene), *moment).unwrap_or_default();
+                wall.pressing(&scene.gravity, &met.normal)
+            }
             Other::Particle(_) => 0.0,
         };
         let leaves = 2.0 * touch.spring.restitution * approach > weight * clear;

@@ -134,8 +134,8 @@ pub struct Clusters<'a> {
     pub(in crate::engine) list: Vec<Cluster>,
     /// Energy [J] of each item of carried state, such as that stored in a contact.
     energy: Vec<f64>,
-    /// Speed [m/s] that gravity adds towards walls during the part of the time window. In the falling frame, walls
-    /// approach the particles at this speed.
+    /// Speed [m/s] that gravity adds towards walls during the part of the time window, in the falling frame. Added is
+    /// twice the speed of walls that move, which an impact gives to a particle at most.
     fall: f64,
     pub(in crate::engine) members: Vec<Member>,
     /// Largest distance [m] that any member may reach from the middle of its straight flight.
@@ -147,7 +147,7 @@ impl<'a> Clusters<'a> {
     pub fn new(search: &'a mut Search, particles: &'a Particles, space: Space<'a>) -> Self {
         let Space { scene, frame, part, lightest } = space;
         let domain = &scene.domain;
-        let fall = (scene.gravity - along_walls(scene, scene.gravity)).norm() * part;
+        let fall = (scene.gravity - along_walls(scene, scene.gravity)).norm() * part + 2.0 * scene.wall_speed();
         let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| 0.5 * domain.size[axis]);
         let half_period = periods.fold(f64::INFINITY, f64::min);
         Self {

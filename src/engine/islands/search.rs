@@ -311,14 +311,14 @@ pub struct SearchInterval {
     /// Length of the interval [s].
     part: f64,
     /// Upper limit [m] of the distance by which gravity moves any particle away from its straight flight in the
-    /// interval.
+    /// interval, and by which walls move.
     falls: f64,
 }
 
 impl SearchInterval {
     /// Makes an interval of `part` [s] that begins `elapsed` [s] after the beginning of the time window.
     pub fn new(scene: &Scene, elapsed: f64, part: f64) -> Self {
-        let falls = part * ((scene.gravity * elapsed).norm() + scene.gravity.norm() * part);
+        let falls = part * ((scene.gravity * elapsed).norm() + scene.gravity.norm() * part + scene.wall_speed());
         Self { elapsed, part, falls }
     }
 }

@@ -13,7 +13,7 @@ use super::force_buffer::{ForceBuffer, ForceIncrement, StoreIndex};
 use super::packed_contacts::{PackedContacts, RotatingRecord};
 use super::rotating::{BeforeStep, RotatingForce, SurfaceMotion};
 use crate::contact_law::ContactLaw;
-use crate::encounter::{Couple, Encounter, FrameTime, Partner};
+use crate::encounter::{Couple, Encounter, Partner};
 use crate::engine::Failure;
 use crate::neighbours::NeighbourList;
 use crate::record::{Between, FrictionLosses, Impact};
@@ -435,7 +435,7 @@ pub fn first_named(one: Option<Failure>, other: Failure) -> Failure {
 /// Gap, normal and relative velocity of two bodies at the time of an evaluation.
 #[inline(always)]
 fn meet(couple: &Couple, constants: &ContactConstants, view: ContactSearch) -> Encounter {
-    couple.meet_at(constants.reach, view.particles, view.scene, FrameTime::fallen(view.at.fall))
+    couple.meet_at(constants.reach, view.particles, view.scene, view.at.moment())
 }
 
 /// Updates the state of a contact between rotating bodies, and adds its force, torque and powers to the results.
@@ -487,8 +487,7 @@ fn look(
     course.note(met);
     // contacts begin at any instant of a step, so this sum equals the integral on average
     course.overlap_time += met.overlap() * at.dt;
-    let moment = FrameTime::fallen(at.fall);
-    let force = constants.force(couple, law, met, (particles, scene), moment, [at.dt, at.to_middle]);
+    let force = constants.force(couple, law, met, (particles, scene), at.moment(), [at.dt, at.to_middle]);
     if !at.travel_is_exact {
         sums.elastic_energy += law.stored_energy(&constants.spring, met.overlap());
     }

@@ -225,7 +225,9 @@ impl ContactState {
             // the centres of a pair have passed each other between the two evaluations
             return Err(refused(*couple, particles, time, (met.overlap().max(self.overlap) / diameter, limit)));
         };
-        let way = (met.velocity + scene.walls[at.wall as usize].surface_velocity(&particles.position[i])).norm() * dt;
+        // relative to the shape, which may move
+        let sliding = scene.walls[at.wall as usize].sliding_velocity(&particles.position[i]);
+        let way = (met.velocity + sliding).norm() * dt;
         let distances = (reach - self.overlap) + (reach - met.overlap());
         if distances > FASTER * way {
             return Ok(());
@@ -320,6 +322,34 @@ impl Alike {
     }
 }
 
+/// [m/s²] acceleration of a particle by gravity, relative to the wall of a couple; 0 for a pair, since both particles fall
+/// equally.
+#[inline(always)]
+pub(super) fn relative_gravity(
+    couple: &Couple,
+    met: &Encounter,
+    (particles, scene): (&Particles, &Scene),
+    moment: FrameTime,
+) -> Vector3<f64> {
+    let Other::Wall(at) = couple.other else { return Vector3::zeros() };
+    if scene.walls[at.wall as usize].moving.is_none() {
+        return scene.gravity;
+    }
+    scene.gravity - couple.wall_motion(met, (particles, scene), moment).unwrap_or_default().acceleration
+}
+
+/// [m/s²] part of the [`relative_gravity`] along the surfaces.
+#[inline(always)]
+pub(super) fn pull_along(
+    couple: &Couple,
+    met: &Encounter,
+    scenery: (&Particles, &Scene),
+    moment: FrameTime,
+) -> Vector3<f64> {
+    let gravity = relative_gravity(couple, met, scenery, moment);
+    gravity - met.normal * gravity.dot(&met.normal)
+}
+
 impl TouchingPair {
     /// Two bodies with their constants under a contact law.
     pub fn new(couple: Couple, particles: &Particles, scene: &Scene, law: &ContactLaw) -> Self {
@@ -372,12 +402,6 @@ impl ContactConstants {
         Self { spring, diameter, friction, reach: couple.reach(particles), tangential }
     }
 
-    /// [m/s²] relative acceleration along the surfaces by gravity; 0 for a pair, since both particles fall equally.
-    #[inline(always)]
-    pub(super) fn pull_along(couple: &Couple, met: &Encounter, scene: &Scene) -> Vector3<f64> {
-        if couple.is_wall() { scene.gravity - met.normal * scene.gravity.dot(&met.normal) } else { Vector3::zeros() }
-    }
-
     /// Force of the contact of two bodies at the time `moment`. Friction acts for `time_step` [s]. Powers are computed
     /// for an instant `to_middle` [s] after that of the given velocities.
     #[inline(always)]
@@ -396,7 +420,8 @@ impl ContactConstants {
         let mut on_i = met.normal * normal;
         let mut friction_power = 0.0;
         if self.friction > 0.0 {
-            let slip = Slip { velocity: met.slip(), acceleration: Self::pull_along(couple, met, scene) };
+            let acceleration = pull_along(couple, met, (particles, scene), moment);
+            let slip = Slip { velocity: met.slip(), acceleration };
             if let Some(friction) = coulomb(self.friction, normal, &slip, m, [time_step, to_middle]) {
                 on_i -= friction.force;
                 friction_power = friction.power;
@@ -404,7 +429,7 @@ impl ContactConstants {
         }
         let restitution_power = -viscous * (met.normal_velocity + to_middle * normal / m);
         let wall = couple.wall_motion(met, (particles, scene), moment);
-        let wall_power = wall.map_or(0.0, |wall| wall.power(&on_i, None));
+        let wall_power = wall.map_or(0.0, |wall| wall.later(to_middle).power(&on_i, None));
         let shear_power = on_i.z * couple.image_velocity(particles, scene, &met.velocity);
         let arm = met.normal * (self.reach + met.gap);
         ContactForce { on_i, normal, restitution_power, friction_power, wall_power, shear_power, arm }

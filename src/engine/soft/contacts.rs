@@ -70,6 +70,14 @@ pub struct EvaluationTime {
     pub leaves_half: bool,
 }
 
+impl EvaluationTime {
+    /// Time of the positions and velocities: in Verlet's method velocities are half a step earlier.
+    #[inline(always)]
+    pub fn moment(&self) -> FrameTime {
+        FrameTime::lagging(self.fall, self.elapsed - self.fall)
+    }
+}
+
 /// Particles, scene and neighbour list in which contacts are searched, and the time of the search.
 #[derive(Clone, Copy)]
 pub struct ContactSearch<'a> {

@@ -10,6 +10,8 @@ use crate::particles::Particles;
 pub(in crate::engine) struct Fastest {
     /// Upper limit for all particles.
     pub(in crate::engine) all: f64,
+    /// Largest speed of any point of a wall whose shape moves.
+    pub(super) of_walls: f64,
     /// Largest speed that a particle had after a contact force was applied.
     pub(super) pushed: f64,
 }
@@ -31,8 +33,9 @@ impl SoftSolver {
         self.speed.rise(domain.shear.map_or(pushed, in_flow));
     }
 
-    /// [m/s] speed at which two particles of the list may come nearer to each other, per particle.
+    /// [m/s] speed at which two particles of the list may come nearer to each other, per particle. A particle and a wall
+    /// come nearer at this speed at most.
     pub(super) fn closing_speed(&self, particles: &Particles, domain: &Domain) -> f64 {
-        self.speed.all + self.list.strain(particles, domain)
+        self.speed.all + self.list.strain(particles, domain) + self.speed.of_walls
     }
 }

@@ -7,7 +7,7 @@ use crate::engine::distributed::SingleProcess;
 use crate::engine::motion::drift;
 use crate::neighbours::along_walls;
 use crate::particles::Particles;
-use crate::scene::Scene;
+use crate::scene::{Scene, SceneInTime};
 use nalgebra::Vector3;
 
 impl SoftSolver {
@@ -22,19 +22,19 @@ impl SoftSolver {
     ) -> Result<(), Failure> {
         let dt = window.duration / steps as f64;
         let fall = scene.gravity - along_walls(scene, scene.gravity);
+        let mut scenes = SceneInTime::of(scene);
         for step in 0..steps {
             let elapsed = step as f64 * dt;
             self.list.clock.tell(window.start + elapsed);
             let mut at = EvaluationTime { weight: 0.5, travel_is_exact: false, ..instant(window, elapsed, dt) };
-            let now = scene.at(window.start + elapsed);
-            self.evaluate(particles, &now, at, book)?;
+            self.evaluate(particles, scenes.at(window.start + elapsed), at, book)?;
             self.contacts.count(at, &SingleProcess);
             if self.may_pass(scene, elapsed, dt) {
                 self.refuse_to_pass(particles, scene, window, elapsed, dt)?;
             }
             // predictor: x + v dt, v + a dt; the list is rebuilt only between steps, so that indices stay valid
             drift(particles, dt, scene.gravity * (dt * (elapsed + 0.5 * dt)));
-            let next = scene.at(window.start + (elapsed + dt));
+            let next = scenes.at(window.start + (elapsed + dt));
             self.kick(particles, &next.domain, dt);
             let travel = (self.closing_speed(particles, &next.domain) + fall.norm() * (elapsed + dt)) * dt;
             self.list.travel(travel);
@@ -45,7 +45,7 @@ impl SoftSolver {
                 travel_is_exact: false,
                 ..instant(window, elapsed + dt, dt)
             };
-            self.evaluate(particles, &next, at, book)?;
+            self.evaluate(particles, next, at, book)?;
             self.contacts.count(at, &SingleProcess);
             // corrector: the mean of both stages
             for push in self.before.iter().flat_map(|pushes| &pushes.list) {
@@ -63,7 +63,7 @@ impl SoftSolver {
             self.kick(particles, &next.domain, 0.5 * dt);
             if !self.list.allows(2.0 * travel) {
                 book.cross(particles, &next.domain);
-                self.rebuild(particles, &next, 2.0 * dt);
+                self.rebuild(particles, next, 2.0 * dt);
             }
         }
         self.pushes.clear();

@@ -30,7 +30,7 @@ use crate::contact_law::ContactLaw;
 use crate::experiment::{Integrator, SoftStepping};
 use crate::neighbours::{NeighbourList, along_walls};
 use crate::particles::Particles;
-use crate::scene::Scene;
+use crate::scene::{Scene, SceneInTime};
 use backoff::{Backoff, Rival};
 pub(in crate::engine) use block::first_named;
 pub(in crate::engine) use contact::{Alike, Contact, TouchingPair};
@@ -220,6 +220,7 @@ impl SoftSolver {
     ) -> Result<(), Failure> {
         let dt = window.duration / steps as f64;
         let fall = scene.gravity - along_walls(scene, scene.gravity);
+        let mut scenes = SceneInTime::of(scene);
         self.first_half_kick(particles, scene, (window, dt), book, ghosts)?;
         for step in 0..steps {
             let elapsed = step as f64 * dt;
@@ -228,7 +229,7 @@ impl SoftSolver {
                 ghosts.agree(self.refuse_to_pass(particles, scene, window, elapsed, dt))?;
             }
             drift(particles, dt, scene.gravity * (dt * (elapsed + 0.5 * dt)));
-            let scene = &*scene.at(window.start + (elapsed + dt));
+            let scene = scenes.at(window.start + (elapsed + dt));
             let closing = self.closing_speed(particles, &scene.domain);
             self.list.travel((closing + fall.norm() * (elapsed + dt)) * dt);
             if !self.list.allows(0.0) {
@@ -272,6 +273,7 @@ impl SoftSolver {
         let mut largest = [particles.largest_speed_in(self.list.frame(), &scene.domain), -smallest];
         ghosts.largest(&mut largest);
         self.speed.all = largest[0];
+        self.speed.of_walls = scene.wall_speed();
         self.smallest = has_thin_walls.then_some(-largest[1]);
         if !self.speed.all.is_finite() {
             return Err(ghosts.not_a_number(self, particles, window.start));

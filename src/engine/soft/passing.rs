@@ -14,7 +14,8 @@ impl SoftSolver {
     /// True if a step of `dt` [s] is long enough to move the centre of a sphere through a thin wall.
     pub(super) fn may_pass(&self, scene: &Scene, elapsed: f64, dt: f64) -> bool {
         let fall = scene.gravity * (elapsed + 0.5 * dt);
-        self.smallest.is_some_and(|smallest| (self.speed.all + fall.norm()) * dt >= SHORT * smallest)
+        let closing = self.speed.all + self.speed.of_walls + fall.norm();
+        self.smallest.is_some_and(|smallest| closing * dt >= SHORT * smallest)
     }
 
     /// Returns an error if the next step moves the centre of a sphere through a thin wall. Such a step may have no
@@ -32,8 +33,9 @@ impl SoftSolver {
             let i = near.particle as usize;
             let from = particles.position[i];
             let to = from + (particles.velocity[i] + fall) * dt;
-            let geometry = &scene.walls[near.at.wall as usize].geometry;
-            if geometry.is_passed(&from, &to, particles.radius[i]) {
+            // the scene is that of the beginning of the window
+            let ahead = [elapsed, elapsed + dt];
+            if scene.walls[near.at.wall as usize].is_passed([&from, &to], particles.radius[i], ahead) {
                 let instant = (near.at.wall, window.start + elapsed);
                 return Err(passed(particles, i, instant, (to - from).norm()));
             }

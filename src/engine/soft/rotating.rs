@@ -1,12 +1,12 @@
 //! Tangential force of contacts between spheres that rotate, in uniform steps.
 
-use super::contact::{ContactConstants, ContactForce, ContactState, ResistanceMemory};
+use super::contact::{ContactConstants, ContactForce, ContactState, ResistanceMemory, pull_along};
 use super::contacts::EvaluationTime;
 use super::force_buffer::ContactTorque;
 use super::rolling::{ResistedStep, RollingMotion};
 use crate::contact_law::ContactLaw;
 use crate::contact_law::friction::{Slip, coulomb};
-use crate::encounter::{Couple, Encounter, FrameTime};
+use crate::encounter::{Couple, Encounter};
 use crate::particles::Particles;
 use crate::record::{FrictionLosses, SlipChange};
 use crate::rotation::{SpringDashpotSlider, slip, turned};
@@ -79,7 +79,7 @@ impl ContactConstants {
         let (elastic, viscous) = law.force(&self.spring, met.overlap(), met.normal_velocity);
         let normal = elastic + viscous;
         let SurfaceMotion { slip, arm, twist } = *surfaces;
-        let pull = Self::pull_along(couple, met, scene);
+        let pull = pull_along(couple, met, (particles, scene), at.moment());
         let spring = &self.tangential.at(met.overlap());
         // a contact that has just begun has slipped only since its beginning
         let since = if before.begins && met.normal_velocity < 0.0 {
@@ -127,8 +127,8 @@ impl ContactConstants {
             restitution_power: -viscous * (met.normal_velocity + at.to_middle * normal / self.spring.effective_mass),
             friction_power: tangential.dot(&in_the_middle) - kept + resisted.as_ref().map_or(0.0, |some| some.power),
             wall_power: couple
-                .wall_motion(met, (particles, scene), FrameTime::fallen(at.fall))
-                .map_or(0.0, |wall| wall.power(&on_i, resisted.as_ref().map(|some| &some.couple))),
+                .wall_motion(met, (particles, scene), at.moment())
+                .map_or(0.0, |wall| wall.later(at.to_middle).power(&on_i, resisted.as_ref().map(|some| &some.couple))),
             shear_power: on_i.z * couple.image_velocity(particles, scene, &met.velocity),
             arm: met.normal * (self.reach + met.gap),
         };

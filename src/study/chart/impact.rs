@@ -281,6 +281,7 @@ impl HeadOn {
             elasticity: self.contact.elasticity[1],
             velocity: Vector3::zeros(),
             turning: None,
+            moving: None,
             resistance: Default::default(),
             roughness: None,
             thermal: None,

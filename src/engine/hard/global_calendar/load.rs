@@ -215,8 +215,13 @@ impl GlobalCalendar {
         if !fastest.is_finite() {
             return Err(not_a_number(particles, start));
         }
-        let crossing = scene.domain.size.max() / fastest.sqrt();
+        let walls = scene.wall_speed();
+        let crossing = scene.domain.size.max() / (fastest.sqrt() + walls);
         self.limit = CROSSINGS * crossing;
+        if walls > 0.0 {
+            // shells are enlarged by the distance that walls move until the end of the epoch
+            self.limit = before.min(self.limit);
+        }
         let fall = across_walls(scene).norm();
         if fall > 0.0 {
             // the frame must not fall towards walls much faster than the particles move, since shells are enlarged by
@@ -232,8 +237,8 @@ impl GlobalCalendar {
     /// Begins a new epoch: from now on, times are counted from the present time `time` [s].
     pub(super) fn new_epoch(&mut self, work: &mut Work<Recent>, time: f64) -> Result<(), Failure> {
         let (scene, horizon) = (work.scene, self.horizon - self.now);
-        if across_walls(scene) != Vector3::zeros() {
-            // the new frame must be at rest relative to the walls
+        if across_walls(scene) != Vector3::zeros() || scene.has_moving_walls() {
+            // the new frame must be at rest relative to the walls, and walls that move may be near other shells
             self.write(work.particles, scene);
             let met = self.history(work.particles, None);
             self.load(work.particles, scene, met, time)?;
@@ -272,7 +277,8 @@ impl GlobalCalendar {
         let position = scene.domain.wrap(&flight.position);
         let mut found = false;
         self.walls.near.for_each(&position, reach, |wall| {
-            found = found || scene.walls[wall as usize].geometry.is_within(&position, reach);
+            let wall = &scene.walls[wall as usize];
+            found = found || wall.geometry.is_within(&position, reach + self.travel(wall));
         });
         found
     }

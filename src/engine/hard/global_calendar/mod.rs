@@ -246,8 +246,9 @@ impl GlobalCalendar {
                 let flight = self.frame.flight(&body.position, &body.velocity, self.now);
                 let wall = &scene.walls[at.wall as usize];
                 let position = scene.domain.wrap(&flight.position);
-                let nearest = wall.geometry.struck(at.which, struck, &position, radius);
-                let surface = wall.surface_velocity(&(position - nearest.normal * nearest.distance));
+                let ahead = self.ahead(wall);
+                let nearest = wall.struck([at.which, struck], &position, radius, ahead);
+                let surface = wall.surface_velocity(&(position - nearest.normal * nearest.distance), ahead);
                 (nearest.normal, nearest.distance - radius, flight.velocity - surface)
             }
         };
@@ -260,8 +261,8 @@ impl GlobalCalendar {
         let (wall, body) = (&scene.walls[at.wall as usize], &self.bodies[couple.i as usize]);
         let flight = self.frame.flight(&body.position, &body.velocity, self.now);
         let depth = self.shells.radius(body) + met.gap;
-        let velocity = wall.surface_velocity(&(scene.domain.wrap(&flight.position) - met.normal * depth));
-        Some(WallMotion { velocity, spin: wall.spin() })
+        let touched = scene.domain.wrap(&flight.position) - met.normal * depth;
+        Some(WallMotion::of(wall, &touched, self.ahead(wall)))
     }
 
     fn collide(

@@ -140,8 +140,9 @@ impl GlobalCalendar {
         let (radius, until) = (self.shells.radius(body), events.second.wait);
         let mut ask = |k: u32| {
             let at = self.walls.contacts[k as usize];
-            let (shape, until) = (&scene.walls[at.wall as usize].geometry, events.second.wait);
-            if let Some(Touch { time, place }) = shape.first_touch(at.which, &flight, radius, until) {
+            let (wall, span) =
+                (&scene.walls[at.wall as usize], (self.ahead(&scene.walls[at.wall as usize]), events.second.wait));
+            if let Some(Touch { time, place }) = wall.first_touch(at.which, &flight, radius, span) {
                 events.offer(Event { wait: time, next: EventKind::Wall(k), place }, &self.ids);
             }
         };

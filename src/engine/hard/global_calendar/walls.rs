@@ -1,8 +1,9 @@
 //! Wall contacts of a scene, numbered for the calendar (the event queue of all particles).
 
+use super::GlobalCalendar;
 use crate::encounter::AtWall;
 use crate::scene::Scene;
-use crate::walls::NearWalls;
+use crate::walls::{NearWalls, Wall};
 use std::ops::Range;
 
 /// All contacts that a sphere may have with the walls of a scene, in the order of the walls, and a search for walls
@@ -32,5 +33,19 @@ impl WallContacts {
     /// Range of contact numbers that belong to a wall.
     pub fn of_wall(&self, wall: u32) -> Range<u32> {
         self.of[wall as usize].clone()
+    }
+}
+
+impl GlobalCalendar {
+    /// Time [s] from the instant of a wall to the present; 0 for a wall that does not move.
+    #[inline]
+    pub(super) fn ahead(&self, wall: &Wall) -> f64 {
+        wall.moving.as_ref().map_or(0.0, |moving| self.epoch + self.now - moving.time())
+    }
+
+    /// Largest distance [m] by which a wall moves from the place of its instant until the end of the epoch (time from one
+    /// zero of the calendar's time to the next).
+    pub(super) fn travel(&self, wall: &Wall) -> f64 {
+        wall.moving.as_ref().map_or(0.0, |moving| moving.travel(self.epoch + self.limit - moving.time()))
     }
 }

@@ -30,7 +30,8 @@ pub fn fill<'a, C>(
         return;
     }
     let Island { particles, places, list, limits, hot, .. } = island;
-    let falls = (scene.gravity.norm() * islands.part + fallen.norm()) * islands.part;
+    // the walls come nearer by gravity and by their own motion
+    let falls = (scene.gravity.norm() * islands.part + fallen.norm() + scene.wall_speed()) * islands.part;
     for (a, member) in members().enumerate() {
         islands.list_pairs((a, member), (places, *hot), &mut list.pairs);
         let reach = particles.radius[a] + limits[a] * islands.part + falls;

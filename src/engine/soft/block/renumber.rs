@@ -2,7 +2,7 @@
 //! not its number.
 
 use super::{ContactBlock, TouchingSlot};
-use crate::encounter::{AtWall, Couple, FrameTime, Other};
+use crate::encounter::{AtWall, Couple, Other};
 use crate::engine::soft::contact_sums::ContactRows;
 use crate::engine::soft::contacts::ContactSearch;
 use crate::engine::soft::wall_contacts::{are_of_one_wall, encounters, is_numbered_by_distance, matched};
@@ -40,7 +40,7 @@ impl ContactBlock {
     /// to the end of `touching`; the function returns their number.
     fn renumber_at_wall(&self, view: ContactSearch, couple: Couple, touching: &mut [TouchingSlot]) -> usize {
         let ContactSearch { list, particles, scene, at, .. } = view;
-        let all = encounters(&couple, particles, scene, FrameTime::fallen(at.fall));
+        let all = encounters(&couple, particles, scene, at.moment());
         let number = |slot: u32| match list.couple(slot as usize).other {
             Other::Wall(at) => at.which as usize,
             Other::Particle(_) => 0,

@@ -49,7 +49,7 @@ pub struct ReachedTouch<'a> {
 pub trait InstantaneousRule: Sync {
     /// [s] time within which no other body may reach the two bodies, if their touch is to be instantaneous. With `None`
     /// the touch begins a contact in any case.
-    fn clear_for(&self, meeting: &ReachedTouch) -> Option<f64>;
+    fn clear_for(&self, meeting: &ReachedTouch, particles: &Particles) -> Option<f64>;
 
     /// Applies the impulse of an instantaneous touch, and records it in `log`.
     fn strike(&self, meeting: &ReachedTouch, particles: &mut Particles, log: &mut Log);
@@ -60,7 +60,7 @@ pub struct NoInstants;
 
 impl InstantaneousRule for NoInstants {
     #[inline(always)]
-    fn clear_for(&self, _meeting: &ReachedTouch) -> Option<f64> {
+    fn clear_for(&self, _meeting: &ReachedTouch, _particles: &Particles) -> Option<f64> {
         None
     }
 
@@ -386,9 +386,10 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             let from = self.scratch.position[i] + fallen(start);
             let to = self.particles.position[i] + fallen(self.now);
             let radius = self.particles.radius[i];
-            let length = (to - from).norm();
+            let wall = &self.scene.walls[at.wall as usize];
+            let length = (to - from).norm() + wall.travel(self.now - start);
             let is_long = length >= SHORT * radius;
-            if is_long && at.which == 0 && self.scene.walls[at.wall as usize].geometry.is_passed(&from, &to, radius) {
+            if is_long && at.which == 0 && wall.is_passed([&from, &to], radius, [start, self.now]) {
                 return Err(passed(self.particles, i, (at.wall, self.window.start + start), length));
             }
         }

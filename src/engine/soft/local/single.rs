@@ -3,7 +3,7 @@
 
 use super::alone::{IsolatedContact, OrbitState};
 use super::{InstantaneousRule, IslandRun, ReachedTouch};
-use crate::encounter::{Couple, Encounter, relative};
+use crate::encounter::{Couple, Encounter, Other, relative};
 use crate::engine::Failure;
 use crate::engine::soft::contact::{ContactConstants, TouchingPair};
 use nalgebra::Vector3;
@@ -15,12 +15,13 @@ fn is_of(couple: &Couple, place: u32) -> bool {
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
     /// [s] time, up to `end`, for which a single contact without friction certainly remains the only one. It is 0 if
-    /// there are several contacts, or if the contact has friction or a curved wall.
+    /// there are several contacts, or if the contact has friction or a wall that is curved or moves.
     pub(super) fn clear_time(&self, end: f64) -> f64 {
         let [contact] = self.scratch.contacts.as_slice() else { return 0.0 };
         let TouchingPair { couple, constants: ContactConstants { spring, friction, .. } } = contact.touch;
         let curved = couple.is_wall() && !couple.is_flat(self.scene);
-        if friction > 0.0 || curved {
+        let moves = matches!(couple.other, Other::Wall(at) if self.scene.walls[at.wall as usize].moving.is_some());
+        if friction > 0.0 || curved || moves {
             return 0.0;
         }
         let left = end - self.now;
@@ -55,10 +56,18 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             Some(j) => self.relative(other.i as usize, j as usize).1.norm(),
             None => {
                 let along = if other.is_flat(self.scene) { 0.0 } else { velocity(other.i).norm() };
-                rate.abs() + along + self.scene.gravity.norm() * end
+                rate.abs() + along + self.scene.gravity.norm() * end + self.swing(&other)
             }
         };
         gap / (speed + self.shared(slot, couple) as f64 * change)
+    }
+
+    /// [m/s] bound of the change of the velocity of a wall that moves; 0 for other bodies.
+    fn swing(&self, couple: &Couple) -> f64 {
+        match couple.other {
+            Other::Wall(at) => 2.0 * self.scene.walls[at.wall as usize].largest_speed(),
+            Other::Particle(_) => 0.0,
+        }
     }
 
     /// True if the gap of a slot may close within `time` [s] after a touch of one of its particles with another body.
@@ -78,7 +87,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         let (gap, rate) = self.scratch.gaps[slot];
         let at_wall = |i: u32| {
             let bent = if other.is_flat(self.scene) { 0.0 } else { self.particles.velocity[i as usize].norm() };
-            bent + self.scene.gravity.norm() * (self.now + time)
+            bent + self.scene.gravity.norm() * (self.now + time) + self.swing(&other)
         };
         let curved = if other.is_wall() { at_wall(other.i) } else { 0.0 };
         (curved + change - rate) * time > gap
@@ -91,7 +100,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         let met = touch.couple.meet(self.particles, self.scene, moment);
         let meeting =
             ReachedTouch { touch, met, scene: self.scene, moment, remaining: self.window.duration - self.now };
-        let Some(clear_for) = self.engine.instants.clear_for(&meeting) else { return false };
+        let Some(clear_for) = self.engine.instants.clear_for(&meeting, self.particles) else { return false };
         let shares = |couple: &Couple| couple.places().into_iter().flatten().any(|place| is_of(&touch.couple, place));
         let held = self.scratch.contacts.iter().any(|contact| shares(&contact.touch.couple));
         let mut others = (0..self.scratch.touches.len()).filter(|&other| other != slot);

@@ -11,7 +11,7 @@ use super::springs::{ContactMotion, SpringKind, SpringMotion, carried};
 use super::{InstantaneousRule, IslandRun, Rates, TRIALS};
 use crate::contact_law::friction::{Slip, coulomb};
 use crate::encounter::{Encounter, FrameTime};
-use crate::engine::soft::contact::{Contact, ContactConstants, ContactForce, ContactState, TouchingPair};
+use crate::engine::soft::contact::{Contact, ContactForce, ContactState, TouchingPair, pull_along};
 use crate::record::FrictionLosses;
 use nalgebra::Vector3;
 
@@ -270,14 +270,14 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         let motion = ContactMotion::of(self, touch, met, self.resists(k));
         let normal = motion.elastic + motion.viscous;
         let slides = motion.spring(SpringKind::Slide, touch, met);
-        let tangential = self.spring_force(springs.start, (touch, met), (&motion, &slides), dt);
+        let tangential = self.spring_force(springs.start, (touch, met, moment), (&motion, &slides), dt);
         let mut friction_power = tangential.dot(&slides.velocity);
         let mut losses = self.tangential_losses(springs.start, &slides, &tangential);
         let mut couple = Vector3::zeros();
         if motion.rolling.is_some() {
             for (index, kind) in springs.skip(1).zip([SpringKind::Roll, SpringKind::Twist]) {
                 let spring = motion.spring(kind, touch, met);
-                let force = self.spring_force(index, (touch, met), (&motion, &spring), dt);
+                let force = self.spring_force(index, (touch, met, moment), (&motion, &spring), dt);
                 let power = force.dot(&spring.velocity);
                 friction_power += power;
                 let rolls = kind == SpringKind::Roll;
@@ -319,7 +319,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     fn spring_force(
         &mut self,
         index: usize,
-        (touch, met): (&TouchingPair, &Encounter),
+        (touch, met, moment): (&TouchingPair, &Encounter, FrameTime),
         (motion, spring): (&ContactMotion, &SpringMotion),
         dt: f64,
     ) -> Vector3<f64> {
@@ -337,7 +337,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
                 let force = match &spring.resistance {
                     Some(resistance) => resistance.without_memory(&velocity, normal, dt),
                     None if kind == SpringKind::Slide => {
-                        let acceleration = ContactConstants::pull_along(&touch.couple, met, self.scene);
+                        let acceleration = pull_along(&touch.couple, met, (self.particles, self.scene), moment);
                         let slip = Slip { velocity, acceleration };
                         let friction = coulomb(touch.friction, normal, &slip, constants.mass, [dt, 0.0]);
                         friction.map_or_else(Vector3::zeros, |friction| friction.force)
@@ -411,7 +411,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
                 let surface = (surface(i) + surface(j)) * motion.arm;
                 (acceleration(i) - acceleration(j), surface, angular(i) - angular(j))
             }
-            None => (acceleration(i) + self.scene.gravity, surface(i), angular(i)),
+            None => (acceleration(i) + self.fall_onto(&touch.couple, met), surface(i), angular(i)),
         };
         let velocity_rate = match spring.kind {
             SpringKind::Slide => (relative - surface.cross(&met.normal)).dot(&along),

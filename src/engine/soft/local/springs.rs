@@ -3,8 +3,8 @@
 
 use super::{InstantaneousRule, IslandRun};
 use crate::contact_law::ContactLaw;
-use crate::encounter::Encounter;
-use crate::engine::soft::contact::TouchingPair;
+use crate::encounter::{Couple, Encounter};
+use crate::engine::soft::contact::{TouchingPair, relative_gravity};
 use crate::engine::soft::rolling::RollingMotion;
 use crate::rotation::{Resistance, SpringDashpotSlider, SpringRates, slip};
 use nalgebra::Vector3;
@@ -177,5 +177,12 @@ impl SpringMotion {
         };
         let later = force(met.overlap() - met.normal_velocity * time, met.normal_velocity + acceleration * time);
         self.friction * (later - force(met.overlap(), met.normal_velocity)) / time
+    }
+}
+
+impl<I: InstantaneousRule> IslandRun<'_, I> {
+    /// [m/s²] acceleration of a particle by gravity relative to a wall, at the present time.
+    pub(super) fn fall_onto(&self, couple: &Couple, met: &Encounter) -> Vector3<f64> {
+        relative_gravity(couple, met, (self.particles, self.scene), self.moment())
     }
 }

@@ -1,0 +1,70 @@
+//! Table of a wall whose shape moves.
+
+use super::Three;
+use crate::case::de::Located;
+use crate::case::quantity::{Length, Ratio, Speed, Spin, Time};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// Table `[walls.motion]`: motion of the shape of a wall, an exact function of time. The shape that the case gives is
+/// that without displacement.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MotionFile {
+    /// Constant velocity of the shape, which is where the case puts it at time 0.
+    #[schemars(extend("examples" = [["0 m/s", "-2 mm/s", "0 m/s"]], "x-range" = "-1e5 ..= 1e5 m/s"))]
+    #[schemars(extend("x-one-of" = "motion", "x-required" = "or `vibration`, `path`, `turning`"))]
+    pub translation: Option<Three<Speed>>,
+    /// Harmonic vibration of the shape.
+    #[schemars(extend("x-one-of" = "motion"))]
+    pub vibration: Option<Located<VibrationFile>>,
+    /// Displacements at given times, at least two, linear between them. Before the first and after the last time the
+    /// shape is at rest.
+    #[schemars(extend("x-one-of" = "motion"))]
+    pub path: Option<Located<Vec<Located<KnotFile>>>>,
+    /// Rotation of the shape about an axis: a mixer or a drum with lifters. At time 0 the shape is where the case puts it.
+    #[schemars(extend("x-one-of" = "motion"))]
+    pub turning: Option<Located<ShapeTurningFile>>,
+}
+
+/// Table `[walls.motion.vibration]`: displacement A sin(2π f t + φ).
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct VibrationFile {
+    /// Amplitude A, a vector in the direction of the vibration.
+    #[schemars(extend("examples" = [["0 mm", "2 mm", "0 mm"]], "x-required" = "always", "x-range" = "-1e4 ..= 1e4 m"))]
+    pub amplitude: Option<Three<Length>>,
+    /// Frequency f.
+    #[schemars(example = &"20 Hz", extend("x-required" = "always", "x-range" = "greater than 0, up to 1e7 Hz"))]
+    pub frequency: Option<Located<Spin>>,
+    /// Phase φ at time 0.
+    #[schemars(example = &"90 deg", extend("default" = 0, "x-range" = "-1e3 ..= 1e3"))]
+    pub phase: Option<Located<Ratio>>,
+}
+
+/// Time and displacement in `walls.motion.path`.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct KnotFile {
+    /// Time, later than that of the entry before.
+    #[schemars(example = &"0.5 s", extend("x-required" = "always", "x-range" = "-1e9 ..= 1e9 s"))]
+    pub time: Option<Located<Time>>,
+    /// Displacement of the shape at this time.
+    #[schemars(extend("examples" = [["0 mm", "-4 mm", "0 mm"]], "x-required" = "always", "x-range" = "-1e4 ..= 1e4 m"))]
+    pub displacement: Option<Three<Length>>,
+}
+
+/// Table `[walls.motion.turning]`: rotation of the shape of a wall.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ShapeTurningFile {
+    /// Angular velocity, counter-clockwise if the axis points towards the viewer.
+    #[schemars(example = &"3 rad/s", extend("x-required" = "always", "x-range" = "-1e7 ..= 1e7 rad/s"))]
+    pub rate: Option<Located<Spin>>,
+    /// Direction of the axis: a vector of any length.
+    #[schemars(extend("examples" = [[0, 0, 1]], "x-required" = "always"))]
+    pub axis: Option<Three<Ratio>>,
+    /// A point of the axis.
+    #[schemars(extend("examples" = [["10 mm", "10 mm", "0 mm"]], "x-required" = "always"))]
+    pub center: Option<Three<Length>>,
+}

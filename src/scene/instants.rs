@@ -1,0 +1,69 @@
+//! Scenes whose walls move or whose images slide: the scene of an instant.
+
+use super::Scene;
+use crate::walls::Wall;
+use std::borrow::Cow;
+
+impl Scene {
+    /// The scene with the images of a sheared box, and the walls that move, at the places of a time [s]. Without shear
+    /// and moving walls it is the scene itself.
+    pub fn at(&self, time: f64) -> Cow<'_, Self> {
+        if !self.changes() {
+            return Cow::Borrowed(self);
+        }
+        let mut scene = self.clone();
+        scene.move_to(time);
+        Cow::Owned(scene)
+    }
+
+    /// Puts the images of a sheared box, and the walls that move, at their places at a time [s].
+    pub fn move_to(&mut self, time: f64) {
+        if let Cow::Owned(domain) = self.domain.at(time) {
+            self.domain = domain;
+        }
+        self.walls.iter_mut().for_each(|wall| wall.move_to(time));
+    }
+
+    /// True if the scene of one instant differs from that of another: the box is sheared, or a wall moves.
+    pub fn changes(&self) -> bool {
+        self.domain.shear.is_some() || self.has_moving_walls()
+    }
+
+    /// True if the shape of any wall moves.
+    pub fn has_moving_walls(&self) -> bool {
+        self.walls.iter().any(|wall| wall.moving.is_some())
+    }
+
+    /// [m/s] largest speed of any point of a wall whose shape moves; 0 without such walls.
+    pub fn wall_speed(&self) -> f64 {
+        self.walls.iter().map(Wall::largest_speed).fold(0.0, f64::max)
+    }
+}
+
+/// A scene whose images and walls are put at their places of one instant after the other. A scene that does not change
+/// is neither copied nor tested again.
+pub enum SceneInTime<'a> {
+    /// A scene that does not change.
+    Fixed(&'a Scene),
+    /// The scene at the last instant.
+    Changing(Box<Scene>),
+}
+
+impl<'a> SceneInTime<'a> {
+    /// Prepares a scene for several instants.
+    pub fn of(scene: &'a Scene) -> Self {
+        if scene.changes() { Self::Changing(Box::new(scene.clone())) } else { Self::Fixed(scene) }
+    }
+
+    /// The scene at a time [s].
+    #[inline]
+    pub fn at(&mut self, time: f64) -> &Scene {
+        match self {
+            Self::Fixed(scene) => scene,
+            Self::Changing(scene) => {
+                scene.move_to(time);
+                scene
+            }
+        }
+    }
+}

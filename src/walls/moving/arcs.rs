@@ -1,0 +1,74 @@
+//! First touch of a sphere and a moving shape, by arcs of parabolas.
+//!
+//! In the frame of the shape the flight is no parabola. On a short arc it differs from the parabola with equal place,
+//! velocity and acceleration by J τ³/6 at most, where J bounds the third derivative. A sphere that is larger by this
+//! distance, on the parabola, touches no later than the sphere itself. So the time to that touch is certainly free, and
+//! the next arc begins there.
+
+use super::MovingShape;
+use crate::walls::{Flight, Touch};
+
+/// [-] gap over the radius below which a sphere counts as touching. A touch may be missed by this gap, or found too early
+/// by it. The rounding of coordinates is of this order if the box is 10⁴ radii long.
+const CLOSE: f64 = 1e-12;
+
+/// Rounding errors of a coordinate, in units of its last digit, that count as a gap of zero.
+const ROUNDINGS: f64 = 16.0;
+
+/// [-] share of the gap by which a sphere is enlarged on an arc.
+const SHARE: f64 = 0.125;
+
+/// [-] length of an arc over the time in which the gap would close at the present speed.
+const AHEAD: f64 = 1.5;
+
+/// [rad] largest rotation of a shape on one arc, so that the bound of the third derivative is not far too large.
+const TURN: f64 = 0.5;
+
+/// First touch of contact number `which`, as [`Geometry::first_touch`](crate::walls::Geometry::first_touch) defines it.
+/// The flight begins at `start` [s], and `until` [s] must be finite.
+pub(super) fn first_touch(
+    moving: &MovingShape,
+    which: u32,
+    (flight, start): (&Flight, f64),
+    radius: f64,
+    until: f64,
+) -> Option<Touch> {
+    let shape = &moving.shape;
+    let longest = moving.motion.spin().map_or(f64::INFINITY, |spin| TURN / spin.norm());
+    let mut t = 0.0;
+    while t <= until {
+        let real = flight.from(t);
+        let seen = moving.motion.seen(&real, start + t);
+        let close = CLOSE * radius + ROUNDINGS * f64::EPSILON * seen.position.amax();
+        let most = (until - t).min(longest);
+        let jerk = moving.motion.jerk(&real, most);
+        let arc = |error: f64| (6.0 * error / jerk).cbrt().min(most);
+        let nearest = shape.contact(which, &seen.position, radius);
+        let gap = nearest.distance - radius;
+        let (error, length) = if gap <= 2.0 * close {
+            (0.0, arc(close))
+        } else {
+            let closing = -seen.velocity.dot(&nearest.normal);
+            let wanted = if closing > 0.0 { AHEAD * gap / closing } else { f64::INFINITY };
+            let length = arc(SHARE * gap).min(wanted.max(arc(close)));
+            ((jerk * length.powi(3) / 6.0).min(SHARE * gap), length)
+        };
+        match shape.first_touch(which, &seen, radius + error, length) {
+            Some(touch) if error <= close && touch.time <= length => {
+                return (t + touch.time <= until).then_some(Touch { time: t + touch.time, ..touch });
+            }
+            // the time in which the gap cannot close passes in any case
+            Some(touch) if touch.time <= length => t += touch.time.max(free_time(gap - error, &seen)),
+            _ if length >= until - t => return None,
+            _ => t += length,
+        }
+    }
+    None
+}
+
+/// [s] shortest time in which a flight can cover a distance [m]: the root of |v| t + |g| t²/2 = distance.
+fn free_time(distance: f64, flight: &Flight) -> f64 {
+    let (speed, gravity) = (flight.velocity.norm(), flight.gravity.norm());
+    // the positive root, in a form without cancellation
+    2.0 * distance / (speed + (speed * speed + 2.0 * gravity * distance).sqrt())
+}

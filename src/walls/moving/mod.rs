@@ -1,0 +1,349 @@
+//! Walls whose shape moves: translation, vibration, a path, or rotation about an axis.
+//!
+//! The motion is an exact function of time. A [`Scene`](crate::scene::Scene) belongs to an instant, and so does the
+//! geometry of its walls ([`Wall::at`]). Engines ask for the wall a time `ahead` of that instant.
+
+mod arcs;
+mod motion;
+mod path;
+mod vibrating_plane;
+
+pub use motion::PrescribedMotion;
+pub use path::PiecewisePath;
+
+use super::{Drawing, Flight, Geometry, Nearest, Plane, Repeated, Touch, Wall, WallGeometry};
+use crate::domain::Domain;
+use nalgebra::Vector3;
+use serde::Serialize;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+use vibrating_plane::VibratingGap;
+
+/// A shape with its prescribed motion, at an instant.
+#[derive(Clone, Debug, Serialize)]
+pub struct MovingShape {
+    /// The shape where the case puts it, without displacement.
+    pub(super) shape: Arc<WallGeometry>,
+    /// Law of the motion.
+    motion: PrescribedMotion,
+    /// [s] instant to which the geometry of the wall belongs.
+    #[serde(skip)]
+    time: f64,
+    /// [m] largest distance of a point of the shape from the axis of a rotation; 0 for other motions.
+    arm: f64,
+}
+
+impl MovingShape {
+    /// A shape with its motion, at time 0. `None` if an endless shape would turn: its points have no largest speed.
+    pub fn new(shape: WallGeometry, motion: PrescribedMotion) -> Option<Self> {
+        let arm = match &motion {
+            PrescribedMotion::Turning(turning) => {
+                let corners = corners(shape.law().extent()?);
+                let arm = |corner: &Vector3<f64>| (corner - turning.center).norm();
+                corners.iter().map(arm).fold(0.0, f64::max)
+            }
+            _ => 0.0,
+        };
+        Some(Self { shape: Arc::new(shape), motion, time: 0.0, arm })
+    }
+
+    /// Law of the motion.
+    pub fn motion(&self) -> &PrescribedMotion {
+        &self.motion
+    }
+
+    /// [s] instant to which the geometry of the wall belongs.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// The shape without displacement.
+    pub fn shape(&self) -> &WallGeometry {
+        &self.shape
+    }
+
+    /// [m] place of `point` [m] in the frame of the shape at `time` [s].
+    pub fn to_shape(&self, point: &Vector3<f64>, time: f64) -> Vector3<f64> {
+        self.motion.to_shape(point, time)
+    }
+
+    /// [m/s] largest speed of any point of the shape.
+    pub fn largest_speed(&self) -> f64 {
+        self.motion.largest_speed(self.arm)
+    }
+
+    /// [m] bound of the distance by which a point of the shape moves within `duration` [s].
+    pub fn travel(&self, duration: f64) -> f64 {
+        let speed = self.largest_speed();
+        let way = if speed == 0.0 { 0.0 } else { speed * duration };
+        way.min(self.motion.largest_excursion(self.arm))
+    }
+
+    /// Geometry of the wall at the instant of this value.
+    fn geometry(&self) -> WallGeometry {
+        match self.shape.plane().filter(|_| self.keeps_directions()) {
+            Some(plane) => {
+                let point = plane.point + self.motion.displacement(self.time);
+                WallGeometry::Plane(Plane { point, ..*plane })
+            }
+            None => WallGeometry::Moving(Arc::new(self.clone())),
+        }
+    }
+
+    /// The nearest point to `point` [m], found by `find` in the frame of the shape, `ahead` [s] of the instant.
+    fn seen(
+        &self,
+        point: &Vector3<f64>,
+        ahead: f64,
+        find: impl Fn(&WallGeometry, &Vector3<f64>) -> Nearest,
+    ) -> Nearest {
+        let time = self.time + ahead;
+        let nearest = find(&self.shape, &self.motion.to_shape(point, time));
+        Nearest { normal: self.motion.direction(&nearest.normal, time), ..nearest }
+    }
+
+    /// First touch as [`Geometry::first_touch`] defines it, for a flight that begins `ahead` [s] of the instant.
+    fn touch(&self, which: u32, flight: &Flight, radius: f64, (ahead, until): (f64, f64)) -> Option<Touch> {
+        let start = self.time + ahead;
+        match &self.motion {
+            PrescribedMotion::Translation { .. } => {
+                self.shape.first_touch(which, &self.motion.seen(flight, start), radius, until)
+            }
+            PrescribedMotion::Path(path) => self.touch_on(path, which, (flight, start), radius, until),
+            PrescribedMotion::Vibration { amplitude, frequency, .. } => match self.shape.plane() {
+                Some(plane) => {
+                    let here = self.motion.to_shape(&flight.position, start);
+                    let gap = VibratingGap {
+                        gap: plane.nearest(&here).distance - radius,
+                        speed: flight.velocity.dot(&plane.normal),
+                        acceleration: flight.gravity.dot(&plane.normal),
+                        amplitude: amplitude.dot(&plane.normal),
+                        frequency: TAU * frequency,
+                        phase: self.motion.angle(start),
+                    };
+                    let speeds = flight.velocity.norm() + self.largest_speed();
+                    gap.first_touch(until, 4.0 * f64::EPSILON * speeds).map(Touch::at)
+                }
+                None => arcs::first_touch(self, which, (flight, start), radius, until),
+            },
+            PrescribedMotion::Turning(_) => arcs::first_touch(self, which, (flight, start), radius, until),
+        }
+    }
+
+    /// First touch on a path: the shape has a constant velocity between two knots.
+    fn touch_on(
+        &self,
+        path: &PiecewisePath,
+        which: u32,
+        (flight, start): (&Flight, f64),
+        radius: f64,
+        until: f64,
+    ) -> Option<Touch> {
+        let mut t = 0.0;
+        loop {
+            let end = (path.next_knot(start + t) - start).min(until);
+            let seen = self.motion.seen(&flight.from(t), start + t);
+            if let Some(touch) = self.shape.first_touch(which, &seen, radius, end - t) {
+                return Some(Touch { time: t + touch.time, ..touch });
+            }
+            if end >= until {
+                return None;
+            }
+            t = end;
+        }
+    }
+}
+
+/// The corners [m] of a box given by its lowest and highest corner.
+fn corners([low, high]: [Vector3<f64>; 2]) -> [Vector3<f64>; 8] {
+    std::array::from_fn(|k| Vector3::from_fn(|axis, _| if k >> axis & 1 == 1 { high[axis] } else { low[axis] }))
+}
+
+impl MovingShape {
+    /// [m] box around the moved shape, from the box around the shape.
+    fn moved(&self, around: [Vector3<f64>; 2]) -> [Vector3<f64>; 2] {
+        let corners = corners(around).map(|corner| self.motion.from_shape(&corner, self.time));
+        let first = corners[0];
+        corners.iter().fold([first; 2], |[low, high], corner| [low.inf(corner), high.sup(corner)])
+    }
+
+    /// True for a translation, which keeps directions.
+    fn keeps_directions(&self) -> bool {
+        self.motion.spin().is_none()
+    }
+}
+
+impl Geometry for MovingShape {
+    fn nearest(&self, point: &Vector3<f64>) -> Nearest {
+        self.seen(point, 0.0, |shape, point| shape.nearest(point))
+    }
+
+    fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
+        self.touch(0, flight, radius, (0.0, until)).map(|touch| touch.time)
+    }
+
+    fn contacts(&self) -> u32 {
+        self.shape.contacts()
+    }
+
+    fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
+        self.seen(point, 0.0, |shape, point| shape.contact(which, point, radius))
+    }
+
+    fn is_flat_at(&self, which: u32) -> bool {
+        self.keeps_directions() && self.shape.is_flat_at(which)
+    }
+
+    fn seam(&self) -> f64 {
+        self.shape.seam()
+    }
+
+    fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
+        self.touch(which, flight, radius, (0.0, until))
+    }
+
+    fn struck(&self, which: u32, place: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
+        self.seen(point, 0.0, |shape, point| shape.struck(which, place, point, radius))
+    }
+
+    fn may_touch(&self, which: u32, point: &Vector3<f64>, radius: f64, skin: f64) -> bool {
+        self.shape.may_touch(which, &self.motion.to_shape(point, self.time), radius, skin)
+    }
+
+    fn is_thin(&self) -> bool {
+        self.shape.law().is_thin()
+    }
+
+    fn is_within(&self, point: &Vector3<f64>, distance: f64) -> bool {
+        self.shape.is_within(&self.motion.to_shape(point, self.time), distance)
+    }
+
+    fn is_clear(&self, point: &Vector3<f64>, distance: f64) -> bool {
+        self.shape.law().is_clear(&self.motion.to_shape(point, self.time), distance)
+    }
+
+    fn is_nearest_first(&self) -> bool {
+        self.shape.law().is_nearest_first()
+    }
+
+    fn slides(&self, velocity: &Vector3<f64>) -> bool {
+        self.keeps_directions() && self.shape.law().slides(velocity)
+    }
+
+    fn bounds(&self) -> Option<[Vector3<f64>; 2]> {
+        self.shape.law().bounds().map(|around| self.moved(around))
+    }
+
+    fn extent(&self) -> Option<[Vector3<f64>; 2]> {
+        self.shape.law().extent().map(|around| self.moved(around))
+    }
+
+    fn room_corners(&self) -> Option<[Vector3<f64>; 2]> {
+        self.shape.law().room_corners().map(|around| self.moved(around))
+    }
+
+    fn holds_along(&self, axis: usize) -> bool {
+        self.shape.law().holds_along(axis)
+    }
+
+    fn vessel_volume(&self, size: &Vector3<f64>) -> Option<f64> {
+        self.shape.law().vessel_volume(size)
+    }
+
+    fn has_inside(&self) -> bool {
+        self.shape.law().has_inside()
+    }
+
+    fn encloses(&self, point: &Vector3<f64>) -> bool {
+        self.shape.law().encloses(&self.motion.to_shape(point, self.time))
+    }
+
+    fn in_words(&self) -> String {
+        self.shape.law().in_words()
+    }
+
+    fn drawing(&self, size: &Vector3<f64>) -> Drawing {
+        let (points, triangles) = self.shape.law().drawing(size);
+        (points.iter().map(|point| self.motion.from_shape(point, self.time)).collect(), triangles)
+    }
+}
+
+impl Wall {
+    /// The wall with a moving shape. `None` if an endless shape would turn.
+    pub fn moving(self, motion: PrescribedMotion) -> Option<Self> {
+        let moving = MovingShape::new(self.geometry.clone(), motion)?;
+        Some(Self { geometry: moving.geometry(), moving: Some(moving), ..self })
+    }
+
+    /// Puts the wall where it is at `time` [s]; a wall without motion stays where it is.
+    pub fn move_to(&mut self, time: f64) {
+        if let Some(moving) = &mut self.moving {
+            moving.time = time;
+            self.geometry = moving.geometry();
+        }
+    }
+
+    /// The wall with images of its body across the periodic sides of a domain.
+    pub(super) fn repeated(&self, domain: &Domain) -> Self {
+        let Some(moving) = &self.moving else {
+            return Self { geometry: Repeated::of(self.geometry.clone(), domain), ..self.clone() };
+        };
+        let shape = Arc::new(Repeated::of(moving.shape().clone(), domain));
+        let moving = MovingShape { shape, ..moving.clone() };
+        Self { geometry: moving.geometry(), moving: Some(moving), ..self.clone() }
+    }
+
+    /// [m/s] largest speed of any point of the shape; 0 if it does not move.
+    pub fn largest_speed(&self) -> f64 {
+        self.moving.as_ref().map_or(0.0, MovingShape::largest_speed)
+    }
+
+    /// [m] bound of the distance by which a point of the shape moves within `duration` [s]; 0 if it does not move.
+    pub fn travel(&self, duration: f64) -> f64 {
+        self.moving.as_ref().map_or(0.0, |moving| moving.travel(duration))
+    }
+
+    /// Nearest point of contact number `which` to the centre `point` [m] of a sphere of `radius` [m], `ahead` [s] of the
+    /// instant of the wall.
+    #[inline(always)]
+    pub fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64, ahead: f64) -> Nearest {
+        match &self.moving {
+            None => self.geometry.contact(which, point, radius),
+            Some(moving) => moving.seen(point, ahead, |shape, point| shape.contact(which, point, radius)),
+        }
+    }
+
+    /// Nearest point at the instant of a touch, as [`Geometry::struck`] defines it, `ahead` [s] of the instant of the
+    /// wall. `touch` contains the number of the contact and that of the surface feature.
+    #[inline(always)]
+    pub fn struck(&self, touch: [u32; 2], point: &Vector3<f64>, radius: f64, ahead: f64) -> Nearest {
+        let [which, place] = touch;
+        match &self.moving {
+            None => self.geometry.struck(which, place, point, radius),
+            Some(moving) => moving.seen(point, ahead, |shape, point| shape.struck(which, place, point, radius)),
+        }
+    }
+
+    /// First touch as [`Geometry::first_touch`] defines it, for a flight that begins `ahead` [s] of the instant of the
+    /// wall and lasts until `until` [s] after its beginning.
+    #[inline(always)]
+    pub fn first_touch(&self, which: u32, flight: &Flight, radius: f64, (ahead, until): (f64, f64)) -> Option<Touch> {
+        match &self.moving {
+            None => self.geometry.first_touch(which, flight, radius, until),
+            Some(moving) => moving.touch(which, flight, radius, (ahead, until)),
+        }
+    }
+
+    /// True if the centre of a sphere crosses a thin surface on the straight line from `from` to `to` [m]. It is at
+    /// `from` at the first and at `to` at the second of two times [s] ahead of the instant of the wall.
+    pub fn is_passed(&self, [from, to]: [&Vector3<f64>; 2], radius: f64, ahead: [f64; 2]) -> bool {
+        match &self.moving {
+            None => self.geometry.is_passed(from, to, radius),
+            Some(moving) => {
+                let [from, to] = [(from, ahead[0]), (to, ahead[1])]
+                    .map(|(point, ahead)| moving.motion.to_shape(point, moving.time + ahead));
+                moving.shape.is_passed(&from, &to, radius)
+            }
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! Laws by which the shape of a wall moves: exact functions of time, without a state.
+
+use super::path::PiecewisePath;
+use crate::walls::{Flight, Turning};
+use nalgebra::{Rotation3, Unit, Vector3};
+use serde::Serialize;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+/// Prescribed motion of the shape of a wall. The wall is where its case puts it, displaced by d(t), or turned about an
+/// axis. All kinds but [`Turning`](Self::Turning) are translations without rotation.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PrescribedMotion {
+    /// Constant velocity: d(t) = V t.
+    Translation {
+        /// [m/s] velocity V.
+        velocity: Vector3<f64>,
+    },
+    /// Harmonic vibration: d(t) = A sin(2π f t + φ).
+    Vibration {
+        /// [m] amplitude A, along the direction of the vibration.
+        amplitude: Vector3<f64>,
+        /// [Hz] frequency f.
+        frequency: f64,
+        /// [rad] phase φ at time 0.
+        phase: f64,
+    },
+    /// Displacement that is linear between given instants.
+    Path(Arc<PiecewisePath>),
+    /// Rotation about an axis at a constant angular velocity. At time 0 the shape is where its case puts it.
+    Turning(Turning),
+}
+
+impl PrescribedMotion {
+    /// [m] displacement d of the shape at `time` [s]; zero for a rotation.
+    pub fn displacement(&self, time: f64) -> Vector3<f64> {
+        match self {
+            Self::Translation { velocity } => velocity * time,
+            Self::Vibration { amplitude, .. } => amplitude * self.angle(time).sin(),
+            Self::Path(path) => path.displacement(time),
+            Self::Turning(_) => Vector3::zeros(),
+        }
+    }
+
+    /// [m/s] velocity at `time` [s] of the shape's material point that is at `point` [m] then. At a knot of a path it
+    /// is the velocity after the knot.
+    pub fn velocity(&self, point: &Vector3<f64>, time: f64) -> Vector3<f64> {
+        match self {
+            Self::Translation { velocity } => *velocity,
+            Self::Vibration { amplitude, frequency, .. } => amplitude * (TAU * frequency * self.angle(time).cos()),
+            Self::Path(path) => path.velocity(time),
+            Self::Turning(turning) => turning.spin.cross(&(point - turning.center)),
+        }
+    }
+
+    /// [m/s²] rate at which the [`velocity`](Self::velocity) at one place changes at `time` [s]. It is zero for a steady
+    /// rotation, and on a path, whose velocity jumps at the knots.
+    pub fn acceleration(&self, time: f64) -> Vector3<f64> {
+        match self {
+            Self::Translation { .. } | Self::Path(_) | Self::Turning(_) => Vector3::zeros(),
+            Self::Vibration { amplitude, frequency, .. } => {
+                amplitude * (-(TAU * frequency).powi(2) * self.angle(time).sin())
+            }
+        }
+    }
+
+    /// [rad/s] angular velocity of the shape; `None` for a translation.
+    pub fn spin(&self) -> Option<Vector3<f64>> {
+        match self {
+            Self::Translation { .. } | Self::Vibration { .. } | Self::Path(_) => None,
+            Self::Turning(turning) => Some(turning.spin),
+        }
+    }
+
+    /// [m] place of `point` [m] in the frame of the shape, in which the shape is always where its case puts it.
+    pub(super) fn to_shape(&self, point: &Vector3<f64>, time: f64) -> Vector3<f64> {
+        match self {
+            Self::Turning(turning) => rotation(turning, -time) * (point - turning.center) + turning.center,
+            _ => point - self.displacement(time),
+        }
+    }
+
+    /// [m] place of `point` [m] of the frame of the shape at `time` [s]: the inverse of [`to_shape`](Self::to_shape).
+    pub(super) fn from_shape(&self, point: &Vector3<f64>, time: f64) -> Vector3<f64> {
+        match self {
+            Self::Turning(turning) => rotation(turning, time) * (point - turning.center) + turning.center,
+            _ => point + self.displacement(time),
+        }
+    }
+
+    /// Direction of a vector in the frame of the shape, seen at rest at `time` [s].
+    pub(super) fn direction(&self, vector: &Vector3<f64>, time: f64) -> Vector3<f64> {
+        match self {
+            Self::Turning(turning) => rotation(turning, time) * vector,
+            Self::Translation { .. } | Self::Vibration { .. } | Self::Path(_) => *vector,
+        }
+    }
+
+    /// Flight seen in the frame of the shape at `time` [s], as the parabola that has its place, velocity and
+    /// acceleration. In a rotating frame y'' = g - 2 ω × v + ω × (ω × r), with v in the frame at rest.
+    pub(super) fn seen(&self, flight: &Flight, time: f64) -> Flight {
+        let velocity = flight.velocity - self.velocity(&flight.position, time);
+        let gravity = match self {
+            Self::Turning(Turning { center, spin }) => {
+                let carried = spin.cross(&(flight.position - center));
+                flight.gravity - spin.cross(&(flight.velocity * 2.0 - carried))
+            }
+            _ => flight.gravity - self.acceleration(time),
+        };
+        let back = |vector: Vector3<f64>| match self {
+            Self::Turning(turning) => rotation(turning, -time) * vector,
+            _ => vector,
+        };
+        Flight { position: self.to_shape(&flight.position, time), velocity: back(velocity), gravity: back(gravity) }
+    }
+
+    /// [m/s³] bound of the third derivative of a flight seen in the frame of the shape, for `time` [s] after its
+    /// beginning. A vibration has |A| (2π f)³. In a rotating frame y''' = -3 ω × g + 3 ω × (ω × v) - ω × (ω × (ω × r)).
+    pub(super) fn jerk(&self, flight: &Flight, time: f64) -> f64 {
+        match self {
+            Self::Translation { .. } | Self::Path(_) => 0.0,
+            Self::Vibration { amplitude, frequency, .. } => amplitude.norm() * (TAU * frequency).powi(3),
+            Self::Turning(Turning { center, spin }) => {
+                let (rate, gravity) = (spin.norm(), flight.gravity.norm());
+                let speed = flight.velocity.norm() + gravity * time;
+                let arm = (flight.position - center).norm() + speed * time;
+                rate * (3.0 * gravity + rate * (3.0 * speed + rate * arm))
+            }
+        }
+    }
+
+    /// [m/s] largest speed of any point of the shape. `arm` [m] is the largest distance of a point from the axis of a
+    /// rotation.
+    pub(super) fn largest_speed(&self, arm: f64) -> f64 {
+        match self {
+            Self::Translation { velocity } => velocity.norm(),
+            Self::Vibration { amplitude, frequency, .. } => TAU * frequency * amplitude.norm(),
+            Self::Path(path) => path.largest_speed(),
+            Self::Turning(turning) => turning.spin.norm() * arm,
+        }
+    }
+
+    /// [m] largest distance between two places of one point of the shape, with `arm` as for
+    /// [`largest_speed`](Self::largest_speed).
+    pub(super) fn largest_excursion(&self, arm: f64) -> f64 {
+        match self {
+            Self::Translation { .. } => f64::INFINITY,
+            Self::Vibration { amplitude, .. } => 2.0 * amplitude.norm(),
+            Self::Path(path) => path.largest_excursion(),
+            Self::Turning(_) => 2.0 * arm,
+        }
+    }
+
+    /// [m] least and largest component of the displacement along a unit vector, from time 0 to `duration` [s]; those of
+    /// all times for a vibration and a path. `None` for a rotation.
+    pub fn range_along(&self, direction: &Vector3<f64>, duration: f64) -> Option<[f64; 2]> {
+        let two = |one: f64, other: f64| Some([one.min(other), one.max(other)]);
+        match self {
+            Self::Translation { velocity } => two(0.0, velocity.dot(direction) * duration),
+            Self::Vibration { amplitude, .. } => two(amplitude.dot(direction), -amplitude.dot(direction)),
+            Self::Path(path) => Some(path.range_along(direction)),
+            Self::Turning(_) => None,
+        }
+    }
+
+    /// [rad] phase 2π f t + φ of a vibration at `time` [s]; 0 for other motions. Whole periods are taken off before the
+    /// multiplication by 2π.
+    pub(super) fn angle(&self, time: f64) -> f64 {
+        match self {
+            Self::Vibration { frequency, phase, .. } => TAU * (frequency * time).fract() + phase,
+            Self::Translation { .. } | Self::Path(_) | Self::Turning(_) => 0.0,
+        }
+    }
+}
+
+/// Rotation of a turning shape within `time` [s].
+fn rotation(turning: &Turning, time: f64) -> Rotation3<f64> {
+    let rate = turning.spin.norm();
+    match Unit::try_new(turning.spin, 0.0) {
+        Some(axis) => Rotation3::from_axis_angle(&axis, TAU * (rate * time / TAU).fract()),
+        None => Rotation3::identity(),
+    }
+}
