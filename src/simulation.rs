@@ -474,7 +474,7 @@ impl Simulation {
         let sums = match &fluid.turbulence {
             None => kick_among(&mut self.particles, &fluid.profile, kick, fractions.as_ref()),
             Some(turbulence) => {
-                turbulence::draw_first_eddies(&mut self.particles, self.seed);
+                turbulence::draw_first_eddies(&mut self.particles, (fluid, turbulence), self.seed);
                 let (profile, fractions) = (&fluid.profile, fractions.as_ref());
                 let seed_and_number = (self.seed, number);
                 TurbulentKick { profile, turbulence, kick, fractions, seed_and_number }.apply(&mut self.particles)

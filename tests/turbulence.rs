@@ -7,7 +7,7 @@ use diptych::engine::distributed::Distributed;
 use diptych::engine::hard::Hard;
 use diptych::engine::soft::Soft;
 use diptych::experiment::{Integrator, Model, SoftStepping};
-use diptych::fluid::{Fluid, Langevin, Profile, Turbulence, TurbulenceModel, TurbulenceStatistics};
+use diptych::fluid::{EddyLaw, Fluid, Langevin, Profile, Turbulence, TurbulenceModel, TurbulenceStatistics};
 use diptych::particles::Particles;
 use diptych::placement::initial_state;
 use diptych::scene::{Scene, Species};
@@ -25,11 +25,11 @@ fn homogeneous(response: f64, beta: f64, gravity: f64) -> Scene {
     let species = Species::new("bead", 1e-3, response / RESPONSE_PER_DENSITY);
     let mut scene = empty([1000.0; 3], [true; 3], species, surface(1.0, 0.0));
     scene.gravity = Vector3::new(0.0, 0.0, -gravity);
-    let langevin = Langevin { time_scale_ratio: beta, ..Langevin::default() };
+    let (law, langevin) = (EddyLaw::Langevin, Langevin { time_scale_ratio: beta, ..Langevin::default() });
     // T_L = (k/ε)/(1/2 + 3/4 C_0) with k = 3/2 σ²
     let statistics = TurbulenceStatistics::uniform(1.5, 1.5 / (0.5 + 0.75 * 2.1), 1.5e-5);
     let fluid = Fluid::new(1.0, 1.5e-5, Profile::Uniform(0.0), Some(Drag::Stokes(Stokes)));
-    scene.fluid = Some(Fluid { turbulence: Some(Turbulence { statistics, langevin }), ..fluid });
+    scene.fluid = Some(Fluid { turbulence: Some(Turbulence { statistics, law, langevin }), ..fluid });
     scene
 }
 
@@ -175,7 +175,10 @@ fn channel(model: TurbulenceModel) -> Scene {
     let profile = Profile::k_epsilon_channel(42000.0 * nu / height, height, nu, model).unwrap();
     let statistics = TurbulenceStatistics::of(profile.channel_flow().unwrap()).unwrap();
     let fluid = Fluid::new(1.205, nu, profile, Some(Drag::Stokes(Stokes)));
-    scene.fluid = Some(Fluid { turbulence: Some(Turbulence { statistics, langevin: Langevin::default() }), ..fluid });
+    scene.fluid = Some(Fluid {
+        turbulence: Some(Turbulence { statistics, law: EddyLaw::Langevin, langevin: Langevin::default() }),
+        ..fluid
+    });
     scene
 }
 
@@ -216,6 +219,53 @@ fn tracers_stay_mixed_in_a_channel() {
     }
 }
 
+/// The scene with a discrete random walk in place of the Langevin equation.
+fn walking(mut scene: Scene) -> Scene {
+    scene.fluid.as_mut().unwrap().turbulence.as_mut().unwrap().law = EddyLaw::Eddy;
+    scene
+}
+
+/// In homogeneous turbulence exponential lifetimes give the correlation exp(-t/T), so agitation and dispersion are those of
+/// Tchen and Hinze, as by the Langevin equation. The fluctuations have heavy-tailed means, so the errors are not those of
+/// Gaussian numbers: the kurtosis of a mean of exponential pieces is 6 at most, which doubles the variance of its square.
+#[test]
+fn eddies_of_random_lifetime_give_the_agitation_and_dispersion_of_theory() {
+    let error = (4.0_f64 / 18_000.0).sqrt();
+    for (stokes, window) in [(0.2, 0.05), (1.0, 0.05), (10.0, 0.5), (20.0, 2.0)] {
+        let share: f64 = 1.0 / (1.0 + stokes);
+        let scene = walking(homogeneous(stokes, 0.0, 0.0));
+        let end = run_homogeneous(&scene, 6000, share.sqrt(), 100, window).state();
+        let eddies = end.eddies.as_ref().unwrap();
+        close("variance of the gas seen", mean_product(eddies, eddies), 1.0, 4.0 * error);
+        close("agitation", mean_product(&end.velocity, &end.velocity), share, 4.0 * error * share);
+        close("covariance", mean_product(eddies, &end.velocity), share, 4.0 * error * share.sqrt());
+    }
+    for (stokes, time) in [(0.2, 1.0), (2.0, 6.0)] {
+        let scene = walking(homogeneous(stokes, 0.0, 0.0));
+        let found = spread(&scene, (1.0_f64 / (1.0 + stokes)).sqrt(), [5.0, time], 0.05).mean();
+        let wanted = dispersion(time, 1.0, stokes);
+        close(&format!("St {stokes}, {time} T"), found, wanted, 4.0 * error * wanted);
+    }
+}
+
+/// The older habit has no drift: tracers gather near the walls, where the turbulence is weak (MacInnes and Bracco 1992,
+/// Phys. Fluids A 4, 2809). The Langevin equation keeps the same tracers mixed, see above.
+#[test]
+fn a_discrete_random_walk_gathers_tracers_where_the_turbulence_is_weak() {
+    let scene = walking(channel(TurbulenceModel::LaunderSharma));
+    let start = experiment(scene.clone(), 2000, [0.0, 0.0, 10.0], 0.0, Model::Hard, 5);
+    let mut simulation = Simulation::new(&start, initial_state(&start).unwrap());
+    let mut states = Vec::new();
+    for _ in 0..8 {
+        simulation.run(200, 1e-4).unwrap();
+        states.push(simulation.state());
+    }
+    let found = slices(&states[2..], scene.domain.size.y);
+    println!("{found:.3?}");
+    // five standard errors of the number in a slice, sqrt(10/(N M)), are 0.14
+    assert!(found[0] > 1.3 && found[9] > 1.3 && found[4] < 0.9 && found[5] < 0.9, "{found:.3?}");
+}
+
 /// Without fluctuations, the turbulent kick has the bits of the kick of a frozen gas.
 #[test]
 fn a_calm_gas_is_the_frozen_gas() {
@@ -242,7 +292,13 @@ fn crowd() -> (Scene, Particles) {
 
 #[test]
 fn eddies_give_the_same_bits_on_any_number_of_threads_and_processes() {
-    let of = crowd();
+    let (scene, start) = crowd();
+    for scene in [scene.clone(), walking(scene)] {
+        same_bits(&(scene, start.clone()));
+    }
+}
+
+fn same_bits(of: &(Scene, Particles)) {
     let local = || {
         Box::new(Soft::new(ContactLaw::linear(3000.0), Integrator::VelocityVerlet, 3e-7, SoftStepping::Local))
             as Box<dyn Distributed>
@@ -254,7 +310,7 @@ fn eddies_give_the_same_bits_on_any_number_of_threads_and_processes() {
     let islands = || Box::new(Hard::with_islands()) as Box<dyn Distributed>;
     let ways: [&(dyn Fn() -> Box<dyn Distributed> + Sync); 3] = [&local, &uniform, &islands];
     for engine in ways {
-        let on = |size| shared(size, &of, engine, (2e-3, 8), |end| (end.fingerprint(), end.record.ledger.to_array()));
+        let on = |size| shared(size, of, engine, (2e-3, 8), |end| (end.fingerprint(), end.record.ledger.to_array()));
         let alone = on(1);
         for size in [2, 3] {
             assert_eq!(on(size), alone, "{size} processes");
@@ -294,23 +350,29 @@ fn every_engine_sees_the_same_eddies() {
 #[test]
 fn eddies_last() {
     let (scene, start) = crowd();
+    for scene in [scene.clone(), walking(scene)] {
+        last(&scene, &start);
+    }
+}
+
+fn last(scene: &Scene, start: &Particles) {
     let order: Vec<u32> = (0..start.len() as u32).rev().collect();
     let mut turned = Particles::default();
-    turned.copy_from(&start, &order);
+    turned.copy_from(start, &order);
     let run = |particles: &Particles| Simulation::with_engine(scene.clone(), particles.clone(), hard()).with_seed(2);
     let window = 5e-4;
-    let mut whole = run(&start);
+    let mut whole = run(start);
     whole.run(12, window).unwrap();
     let mut other = run(&turned);
     other.run(12, window).unwrap();
     assert_eq!(whole.fingerprint(), other.fingerprint(), "order of the store");
-    let mut watched = run(&start);
+    let mut watched = run(start);
     watched.run_while(12, window, &mut |simulation, _| simulation.look(0.5 * window, |_| true)).unwrap();
     assert_eq!(whole.fingerprint(), watched.fingerprint(), "looks of an observer");
-    let mut stopped = run(&start);
+    let mut stopped = run(start);
     stopped.run_while(12, window, &mut |_, done| done < 5).unwrap();
     let snapshot = diptych::Stored::of(&stopped.snapshot().unwrap()).unwrap();
-    let mut resumed = run(&start).resume(snapshot.read().unwrap()).unwrap();
+    let mut resumed = run(start).resume(snapshot.read().unwrap()).unwrap();
     resumed.run(7, window).unwrap();
     assert_eq!(whole.fingerprint(), resumed.fingerprint(), "resumed");
     assert_eq!(whole.state().eddies, resumed.state().eddies);
@@ -365,6 +427,11 @@ fn cases_are_read_and_refused_with_a_remedy() {
     let set = ["fluid.turbulence.langevin.kolmogorov_constant=5", "fluid.turbulence.langevin.time_scale_ratio=0"];
     let changed = turbulence(case(BEAD, Model::Hard, &set).unwrap()).langevin;
     assert_eq!(changed, Langevin { kolmogorov_constant: 5.0, time_scale_ratio: 0.0 });
+    let walk = case(&BEAD.replace("langevin]", "eddy]"), Model::Hard, &[]).unwrap();
+    assert_eq!(turbulence(walk).law, EddyLaw::Eddy);
+    let both = BEAD.replace("[drag.stokes]", "[fluid.turbulence.eddy]\n[drag.stokes]");
+    let told = case(&both, Model::Hard, &[]).unwrap_err();
+    assert!(told.contains("fluid.turbulence") && told.contains("eddy"), "{told}");
     let refused = |profile: &str, drop: &[&str], words: &[&str]| {
         let mut text = BEAD.replace("[fluid.profile.uniform]\nvelocity = \"1 m/s\"", profile);
         drop.iter().for_each(|line| text = text.replace(line, ""));

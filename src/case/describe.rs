@@ -4,7 +4,7 @@ use super::parameters::{bulk_velocity, volume_fraction};
 use crate::experiment::{
     Amount, AverageFrom, DsmcSettings, Experiment, HardStepping, Integrator, Model, SoftStepping, TimeStep,
 };
-use crate::fluid::{Fluid, Langevin, LocalTurbulence, Turbulence};
+use crate::fluid::{EddyLaw, Fluid, Langevin, LocalTurbulence, Turbulence};
 use crate::predict::contact::usual_impact;
 use crate::predict::flow::terminal_slip;
 use crate::scene::{Kind, Scene, Species, Surface, Thermostat};
@@ -295,9 +295,13 @@ fn turbulence_in_words(text: &mut String, (scene, fluid): (&Scene, &Fluid), turb
     };
     let (k, eddies) = (1.5 * mean(|local| local.deviation * local.deviation), mean(|local| local.time));
     let Langevin { kolmogorov_constant, time_scale_ratio } = turbulence.langevin;
+    let law = match turbulence.law {
+        EddyLaw::Langevin => "a Langevin equation",
+        EddyLaw::Eddy => "a discrete random walk through eddies",
+    };
     let _ = writeln!(
         text,
-        "Particles see turbulence by a Langevin equation, C_0 = {kolmogorov_constant}, T_L/T_E = {}: k = {k:.4} m^2/s^2 and T_L = {eddies:.4} s on average.",
+        "Particles see turbulence by {law}, C_0 = {kolmogorov_constant}, T_L/T_E = {}: k = {k:.4} m^2/s^2 and T_L = {eddies:.4} s on average.",
         short(time_scale_ratio, 4)
     );
     let Some(drag) = &fluid.drag else { return };

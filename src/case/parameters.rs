@@ -2,7 +2,7 @@
 
 use crate::contact_law::ContactLaw;
 use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, TimeStep};
-use crate::fluid::{Fluid, Profile};
+use crate::fluid::{EddyLaw, Fluid, Profile};
 use crate::rotation::ResistanceFriction;
 use crate::scene::{Kind, Meeting, Scene, Surface};
 use crate::walls::Wall;
@@ -170,7 +170,10 @@ fn fluid_parameters(fluid: &Fluid, height: f64) -> Value {
         value["buoyancy"] = json!(true);
     }
     if let Some(turbulence) = &fluid.turbulence {
-        value["turbulence"] = json!({ "langevin": turbulence.langevin });
+        value["turbulence"] = match turbulence.law {
+            EddyLaw::Langevin => json!({ "langevin": turbulence.langevin }),
+            EddyLaw::Eddy => json!({ "eddy": turbulence.langevin }),
+        };
     }
     value
 }

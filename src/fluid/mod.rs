@@ -30,7 +30,7 @@ pub use log_law::{LogConstants, LogLaw};
 pub use pipe::Pipe;
 pub use profile::{Channel, Profile, WallScale};
 pub use table::VelocityTable;
-pub use turbulence::{EddySeen, Langevin, LocalTurbulence, Turbulence, TurbulenceStatistics};
+pub use turbulence::{EddyLaw, EddySeen, Langevin, LocalTurbulence, Turbulence, TurbulenceStatistics};
 
 use crate::drag::{Drag, Sphere};
 use crate::scene::Species;

@@ -5,6 +5,8 @@ use super::k_epsilon::ChannelFlow;
 use super::profile::Profile;
 use super::table::VelocityTable;
 use nalgebra::Vector3;
+use rand::rngs::ChaCha8Rng;
+use rand_distr::{Distribution, Exp1, StandardNormal};
 use serde::Serialize;
 use std::sync::Arc;
 
@@ -22,7 +24,23 @@ pub struct Turbulence {
     /// Local statistics of the gas velocity.
     pub statistics: TurbulenceStatistics,
     /// Law of the gas velocity along the path of a particle.
+    pub law: EddyLaw,
+    /// Constants of the law.
     pub langevin: Langevin,
+}
+
+/// Law by which the gas velocity changes along the path of a particle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EddyLaw {
+    /// Langevin equation. The store holds **s** = **u**/σ of each particle.
+    #[default]
+    Langevin,
+    /// Discrete random walk (Gosman and Ioannides 1983, J. Energy 7, 482): the fluctuation **u** [m/s], which the store
+    /// holds, is constant until the eddy ends. Eddies have random lifetimes with the mean T along the slip, as in
+    /// [`Langevin::times`], and begin with the σ of the place. There is no drift, so light particles gather where the
+    /// turbulence is weak.
+    Eddy,
 }
 
 /// Standard deviation of the velocity and turnover time of the eddies as functions of position. The turbulence is
@@ -111,6 +129,15 @@ impl Turbulence {
             }
         };
         LocalTurbulence { deviation, gradient, time: self.langevin.share_of_turnover() * turnover }
+    }
+
+    /// [m/s] fluctuation **u** of the gas velocity for the `eddy` that the store holds for a particle.
+    #[inline]
+    pub fn seen(&self, eddy: &Vector3<f64>, local: &LocalTurbulence) -> Vector3<f64> {
+        match self.law {
+            EddyLaw::Langevin => eddy * local.deviation,
+            EddyLaw::Eddy => *eddy,
+        }
     }
 
     /// Statistics at the middles of strips of equal width, along the line through the middle of the profile. The strips
@@ -306,6 +333,37 @@ impl Langevin {
             + scaled([along.between, across.between], noise[1]);
         let late = lateness(ratio);
         [end, mean * (1.0 - late) + end * late]
+    }
+}
+
+impl Langevin {
+    /// Advances the fluctuation **u** [m/s] of a discrete random walk by `duration` [s], exactly. Returns **u** at the end,
+    /// and the mean that the particle responds to. `seen.fluctuation` is **u** here. Lifetimes are exponential, so that
+    /// they may begin anew with each call. They have the correlation exp(-t/T) of the Langevin equation.
+    pub fn walk(
+        &self,
+        seen: &EddySeen,
+        local: &LocalTurbulence,
+        duration: f64,
+        random: &mut ChaCha8Rng,
+    ) -> [Vector3<f64>; 2] {
+        let slip = seen.velocity - seen.fluctuation;
+        let [lifetime, _] =
+            if local.deviation > 0.0 { self.times(local, slip.norm_squared()) } else { [local.time; 2] };
+        let (mut left, mut eddy, mut sum) = (duration, seen.fluctuation, Vector3::zeros());
+        loop {
+            let life: f64 = lifetime * Distribution::<f64>::sample(&Exp1, random);
+            if life >= left {
+                sum += eddy * left;
+                break;
+            }
+            sum += eddy * life;
+            left -= life;
+            eddy = Vector3::from_fn(|_, _| StandardNormal.sample(random)) * local.deviation;
+        }
+        let mean = if duration > 0.0 { sum / duration } else { eddy };
+        let late = lateness(duration / seen.response);
+        [eddy, mean * (1.0 - late) + eddy * late]
     }
 }
 

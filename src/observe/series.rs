@@ -171,8 +171,9 @@ impl TurbulenceMeans {
         let eddies = particles.eddies.as_deref().unwrap_or_default();
         let sums = sample.sums(|place| {
             let position = &particles.position[place];
-            let deviation = turbulence.at(&fluid.profile, position).deviation;
-            let seen = eddies.get(place).map_or_else(Vector3::zeros, |eddy| eddy * deviation);
+            let local = turbulence.at(&fluid.profile, position);
+            let deviation = local.deviation;
+            let seen = eddies.get(place).map_or_else(Vector3::zeros, |eddy| turbulence.seen(eddy, &local));
             let gas = Vector3::new(0.0, 0.0, fluid.profile.velocity_at(position));
             let covariance = seen.dot(&(particles.velocity[place] - gas));
             [deviation * deviation, seen.norm_squared() / 3.0, covariance / 3.0]

@@ -70,8 +70,9 @@ fn lifted(particles: &Particles, place: usize, (fluid, lift): (&Fluid, Lift), du
     let during = if kick == LiftKick::BeforeWindow { spun } else { before };
     let mean = Vector3::new(0.0, 0.0, fluid.profile.velocity_at(position));
     let seen = fluid.turbulence.as_ref().zip(particles.eddies.as_ref());
-    let gas = seen
-        .map_or(mean, |(turbulence, eddies)| mean + eddies[place] * turbulence.at(&fluid.profile, position).deviation);
+    let gas = seen.map_or(mean, |(turbulence, eddies)| {
+        mean + turbulence.seen(&eddies[place], &turbulence.at(&fluid.profile, position))
+    });
     let slip = gas - velocity;
     let change = slip - lift.turned(&sphere, slip, (vorticity, during), duration);
     let rotational = |spin: Option<Vector3<f64>>| 0.5 * inertia * spin.map_or(0.0, |spin| spin.norm_squared());

@@ -5,7 +5,7 @@ use super::Simulation;
 use crate::drag::Kick;
 use crate::encounter::{AtWall, Couple, FrameTime};
 use crate::exact::{self, BLOCK, ExactSum};
-use crate::fluid::{EddySeen, LocalFractions, Profile, Turbulence};
+use crate::fluid::{EddyLaw, EddySeen, Fluid, LocalFractions, Profile, Turbulence};
 use crate::noise::{Noise, NoiseUse};
 use crate::particles::{CHUNK, Particles};
 use crate::scene::Scene;
@@ -26,12 +26,19 @@ impl Simulation {
 }
 
 /// Draws the initial eddies of particles that have none: Gaussian numbers with the variance 1, which is that of the
-/// fluctuation of the gas over its standard deviation.
-pub(super) fn draw_first_eddies(particles: &mut Particles, seed: u64) {
-    let Particles { eddies, id, .. } = particles;
+/// fluctuation of the gas over its standard deviation. A discrete random walk holds the fluctuation itself.
+pub(super) fn draw_first_eddies(particles: &mut Particles, (fluid, turbulence): (&Fluid, &Turbulence), seed: u64) {
+    let Particles { eddies, id, position, .. } = particles;
     eddies.get_or_insert_with(|| {
         let mut noise = Noise::new(seed, NoiseUse::FirstEddies, 0);
-        id.iter().map(|&id| noise.normals::<1>(id)[0]).collect()
+        let draw = |(&id, position): (&u32, &Vector3<f64>)| {
+            let drawn = noise.normals::<1>(id)[0];
+            match turbulence.law {
+                EddyLaw::Langevin => drawn,
+                EddyLaw::Eddy => drawn * turbulence.at(&fluid.profile, position).deviation,
+            }
+        };
+        id.iter().zip(position.iter()).map(draw).collect()
     });
 }
 
@@ -127,13 +134,16 @@ impl TurbulentKick<'_> {
         let velocity = v - Vector3::new(0.0, 0.0, self.profile.velocity_at(position));
         let ratio = |slip: Vector3<f64>| self.ratio(all, place, slip.norm_squared());
         // the share of the slip that remains is exp(-h/τ); for a long kick it is 0 up to rounding of the table
-        let lost = ratio(velocity - *eddy * local.deviation).max(-1.0);
-        let response = -self.kick.duration() / lost.ln_1p();
-        let seen = EddySeen { fluctuation: *eddy, velocity, response };
-        let drawn = noise.normals(all.id[place]);
-        let [end, mean] = self.turbulence.langevin.advance(&seen, &local, self.kick.duration(), &drawn);
+        let lost = ratio(velocity - self.turbulence.seen(eddy, &local)).max(-1.0);
+        let (langevin, duration) = (&self.turbulence.langevin, self.kick.duration());
+        let seen = EddySeen { fluctuation: *eddy, velocity, response: -duration / lost.ln_1p() };
+        let id = all.id[place];
+        let [end, mean] = match self.turbulence.law {
+            EddyLaw::Langevin => langevin.advance(&seen, &local, duration, &noise.normals(id)),
+            EddyLaw::Eddy => langevin.walk(&seen, &local, duration, noise.of(id)),
+        };
         *eddy = end;
-        let slip = velocity - mean * local.deviation;
+        let slip = velocity - self.turbulence.seen(&mean, &local);
         slip * ratio(slip)
     }
 

@@ -51,11 +51,16 @@ pub struct SeenTurbulenceFile {
     #[schemars(example = &"10 m^2/s^3", extend("x-range" = "greater than 0, up to 1e12 m^2/s^3"))]
     pub dissipation_rate: Option<Located<DissipationRate>>,
     /// Langevin equation for the gas velocity along the path of each particle.
-    #[schemars(extend("x-required" = "always"))]
+    #[schemars(extend("x-required" = "or `eddy`", "x-one-of" = "law"))]
     pub langevin: Option<Located<LangevinFile>>,
+    /// Discrete random walk (Gosman and Ioannides 1983): each particle sees eddies of constant velocity, one after the
+    /// other. It has no drift, so that light particles gather where the turbulence is weak. Prefer `langevin`.
+    #[schemars(extend("x-one-of" = "law"))]
+    pub eddy: Option<Located<LangevinFile>>,
 }
 
-/// Table `[fluid.turbulence.langevin]`.
+/// Tables `[fluid.turbulence.langevin]` and `[fluid.turbulence.eddy]`. T_L is the integral time, or the mean lifetime of an
+/// eddy without slip.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LangevinFile {

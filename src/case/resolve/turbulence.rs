@@ -5,7 +5,7 @@ use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{CaseFile, LangevinFile, SeenTurbulenceFile};
 use crate::experiment::Experiment;
-use crate::fluid::{Langevin, Profile, Turbulence, TurbulenceStatistics};
+use crate::fluid::{EddyLaw, Langevin, Profile, Turbulence, TurbulenceStatistics};
 use crate::schedule::longest_for_eddies;
 
 impl Resolver {
@@ -21,13 +21,17 @@ impl Resolver {
         let Some(typed) = file.fluid.as_ref().and_then(|fluid| fluid.value.turbulence.as_ref()) else {
             return Ok(None);
         };
-        let langevin = self.langevin(&self.need(&typed.value.langevin, "fluid.turbulence.langevin")?.value)?;
+        let (law, constants) = match &typed.value.eddy {
+            Some(eddy) => (EddyLaw::Eddy, eddy),
+            None => (EddyLaw::Langevin, self.need(&typed.value.langevin, "fluid.turbulence.langevin")?),
+        };
+        let langevin = self.langevin(&constants.value)?;
         let statistics = self.statistics_of_turbulence(typed, profile, table, nu)?;
         if file.drag.is_none() {
             let message = "`fluid.turbulence` does nothing: the gas exerts no drag";
             self.warn(&typed.origin, message, "add [drag.schiller_naumann], or leave [fluid.turbulence] out");
         }
-        Ok(Some(Turbulence { statistics, langevin }))
+        Ok(Some(Turbulence { statistics, law, langevin }))
     }
 
     /// Warns if the case gives a window that is longer than [`longest_for_eddies`] allows.
