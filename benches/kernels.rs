@@ -134,17 +134,7 @@ const JITTER: f64 = 0.999;
 fn cube(count: usize, volume_fraction: f64) -> Scene {
     let species = Species::new("", DIAMETER, DENSITY);
     let side = (count as f64 * species.volume() / volume_fraction).cbrt();
-    Scene {
-        domain: Domain::new(Vector3::repeat(side), [true; 3]),
-        gravity: Vector3::zeros(),
-        fluid: None,
-        walls: Vec::new(),
-        contact: Surface::new(1.0, 0.0),
-        pairs: Default::default(),
-        rotation: None,
-        thermostat: None,
-        species: vec![species],
-    }
+    Scene::new(Domain::new(Vector3::repeat(side), [true; 3]), Surface::new(1.0, 0.0), vec![species])
 }
 
 /// Spheres on jittered sites of a simple cubic lattice, so that none overlap, with normal velocities of 0.5 m/s.

@@ -5,17 +5,11 @@ use diptych::{ContactLaw, Domain, Engine, Hard, Particles, Scene, Simulation, So
 
 /// A periodic box of 2 mm with spheres of 200 um.
 fn scene() -> Scene {
-    Scene {
-        domain: Domain::new(Vector3::repeat(2e-3), [true; 3]),
-        gravity: Vector3::zeros(),
-        fluid: None,
-        walls: Vec::new(),
-        contact: Surface::new(0.9, 0.0),
-        pairs: Default::default(),
-        rotation: None,
-        thermostat: None,
-        species: vec![Species::new("glass", 2e-4, 2500.0)],
-    }
+    Scene::new(
+        Domain::new(Vector3::repeat(2e-3), [true; 3]),
+        Surface::new(0.9, 0.0),
+        vec![Species::new("glass", 2e-4, 2500.0)],
+    )
 }
 
 /// 125 glass spheres in a box.

@@ -32,17 +32,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (contact, walls) = (Surface::new(1.0, 0.0), Vec::new());
     let mut particles = Particles::default();
     particles.push(Vector3::repeat(0.05), Vector3::zeros(), 0.5 * sphere.diameter, sphere.mass(), 0);
-    let scene = Scene {
-        domain,
-        gravity: Vector3::zeros(),
-        fluid: Some(air),
-        walls,
-        contact,
-        pairs: Default::default(),
-        rotation: None,
-        thermostat: None,
-        species: vec![sphere],
-    };
+    let scene = Scene { fluid: Some(air), walls, ..Scene::new(domain, contact, vec![sphere]) };
     let mut simulation = Simulation::with_engine(scene, particles, Box::new(Hard::new()));
     for _ in 0..5 {
         simulation.run(20, 5e-3)?; // windows of 5 ms

@@ -28,17 +28,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
         particles.push(place, velocity, 0.5 * glass.diameter, glass.mass(), 0);
     }
     let (domain, contact) = (Domain::new(Vector3::repeat(2e-3), [true; 3]), Surface::new(0.8, 0.0));
-    let scene = Scene {
-        domain,
-        gravity: Vector3::zeros(),
-        fluid: None,
-        walls: Vec::new(),
-        contact,
-        pairs: Default::default(),
-        rotation: None,
-        thermostat: None,
-        species: vec![glass],
-    };
+    let scene = Scene::new(domain, contact, vec![glass]);
     let mut simulation = Simulation::with_engine(scene, particles, Box::new(Hard::new()));
     let mut cooling = Cooling::default();
     run(&mut simulation, &Schedule::even(5e-5, 1, 100), &mut [&mut cooling])?;

@@ -223,16 +223,11 @@ impl Species {
 ///
 /// let surface = Surface::new(0.9, 0.1);
 /// let floor = Plane { point: Vector3::zeros(), normal: Vector3::y() };
+/// let domain = Domain::new(Vector3::repeat(0.01), [true, false, true]); // m
 /// let scene = Scene {
-///     domain: Domain::new(Vector3::repeat(0.01), [true, false, true]), // m
-///     gravity: Vector3::new(0.0, -9.81, 0.0),                          // m/s^2
-///     fluid: None,
+///     gravity: Vector3::new(0.0, -9.81, 0.0), // m/s^2
 ///     walls: vec![Wall::new(WallGeometry::Plane(floor), surface)],
-///     contact: surface,
-///     pairs: Default::default(),
-///     rotation: None,
-///     thermostat: None,
-///     species: vec![Species::new("glass", 1e-3, 2500.0)],
+///     ..Scene::new(domain, surface, vec![Species::new("glass", 1e-3, 2500.0)])
 /// };
 /// assert!((scene.species[0].mass() - 1.309e-6).abs() < 1e-9); // kg
 /// ```
@@ -263,6 +258,21 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Makes a scene without walls, gravity, gas, rotation and heat. Further parts are set in its fields.
+    pub fn new(domain: Domain, contact: Surface, species: Vec<Species>) -> Self {
+        Self {
+            domain,
+            gravity: Vector3::zeros(),
+            fluid: None,
+            walls: Vec::new(),
+            contact,
+            pairs: Pairs::default(),
+            species,
+            rotation: None,
+            thermostat: None,
+        }
+    }
+
     /// [m³] volume available to particles: the volume of the domain, or of the smallest vessel in it.
     pub fn room(&self) -> f64 {
         let vessels = self.walls.iter().filter_map(|wall| wall.geometry.law().vessel_volume(&self.domain.size));

@@ -51,18 +51,9 @@ const TABULATE: usize = 1000;
 /// A simulation of one variant: the particles, the engine that moves them, and the records of the run.
 ///
 /// ```
-/// # use diptych::{Domain, Hard, Particles, Scene, Simulation, Species, Surface, Vector3};
-/// # let scene = Scene {
-/// #     domain: Domain::new(Vector3::repeat(10.0), [true; 3]),
-/// #     gravity: Vector3::zeros(),
-/// #     fluid: None,
-/// #     walls: Vec::new(),
-/// #     contact: Surface::new(0.5, 0.0),
-/// #     pairs: Default::default(),
-/// #     rotation: None,
-/// #     thermostat: None,
-/// #     species: vec![Species::new("sphere", 1.0, 1.0)],
-/// # };
+/// use diptych::{Domain, Hard, Particles, Scene, Simulation, Species, Surface, Vector3};
+/// let domain = Domain::new(Vector3::repeat(10.0), [true; 3]); // m
+/// let scene = Scene::new(domain, Surface::new(0.5, 0.0), vec![Species::new("sphere", 1.0, 1.0)]);
 /// // two spheres of 1 m and 1 kg, 2 m apart, approach at 1 m/s; the scene's restitution is 0.5
 /// let mut particles = Particles::default();
 /// particles.push(Vector3::new(4.0, 5.0, 5.0), Vector3::x(), 0.5, 1.0, 0);

@@ -95,17 +95,10 @@ fn touches() -> Vec<(Obstacle, Vector3<f64>, Vector3<f64>, f64)> {
 #[test]
 fn a_gas_around_a_body_stays_outside_and_keeps_its_energy() {
     let mut scene = empty([8.0; 3], [true; 3], unit(), surface(1.0, 0.0));
-    scene.walls = vec![Wall {
-        geometry: WallGeometry::Obstacle(Obstacle::cuboid(Vector3::repeat(4.0), Vector3::new(1.0, 0.8, 1.2))),
-        surface: surface(1.0, 0.0),
-        elasticity: None,
-        velocity: Vector3::zeros(),
-        turning: None,
-        moving: None,
-        resistance: Default::default(),
-        roughness: None,
-        thermal: None,
-    }];
+    scene.walls = vec![Wall::new(
+        WallGeometry::Obstacle(Obstacle::cuboid(Vector3::repeat(4.0), Vector3::new(1.0, 0.8, 1.2))),
+        surface(1.0, 0.0),
+    )];
     let start = random(&scene, 80, 1.0, 12);
     let energy = start.kinetic_energy();
     let mut simulation = Simulation::with_engine(scene.clone(), start, hard());

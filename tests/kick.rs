@@ -154,15 +154,8 @@ fn simulation_follows_the_exact_flow() {
     // equal one exact kick. The 1225 particles are enough for a table to be used.
     let side = 35;
     let scene = Scene {
-        domain: Domain::new(Vector3::new(0.1, 0.1, 0.1), [true; 3]),
-        gravity: Vector3::zeros(),
         fluid: Some(gas(Profile::Uniform(8.0))),
-        walls: Vec::new(),
-        contact: surface(1.0, 0.0),
-        pairs: Default::default(),
-        rotation: None,
-        thermostat: None,
-        species: vec![small(), large()],
+        ..Scene::new(Domain::new(Vector3::new(0.1, 0.1, 0.1), [true; 3]), surface(1.0, 0.0), vec![small(), large()])
     };
     let mut particles = Particles::default();
     for i in 0..side * side {

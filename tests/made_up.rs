@@ -21,27 +21,21 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 fn scene() -> Scene {
     let surface = Surface::new(0.94, 0.325);
-    let wall = |y: f64, up: f64| Wall {
-        geometry: WallGeometry::Plane(Plane { point: Vector3::new(0.0, y, 0.0), normal: Vector3::new(0.0, up, 0.0) }),
-        surface,
-        elasticity: None,
-        velocity: Vector3::zeros(),
-        turning: None,
-        moving: None,
-        resistance: Default::default(),
-        roughness: None,
-        thermal: None,
+    let wall = |y: f64, up: f64| {
+        Wall::new(
+            WallGeometry::Plane(Plane { point: Vector3::new(0.0, y, 0.0), normal: Vector3::new(0.0, up, 0.0) }),
+            surface,
+        )
     };
     Scene {
-        domain: Domain::new(Vector3::new(0.12, 0.04, 0.064), [true, false, true]),
         gravity: Vector3::new(0.0, 0.0, -9.81),
         fluid: Some(Fluid::new(1.205, 1.515e-5, Profile::Uniform(15.9), None)),
         walls: vec![wall(0.0, 1.0), wall(0.04, -1.0)],
-        contact: Surface::new(1.0, 0.0),
-        pairs: Default::default(),
-        rotation: None,
-        thermostat: None,
-        species: vec![Species::new("polystyrene, 406 um", 406e-6, 1038.0)],
+        ..Scene::new(
+            Domain::new(Vector3::new(0.12, 0.04, 0.064), [true, false, true]),
+            Surface::new(1.0, 0.0),
+            vec![Species::new("polystyrene, 406 um", 406e-6, 1038.0)],
+        )
     }
 }
 

@@ -38,32 +38,12 @@ pub fn surface(restitution: f64, friction: f64) -> Surface {
 
 /// Box without gas, gravity or walls.
 pub fn empty(size: [f64; 3], periodic: [bool; 3], species: Species, contact: Surface) -> Scene {
-    Scene {
-        domain: Domain::new(Vector3::from(size), periodic),
-        gravity: Vector3::zeros(),
-        fluid: None,
-        walls: Vec::new(),
-        contact,
-        pairs: Default::default(),
-        rotation: None,
-        thermostat: None,
-        species: vec![species],
-    }
+    Scene::new(Domain::new(Vector3::from(size), periodic), contact, vec![species])
 }
 
 /// Plane wall that bounds a half-space.
 pub fn plane(point: [f64; 3], normal: [f64; 3], surface: Surface) -> Wall {
-    Wall {
-        geometry: WallGeometry::Plane(Plane { point: point.into(), normal: normal.into() }),
-        surface,
-        elasticity: None,
-        velocity: Vector3::zeros(),
-        turning: None,
-        moving: None,
-        resistance: Default::default(),
-        roughness: None,
-        thermal: None,
-    }
+    Wall::new(WallGeometry::Plane(Plane { point: point.into(), normal: normal.into() }), surface)
 }
 
 /// Spheres of species 0 at given positions and velocities.

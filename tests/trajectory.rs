@@ -187,17 +187,10 @@ fn walls_are_surfaces_within_the_box() {
     let middle = size / 2.0;
     crowd.scene.walls.push(plane([0.0; 3], [0.6, 0.8, 0.0], surface(0.9, 0.0)));
     crowd.scene.walls.push(plane((3.0 * size).into(), [0.0, -1.0, 0.0], surface(0.9, 0.0)));
-    crowd.scene.walls.push(Wall {
-        geometry: WallGeometry::Obstacle(Obstacle::cylinder(middle, 0, 1e-4, 3e-4)),
-        surface: surface(0.9, 0.0),
-        elasticity: None,
-        velocity: Vector3::zeros(),
-        turning: None,
-        moving: None,
-        resistance: Default::default(),
-        roughness: None,
-        thermal: None,
-    });
+    crowd
+        .scene
+        .walls
+        .push(Wall::new(WallGeometry::Obstacle(Obstacle::cylinder(middle, 0, 1e-4, 3e-4)), surface(0.9, 0.0)));
     crowd.start[0].amount = Amount::Count(0);
     crowd.run.duration = 0.0;
     let place = tempfile::tempdir().unwrap();

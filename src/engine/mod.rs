@@ -42,16 +42,10 @@ pub struct Window {
 /// ```
 /// use diptych::engine::{Engine, Window};
 /// # use diptych::{Domain, Hard, Particles, Record, Scene, Species, Surface, Vector3};
+/// # let domain = Domain::new(Vector3::repeat(10.0), [true; 3]);
 /// # let scene = Scene {
-/// #     domain: Domain::new(Vector3::repeat(10.0), [true; 3]),
 /// #     gravity: Vector3::new(0.0, -9.81, 0.0),
-/// #     fluid: None,
-/// #     walls: Vec::new(),
-/// #     contact: Surface::new(1.0, 0.0),
-/// #     pairs: Default::default(),
-/// #     rotation: None,
-/// #     thermostat: None,
-/// #     species: vec![Species::new("sphere", 1.0, 1.0)],
+/// #     ..Scene::new(domain, Surface::new(1.0, 0.0), vec![Species::new("sphere", 1.0, 1.0)])
 /// # };
 /// # let mut particles = Particles::default();
 /// # particles.push(Vector3::repeat(5.0), Vector3::zeros(), 0.5, 1.0, 0);

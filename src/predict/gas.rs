@@ -272,30 +272,15 @@ mod tests {
 
     fn cube(edge: f64, walls: bool) -> Scene {
         let smooth = Surface::new(1.0, 0.0);
-        let plane = |y: f64, n: f64| Wall {
-            geometry: WallGeometry::Plane(Plane {
-                point: Vector3::new(0.0, y, 0.0),
-                normal: Vector3::new(0.0, n, 0.0),
-            }),
-            surface: smooth,
-            elasticity: None,
-            velocity: Vector3::zeros(),
-            turning: None,
-            moving: None,
-            resistance: Default::default(),
-            roughness: None,
-            thermal: None,
+        let plane = |y: f64, n: f64| {
+            Wall::new(
+                WallGeometry::Plane(Plane { point: Vector3::new(0.0, y, 0.0), normal: Vector3::new(0.0, n, 0.0) }),
+                smooth,
+            )
         };
         Scene {
-            domain: Domain::new(Vector3::new(edge, edge, edge), [true, !walls, true]),
-            gravity: Vector3::zeros(),
-            fluid: None,
             walls: if walls { vec![plane(0.0, 1.0), plane(edge, -1.0)] } else { Vec::new() },
-            contact: smooth,
-            pairs: Default::default(),
-            rotation: None,
-            thermostat: None,
-            species: Vec::new(),
+            ..Scene::new(Domain::new(Vector3::new(edge, edge, edge), [true, !walls, true]), smooth, Vec::new())
         }
     }
 

@@ -275,27 +275,12 @@ impl HeadOn {
         let reach = 4.0 * (a + b) + 2.0 * self.approach * (self.duration + self.touch) * 2.0;
         let size = Vector3::repeat(2.0 * reach);
         let plane = Plane { point: Vector3::zeros(), normal: Vector3::x() };
-        let wall = Wall {
-            geometry: WallGeometry::Plane(plane),
-            surface: self.surface,
-            elasticity: self.contact.elasticity[1],
-            velocity: Vector3::zeros(),
-            turning: None,
-            moving: None,
-            resistance: Default::default(),
-            roughness: None,
-            thermal: None,
-        };
+        let wall =
+            Wall { elasticity: self.contact.elasticity[1], ..Wall::new(WallGeometry::Plane(plane), self.surface) };
+        let species = std::iter::once(self.bodies.0.clone()).chain(self.bodies.1.clone()).collect();
         let mut scene = Scene {
-            domain: Domain::new(size, [false; 3]),
-            gravity: Vector3::zeros(),
-            fluid: None,
             walls: if self.bodies.1.is_some() { Vec::new() } else { vec![wall] },
-            contact: self.surface,
-            pairs: Default::default(),
-            rotation: None,
-            thermostat: None,
-            species: std::iter::once(self.bodies.0.clone()).chain(self.bodies.1.clone()).collect(),
+            ..Scene::new(Domain::new(size, [false; 3]), self.surface, species)
         };
         let other = if self.bodies.1.is_some() { Kind::Species(1) } else { Kind::Wall(0) };
         let meeting = Meeting {
