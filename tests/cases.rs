@@ -16,7 +16,9 @@ const FEW: usize = 500;
 fn cases() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut found = Vec::new();
-    for folder in ["cases", "cases/mixtures", "cases/paper", "cases/rotation", "cases/turbulence", "cases/walls"] {
+    for folder in
+        ["cases", "cases/driven", "cases/mixtures", "cases/paper", "cases/rotation", "cases/turbulence", "cases/walls"]
+    {
         let files = std::fs::read_dir(root.join(folder)).unwrap().map(|entry| entry.unwrap().path());
         found.extend(files.filter(|path| path.extension().is_some_and(|extension| extension == "toml")));
     }
@@ -79,7 +81,7 @@ fn few_windows(name: &str, experiment: &Experiment) {
 
 #[test]
 fn every_case_runs_with_each_engine() {
-    let mut runs = 0;
+    let (mut runs, mut refused) = (0, 0);
     for path in cases() {
         let case = Case::read(&path, &[]).unwrap_or_else(|why| panic!("{}: {why}", path.display()));
         let variants = case.variants(None).unwrap_or_else(|why| panic!("{}: {why}", path.display()));
@@ -87,6 +89,11 @@ fn every_case_runs_with_each_engine() {
         for model in [Model::Soft, Model::Hard, Model::Hybrid, Model::Dsmc] {
             let own = variants.iter().map(|(experiment, _)| experiment).find(|one| one.model() == model);
             let Some(mut experiment) = own.cloned().or_else(|| other(&variants[0].0, model)) else { continue };
+            if model == Model::Dsmc && experiment.scene.has_moving_walls() {
+                // the reader refuses walls that move with collisions by chance
+                refused += 1;
+                continue;
+            }
             smaller(&mut experiment);
             let steppings: &[SoftStepping] = match model {
                 Model::Soft => &[SoftStepping::Uniform, SoftStepping::Local, SoftStepping::Auto],
@@ -100,7 +107,8 @@ fn every_case_runs_with_each_engine() {
         }
     }
     // four engines, one of them in three ways
-    assert_eq!(runs, 6 * cases().len());
+    assert_eq!(runs + refused, 6 * cases().len());
+    assert_eq!(refused, 3);
 }
 
 /// Experiment of the case with another model; `None` if the case has no contact law for soft spheres.

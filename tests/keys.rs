@@ -45,6 +45,7 @@ elasticity = { youngs_modulus = "70 GPa" }
 [[walls]]
 sphere = { center = ["20 mm", "20 mm", "20 mm"], radius = "1 mm" }
 restitution = 0.9
+motion.path = [{ time = "0 s", displacement = [0, 0, 0] }, { time = "1 s", displacement = ["1 mm", 0, 0] }]
 [[walls]]
 cuboid = { center = ["30 mm", "30 mm", "30 mm"], half_extents = ["1 mm", "1 mm", "1 mm"] }
 restitution = 0.9
@@ -77,6 +78,7 @@ fn place(table: &str) -> String {
     let at = shapes.iter().position(|shape| table == format!("walls.{shape}"));
     match (table, at) {
         ("particles.at", _) => "particles[1].at[0]".into(),
+        ("walls.motion.path", _) => "walls[1].motion.path[0]".into(),
         ("particles.in.cylinder", _) => "particles[2].in.cylinder".into(),
         (_, Some(index)) => table.replace("walls", &format!("walls[{index}]")),
         _ => indexed(table),
@@ -172,8 +174,8 @@ fn every_example_is_read_and_every_key_explained() {
 /// True if [`FULL`] does not contain the table, so that all required keys of the table must be set.
 fn is_new(table: &str) -> bool {
     let outer = ["domain.shear", "particles.sizes", "fluid.profile", "soft.kuwabara_kono", "soft.tangential"];
-    outer.iter().chain(&["soft.rolling", "hard.friction", "observe"]).any(|outer| table.starts_with(outer))
-        || table.contains(".restitution.")
+    let inner = ["soft.rolling", "hard.friction", "observe", "walls.motion"];
+    outer.iter().chain(&inner).any(|outer| table.starts_with(outer)) || table.contains(".restitution.")
 }
 
 /// Number outside of a range that is given in words.

@@ -158,9 +158,11 @@ fn motion_in_words(wall: &Wall) -> String {
             PrescribedMotion::Translation { velocity } => write!(text, ", moves at {} m/s", vector(velocity)),
             PrescribedMotion::Vibration { amplitude, frequency, .. } => write!(
                 text,
-                ", vibrates at {} Hz with the amplitude {} m, {} m/s at most",
+                ", vibrates at {} Hz with the amplitude ({}, {}, {}), {} m/s at most",
                 short(*frequency, 4),
-                vector(amplitude),
+                length(amplitude.x),
+                length(amplitude.y),
+                length(amplitude.z),
                 short(moving.largest_speed(), 4)
             ),
             PrescribedMotion::Path(_) => {

@@ -39,7 +39,8 @@ pub struct Rest {
 /// The time until rest is that of a sphere dropped from the height h. Its bounces last (1+e)/(1-e) sqrt(2h/g) in total
 /// (a geometric series); where e depends on the speed, they are added one by one. A bed of N spheres needs less time.
 pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<Rest> {
-    if lift.is_some_and(|lift| lift > 0.0) || particles.is_empty() {
+    // walls that move may throw the particles up again
+    if lift.is_some_and(|lift| lift > 0.0) || particles.is_empty() || scene.has_moving_walls() {
         return None;
     }
     let planes = (0u32..).zip(&scene.walls).filter_map(|(index, wall)| Some((wall.geometry.plane()?, index)));

@@ -205,7 +205,8 @@ fn is_mirrored(experiment: &Experiment) -> bool {
             (low - high).abs() <= 1e-6 * low.abs().max(high.abs())
         })
     };
-    gravity.y == 0.0 && walls.iter().all(has_image) && fluid.as_ref().is_none_or(|fluid| even(&fluid.profile))
+    let still = gravity.y == 0.0 && !experiment.scene.has_moving_walls();
+    still && walls.iter().all(has_image) && fluid.as_ref().is_none_or(|fluid| even(&fluid.profile))
 }
 
 #[cfg(test)]

@@ -139,17 +139,19 @@ impl MovingShape {
         radius: f64,
         until: f64,
     ) -> Option<Touch> {
-        let mut t = 0.0;
+        // `time` is exactly that of a knot, which the sum of `start` and `t` may miss by rounding
+        let (mut t, mut time) = (0.0, start);
         loop {
-            let end = (path.next_knot(start + t) - start).min(until);
-            let seen = self.motion.seen(&flight.from(t), start + t);
+            let knot = path.next_knot(time);
+            let end = (knot - start).max(t).min(until);
+            let seen = self.motion.seen(&flight.from(t), time);
             if let Some(touch) = self.shape.first_touch(which, &seen, radius, end - t) {
                 return Some(Touch { time: t + touch.time, ..touch });
             }
             if end >= until {
                 return None;
             }
-            t = end;
+            (t, time) = (end, knot);
         }
     }
 }
