@@ -248,8 +248,8 @@ fn eddies_of_random_lifetime_give_the_agitation_and_dispersion_of_theory() {
     }
 }
 
-/// The older habit has no drift: tracers gather near the walls, where the turbulence is weak (MacInnes and Bracco 1992,
-/// Phys. Fluids A 4, 2809). The Langevin equation keeps the same tracers mixed, see above.
+/// The older habit has no drift: tracers leave the strongest turbulence and gather next to the walls, where it is weak
+/// (MacInnes and Bracco 1992, Phys. Fluids A 4, 2809). The Langevin equation keeps the same tracers mixed, see above.
 #[test]
 fn a_discrete_random_walk_gathers_tracers_where_the_turbulence_is_weak() {
     let scene = walking(channel(TurbulenceModel::LaunderSharma));
@@ -263,7 +263,7 @@ fn a_discrete_random_walk_gathers_tracers_where_the_turbulence_is_weak() {
     let found = slices(&states[2..], scene.domain.size.y);
     println!("{found:.3?}");
     // five standard errors of the number in a slice, sqrt(10/(N M)), are 0.14
-    assert!(found[0] > 1.3 && found[9] > 1.3 && found[4] < 0.9 && found[5] < 0.9, "{found:.3?}");
+    assert!(found[0] > 1.3 && found[9] > 1.3 && found[1] < 0.8 && found[8] < 0.8, "{found:.3?}");
 }
 
 /// Without fluctuations, the turbulent kick has the bits of the kick of a frozen gas.

@@ -7,12 +7,12 @@ pub const MISSING: &[NotValidated] = &[
     NotValidated {
         name: "simple shear, hard spheres",
         reference: "Mitarai and Nakanishi (2007, Phys. Rev. E 75, 031305); theory of Garzó and Dufty (1999) at φ = 0.1, 0.3, 0.49",
-        needs: "boxes that are sheared (Lees and Edwards)",
+        needs: "a row of this suite with published digits; `cases/shear` and its page compare with kinetic theory",
     },
     NotValidated {
         name: "simple shear, soft spheres",
         reference: "Vescovi, Berzi, Richard and Brodu (2014, Phys. Fluids 26, 053305)",
-        needs: "boxes that are sheared (Lees and Edwards)",
+        needs: "a row of this suite with published digits; `cases/shear` compares soft with hard spheres",
     },
     NotValidated {
         name: "particle-laden channel of air",
@@ -42,7 +42,7 @@ pub const MISSING: &[NotValidated] = &[
     NotValidated {
         name: "restitution that depends on speed",
         reference: "Chung and Ooi (2011) do not test it; Kuwabara and Kono (1987) and others do",
-        needs: "a viscoelastic contact law",
+        needs: "a row of this suite with measured digits; `cases/viscoelastic-gas.toml` compares with theory",
     },
     NotValidated {
         name: "heap and drum",
