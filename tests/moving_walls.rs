@@ -1,12 +1,14 @@
 //! Walls whose shape moves: times of touch against an independent solver, period doubling of a bouncing ball, no missed
 //! touch, other frames of reference, the ledger, forced oscillations of soft spheres, the same bits, and messages.
 
+mod in_cases;
+
 use crate::support::*;
 use diptych::contact_law::ContactLaw;
 use diptych::engine::hard::Hard;
 use diptych::engine::hybrid::Hybrid;
 use diptych::engine::{Engine, Failure};
-use diptych::experiment::{Integrator, Model, Spheres};
+use diptych::experiment::Integrator;
 use diptych::simulation::Simulation;
 use diptych::walls::{PiecewisePath, PrescribedMotion};
 use diptych::{Particles, Scene, Vector3};
@@ -109,23 +111,18 @@ impl Bouncing<'_> {
 #[test]
 fn a_ball_on_a_plate_follows_the_exact_map() {
     // Times up to 20 and heights of 6 are rounded by 4e-15 and 9e-16. An impact passes on errors multiplied by e and by
-    // the acceleration of the plate divided by the speed. On the stable orbits they do not grow. At accelerations of 3 and
-    // 12 the ball moves irregularly, and an error of 1e-15 doubles or trebles per impact for a dozen of them.
+    // the acceleration of the plate divided by the speed. On the stable orbits they do not grow. At an acceleration Γ the
+    // others grow by (1+e) Γ per impact or a little more, 5 at most here: 1e-15 becomes 1e-9 in some ten impacts.
     let knots = [(0.0, up(0.0)), (1.0, up(0.3)), (1.7, up(-0.2)), (4.0, up(0.1)), (11.0, up(0.0))];
     let wave = |gamma: f64, phase: f64| vibration(up(gamma / (TAU * TAU)), 1.0, phase);
+    let translation = PrescribedMotion::Translation { velocity: Vector3::new(0.3, 0.05, 0.0) };
     for (what, motion, restitution, (speed, duration), tolerance) in [
         ("period one", wave(1.3, 0.634), 0.5, (0.5, 20.0), 1e-12),
         ("period two", wave(1.6, 0.857), 0.5, (0.5, 20.0), 1e-12),
-        ("fast", vibration(up(2e-4), 40.0, 2.0), 0.9, (0.05, 0.6), 1e-9),
+        ("fast", vibration(up(2e-5), 40.0, 2.0), 0.9, (0.05, 0.8), 1e-9),
         ("high", wave(3.0, 0.0), 0.8, (0.5, 12.0), 1e-9),
-        (
-            "translation",
-            PrescribedMotion::Translation { velocity: Vector3::new(0.3, 0.05, 0.0) },
-            0.95,
-            (0.5, 20.0),
-            1e-12,
-        ),
-        ("path", path(&knots), 0.95, (0.5, 20.0), 1e-12),
+        ("translation", translation, 0.95, (0.5, 12.0), 1e-12),
+        ("path", path(&knots), 0.95, (0.5, 12.0), 1e-12),
     ] {
         for (name, engine) in EXACT {
             let (scene, start) = above(&motion, restitution, 0.002, speed);
@@ -144,7 +141,7 @@ fn a_ball_on_a_plate_follows_the_exact_map() {
             }
             assert!(worst < tolerance, "{what}, {name}: {worst:e}");
             assert_eq!(simulation.record.walls.count, known.impacts, "{what}, {name}");
-            assert!(known.impacts >= 8, "{what}: {} impacts", known.impacts);
+            assert!(known.impacts >= 5, "{what}: {} impacts", known.impacts);
         }
     }
 }
@@ -271,6 +268,33 @@ fn a_box_that_moves_with_its_spheres_is_a_box_at_rest() {
 }
 
 #[test]
+fn a_sphere_at_rest_is_met_by_a_wall_from_afar() {
+    // it never leaves the place for which its walls were found; the wall comes over four diameters at 0.5, and the sphere
+    // leaves it at twice its velocity
+    let away = Vector3::new(0.5, 0.0, 0.0);
+    let motions = [
+        PrescribedMotion::Translation { velocity: away },
+        path(&[(1.0, Vector3::zeros()), (21.0, away * 20.0)]),
+        vibration(Vector3::new(5.0, 0.0, 0.0), 0.1 / TAU, 0.0),
+    ];
+    for (name, engine) in EXACT.iter().chain(&SOFT).chain([&STEPPED]) {
+        for motion in &motions {
+            let mut scene = empty([40.0; 3], [false; 3], unit(), surface(1.0, 0.0));
+            let wall = plane([14.0, 0.0, 0.0], [1.0, 0.0, 0.0], surface(1.0, 0.0));
+            scene.walls = vec![wall.moving(motion.clone()).unwrap()];
+            let start = placed(&scene, &[([18.5, 20.0, 20.0], [0.0; 3])]);
+            let simulation = run(&scene, start, engine(), 24.0, 40);
+            assert!(simulation.record.walls.count >= 1, "{name}: {motion:?}");
+            // a vibrating wall is at its mean place after half a period, with its largest speed of 0.5
+            if !matches!(motion, PrescribedMotion::Vibration { .. }) {
+                let speed = simulation.particles.velocity[0].x;
+                assert!((speed - 1.0).abs() < 1e-3, "{name}: {speed}, {motion:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn the_books_close() {
     // hard spheres: rounding of the sums. Local steps of fourth order: (ω Δt)⁴ = 2e-5 of the energy of a contact. Steps of
     // second order, with friction of a step's delay: (ω Δt)² = 4e-3. Friction of rotating spheres changes its direction
@@ -366,126 +390,24 @@ fn balls_rest_on_a_vibrating_plate_with_a_contact_time_only() {
     // impacts in finite time
     let motion = vibration(up(0.5 / (TAU * TAU)), 1.0, 0.0);
     for (name, one) in [("one calendar", Hard::with_one_calendar as fn() -> Hard), ("islands", Hard::with_islands)] {
-        let (scene, start) = above(&motion, 0.4, 0.1, 0.0);
-        let (_, stopped) = try_run(&scene, start.clone(), Box::new(one()), 10.0, 20);
-        assert!(matches!(stopped, Err(Failure::InelasticCollapse { .. })), "{name}: {stopped:?}");
-        // with a contact time t_c it hops by (g + a) t_c²/32 at most, 5e-8 here, with the plate
-        let engine = Box::new(one().with_contact_time(Some(1e-3)));
-        let mut simulation = Simulation::with_engine(scene.clone(), start, engine);
-        let energy = simulation.energy();
-        simulation.run(20, 0.5).unwrap();
-        let plate = simulation.scene().walls[0].geometry.nearest(&simulation.particles.position[0]).distance;
-        assert!((plate - 0.5).abs() < 1e-7, "{name}: {plate}");
-        let velocity = motion.velocity(&Vector3::zeros(), simulation.time).y;
-        assert!((simulation.particles.velocity[0].y - velocity).abs() < 1e-3, "{name}");
-        let ledger = &simulation.record.ledger;
-        let residual = ledger.residual(energy, simulation.energy());
-        // 18,000 hops, each with some roundings of 1e-16
-        assert!(residual.abs() < 1e-11 * ledger.through(energy), "{name}: {residual:e}");
-    }
-}
-
-const CASE: &str = r#"
-[domain]
-size = ["10 mm", "20 mm", "10 mm"]
-periodic = ["x", "z"]
-[gravity]
-acceleration = ["0 m/s^2", "-9.81 m/s^2", "0 m/s^2"]
-[[particles]]
-diameter = "1 mm"
-density = "2500 kg/m^3"
-count = 20
-[[walls]]
-plane = { point = ["0 m", "2 mm", "0 m"], normal = [0, 1, 0] }
-restitution = 0.9
-motion.vibration = { amplitude = [0, "1 mm", 0], frequency = "20 Hz", phase = "90 deg" }
-[[walls]]
-plane = { point = ["0 m", "20 mm", "0 m"], normal = [0, -1, 0] }
-restitution = 0.9
-[contact]
-restitution = 0.9
-[soft.linear_spring_dashpot]
-stiffness = "3000 N/m"
-[run]
-duration = "0.1 s"
-"#;
-
-/// Line of [`CASE`] with the motion of the plate.
-const MOTION: &str = r#"motion.vibration = { amplitude = [0, "1 mm", 0], frequency = "20 Hz", phase = "90 deg" }"#;
-
-#[test]
-fn the_case_gives_the_motion_and_refuses_what_cannot_be() {
-    let read = |sets: &[&str]| case(CASE, Model::Hard, sets);
-    let shaken = read(&[]).unwrap();
-    // at time 0 and the phase of 90 degrees the plate is at its highest place
-    let plate = &shaken.scene.walls[0];
-    assert!((plate.geometry.plane().unwrap().point.y - 3e-3).abs() < 1e-18);
-    assert!((plate.largest_speed() - TAU * 20.0 * 1e-3).abs() < 1e-15);
-    let moved = |motion: &str| CASE.replace(MOTION, &format!("motion = {motion}"));
-    let refused = |motion: &str, sets: &[&str]| case(&moved(motion), Model::Hard, sets).unwrap_err();
-    for (motion, words) in [
-        (r#"{ vibration = { amplitude = [0, 0, 0], frequency = "20 Hz" } }"#, "moves nothing"),
-        (r#"{ vibration = { amplitude = [0, "1 mm", 0], frequency = "0 Hz" } }"#, "out of range"),
-        (r#"{ vibration = { amplitude = [0, "1 mm", 0] } }"#, "frequency"),
-        (r#"{ translation = [0, 0, 0] }"#, "moves nothing"),
-        (r#"{ translation = [0, "1 mm", 0] }"#, "a velocity belongs here"),
-        (r#"{ path = [{ time = "0 s", displacement = [0, 0, 0] }] }"#, "fewer than two times"),
-        (
-            r#"{ path = [{ time = "1 s", displacement = [0, 0, 0] }, { time = "1 s", displacement = [0, 1, 0] }] }"#,
-            "not later than the time before it",
-        ),
-        (r#"{ turning = { rate = "1 rad/s", axis = [0, 1, 0], center = [0, 0, 0] } }"#, "periodic images"),
-        ("{ }", "vibration"),
-    ] {
-        let why = refused(motion, &[]);
-        assert!(why.contains(words), "{motion}: {why}");
-    }
-    let both = r#"{ translation = [0, "1 mm/s", 0], vibration = { amplitude = [0, "1 mm", 0], frequency = "1 Hz" } }"#;
-    assert!(refused(both, &[]).contains("translation"));
-    let endless = r#"{ turning = { rate = "1 rad/s", axis = [0, 0, 1], center = [0, 0, 0] } }"#;
-    assert!(refused(endless, &["domain.periodic=[]"]).contains("without ends"));
-    assert!(case(CASE, Model::Dsmc, &[]).unwrap_err().contains("not for collisions by chance"));
-    let rough = read(&[r#"walls[0].roughness.deviation="5 deg""#]).unwrap_err();
-    assert!(rough.contains("does not move"), "{rough}");
-}
-
-#[test]
-fn a_wall_that_leaves_the_box_or_crushes_spheres_is_told() {
-    let warnings = |motion: &str, other: &[String]| {
-        let text = CASE.replace(MOTION, motion);
-        let case = diptych::case::Case::from_text("tests/case.toml".as_ref(), text.into(), other).unwrap();
-        let (_, warnings) = case.experiment(Some(Model::Hard), None).unwrap();
-        warnings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
-    };
-    let none = warnings(MOTION, &[]);
-    assert!(!none.contains("out of the box") && !none.contains("does not fit"), "{none}");
-    let low = warnings(&MOTION.replace("1 mm", "2.1 mm"), &[]);
-    assert!(low.contains("out of the box, to y = -1.0000e-4 m"), "{low}");
-    let near = warnings(r#"motion = { translation = [0, "0.175 m/s", 0] }"#, &[]);
-    assert!(near.contains("5.0000e-4 m from walls[1]"), "{near}");
-    // two walls with one motion keep their distance; with other phases they may meet
-    let wide = MOTION.replace("1 mm", "9 mm");
-    let (_, motion) = wide.split_once(" = ").unwrap();
-    let both = warnings(&wide, &[format!("walls[1].motion.vibration={motion}")]);
-    assert!(!both.contains("does not fit"), "{both}");
-    let apart = warnings(&wide, &[format!("walls[1].motion.vibration={}", motion.replace("90", "91"))]);
-    assert!(apart.contains("does not fit"), "{apart}");
-}
-
-#[test]
-fn a_case_runs_in_each_model() {
-    let sets = ["walls[0].friction=0.2", "run.duration=\"20 ms\"", "particles[0].velocity_fluctuation=\"0.1 m/s\""];
-    for model in [Model::Hard, Model::Soft, Model::Hybrid] {
-        let experiment = case(CASE, model, &sets).unwrap();
-        assert!(matches!(
-            (model, &experiment.run.spheres),
-            (Model::Hard, Spheres::Hard) | (Model::Soft, Spheres::Soft(_)) | (Model::Hybrid, Spheres::Hybrid(_))
-        ));
-        let start = diptych::placement::initial_state(&experiment).unwrap();
-        // the start keeps off the plate where it is at time 0
-        assert!(start.position.iter().all(|x| x.y > 3.5e-3 - 1e-12));
-        let mut simulation = Simulation::new(&experiment, start);
-        simulation.run(50, 1e-3).unwrap();
-        assert!(simulation.record.walls.count > 5, "{model:?}");
+        // without any rebound the ball is held at rest, with the velocity of the plate
+        for e in [0.4, 0.0] {
+            let (scene, start) = above(&motion, e, 0.1, 0.0);
+            let (_, stopped) = try_run(&scene, start.clone(), Box::new(one()), 10.0, 20);
+            assert!(matches!(stopped, Err(Failure::InelasticCollapse { .. })), "{name}: {stopped:?}");
+            // with a contact time t_c it hops by (g + a) t_c²/32 at most, 5e-8 here, with the plate
+            let engine = Box::new(one().with_contact_time(Some(1e-3)));
+            let mut simulation = Simulation::with_engine(scene.clone(), start, engine);
+            let energy = simulation.energy();
+            simulation.run(20, 0.5).unwrap();
+            let plate = simulation.scene().walls[0].geometry.nearest(&simulation.particles.position[0]).distance;
+            assert!((plate - 0.5).abs() < 1e-7, "{name}: {plate}");
+            let velocity = motion.velocity(&Vector3::zeros(), simulation.time).y;
+            assert!((simulation.particles.velocity[0].y - velocity).abs() < 1e-3, "{name}");
+            let ledger = &simulation.record.ledger;
+            let residual = ledger.residual(energy, simulation.energy());
+            // 18,000 hops, each with some roundings of 1e-16
+            assert!(residual.abs() < 1e-11 * ledger.through(energy), "{name}: {residual:e}");
+        }
     }
 }

@@ -33,7 +33,7 @@ pub struct Rest {
 }
 
 /// Finds the floor of a scene: the flat wall against which gravity presses most. `None` if there is no such wall, or if
-/// the gas lifts the particles off it. `lift` [m/s] is the component of the gas velocity against gravity, minus the
+/// the gas lifts the particles off it, or if a wall moves. `lift` [m/s] is the component of the gas velocity against gravity, minus the
 /// terminal slip speed.
 ///
 /// The time until rest is that of a sphere dropped from the height h. Its bounces last (1+e)/(1-e) sqrt(2h/g) in total
