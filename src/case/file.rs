@@ -31,7 +31,10 @@ pub use contact::{ContactFile, PairFile};
 pub use gas::{
     CouplingFile, DragFile, FluidFile, LangevinFile, ModulationFile, ProfileFile, SeenTurbulenceFile, TurbulenceFile,
 };
-pub use observe::{DiffusionFile, ObserveFile, PairDistributionFile, VelocityDistributionFile};
+pub use observe::{
+    ContactNetworkFile, DiffusionFile, FieldsFile, ObserveFile, PairDistributionFile, StructureFactorFile,
+    VelocityDistributionFile,
+};
 pub use region::{BlockRegionFile, CylinderRegionFile, RegionFile};
 pub use restitution::{RestitutionFile, RestitutionLawFile};
 pub use rotation::{HistoryFile, ImpactRuleFile, RollingFile, TangentialFile, TwistingFile};
