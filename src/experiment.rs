@@ -3,7 +3,8 @@
 mod observe_settings;
 
 pub use observe_settings::{
-    DiffusionSettings, ObserveSettings, PairDistributionSettings, VelocityDistributionSettings,
+    DiffusionSettings, FieldsSettings, ObserveSettings, PairDistributionSettings, StructureFactorSettings,
+    VelocityDistributionSettings,
 };
 
 use crate::contact_law::ContactLaw;

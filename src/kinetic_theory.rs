@@ -27,3 +27,29 @@ pub fn cooling_a2(restitution: f64) -> f64 {
 pub fn enskog_self_diffusion(density: f64, diameter: f64, temperature: f64, contact_value: f64) -> f64 {
     3.0 / (8.0 * density * diameter * diameter * contact_value) * (temperature / PI).sqrt()
 }
+
+/// [-] structure factor at k = 0 of hard spheres with the volume fraction φ, by the equation of state of Carnahan and
+/// Starling (1969, J. Chem. Phys. 51, 635): the isothermal compressibility over that of an ideal gas,
+/// (1 - φ)⁴/(1 + 4φ + 4φ² - 4φ³ + φ⁴).
+pub fn compressibility(volume_fraction: f64) -> f64 {
+    let phi = volume_fraction;
+    // numbers of Carnahan and Starling 1969, from the derivative of φ Z
+    (1.0 - phi).powi(4) / (1.0 + 4.0 * phi + 4.0 * phi * phi - 4.0 * phi.powi(3) + phi.powi(4))
+}
+
+/// [-] structure factor S(q) of hard spheres by the Percus-Yevick equation, with the wave number times the diameter q and
+/// the volume fraction φ. 1/S = 1 + 24 φ ∫ x² sin(qx)/(qx) (λ₁ + 6 φ λ₂ x + φ λ₁ x³/2) dx over x from 0 to 1. Here
+/// λ₁ = (1 + 2φ)²/(1 - φ)⁴ and λ₂ = -(1 + φ/2)²/(1 - φ)⁴ (Wertheim 1963, Phys. Rev. Lett. 10, 321; Hansen and McDonald 2013,
+/// Theory of Simple Liquids, section 4.4).
+pub fn percus_yevick(q: f64, volume_fraction: f64) -> f64 {
+    let phi = volume_fraction;
+    let free = (1.0 - phi).powi(4);
+    let (first, second) = ((1.0 + 2.0 * phi).powi(2) / free, -(1.0 + 0.5 * phi).powi(2) / free);
+    let (sin, cos) = q.sin_cos();
+    // integrals of x^n sin(qx)/q over x from 0 to 1, with n = 1, 2 and 4, by parts
+    let of_one = (sin - q * cos) / q.powi(3);
+    let of_two = (2.0 * q * sin - (q * q - 2.0) * cos - 2.0) / q.powi(4);
+    let of_four = ((4.0 * q.powi(3) - 24.0 * q) * sin - (q.powi(4) - 12.0 * q * q + 24.0) * cos + 24.0) / q.powi(6);
+    let core = first * of_one + 6.0 * phi * second * of_two + 0.5 * phi * first * of_four;
+    1.0 / (1.0 + 24.0 * phi * core)
+}

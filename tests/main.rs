@@ -85,6 +85,7 @@ mod snapshots; // state between windows, stored and restored with identical bits
 mod soak; // random dense gases in every way of stepping: energy and momentum
 mod starts; // starts of a case from saved states and tables
 mod stress; // stress, contacts per particle, volume fraction, and the densest starts
+mod structure; // structure factor, contact network and coarse-grained fields
 mod suspensions; // drag in suspensions: published values, packed beds, hindered settling, local fractions, bits
 mod sweep; // sweeps: killed and continued, grids and replicas, refusals, points that stop
 mod terminal; // messages may be lost, results may not

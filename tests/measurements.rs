@@ -4,7 +4,8 @@
 use crate::support::{edge, empty, experiment, surface, unit};
 use diptych::domain::Domain;
 use diptych::experiment::{
-    DiffusionSettings, Experiment, Model, ObserveSettings, PairDistributionSettings, VelocityDistributionSettings,
+    DiffusionSettings, Experiment, FieldsSettings, Model, ObserveSettings, PairDistributionSettings,
+    StructureFactorSettings, VelocityDistributionSettings,
 };
 use diptych::observe::{Diffusion, Measurement, Observation, PairDistribution, VelocityDistribution, run};
 use diptych::particles::Particles;
@@ -45,7 +46,7 @@ pub fn measured<M: Measurement>(
 }
 
 /// Result of a measurement of given states, all at time 0.
-fn of_states<M: Measurement>(
+pub fn of_states<M: Measurement>(
     experiment: &Experiment,
     mut measurement: M,
     states: impl IntoIterator<Item = Particles>,
@@ -74,7 +75,7 @@ pub fn agrees(what: &str, found: Estimate, value: f64, more: f64) {
 }
 
 /// Points at random in the box, with random species of the scene.
-fn points(experiment: &Experiment, count: usize, random: &mut Xoshiro256PlusPlus) -> Particles {
+pub fn points(experiment: &Experiment, count: usize, random: &mut Xoshiro256PlusPlus) -> Particles {
     let (size, species) = (experiment.scene.domain.size, experiment.scene.species.len() as u16);
     let mut particles = Particles::default();
     for k in 0..count {
@@ -333,7 +334,9 @@ fn measurements_change_nothing() {
         pair_distribution: Some(PairDistributionSettings { reach: 2.0, bins: 10 }),
         velocity_distribution: Some(SETTINGS),
         diffusion: Some(DiffusionSettings { duration: 0.1 }),
-        ..ObserveSettings::default()
+        structure_factor: Some(StructureFactorSettings { wavelength: 1.0, bins: 5 }),
+        contact_network: true,
+        fields: Some(FieldsSettings { width: 1.0, cells: [2, 3, 4] }),
     };
     let (some, with, series) = end(&gas);
     assert_eq!(without, with);

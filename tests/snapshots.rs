@@ -5,13 +5,13 @@ use crate::support::{edge, empty, experiment, plane, small, surface};
 use diptych::contact_law::{ContactLaw, Hertz};
 use diptych::drag::{Drag, SchillerNaumann};
 use diptych::experiment::{
-    Amount, DiffusionSettings, Experiment, HardStepping, Integrator, Model, PairDistributionSettings, Population,
-    SoftStepping, Spheres, VelocityDistributionSettings,
+    Amount, DiffusionSettings, Experiment, FieldsSettings, HardStepping, Integrator, Model, PairDistributionSettings,
+    Population, SoftStepping, Spheres, StructureFactorSettings, VelocityDistributionSettings,
 };
 use diptych::fluid::{Fluid, Profile};
 use diptych::observe::{
-    Diffusion, EnergyBooks, ImpactSeries, Kinds, Mixing, MomentumBooks, Motion, Observer, PairDistribution, Paths,
-    Pause, Rings, RunLoop, Series, Stresses, VelocityDistribution,
+    ContactNetwork, Diffusion, EnergyBooks, Fields, ImpactSeries, Kinds, Mixing, MomentumBooks, Motion, Observer,
+    PairDistribution, Paths, Pause, Rings, RunLoop, Series, Stresses, StructureFactor, VelocityDistribution,
 };
 use diptych::placement::initial_state;
 use diptych::scene::{Elasticity, Species, Thermostat};
@@ -203,6 +203,9 @@ fn observers(experiment: &Experiment, schedule: &Schedule) -> Vec<Box<dyn Observ
         Box::new(Rings::new(experiment)),
         Box::new(Mixing::new(experiment, schedule)),
         Box::new(PairDistribution::new(experiment, schedule, PairDistributionSettings { reach: 1e-3, bins: 7 })),
+        Box::new(StructureFactor::new(experiment, schedule, StructureFactorSettings { wavelength: 1e-3, bins: 3 })),
+        Box::new(ContactNetwork::new(experiment, schedule)),
+        Box::new(Fields::new(experiment, schedule, FieldsSettings { width: 1e-3, cells: [2, 1, 3] })),
         Box::new(Diffusion::new(experiment, schedule, DiffusionSettings { duration: 2.0 * schedule.interval() })),
         Box::new(VelocityDistribution::new(
             experiment,

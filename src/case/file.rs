@@ -34,7 +34,10 @@ pub use gas::{
     CouplingFile, DragFile, FluidFile, LangevinFile, ModulationFile, ProfileFile, SeenTurbulenceFile, TurbulenceFile,
 };
 pub use motion::{KnotFile, MotionFile, ShapeTurningFile, VibrationFile};
-pub use observe::{DiffusionFile, ObserveFile, PairDistributionFile, VelocityDistributionFile};
+pub use observe::{
+    ContactNetworkFile, DiffusionFile, FieldsFile, ObserveFile, PairDistributionFile, StructureFactorFile,
+    VelocityDistributionFile,
+};
 pub use region::{BlockRegionFile, CylinderRegionFile, RegionFile};
 pub use restitution::{RestitutionFile, RestitutionLawFile};
 pub use rotation::{HistoryFile, ImpactRuleFile, RollingFile, TangentialFile, TwistingFile};

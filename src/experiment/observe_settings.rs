@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-/// Measurements that a case asks for in addition to the standard ones. A measurement is `None` if the case does not ask
-/// for it; it then costs nothing.
+/// Measurements that a case asks for in addition to the standard ones. A measurement that the case does not
+/// ask for costs nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ObserveSettings {
     /// Pair distribution g(r).
@@ -15,11 +15,21 @@ pub struct ObserveSettings {
     /// Mean squared displacement and autocorrelation of the velocities.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub diffusion: Option<DiffusionSettings>,
+    /// Static structure factor S(k).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub structure_factor: Option<StructureFactorSettings>,
+    /// True if the contact network of soft spheres is measured.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub contact_network: bool,
+    /// Coarse-grained fields on a grid.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fields: Option<FieldsSettings>,
 }
 
 impl ObserveSettings {
     /// Names of all measurements, as in the case. Files of curves have these names.
-    pub const NAMES: [&str; 3] = ["pair_distribution", "velocity_distribution", "diffusion"];
+    pub const NAMES: [&str; 6] =
+        ["pair_distribution", "velocity_distribution", "diffusion", "structure_factor", "contact_network", "fields"];
 
     /// True if the case asks for none of the measurements.
     pub fn is_empty(&self) -> bool {
@@ -28,7 +38,14 @@ impl ObserveSettings {
 
     /// Names of the measurements that the case asks for, as in the case.
     pub fn names(&self) -> Vec<&'static str> {
-        let asked = [self.pair_distribution.is_some(), self.velocity_distribution.is_some(), self.diffusion.is_some()];
+        let asked = [
+            self.pair_distribution.is_some(),
+            self.velocity_distribution.is_some(),
+            self.diffusion.is_some(),
+            self.structure_factor.is_some(),
+            self.contact_network,
+            self.fields.is_some(),
+        ];
         Self::NAMES.into_iter().zip(asked).filter_map(|(name, asked)| asked.then_some(name)).collect()
     }
 }
@@ -56,4 +73,22 @@ pub struct VelocityDistributionSettings {
 pub struct DiffusionSettings {
     /// [s] longest time over which displacements are followed.
     pub duration: f64,
+}
+
+/// Settings of the structure factor.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct StructureFactorSettings {
+    /// [m] shortest wavelength 2π/k.
+    pub wavelength: f64,
+    /// Number of bins between 0 and the largest wave number.
+    pub bins: usize,
+}
+
+/// Settings of the coarse-grained fields.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FieldsSettings {
+    /// [m] width of the Gaussian, its standard deviation along each axis.
+    pub width: f64,
+    /// Numbers of cells along x, y and z.
+    pub cells: [usize; 3],
 }

@@ -213,6 +213,7 @@ impl Measurement for Diffusion {
             curves,
             numbers,
             remark,
+            ..Observation::default()
         }
     }
 }

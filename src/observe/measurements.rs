@@ -1,15 +1,19 @@
 //! Measurements that a case asks for, and the common form of their results: curves and numbers with standard errors.
 
 use super::Observer;
+use super::contact_network::{ContactLine, ContactNetwork};
 use super::diffusion::Diffusion;
+use super::fields::Fields;
 use super::pair_distribution::PairDistribution;
+use super::structure_factor::StructureFactor;
 use super::velocity_distribution::VelocityDistribution;
 use crate::experiment::Experiment;
 use crate::schedule::Schedule;
 use crate::statistics::Estimate;
+use nalgebra::Vector3;
 
 /// Quantity of a curve or of a number.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObservedQuantity {
     /// Name of the column in files, with its unit.
     pub column: String,
@@ -50,8 +54,19 @@ pub struct ObservedNumber {
     pub theory: Option<(&'static str, f64)>,
 }
 
-/// Result of a measurement, averaged over the averaging period.
+/// Time averages on a grid of equal cells that fill the box.
 #[derive(Clone, Debug, PartialEq)]
+pub struct ObservedGrid {
+    /// Numbers of cells along x, y and z.
+    pub cells: [usize; 3],
+    /// [m] edge lengths of a cell.
+    pub spacing: Vector3<f64>,
+    /// Fields: the name with its unit, the number of components, and the components of each cell, with x changing first.
+    pub fields: Vec<(&'static str, usize, Vec<f64>)>,
+}
+
+/// Result of a measurement, averaged over the averaging period.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Observation {
     /// Name of the measurement in the case. The file of the curves has this name too.
     pub name: &'static str,
@@ -65,6 +80,10 @@ pub struct Observation {
     pub curves: Vec<ObservedCurve>,
     /// Single numbers.
     pub numbers: Vec<ObservedNumber>,
+    /// Contacts at the end of the run, for a file of lines.
+    pub lines: Vec<ContactLine>,
+    /// Averages on a grid, for a file of a grid; those of the first run if several are pooled.
+    pub grid: Option<ObservedGrid>,
     /// Reason why values are unknown, with its remedy; `None` if all are as they should be.
     pub remark: Option<&'static str>,
 }
@@ -100,6 +119,9 @@ pub struct Measurements {
     pair_distribution: Option<PairDistribution>,
     velocity_distribution: Option<VelocityDistribution>,
     diffusion: Option<Diffusion>,
+    structure_factor: Option<StructureFactor>,
+    contact_network: Option<ContactNetwork>,
+    fields: Option<Fields>,
 }
 
 impl Measurements {
@@ -114,6 +136,11 @@ impl Measurements {
                 .velocity_distribution
                 .map(|settings| VelocityDistribution::new(experiment, schedule, settings)),
             diffusion: asked.diffusion.map(|settings| Diffusion::new(experiment, schedule, settings)),
+            structure_factor: asked
+                .structure_factor
+                .map(|settings| StructureFactor::new(experiment, schedule, settings)),
+            contact_network: asked.contact_network.then(|| ContactNetwork::new(experiment, schedule)),
+            fields: asked.fields.map(|settings| Fields::new(experiment, schedule, settings)),
         }
     }
 
@@ -122,7 +149,10 @@ impl Measurements {
         let pairs = self.pair_distribution.as_mut().map(|of| of as &mut dyn Measurement);
         let velocities = self.velocity_distribution.as_mut().map(|of| of as &mut dyn Measurement);
         let diffusion = self.diffusion.as_mut().map(|of| of as &mut dyn Measurement);
-        [pairs, velocities, diffusion].into_iter().flatten()
+        let structure = self.structure_factor.as_mut().map(|of| of as &mut dyn Measurement);
+        let network = self.contact_network.as_mut().map(|of| of as &mut dyn Measurement);
+        let fields = self.fields.as_mut().map(|of| of as &mut dyn Measurement);
+        [pairs, velocities, diffusion, structure, network, fields].into_iter().flatten()
     }
 
     /// Results of the samples from the time `from` [s] on.

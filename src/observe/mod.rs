@@ -6,8 +6,10 @@
 //! with the gas. The data of an observer can be stored with the state of the particles. [`RunLoop`] is the loop for
 //! runs that may be stopped at the end of any window, stored, and resumed.
 
+mod contact_network;
 mod diffusion;
 mod energy;
+mod fields;
 mod frames;
 mod gas_flow;
 mod impacts;
@@ -25,15 +27,20 @@ mod second_moments;
 mod series;
 mod series_columns;
 mod stress;
+mod structure_factor;
 mod velocity_distribution;
 
+pub use contact_network::{ContactLine, ContactNetwork};
 pub use diffusion::Diffusion;
 pub use energy::EnergyBooks;
+pub use fields::Fields;
 pub use frames::{Frame, Frames};
 pub use gas_flow::{GasFlow, GasFlows};
 pub use impacts::ImpactSeries;
 pub use kinds::{KindAverages, KindCurve, Kinds, MeetingAverages, SpeciesAverages};
-pub use measurements::{Measurement, Measurements, Observation, ObservedCurve, ObservedNumber, ObservedQuantity};
+pub use measurements::{
+    Measurement, Measurements, Observation, ObservedCurve, ObservedGrid, ObservedNumber, ObservedQuantity,
+};
 pub use mixing::Mixing;
 pub use momentum::{Balance, MomentumBooks};
 pub use motion::Motion;
@@ -48,6 +55,7 @@ pub use series_columns::{
     THERMOSTAT_COLUMNS, TURBULENCE_COLUMNS,
 };
 pub use stress::{Stress, Stresses};
+pub use structure_factor::StructureFactor;
 pub use velocity_distribution::{Sonine, VelocityDistribution};
 
 use crate::engine::Failure;

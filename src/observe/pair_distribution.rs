@@ -186,7 +186,7 @@ impl Measurement for PairDistribution {
             places: (0..self.bins).map(|bin| (bin as f64 + 0.5) * width).collect(),
             curves,
             numbers,
-            remark: None,
+            ..Observation::default()
         }
     }
 }

@@ -225,7 +225,7 @@ impl Measurement for VelocityDistribution {
                 number("a2", "a₂", |sonine| sonine.a2, theory(experiment).map(|a2| ("van Noije and Ernst 1998", a2))),
                 number("a3", "a₃", |sonine| sonine.a3, None),
             ],
-            remark: None,
+            ..Observation::default()
         }
     }
 }

@@ -22,6 +22,9 @@ pub const FIGURES: &str = "figures";
 /// Name of the subfolder with the tables of maps.
 pub(super) const MAPS: &str = "maps";
 
+/// Name of the subfolder of files for ParaView that measurements write.
+pub(super) const VTK: &str = "vtk";
+
 /// Name of the report page. A comparison also writes this page after each variant, before [`SUMMARY`] exists.
 const REPORT: &str = "report.html";
 
@@ -247,6 +250,9 @@ impl Folder {
             std::fs::read_to_string(file).is_ok_and(|text| DRAWN.iter().any(|mark| text.contains(mark)))
         };
         old.extend(self.files(FIGURES, "svg")?.into_iter().filter(drawn));
+        for extension in ["vtp", "vti"] {
+            old.extend(self.files(VTK, extension)?.into_iter().filter(|file| trajectory::is_ours(file)));
+        }
         let map = |file: &PathBuf| std::fs::read_to_string(file).is_ok_and(|text| super::csv::is_map(&text));
         old.extend(self.files(MAPS, "csv")?.into_iter().filter(map));
         if !self.resumed {

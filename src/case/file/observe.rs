@@ -1,6 +1,6 @@
 //! Tables of the measurements in addition to the standard ones.
 
-use super::Located;
+use super::{Located, Three};
 use crate::case::quantity::{Length, Ratio, Time};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -16,6 +16,12 @@ pub struct ObserveFile {
     pub velocity_distribution: Option<Located<VelocityDistributionFile>>,
     /// Mean squared displacement, autocorrelation of the velocities, and the coefficient of self-diffusion.
     pub diffusion: Option<Located<DiffusionFile>>,
+    /// Static structure factor S(k).
+    pub structure_factor: Option<Located<StructureFactorFile>>,
+    /// Contact network of soft spheres: contacts per particle, fabric tensor, and a file of the contacts at the end.
+    pub contact_network: Option<Located<ContactNetworkFile>>,
+    /// Density, velocity and stress on a grid, with a file for ParaView.
+    pub fields: Option<Located<FieldsFile>>,
 }
 
 /// Table `[observe.pair_distribution]`: pair distribution g(r), in a box that is periodic along x, y and z.
@@ -52,4 +58,35 @@ pub struct DiffusionFile {
     /// eight such times in the averaging period.
     #[schemars(example = &"5 ms", extend("x-required" = "always", "x-range" = "greater than 0 s"))]
     pub duration: Option<Located<Time>>,
+}
+
+/// Table `[observe.structure_factor]`: structure factor for the wave vectors that fit into a box that is periodic along x, y
+/// and z.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StructureFactorFile {
+    /// Shortest wavelength 2π/k, at least a hundredth of the longest edge of the box.
+    #[schemars(example = &"0.2 mm", extend("x-required" = "always", "x-range" = "1e-9 ..= 1e4 m"))]
+    pub wavelength: Option<Located<Length>>,
+    /// Number of bins between 0 and the largest wave number.
+    #[schemars(example = 80, extend("default" = 50, "x-range" = "1 ..= 10000"))]
+    pub bins: Option<Located<i64>>,
+}
+
+/// Table `[observe.contact_network]`: contacts of soft and hybrid spheres; it has no keys.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ContactNetworkFile {}
+
+/// Table `[observe.fields]`: density, velocity and stress on a grid of cells that fill the box. Particles are spread by a
+/// Gaussian.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FieldsFile {
+    /// Width of the Gaussian, its standard deviation along each axis.
+    #[schemars(example = &"0.4 mm", extend("x-required" = "always", "x-range" = "1e-9 ..= 1e4 m"))]
+    pub width: Option<Located<Length>>,
+    /// Numbers of cells along x, y and z, together at most 50000.
+    #[schemars(extend("examples" = [[10, 20, 10]], "x-required" = "always"))]
+    pub cells: Option<Three<i64>>,
 }

@@ -4,15 +4,22 @@ use super::Resolver;
 use crate::case::de::Located;
 use crate::case::describe::length;
 use crate::case::diagnostic::Diagnostic;
-use crate::case::file::{CaseFile, DiffusionFile, PairDistributionFile, VelocityDistributionFile};
+use crate::case::file::{
+    CaseFile, DiffusionFile, FieldsFile, PairDistributionFile, StructureFactorFile, VelocityDistributionFile,
+};
 use crate::experiment::{
-    DiffusionSettings, Experiment, ObserveSettings, PairDistributionSettings, VelocityDistributionSettings,
+    DiffusionSettings, Experiment, FieldsSettings, ObserveSettings, PairDistributionSettings, StructureFactorSettings,
+    VelocityDistributionSettings,
 };
 use crate::scene::Scene;
 use crate::schedule::Schedule;
 
 /// Largest number of bins of a histogram.
 const MOST_BINS: i64 = 10_000;
+/// Largest number of waves along an edge of the box. The list of wave vectors grows with its third power.
+const MOST_WAVES: f64 = 100.0;
+/// Largest number of cells of a grid of fields. Each takes 2.5 KB, for 20 blocks of time.
+const MOST_CELLS: i64 = 50_000;
 /// Fewest samples in the longest time of the mean squared displacement.
 const FEWEST_SAMPLES: f64 = 10.0;
 
@@ -28,10 +35,15 @@ impl Resolver {
         let pairs = asked.pair_distribution.as_ref().map(|pairs| self.pair_distribution(pairs, scene));
         let velocities = asked.velocity_distribution.as_ref().map(|of| self.velocity_distribution(&of.value));
         let diffusion = asked.diffusion.as_ref().map(|of| self.diffusion(of, scene));
+        let structure = asked.structure_factor.as_ref().map(|of| self.structure_factor(of, scene));
+        let fields = asked.fields.as_ref().map(|of| self.fields(of, scene));
         Ok(ObserveSettings {
             pair_distribution: pairs.transpose()?,
             velocity_distribution: velocities.transpose()?,
             diffusion: diffusion.transpose()?,
+            structure_factor: structure.transpose()?,
+            contact_network: asked.contact_network.is_some(),
+            fields: fields.transpose()?,
         })
     }
 
@@ -43,6 +55,15 @@ impl Resolver {
         let message = format!("`{}` needs a box that is periodic along all axes", typed.path);
         let help = "leave the table out, or write `periodic = [\"x\", \"y\", \"z\"]` in [domain]";
         Err(self.sources.error(&typed.origin, message).help(help))
+    }
+
+    /// Refuses a measurement that needs images at rest.
+    fn refuse_shear_of<T>(&self, typed: &Located<T>, scene: &Scene) -> Result<(), Diagnostic> {
+        if scene.domain.shear.is_none() {
+            return Ok(());
+        }
+        let message = format!("`{}` is not for sheared boxes, whose images move", typed.path);
+        Err(self.sources.error(&typed.origin, message).help("leave the table out"))
     }
 
     fn pair_distribution(
@@ -74,12 +95,46 @@ impl Resolver {
     }
 
     fn diffusion(&self, typed: &Located<DiffusionFile>, scene: &Scene) -> Result<DiffusionSettings, Diagnostic> {
-        if scene.domain.shear.is_some() {
-            let message = format!("`{}` is not for sheared boxes, whose flow carries particles apart", typed.path);
-            return Err(self.sources.error(&typed.origin, message).help("leave the table out"));
-        }
+        self.refuse_shear_of(typed, scene)?;
         let duration = self.need(&typed.value.duration, "observe.diffusion.duration")?;
         Ok(DiffusionSettings { duration: self.in_range(duration, "some ten collisions of each particle")? })
+    }
+
+    fn structure_factor(
+        &self,
+        typed: &Located<StructureFactorFile>,
+        scene: &Scene,
+    ) -> Result<StructureFactorSettings, Diagnostic> {
+        let wavelength = self.need(&typed.value.wavelength, "observe.structure_factor.wavelength")?;
+        let help = "half a diameter shows two peaks of a dense fluid";
+        self.in_range(wavelength, help)?;
+        let bins = self.bins(&typed.value.bins, 50)?;
+        self.refuse_sides(typed, scene)?;
+        self.refuse_shear_of(typed, scene)?;
+        let (least, most) = (scene.domain.size.max() / MOST_WAVES, scene.domain.size.min());
+        let allowed =
+            format!("{least:.4e} to {most:.4e} m, a hundredth of the longest edge to the shortest edge of the box");
+        let fits = |length: f64| length >= least * (1.0 - 1e-9) && length <= most;
+        let wavelength = self.checked(wavelength, fits, &allowed, help)?;
+        Ok(StructureFactorSettings { wavelength, bins })
+    }
+
+    fn fields(&self, typed: &Located<FieldsFile>, scene: &Scene) -> Result<FieldsSettings, Diagnostic> {
+        let width = self.need(&typed.value.width, "observe.fields.width")?;
+        let help = "half a diameter to a diameter";
+        self.in_range(width, help)?;
+        let cells = self.need(&typed.value.cells, "observe.fields.cells")?;
+        let numbers = [0, 1, 2].map(|axis| cells.value[axis].value);
+        let total = numbers.iter().fold(1_i64, |total, count| total.saturating_mul(*count));
+        if numbers.iter().any(|count| *count < 1) || total > MOST_CELLS {
+            let why = format!("is out of range; allowed: at least one along each axis, together up to {MOST_CELLS}");
+            return Err(self.refuse(cells, why).help("about two cells in a width of the Gaussian"));
+        }
+        self.refuse_shear_of(typed, scene)?;
+        let most = scene.domain.size.min();
+        let allowed = format!("up to {most:.6e} m, the shortest edge of the box");
+        let width = self.checked(width, |width| width <= most, &allowed, help)?;
+        Ok(FieldsSettings { width, cells: numbers.map(|count| count as usize) })
     }
 
     /// Checks the measurements against the samples of the run.

@@ -1,13 +1,15 @@
 //! Parts of a report about the measurements that a case asks for, and their tables of numbers.
 
 use super::run::{distinct, measured};
-use crate::observe::{Observation, ObservedCurve, ObservedNumber};
+use crate::observe::{ContactLine, Observation, ObservedCurve, ObservedGrid, ObservedNumber};
 use crate::outcome::Outcome;
 use crate::output::OutputError;
 use crate::output::csv::{CsvTable, number};
 use crate::output::document::Block;
 use crate::output::figures;
+use crate::output::files::VTK;
 use crate::output::numbers::{significant, with_error};
+use crate::output::trajectory::Vtp;
 use crate::statistics::Estimate;
 use serde_json::{Value, json};
 
@@ -105,6 +107,14 @@ pub(super) fn tables(outcomes: &[Outcome]) -> Result<Vec<(String, Vec<u8>)>, Out
         let of_name: Vec<_> = all(outcomes).filter(|(_, observed)| observed.name == name).collect();
         tables.push((format!("{name}.csv"), curves(&of_name)?));
     }
+    for (outcome, observed) in all(outcomes) {
+        let (variant, time) = (figures::file_name(&outcome.experiment.name), outcome.simulated_seconds);
+        let name = format!("{VTK}/{}-{variant}", observed.name);
+        if !observed.lines.is_empty() {
+            tables.push((format!("{name}.vtp"), contact_lines(time, &observed.lines)));
+        }
+        tables.extend(observed.grid.as_ref().map(|grid| (format!("{name}.vti"), grid_file(time, grid))));
+    }
     if !tables.is_empty() {
         tables.push((NUMBERS.to_owned(), numbers(outcomes)?));
     }
@@ -159,4 +169,31 @@ fn numbers(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
         }
     }
     table.bytes()
+}
+
+/// File of contacts as lines for ParaView, with force [N] and ids of each. The id of a wall is -1.
+fn contact_lines(time: f64, lines: &[ContactLine]) -> Vec<u8> {
+    let ends = lines.iter().map(|line| [line.from.into(), line.to.into()]);
+    Vtp::of_lines(time, lines.len(), ends, |file| {
+        file.array("force_N", lines.iter().map(|line| [line.force]));
+        file.array("id", lines.iter().map(|line| [line.id as i32]));
+        file.array("other", lines.iter().map(|line| [line.other.map_or(-1, |id| id as i32)]));
+    })
+}
+
+/// File of averages on a grid for ParaView.
+fn grid_file(time: f64, grid: &ObservedGrid) -> Vec<u8> {
+    Vtp::of_grid(time, grid.cells, grid.spacing.into(), |file| {
+        for (name, components, values) in &grid.fields {
+            match components {
+                1 => file.array(name, values.iter().map(|value| [*value])),
+                3 => file.array(name, values.as_chunks::<3>().0.iter().copied()),
+                // ParaView expects a symmetric tensor in the order xx, yy, zz, xy, yz, xz
+                _ => {
+                    let cells = values.as_chunks::<6>().0.iter();
+                    file.array(name, cells.map(|[xx, yy, zz, xy, xz, yz]| [*xx, *yy, *zz, *xy, *yz, *xz]));
+                }
+            }
+        }
+    })
 }

@@ -13,6 +13,7 @@ mod pieces;
 mod vtp;
 mod walls;
 
+pub(super) use vtp::Vtp;
 pub(super) use walls::flat;
 
 use super::{Folder, OutputError};

@@ -1,4 +1,4 @@
-//! Writes VTK PolyData files with raw binary data for ParaView. The numbers are written without rounding.
+//! Writes VTK files of points, lines, polygons and grids with raw binary data for ParaView. The numbers are written without rounding.
 //!
 //! File format: VTK File Formats, "XML file formats",
 //! <https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html>.
@@ -9,7 +9,9 @@ use std::fmt::Write;
 const PIECE: usize = 6144;
 
 /// VTK file under construction. The header describes the arrays, and the bytes of the arrays follow in the same order.
-pub(super) struct Vtp {
+pub(in crate::output) struct Vtp {
+    /// Kind of the data set in VTK: `PolyData`, or `ImageData` for a grid.
+    kind: &'static str,
     header: String,
     data: Vec<u8>,
     /// Declarations of the arrays, for a file that joins several pieces.
@@ -17,7 +19,7 @@ pub(super) struct Vtp {
 }
 
 /// Type of number that an array can contain.
-pub(super) trait Number: Copy {
+pub(in crate::output) trait Number: Copy {
     /// Name of the type in VTK.
     const NAME: &'static str;
 
@@ -42,19 +44,57 @@ numbers!(f64: "Float64", i32: "Int32", u32: "UInt32", u16: "UInt16", u8: "UInt8"
 impl Vtp {
     /// Begins a file of the state at `time` [s] with the given numbers of points, vertices and polygons. The memory of
     /// `memory` is used again for the data.
-    pub(super) fn begin(mut memory: Vec<u8>, time: f64, [points, vertices, polygons]: [usize; 3]) -> Self {
+    pub(super) fn begin(memory: Vec<u8>, time: f64, [points, vertices, polygons]: [usize; 3]) -> Self {
+        let counts = format!("NumberOfPoints=\"{points}\" NumberOfVerts=\"{vertices}\" NumberOfPolys=\"{polygons}\"");
+        Self::of_kind("PolyData", memory, time, ["", &counts])
+    }
+
+    /// File of a number of `lines` at `time` [s]. `ends` returns the two points [m] of each line; `arrays` adds numbers of the
+    /// lines.
+    pub(in crate::output) fn of_lines(
+        time: f64,
+        lines: usize,
+        ends: impl Iterator<Item = [[f64; 3]; 2]>,
+        arrays: impl FnOnce(&mut Self),
+    ) -> Vec<u8> {
+        let counts = format!("NumberOfPoints=\"{}\" NumberOfLines=\"{lines}\"", 2 * lines);
+        let mut file = Self::of_kind("PolyData", Vec::new(), time, ["", &counts]);
+        file.part("CellData", arrays);
+        file.part("Points", |file| file.array::<f64, 3>("Points", ends.flatten()));
+        file.part("Lines", |file| {
+            file.array("connectivity", (0..2 * lines as i32).map(|point| [point]));
+            file.array("offsets", (1..=lines as i32).map(|line| [2 * line]));
+        });
+        file.finish().concat()
+    }
+
+    /// File of a grid at `time` [s], with numbers of cells along x, y and z and their edges `spacing` [m]. `arrays` adds
+    /// numbers of the cells.
+    pub(in crate::output) fn of_grid(
+        time: f64,
+        [x, y, z]: [usize; 3],
+        spacing: [f64; 3],
+        arrays: impl FnOnce(&mut Self),
+    ) -> Vec<u8> {
+        let extent = format!("0 {x} 0 {y} 0 {z}");
+        let edges = spacing.map(|edge| format!("{edge:?}")).join(" ");
+        let whole = format!(" WholeExtent=\"{extent}\" Origin=\"0 0 0\" Spacing=\"{edges}\"");
+        let piece = format!("Extent=\"{extent}\"");
+        let mut file = Self::of_kind("ImageData", Vec::new(), time, [&whole, &piece]);
+        file.part("CellData", arrays);
+        file.finish().concat()
+    }
+
+    /// Begins a file of a kind of data set, with the attributes of the data set and those of its piece.
+    fn of_kind(kind: &'static str, mut memory: Vec<u8>, time: f64, [whole, piece]: [&str; 2]) -> Self {
         memory.clear();
-        let mut header = String::from(
+        let mut header = format!(
             "<?xml version=\"1.0\"?>\n<!-- written by diptych -->\n\
-             <VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>\n",
+             <VTKFile type=\"{kind}\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<{kind}{whole}>\n",
         );
         // writing to a string cannot fail
-        let _ = writeln!(
-            header,
-            "{}<Piece NumberOfPoints=\"{points}\" NumberOfVerts=\"{vertices}\" NumberOfPolys=\"{polygons}\">",
-            time_value(time)
-        );
-        Self { header, data: memory, of_points: String::new() }
+        let _ = writeln!(header, "{}<Piece {piece}>", time_value(time));
+        Self { kind, header, data: memory, of_points: String::new() }
     }
 
     /// Adds a section of the file, such as `Points`; `arrays` adds the arrays of the section.
@@ -71,7 +111,11 @@ impl Vtp {
     }
 
     /// Adds an array with `C` components per point.
-    pub(super) fn array<T: Number, const C: usize>(&mut self, name: &str, mut values: impl Iterator<Item = [T; C]>) {
+    pub(in crate::output) fn array<T: Number, const C: usize>(
+        &mut self,
+        name: &str,
+        mut values: impl Iterator<Item = [T; C]>,
+    ) {
         let _ = writeln!(
             self.header,
             "<DataArray type=\"{}\" Name=\"{name}\" NumberOfComponents=\"{C}\" format=\"appended\" offset=\"{}\"/>",
@@ -117,7 +161,7 @@ impl Vtp {
 
     /// Finishes the file: header, data and end, to be written in this order.
     pub(super) fn finish(mut self) -> [Vec<u8>; 3] {
-        self.header += "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";
+        let _ = write!(self.header, "</Piece>\n</{}>\n<AppendedData encoding=\"raw\">\n_", self.kind);
         [self.header.into_bytes(), self.data, b"\n</AppendedData>\n</VTKFile>\n".to_vec()]
     }
 }
