@@ -248,7 +248,9 @@ fn in_a_drum(restitution: f64, friction: f64) -> (Scene, Particles) {
 
 /// Runs until `impacts` impacts on the drum, and checks after each window that no sphere is behind its wall.
 fn tumble(name: &str, engine: Box<dyn Engine>, impacts: u64) {
-    let (scene, start) = in_a_drum(1.0, 0.0);
+    let (mut scene, start) = in_a_drum(1.0, 0.0);
+    // with gravity and losses at walls, spheres would come to rest on them; losses of pairs keep the speeds low
+    scene.gravity = Vector3::zeros();
     let mut simulation = Simulation::with_engine(scene, start, engine);
     while simulation.record.walls.count < impacts {
         simulation.run(1, 0.2).unwrap_or_else(|why| panic!("{name}: {why}"));
@@ -263,15 +265,15 @@ fn tumble(name: &str, engine: Box<dyn Engine>, impacts: u64) {
 #[test]
 fn no_touch_is_missed_in_a_turning_drum() {
     for (name, engine) in EXACT {
-        tumble(name, engine(), 5_000);
+        tumble(name, engine(), 2_000);
     }
 }
 
 #[test]
 #[ignore = "takes minutes"]
-fn no_touch_is_missed_in_a_turning_drum_in_a_million_impacts() {
+fn no_touch_is_missed_in_a_turning_drum_in_a_hundred_thousand_impacts() {
     for (name, engine) in EXACT {
-        tumble(name, engine(), 1_000_000);
+        tumble(name, engine(), 100_000);
     }
 }
 

@@ -164,7 +164,7 @@ fn corners([low, high]: [Vector3<f64>; 2]) -> [Vector3<f64>; 8] {
 impl MovingShape {
     /// [m] box around the moved shape, from the box around the shape.
     fn moved(&self, around: [Vector3<f64>; 2]) -> [Vector3<f64>; 2] {
-        let corners = corners(around).map(|corner| self.motion.from_shape(&corner, self.time));
+        let corners = corners(around).map(|corner| self.motion.to_scene(&corner, self.time));
         let first = corners[0];
         corners.iter().fold([first; 2], |[low, high], corner| [low.inf(corner), high.sup(corner)])
     }
@@ -266,7 +266,7 @@ impl Geometry for MovingShape {
 
     fn drawing(&self, size: &Vector3<f64>) -> Drawing {
         let (points, triangles) = self.shape.law().drawing(size);
-        (points.iter().map(|point| self.motion.from_shape(point, self.time)).collect(), triangles)
+        (points.iter().map(|point| self.motion.to_scene(point, self.time)).collect(), triangles)
     }
 }
 

@@ -82,7 +82,7 @@ impl PrescribedMotion {
     }
 
     /// [m] place of `point` [m] of the frame of the shape at `time` [s]: the inverse of [`to_shape`](Self::to_shape).
-    pub(super) fn from_shape(&self, point: &Vector3<f64>, time: f64) -> Vector3<f64> {
+    pub(super) fn to_scene(&self, point: &Vector3<f64>, time: f64) -> Vector3<f64> {
         match self {
             Self::Turning(turning) => rotation(turning, time) * (point - turning.center) + turning.center,
             _ => point + self.displacement(time),
