@@ -172,10 +172,10 @@ fn percus_yevick(phi: f64, points: usize) -> Vec<f64> {
         for j in 1..=split {
             sum += h[i - j] * q[j] * if j == split { 0.5 } else { 1.0 };
         }
-        for j in split..=PER_DIAMETER {
+        for (j, weight) in q.iter().enumerate().skip(split) {
             let ends = j == split || j == PER_DIAMETER;
             let inside = -(1.0 + (i as f64 - j as f64) * step);
-            sum += if i < PER_DIAMETER { inside * q[j] * if ends { 0.5 } else { 1.0 } } else { 0.0 };
+            sum += if i < PER_DIAMETER { inside * weight * if ends { 0.5 } else { 1.0 } } else { 0.0 };
         }
         // the term of t = 0 contains the unknown itself, with half a weight unless the range outside the core is empty
         let own = if split > 0 { 0.5 * factor * q[0] } else { 0.0 };
