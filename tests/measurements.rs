@@ -7,7 +7,9 @@ use diptych::experiment::{
     DiffusionSettings, Experiment, FieldsSettings, Model, ObserveSettings, PairDistributionSettings,
     StructureFactorSettings, VelocityDistributionSettings,
 };
-use diptych::observe::{Diffusion, Measurement, Observation, PairDistribution, VelocityDistribution, run};
+use diptych::observe::{
+    Diffusion, Measurement, Observation, ObservedNumber, ObservedQuantity, PairDistribution, VelocityDistribution, run,
+};
 use diptych::particles::Particles;
 use diptych::placement::initial_state;
 use diptych::schedule::Schedule;
@@ -170,10 +172,10 @@ fn percus_yevick(phi: f64, points: usize) -> Vec<f64> {
         for j in 1..=split {
             sum += h[i - j] * q[j] * if j == split { 0.5 } else { 1.0 };
         }
-        for j in split..=PER_DIAMETER {
+        for (j, weight) in q.iter().enumerate().skip(split) {
             let ends = j == split || j == PER_DIAMETER;
             let inside = -(1.0 + (i as f64 - j as f64) * step);
-            sum += if i < PER_DIAMETER { inside * q[j] * if ends { 0.5 } else { 1.0 } } else { 0.0 };
+            sum += if i < PER_DIAMETER { inside * weight * if ends { 0.5 } else { 1.0 } } else { 0.0 };
         }
         // the term of t = 0 contains the unknown itself, with half a weight unless the range outside the core is empty
         let own = if split > 0 { 0.5 * factor * q[0] } else { 0.0 };
@@ -309,7 +311,7 @@ fn a_cooling_gas_has_the_coefficient_of_van_noije_and_ernst() {
                 [measured(&gas, 10.0, |gas, schedule| VelocityDistribution::new(gas, schedule, SETTINGS))]
             })
             .collect();
-        let pooled = Observation::pool(&runs.iter().map(|run| run.as_slice()).collect::<Vec<_>>());
+        let pooled = Observation::pool(&runs.iter().map(|run| run.as_slice()).collect::<Vec<_>>(), false);
         let (found, e) = (&pooled[0], restitution);
         let exact = 16.0 * (1.0 - e) * (1.0 - 2.0 * e * e) / (81.0 - 17.0 * e + 30.0 * e * e * (1.0 - e));
         assert_eq!(found.numbers[0].theory.unwrap().1, exact);
@@ -405,5 +407,21 @@ fn diffusion_is_that_of_hard_spheres() {
             agrees(&format!("hard, φ = {phi}, Einstein"), einstein, exact * 0.985, 0.02 * exact);
             agrees(&format!("hard, φ = {phi}, Green-Kubo"), green_kubo, exact * 0.985, 0.02 * exact);
         }
+    }
+}
+
+#[test]
+fn replicas_are_pooled_by_their_errors_or_by_their_scatter() {
+    let run = |value: f64| {
+        let quantity = ObservedQuantity::new("number", "n", "");
+        let number = ObservedNumber { quantity, value: Some(Estimate::new(value, 0.1)), theory: None };
+        [Observation { name: "made up", numbers: vec![number], ..Observation::default() }]
+    };
+    let runs = [run(1.0), run(2.0), run(6.0)];
+    let runs: Vec<&[Observation]> = runs.iter().map(|run| run.as_slice()).collect();
+    // the mean of 1, 2 and 6 is 3, and their variance is 7
+    for (by_runs, error) in [(false, 0.1 / 3.0_f64.sqrt()), (true, (7.0_f64 / 3.0).sqrt())] {
+        let found = Observation::pool(&runs, by_runs)[0].numbers[0].value.unwrap();
+        assert!((found.value - 3.0).abs() < 1e-12 && (found.error.unwrap() - error).abs() < 1e-12, "{found:?}");
     }
 }

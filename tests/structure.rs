@@ -2,10 +2,14 @@
 //! Starling, statics, a crystal, and the laws of conservation.
 
 use crate::measurements::{agrees, curve, gas, measured, number, of_states, points};
+use crate::support::Crew;
 use diptych::Vector3;
 use diptych::domain::Domain;
-use diptych::experiment::{Amount, Experiment, FieldsSettings, Model, StructureFactorSettings};
-use diptych::observe::{ContactNetwork, Fields, Measurement, Observer, StructureFactor};
+use diptych::experiment::{
+    Amount, DiffusionSettings, Experiment, FieldsSettings, Model, ObserveSettings, PairDistributionSettings,
+    StructureFactorSettings, VelocityDistributionSettings,
+};
+use diptych::observe::{ContactNetwork, Fields, Measurement, Measurements, Observer, StructureFactor, run};
 use diptych::particles::Particles;
 use diptych::placement::initial_state;
 use diptych::schedule::Schedule;
@@ -280,4 +284,51 @@ fn fields_of_a_gas_have_its_temperature() {
     assert!(curve(&found, "contact_yy_Pa").iter().all(|value| value.unwrap().value == 0.0));
     let mass = &found.numbers[0];
     assert!((mass.value.unwrap().value / mass.theory.unwrap().1 - 1.0).abs() < 1e-12);
+}
+
+/// Results of all measurements of a run that `size` threads share in place of processes; `None` means one process.
+fn shared_by(size: Option<usize>, gas: &Experiment) -> String {
+    let (schedule, start) = (Schedule::new(gas), initial_state(gas).unwrap());
+    let mut own = Measurements::new(gas, &schedule);
+    let count = own.each().count();
+    let simulation = || Simulation::new(gas, start.clone());
+    let mut crew = Crew::of(size.unwrap_or(1));
+    let lead = crew.remove(0);
+    std::thread::scope(|scope| {
+        for communicator in crew {
+            scope.spawn(|| {
+                let mut own = Measurements::new(gas, &schedule);
+                simulation().shared(communicator, count).follow(&mut |simulation, place, kept| {
+                    let observer = own.each().nth(place).unwrap();
+                    kept.into_iter().for_each(|kept| observer.restore(kept).unwrap());
+                    observer.see(simulation);
+                });
+            });
+        }
+        let mut simulation = if size.is_some() { simulation().shared(lead, count) } else { simulation() };
+        let mut observers: Vec<&mut dyn Observer> = own.each().map(|one| one as &mut dyn Observer).collect();
+        run(&mut simulation, &schedule, &mut observers).unwrap();
+    });
+    format!("{:?}", own.results(gas, 0.0))
+}
+
+#[test]
+fn measurements_of_several_processes_are_those_of_one() {
+    for model in [Model::Hard, Model::Soft] {
+        let mut gas = gas(600, 0.05, 0.9, model);
+        (gas.run.duration, gas.statistics.sample_interval) = (1.0, Some(0.05));
+        gas.observe = ObserveSettings {
+            pair_distribution: Some(PairDistributionSettings { reach: 4.0, bins: 20 }),
+            velocity_distribution: Some(VelocityDistributionSettings { largest_speed: 4.0, bins: 20 }),
+            diffusion: Some(DiffusionSettings { duration: 0.1 }),
+            structure_factor: Some(StructureFactorSettings { wavelength: 2.0, bins: 10 }),
+            contact_network: true,
+            fields: Some(FieldsSettings { width: 1.0, cells: [3, 4, 5] }),
+        };
+        let alone = shared_by(None, &gas);
+        assert!(alone.len() > 10_000);
+        for size in [1, 2, 3] {
+            assert!(shared_by(Some(size), &gas) == alone, "{model:?} on {size}");
+        }
+    }
 }

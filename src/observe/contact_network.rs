@@ -1,8 +1,8 @@
 //! Contact network of soft spheres: contacts per particle, fabric tensor, and the contacts with their forces.
 //!
 //! * Coordination number Z = (2 C + W)/N, with C contacts between N particles and W contacts with walls.
-//! * Mechanical coordination number Z_m = (2 C + W - N₁)/(N - N₀ - N₁), without the N₀ and N₁ particles that have no contact
-//!   or one, which carry no force at rest (Thornton 2000, Géotechnique 50, 43).
+//! * Mechanical coordination number Z_m = (2 C + W - N₁)/(N - N₀ - N₁) (Thornton 2000, Géotechnique 50, 43). It leaves out the
+//!   N₀ particles without contacts and the N₁ particles with one, which carry no force at rest.
 //! * Fabric tensor Σ n n/C over the contacts between particles, with the unit normals n (Satake 1982). Its trace is 1.
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumber, ObservedQuantity};
@@ -45,7 +45,7 @@ pub struct ContactLine {
 }
 
 impl ContactLine {
-    /// The same contact, seen from the particle with the smaller id.
+    /// This contact, seen from the particle with the smaller id.
     fn ordered(self, domain: &Domain) -> Self {
         let Some(other) = self.other.filter(|other| *other < self.id) else { return self };
         let (from, normal) = (domain.wrap(&self.to), -self.normal);
@@ -159,8 +159,9 @@ impl Measurement for ContactNetwork {
     fn result(&self, _experiment: &Experiment, from: f64) -> Observation {
         let samples: Vec<&NetworkSample> = self.samples.iter().filter(|sample| sample.time >= from).collect();
         let number = |column: &str, symbol: &str, unit: &'static str, of: &dyn Fn(&NetworkSample) -> Option<f64>| {
-            let series: Option<Vec<f64>> = samples.iter().map(|sample| of(sample)).collect();
-            let value = series.and_then(|series| estimate(&series));
+            // samples without a contact have no force and no fabric
+            let series: Vec<f64> = samples.iter().filter_map(|sample| of(sample)).collect();
+            let value = estimate(&series);
             ObservedNumber { quantity: ObservedQuantity::new(column, symbol, unit), value, theory: None }
         };
         let share = |k: usize| {

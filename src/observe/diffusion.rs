@@ -201,10 +201,10 @@ impl Measurement for Diffusion {
             number("D_einstein_m2_s", "D by displacements", over_blocks(&einstein));
             number("D_green_kubo_m2_s", "D by velocities", over_blocks(&green_kubo));
         }
-        let remark = self.is_ambiguous.then(|| {
+        let remark = self.is_ambiguous.then_some(
             "Displacements are unknown: some particles move further than a quarter of a period between samples. \
-             Give a shorter statistics.sample_interval."
-        });
+             Give a shorter statistics.sample_interval.",
+        );
         Observation {
             name: "diffusion",
             title: "Mean squared displacement and autocorrelation of the velocities",

@@ -9,7 +9,7 @@ use super::structure_factor::StructureFactor;
 use super::velocity_distribution::VelocityDistribution;
 use crate::experiment::Experiment;
 use crate::schedule::Schedule;
-use crate::statistics::Estimate;
+use crate::statistics::{Batches, Estimate};
 use nalgebra::Vector3;
 
 /// Quantity of a curve or of a number.
@@ -89,17 +89,25 @@ pub struct Observation {
 }
 
 impl Observation {
-    /// Means over several independent runs of one variant.
-    pub fn pool(runs: &[&[Self]]) -> Vec<Self> {
+    /// Means over several independent runs of one variant. If `by_runs` is true, errors follow from the scatter between the
+    /// runs, for particles that do not mix within a run.
+    pub fn pool(runs: &[&[Self]], by_runs: bool) -> Vec<Self> {
         let Some(first) = runs.first() else { return Vec::new() };
+        let mean = |values: &mut dyn Iterator<Item = Option<Estimate>>| {
+            if !by_runs {
+                return Estimate::mean_of(values);
+            }
+            let values: Option<Vec<f64>> = values.map(|value| value.map(|value| value.value)).collect();
+            Batches::of_runs(vec![values?]).estimate()
+        };
         let mut pooled = first.to_vec();
         for (place, result) in pooled.iter_mut().enumerate() {
             for (k, curve) in result.curves.iter_mut().enumerate() {
                 let values = |point: usize| runs.iter().map(move |run| run[place].curves[k].values[point]);
-                curve.values = (0..curve.values.len()).map(|point| Estimate::mean_of(values(point))).collect();
+                curve.values = (0..curve.values.len()).map(|point| mean(&mut values(point))).collect();
             }
             for (k, number) in result.numbers.iter_mut().enumerate() {
-                number.value = Estimate::mean_of(runs.iter().map(|run| run[place].numbers[k].value));
+                number.value = mean(&mut runs.iter().map(|run| run[place].numbers[k].value));
             }
             result.remark = runs.iter().find_map(|run| run[place].remark);
         }

@@ -80,7 +80,8 @@ fn merge(first: &Outcome, others: &[Outcome]) -> Outcome {
     outcome.kinds = KindAverages::pool(&all.iter().map(|run| &run.kinds).collect::<Vec<_>>(), by_runs);
     outcome.rings.profiles =
         ProfileTable::pool(&all.iter().map(|run| &run.rings.profiles).collect::<Vec<_>>(), by_runs);
-    outcome.observations = Observation::pool(&all.iter().map(|run| run.observations.as_slice()).collect::<Vec<_>>());
+    outcome.observations =
+        Observation::pool(&all.iter().map(|run| run.observations.as_slice()).collect::<Vec<_>>(), by_runs);
     outcome.averaged = averaged;
     outcome
 }

@@ -29,7 +29,11 @@ pub(super) fn blocks(outcomes: &[Outcome], pictures: impl Fn(&str) -> Vec<Block>
                 Some((source, value)) => (significant(value, 4), source.to_owned()),
                 None => (String::new(), String::new()),
             };
-            (false, vec![name.clone(), quantity, with_error(number.value), theory, in_errors(number), source])
+            // an error by rounding alone, as of a bed at rest, is none
+            let is_rounding = |value: &Estimate| value.error.is_some_and(|error| error < 1e-12 * value.value.abs());
+            let value =
+                number.value.map(|value| if is_rounding(&value) { Estimate::exact(value.value) } else { value });
+            (false, vec![name.clone(), quantity, with_error(value), theory, in_errors(number), source])
         });
         rows.collect::<Vec<_>>()
     };
