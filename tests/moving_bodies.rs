@@ -222,7 +222,7 @@ fn a_body_that_turns_about_its_own_axis_is_a_surface_that_turns() {
 /// A drum along z with the given number of sides and a lifter on every third of them: a closed vessel of triangles.
 fn drum(center: Vector3<f64>, radius: f64, half: f64, sides: u32) -> Heap {
     let corner = |k: u32| {
-        let lifted = if k % 3 == 0 { 0.75 } else { 1.0 };
+        let lifted = if k.is_multiple_of(3) { 0.75 } else { 1.0 };
         let (sin, cos) = (TAU * f64::from(k) / f64::from(sides)).sin_cos();
         Vector3::new(cos, sin, 0.0) * (lifted * radius)
     };
