@@ -20,7 +20,6 @@ pub use contacts::ContactSummary;
 
 pub use engines::{SimulationEngine, engine, may_touch, soft_step};
 pub use kick::kick;
-use kick::kick_among;
 pub use snapshot::Snapshot;
 
 use crate::clock::Clock;
@@ -32,8 +31,8 @@ use crate::experiment::{Experiment, Integrator};
 use crate::fluid::LoadedFlow;
 use crate::particles::{Particles, Sample};
 use crate::predict::energy::{Bound, broken_contract, too_long};
-use crate::record::{Ledger, Record};
-use crate::scene::{Scene, Species};
+use crate::record::Record;
+use crate::scene::Scene;
 use crate::walls::Repeated;
 use lift::LiftKick;
 use nalgebra::Vector3;
@@ -42,11 +41,6 @@ use share::{GatheredParticles, Order, SharedSimulation};
 use std::borrow::Cow;
 use std::time::Duration;
 use totals::SimulationTotals;
-use turbulence::TurbulentKick;
-
-/// Smallest number of particles for which the drag law is tabulated. Making the table takes as long as several dozen
-/// kicks of this number of particles, and a run makes hundreds of kicks.
-const TABULATE: usize = 1000;
 
 /// A simulation of one variant: the particles, the engine that moves them, and the records of the run.
 ///
@@ -418,62 +412,6 @@ impl Simulation {
             (self.record.ledger, self.totals.momentum) = (ledger, momentum);
         }
         answer
-    }
-
-    /// True if the gas exerts drag.
-    fn is_dragged(&self) -> bool {
-        self.scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some())
-    }
-
-    /// Applies drag and a thermostat alone for `duration` [s]; `number` is the number of the kick, which determines its
-    /// random numbers.
-    fn kick(&mut self, duration: f64, number: u64) {
-        let (dragged, heated) = (self.is_dragged(), self.scene.thermostat.is_some());
-        if (dragged || heated) && self.engine.is_cut() {
-            self.order(&Order::Kick(duration, number));
-        }
-        // with drag, half of the heat is given before it and half after it, so that the splitting is of second order
-        let share = if dragged { 0.5 } else { 1.0 };
-        self.heat(share * duration, 2 * number);
-        if dragged {
-            self.drag(duration, number);
-            self.heat(share * duration, 2 * number + 1);
-        }
-    }
-
-    /// Applies drag alone for `duration` [s], as the kick with a number.
-    fn drag(&mut self, duration: f64, number: u64) {
-        let Some(fluid) = &self.scene.fluid else { return };
-        let Some(law) = &fluid.drag else { return };
-        let began = self.clock.now();
-        let place = self.kicks.iter().position(|kick| kick.duration() == duration).unwrap_or_else(|| {
-            self.kicks.truncate(1);
-            let make = if self.totals.count < TABULATE { Kick::exact } else { Kick::tabulated };
-            let kick = make(law, &self.spheres, duration);
-            let spread = |species: &Species| species.sizes.is_some().then_some(species.diameter);
-            let kick = if self.scene.has_sizes() {
-                kick.with_sizes(self.scene.species.iter().map(spread).collect())
-            } else {
-                kick
-            };
-            self.kicks.insert(0, kick);
-            0
-        });
-        let fractions = law.law().cells().map(|cells| self.fractions(cells));
-        let kick = &self.kicks[place];
-        let before = self.slice_sums(Some((kick, fractions.as_ref())));
-        let sums = match &fluid.turbulence {
-            None => kick_among(&mut self.particles, &fluid.profile, kick, fractions.as_ref()),
-            Some(turbulence) => {
-                turbulence::draw_first_eddies(&mut self.particles, (fluid, turbulence), self.seed);
-                let (profile, fractions) = (&fluid.profile, fractions.as_ref());
-                let seed_and_number = (self.seed, number);
-                TurbulentKick { profile, turbulence, kick, fractions, seed_and_number }.apply(&mut self.particles)
-            }
-        };
-        self.advance_gas(before, duration);
-        self.book_kick(sums, |drag_impulse, drag_work| Ledger { drag_impulse, drag_work, ..Ledger::default() });
-        self.spent.drag += self.clock.now() - began;
     }
 
     /// Checks that all particles are inside the domain and that their energy is within its limit.

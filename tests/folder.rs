@@ -40,7 +40,10 @@ fn two_runs_do_not_share_a_folder() {
     first.wait().unwrap();
     let third = diptych(&["run", BASE, "--quiet", "--out"]).arg(&folder).output().unwrap();
     assert_eq!(third.status.code(), Some(0), "{}", words(&third.stderr));
-    assert_eq!(names(&folder), ["figures", "impacts.csv", "profiles.csv", "report.html", "series.csv", "summary.json"]);
+    assert_eq!(
+        names(&folder),
+        ["figures", "impacts.csv", "profiles.csv", "report.html", "series.csv", "stress.csv", "summary.json"]
+    );
 }
 
 #[test]

@@ -1,15 +1,78 @@
-//! Kicks of drag: the gas changes the velocities of all particles and leaves their positions as they are.
+//! Kicks of drag and heat, which change the velocities of all particles and leave their positions as they are.
 
 use super::Simulation;
+use super::share::Order;
+use super::turbulence::{self, TurbulentKick};
 use crate::drag::Kick;
 use crate::exact::{self, BLOCK, ExactSum};
 use crate::fluid::{LocalFractions, Profile};
 use crate::particles::{CHUNK, Particles};
 use crate::record::Ledger;
+use crate::scene::Species;
 use crate::work_sharing;
 use nalgebra::Vector3;
 
+/// Smallest number of particles for which the drag law is tabulated. Making the table takes as long as several dozen
+/// kicks of this number of particles, and a run makes hundreds of kicks.
+const TABULATE: usize = 1000;
+
 impl Simulation {
+    /// True if the gas exerts drag.
+    pub(super) fn is_dragged(&self) -> bool {
+        self.scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some())
+    }
+
+    /// Applies drag and a thermostat alone for `duration` [s]; `number` is the number of the kick, which determines its
+    /// random numbers.
+    pub(super) fn kick(&mut self, duration: f64, number: u64) {
+        let (dragged, heated) = (self.is_dragged(), self.scene.thermostat.is_some());
+        if (dragged || heated) && self.engine.is_cut() {
+            self.order(&Order::Kick(duration, number));
+        }
+        // with drag, half of the heat is given before it and half after it, so that the splitting is of second order
+        let share = if dragged { 0.5 } else { 1.0 };
+        self.heat(share * duration, 2 * number);
+        if dragged {
+            self.drag(duration, number);
+            self.heat(share * duration, 2 * number + 1);
+        }
+    }
+
+    /// Applies drag alone for `duration` [s], as the kick with a number.
+    fn drag(&mut self, duration: f64, number: u64) {
+        let Some(fluid) = &self.scene.fluid else { return };
+        let Some(law) = &fluid.drag else { return };
+        let began = self.clock.now();
+        let place = self.kicks.iter().position(|kick| kick.duration() == duration).unwrap_or_else(|| {
+            self.kicks.truncate(1);
+            let make = if self.totals.count < TABULATE { Kick::exact } else { Kick::tabulated };
+            let kick = make(law, &self.spheres, duration);
+            let spread = |species: &Species| species.sizes.is_some().then_some(species.diameter);
+            let kick = if self.scene.has_sizes() {
+                kick.with_sizes(self.scene.species.iter().map(spread).collect())
+            } else {
+                kick
+            };
+            self.kicks.insert(0, kick);
+            0
+        });
+        let fractions = law.law().cells().map(|cells| self.fractions(cells));
+        let kick = &self.kicks[place];
+        let before = self.slice_sums(Some((kick, fractions.as_ref())));
+        let sums = match &fluid.turbulence {
+            None => kick_among(&mut self.particles, &fluid.profile, kick, fractions.as_ref()),
+            Some(turbulence) => {
+                turbulence::draw_first_eddies(&mut self.particles, (fluid, turbulence), self.seed);
+                let (profile, fractions) = (&fluid.profile, fractions.as_ref());
+                let seed_and_number = (self.seed, number);
+                TurbulentKick { profile, turbulence, kick, fractions, seed_and_number }.apply(&mut self.particles)
+            }
+        };
+        self.advance_gas(before, duration);
+        self.book_kick(sums, |drag_impulse, drag_work| Ledger { drag_impulse, drag_work, ..Ledger::default() });
+        self.spent.drag += self.clock.now() - began;
+    }
+
     /// Local volume fractions of the particles of all processes, with `cells` cells along x, y and z.
     pub(super) fn fractions(&self, cells: [u32; 3]) -> LocalFractions {
         LocalFractions::of(&self.particles, &self.scene.domain, cells, self.parts())

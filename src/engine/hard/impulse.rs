@@ -2,7 +2,7 @@
 
 use crate::encounter::{AtWall, Couple, Encounter, Other, WallMotion};
 use crate::particles::Particles;
-use crate::record::{Between, Impact, Log};
+use crate::record::{Between, Impact, Ledger, Log};
 use crate::scene::{Kind, Scene, Surface};
 use crate::walls::WallApproach;
 use nalgebra::Vector3;
@@ -174,17 +174,8 @@ impl Collision {
         } else {
             0.0
         };
-        let overlap = this.met.overlap().max(0.0) / weights.diameter;
-        let impact = Impact {
-            normal_speed: -before_n,
-            rebound_speed: after_n,
-            duration: 0.0,
-            first_overlap: overlap,
-            maximum_overlap: overlap,
-            overlap_time: 0.0,
-            left_out: None,
-            slip: rough.as_ref().map(|rough| rough.slip),
-        };
+        let slip = rough.as_ref().map(|rough| rough.slip);
+        let impact = Impact { rebound_speed: after_n, slip, ..this.impact(weights.diameter) };
         let ledger = &mut log.ledger;
         let (species, other) = this.kinds;
         log.impacts.push((Between::of(species, other), impact));
@@ -209,14 +200,34 @@ impl Collision {
                     }
                 }
                 ledger.wall_work += this.wall.map_or(0.0, |wall| wall.power(&impulse, None));
-                ledger.wall_impulse += impulse;
                 // the pressure on a rough wall counts along its smooth normal
-                ledger.wall_normal_impulse += impulse.dot(&self.met.normal);
-                // gravity does work on the momentum from the wall during the rest of the window
-                ledger.gravity_work += scene.gravity.dot(&impulse) * remaining;
+                self.book_wall_impulse(&impulse, scene, remaining, ledger);
                 (change_i, Vector3::zeros())
             }
         }
+    }
+
+    /// The impact for the statistics, without rebound. `diameter` [m] is the smaller one of both bodies.
+    fn impact(&self, diameter: f64) -> Impact {
+        let overlap = self.met.overlap().max(0.0) / diameter;
+        Impact {
+            normal_speed: -self.met.normal_velocity,
+            rebound_speed: 0.0,
+            duration: 0.0,
+            first_overlap: overlap,
+            maximum_overlap: overlap,
+            overlap_time: 0.0,
+            left_out: None,
+            slip: None,
+        }
+    }
+
+    /// Adds the impulse [kg m/s] of a wall to the ledger. Gravity does work on this momentum during the rest `remaining`
+    /// [s] of the window.
+    fn book_wall_impulse(&self, impulse: &Vector3<f64>, scene: &Scene, remaining: f64, ledger: &mut Ledger) {
+        ledger.wall_impulse += impulse;
+        ledger.wall_normal_impulse += impulse.dot(&self.met.normal);
+        ledger.gravity_work += scene.gravity.dot(impulse) * remaining;
     }
 
     /// Velocity change [m/s] of a particle of `mass` [kg] that rests on a wall. Afterwards the particle has the normal
@@ -229,10 +240,7 @@ impl Collision {
         let ledger = &mut log.ledger;
         ledger.wall_restitution_loss -= 0.5 * mass * (speed * speed - before * before);
         ledger.wall_work += self.wall.map_or(0.0, |wall| impulse.dot(&wall.carried));
-        ledger.wall_impulse += impulse;
-        ledger.wall_normal_impulse += impulse.dot(&self.met.normal);
-        // work of gravity on this momentum during the rest of the window, as after an impact
-        ledger.gravity_work += scene.gravity.dot(&impulse) * remaining;
+        self.book_wall_impulse(&impulse, scene, remaining, ledger);
         change
     }
 }

@@ -1,0 +1,34 @@
+//! Windows of heated gases.
+
+use super::{SPLITTING, motion};
+use crate::experiment::Experiment;
+use crate::kinetic_theory::contact_value;
+use std::f64::consts::PI;
+
+/// [s] longest window of a thermostat, which acts between windows; infinite without one. Within a window of length h the
+/// heat of a window is late or early by h/2. With a collision rate r, the error of the splitting is (r h)²/24 at most
+/// (trapezoidal rule), and at most [`SPLITTING`].
+pub fn longest_for_thermostat(experiment: &Experiment) -> f64 {
+    heated_rate(experiment).map_or(f64::INFINITY, |rate| (24.0 * SPLITTING).sqrt() / rate)
+}
+
+/// [1/s] upper limit of the collision rate of a particle in a scene with a thermostat; `None` without one. The granular
+/// temperature is at most that of the start, or that at which the least inelastic impacts balance the heat.
+pub(super) fn heated_rate(experiment: &Experiment) -> Option<f64> {
+    let scene = &experiment.scene;
+    let thermostat = scene.thermostat?;
+    let (room, diameter) = (scene.room(), scene.largest_diameter());
+    let kinds = || scene.species.iter().zip(experiment.counts());
+    let fraction = kinds().map(|(species, count)| count as f64 * species.volume()).sum::<f64>() / room;
+    let squares = kinds().map(|(species, count)| count as f64 * species.diameter.powi(2)).sum::<f64>() / room;
+    let contact_value = contact_value(diameter, diameter, fraction, PI / 6.0 * squares);
+    // Chapman & Cowling 1970, 5.21, as in `DragScales::at`, over the root of T
+    let over_root = 4.0 * experiment.count() as f64 / room * diameter.powi(2) * PI.sqrt() * contact_value;
+    let at_start = experiment.start.iter().map(|population| motion(population).1.powi(2)).fold(0.0, f64::max);
+    let losses = scene.surfaces(experiment.count()).into_iter().map(|surface| 1.0 - surface.restitution.powi(2));
+    let least = losses.fold(1.0, f64::min);
+    // each collision takes (1 - e²)/3 of T from its two particles, see `predict::transient`
+    let steady = thermostat.steady_temperature(over_root * least / 3.0);
+    let unhindered = thermostat.temperature_after(at_start, experiment.run.duration);
+    Some(over_root * at_start.max(steady.min(unhindered)).sqrt())
+}
