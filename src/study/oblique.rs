@@ -6,7 +6,7 @@ use crate::engine::Partner;
 use crate::experiment::Experiment;
 use crate::output::{ObliqueCurve, ObliqueStudy};
 use crate::particles::Particles;
-use crate::rotation::slip;
+use crate::rotation::{PartialSlip, slip};
 use crate::simulation::Simulation;
 use nalgebra::Vector3;
 
@@ -20,6 +20,16 @@ const REACH: f64 = 2.0;
 /// Number of windows per contact time in the simulation of an impact. `LONGEST` is the largest number of contact times.
 const WINDOWS: f64 = 10.0;
 const LONGEST: u64 = 60;
+
+/// [-] Mindlin's ratio k_t/k_n = 4 G*/E* of the two bodies, under the first variant whose contact law has elastic
+/// constants.
+fn compliance_ratio(variants: &[(&Experiment, &Particles)], meeting: &ImpactPair) -> Option<f64> {
+    let ratio = |(experiment, _): &(&Experiment, &Particles)| {
+        // the law's ratio is that of 8 G* a to the factor 4/3 E* of Hertz's force, whose derivative is 2 E* a
+        Some(experiment.law()?.shear_ratio(meeting.bodies.elasticity) / 1.5)
+    };
+    variants.iter().filter_map(ratio).find(|ratio| *ratio > 0.0)
+}
 
 /// [-] ratio M_t/M of solid spheres (docs/rotation.md), for which the measured points are valid.
 const SOLID: f64 = 2.0 / 7.0;
@@ -56,9 +66,9 @@ pub(super) fn oblique(
     let mass_ratio = mass_ratio(particles, meeting)?;
     let restitution = meeting.surface.restitution;
     let most = REACH * (1.0 + restitution) / mass_ratio;
+    let slips = (1..=POINTS).map(|k| most * k as f64 / POINTS as f64);
     let curve = |(experiment, particles): &(&Experiment, &Particles)| {
-        let slips = (1..=POINTS).map(|k| most * k as f64 / POINTS as f64);
-        let points = slips.filter_map(|reduced| {
+        let points = slips.clone().filter_map(|reduced| {
             let after = thrown(experiment, particles, meeting, (speed, reduced * friction * speed))?;
             Some((reduced, after / (friction * speed)))
         });
@@ -73,7 +83,14 @@ pub(super) fn oblique(
     let solid = (mass_ratio - SOLID).abs() < 1e-6;
     let measured = if solid { measured.filter(|(reduced, _)| *reduced <= most).collect() } else { Vec::new() };
     let impulse = (1.0 + restitution) / mass_ratio;
-    Some(ObliqueStudy { curves, measured, impulse })
+    let partial_slip = match compliance_ratio(variants, meeting) {
+        Some(ratio) => {
+            let impact = PartialSlip::new(ratio, mass_ratio);
+            slips.map(|reduced| (reduced, impact.rebound(reduced))).collect()
+        }
+        None => Vec::new(),
+    };
+    Some(ObliqueStudy { curves, measured, partial_slip, impulse })
 }
 
 /// [-] ratio M_t/M of the effective mass of the slip to that of the normal motion.

@@ -45,16 +45,19 @@ pub fn normal_velocity(bounces: &[Bounce]) -> String {
 }
 
 /// Picture of the reduced slip s/(μ u_n) after an impact against the reduced slip before it, for each variant, with
-/// measured points.
+/// measured points and the curve of partial slip.
 pub fn slip_after(study: &ObliqueStudy) -> String {
     let of = |points: &[(f64, f64)]| points.iter().map(|(x, y)| SeriesPoint::at(*x, *y)).collect::<Vec<_>>();
     let mut series: Vec<PanelSeries> = Vec::new();
     for (place, curve) in study.curves.iter().enumerate() {
         series.push(PanelSeries::new(&curve.name, SeriesStyle::Line(place), of(&curve.points)));
     }
-    if !study.measured.is_empty() {
-        let label = "measured (Kharaz et al. 2001)";
-        series.push(PanelSeries::new(label, SeriesStyle::Points(study.curves.len()), of(&study.measured)));
+    let [(measured, points), (partial_slip, curve)] = study.references();
+    if !points.is_empty() {
+        series.push(PanelSeries::new(measured, SeriesStyle::Points(study.curves.len()), of(points)));
+    }
+    if !curve.is_empty() {
+        series.push(PanelSeries::new(partial_slip, SeriesStyle::Line(study.curves.len() + 1), of(curve)));
     }
     chart::single(&Panel {
         x_label: "slip before, s/(μ u_n)".into(),
