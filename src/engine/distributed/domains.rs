@@ -29,7 +29,7 @@ use std::sync::Arc;
 /// over the largest distance that a flying particle reaches from the middle of its flight.
 const SEEN: f64 = 4.0;
 
-/// [-] like [`SEEN`], but for the first part of a run, when the distance that islands need is not yet known. Case D
+/// [-] like `SEEN`, but for the first part of a run, when the distance that islands need is not yet known. Case D
 /// with 10⁶ particles needs 8, and a repeated part costs as much as a whole window.
 const SEEN_AT_FIRST: f64 = 10.0;
 

@@ -64,7 +64,7 @@ impl Halo {
     /// Sends particles that have left the block to the processes that own their new blocks, and copies all particles of
     /// other processes within `width` [m] of the block. Afterwards the store contains own particles and copies, and
     /// `work.lasting` their contacts. The lists `own`, `lent` and `borrowed` are filled later, by
-    /// [`follow`](Self::follow).
+    /// `follow`.
     pub fn borrow(domains: &mut Domains<Contact>, work: &mut Work<Contact>, width: f64) -> (Self, Names) {
         let (mine, places) = domains.borrow::<SoftIslands>(work, width);
         let id = &work.particles.id;
@@ -112,7 +112,7 @@ impl Halo {
         self.borrowed = names.borrowed.into_iter().map(places).collect();
     }
 
-    /// Marks the particles on which the given forces act, as preparation for [`pack`](Self::pack).
+    /// Marks the particles on which the given forces act, as preparation for `pack`.
     pub fn mark(&mut self, pushes: &[ForceBuffer]) {
         self.pushed.resize(self.mine.len(), false);
         self.set_pushed(pushes, true);

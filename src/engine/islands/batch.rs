@@ -75,7 +75,7 @@ pub enum Retry {
     Crowd,
 }
 
-/// Result of one solved island; the ranges refer to the lists of its [`Batch`].
+/// Result of one solved island; the ranges refer to the lists of its `Batch`.
 pub struct Solved {
     pub which: usize,
     /// Particles because of which the island must be solved again; with an empty list the result is valid. The error is

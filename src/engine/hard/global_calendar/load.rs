@@ -33,7 +33,7 @@ enum Change {
     None,
     /// Velocities have changed, so all events must be predicted again.
     Kicked,
-    /// Positions or the order of particles have changed, so the calendar must be built again.
+    /// Positions or the order of particles have changed, so all events and neighbour lists must be made again.
     Moved,
 }
 

@@ -81,9 +81,9 @@ pub struct GlobalCalendar {
     pub events: u64,
     /// Number of touch times computed so far.
     foretold: u64,
-    /// Number of times that the whole calendar was built again so far.
+    /// Number of times that the event queue of all particles, with all neighbour lists, was built so far.
     pub builds: u64,
-    /// Wall-clock time that building the whole calendar has taken so far.
+    /// Wall-clock time that building the event queue and all neighbour lists has taken so far.
     pub building: Duration,
     #[serde(skip)]
     agenda: EventQueue,
@@ -96,7 +96,7 @@ pub struct GlobalCalendar {
     /// before; `None` without this model.
     #[serde(skip)]
     pub contact_time: Option<f64>,
-    /// Clock that measures how long it takes to build the calendar, and receives the progress of the run.
+    /// Clock that measures the wall-clock time of building the event queue, and receives the progress of the run.
     #[serde(skip)]
     pub clock: Clock,
 }
@@ -363,13 +363,13 @@ impl GlobalCalendar {
         self.foretold + self.shells.checks
     }
 
-    /// Copy of the calendar for a snapshot of the run. It does not depend on the order in which the lists were built.
+    /// Copy of this event queue of all particles for a snapshot of the run. It does not depend on the order in which the lists were built.
     pub fn state(&self) -> Self {
         let (shells, next_events) = self.shells.tidy(&self.next_events);
         Self { shells, next_events, agenda: EventQueue::default(), ..self.clone() }
     }
 
-    /// Continues from a state that [`state`](Self::state) has returned; clock and contact time stay as they are.
+    /// Continues from a state that `state` has returned; clock and contact time stay as they are.
     pub fn resume(&mut self, state: Self) {
         let (clock, contact_time) = (self.clock.clone(), self.contact_time);
         *self = Self { clock, contact_time, ..state };

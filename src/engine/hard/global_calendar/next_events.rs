@@ -10,10 +10,10 @@ use serde::{Deserialize, Serialize};
 #[repr(align(64))]
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct FlightState {
-    /// Position [m] of the particle at the time `time`, in the falling frame of the calendar. It may be outside the
+    /// Position [m] of the particle at the time `time`, in the frame that falls with gravity. It may be outside the
     /// box.
     pub position: Vector3<f64>,
-    /// Velocity [m/s] of the particle in the falling frame of the calendar.
+    /// Velocity [m/s] of the particle in the frame that falls with gravity.
     pub velocity: Vector3<f64>,
     /// Time [s] since the epoch at which the particle is at `position`; usually that of its last event.
     pub time: f64,

@@ -460,7 +460,8 @@ impl Shells {
     }
 
     /// Returns a copy of the shells, and of `next_events` with the new locations of the lists. In the copy all lists
-    /// are sorted and follow one another without gaps, so that stored data do not depend on the order of events.
+    /// are sorted and follow one another without gaps. Stored data then do not depend on the order in which lists were
+    /// built.
     pub fn tidy(&self, next_events: &[NextEvents]) -> (Self, Vec<NextEvents>) {
         let (mut near, mut next_events) = (Vec::new(), next_events.to_vec());
         for (place, NextEvents { shell, .. }) in (0..).zip(&mut next_events) {

@@ -32,7 +32,7 @@ pub struct ParticleTrajectory<'a> {
 /// Trajectory of a member of a solved island, and balls that contain it.
 #[derive(Clone)]
 pub struct PiecewiseTrajectory {
-    /// Range of the particle's velocity changes in [`MemberTrajectories::turns`], in the order of time.
+    /// Range of the particle's velocity changes in `MemberTrajectories::turns`, in the order of time.
     pub turns: Range<usize>,
     /// Ball that contains the path after the first velocity change; without a change, the straight flight.
     pub ball: BoundingSphere,
