@@ -63,8 +63,7 @@ impl Halo {
 
     /// Sends particles that have left the block to the processes that own their new blocks, and copies all particles of
     /// other processes within `width` [m] of the block. Afterwards the store contains own particles and copies, and
-    /// `work.lasting` their contacts. The lists `own`, `lent` and `borrowed` are filled later, by
-    /// `follow`.
+    /// `work.lasting` their contacts. The lists `own`, `lent` and `borrowed` are filled later, by `follow`.
     pub fn borrow(domains: &mut Domains<Contact>, work: &mut Work<Contact>, width: f64) -> (Self, Names) {
         let (mine, places) = domains.borrow::<SoftIslands>(work, width);
         let id = &work.particles.id;

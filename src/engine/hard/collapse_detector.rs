@@ -46,11 +46,11 @@ pub struct LastCollision {
     /// Number of impacts of the particle since the last reset to 0. Engines reset it at the start of each window (time
     /// between two exchanges with the gas), island or flight.
     pub impacts: u32,
-    /// Number of successive impacts, each after a flight too short to be resolved. An impact after a longer flight sets
-    /// the number to 0; the end of a window does not.
+    /// Number of successive impacts, each after a flight too short to be resolved; an impact after a longer flight sets
+    /// it to 0. In the event queue of all particles it goes on from window to window; in an island it begins at 0.
     streak: u8,
     /// Number of successive resolvable flights of the particle, each shorter than the one before; at most 255. A longer
-    /// flight, or one too short to be resolved, sets the number to 0.
+    /// flight, or one too short to be resolved, sets it to 0. In an island it begins at 0.
     shrinking: u8,
     /// [m] time between the last two impacts of the particle, times the speed of approach at the last impact. It
     /// measures the length of the flight relative to the other body.

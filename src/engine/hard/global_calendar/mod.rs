@@ -363,7 +363,8 @@ impl GlobalCalendar {
         self.foretold + self.shells.checks
     }
 
-    /// Copy of this event queue of all particles for a snapshot of the run. It does not depend on the order in which the lists were built.
+    /// Copy of this event queue of all particles for a snapshot of the run. It does not depend on the order in which
+    /// the lists were built.
     pub fn state(&self) -> Self {
         let (shells, next_events) = self.shells.tidy(&self.next_events);
         Self { shells, next_events, agenda: EventQueue::default(), ..self.clone() }
