@@ -33,14 +33,15 @@ pub struct ContactRows {
 }
 
 impl ContactRows {
-    /// Adds the row of a force that acts `remaining` [s] before the end of the window. Full batches are condensed into
-    /// `few`.
+    /// Adds the row of a contact force. It acts when `at.1` [s] remain until the end of the window. Full batches of rows
+    /// are condensed: few rows with equal sums are added to `few`.
     #[inline(always)]
     pub fn add(&mut self, couple: &Couple, force: &ContactForce, at: (&Scene, f64), few: &mut Self) {
         self.add_row(couple, force, 0.0, at, few);
     }
 
-    /// Adds the rows of a contact between rotating bodies; `losses` [W] are the parts of its friction power.
+    /// Adds the rows of a contact between rotating bodies as [`add`](Self::add) does; `losses` [W] are the parts of its
+    /// friction power.
     #[inline(always)]
     pub fn add_rotating(
         &mut self,
@@ -181,7 +182,7 @@ impl ContactSums {
         }
     }
 
-    /// Parts [W] of the power that friction dissipates.
+    /// Parts [W] of the power that friction dissipates in all contacts.
     pub fn friction_losses(&self) -> FrictionLosses {
         if self.is_empty {
             return FrictionLosses::default();
