@@ -26,12 +26,12 @@ pub struct Bodies {
 }
 
 impl Bodies {
-    /// These bodies with the restitution of an impact at the normal speed `speed` [m/s].
+    /// Returns these properties with the restitution of an impact at the normal speed `speed` [m/s].
     pub fn at_speed(&self, speed: f64) -> Self {
         Self { restitution: self.by_speed.map_or(self.restitution, |law| law.at(speed)), ..*self }
     }
 
-    /// These bodies with elastic impacts.
+    /// Returns these properties with the restitution 1 at every speed.
     pub fn elastic(&self) -> Self {
         Self { restitution: 1.0, by_speed: None, ..*self }
     }

@@ -53,7 +53,7 @@ pub struct SlidingContact {
     mean: Vector3<f64>,
     /// [m] shear ξ now.
     pub(super) shear: Vector3<f64>,
-    /// Margins of the phase at the start of the step and now. The phase ends when a margin becomes negative.
+    /// Margins [N] or [m/s], at the start of the step and now. The phase ends when one of them becomes negative.
     margins: [[f64; 2]; 2],
 }
 
@@ -152,7 +152,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         sliding
     }
 
-    /// Begins the rolling and twisting resistance of contacts that are old enough.
+    /// Begins the rolling and twisting resistance of contacts that have lasted for one contact time.
     fn wake_resistances(&mut self) {
         for k in 0..self.scratch.contacts.len() {
             let memory = self.scratch.contacts[k].course.resistance.unwrap_or_default();
@@ -191,7 +191,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Begins a trial of a step for `count` particles.
+    /// Begins a trial of a step of `count` particles: sets rates and means to zero, and springs to the start of the step.
     pub(super) fn begin_turning(&mut self, count: usize) {
         let scratch = &mut *self.scratch;
         scratch.losses = FrictionLosses::default();
@@ -427,7 +427,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     }
 
     /// First end of a phase within a step: the estimated fraction [-] of the step, the index of the spring, and the
-    /// index of the margin that becomes negative.
+    /// index of the margin that becomes negative. `None` if no phase ends.
     pub(super) fn first_switch(&self) -> Option<(f64, usize, usize)> {
         let ends = self.scratch.sliding.iter().enumerate().flat_map(|(k, sliding)| {
             let [before, after] = sliding.margins;
