@@ -104,7 +104,7 @@ impl ContactRows {
         condense(&mut self.by_shear, &mut few.by_shear);
     }
 
-    /// Removes all rows.
+    /// Removes all rows; their memory is used again.
     pub fn clear(&mut self) {
         self.of_pairs.clear();
         self.at_walls.clear();
@@ -142,7 +142,7 @@ impl Default for ContactSums {
 }
 
 impl ContactSums {
-    /// Adds rows with a weight [-]. The weight is a power of two, or 0, so nothing is rounded.
+    /// Adds rows to the sums, multiplied by `weight` [-]. The weight is a power of two, or 0, so the products are exact.
     pub fn add(&mut self, rows: &ContactRows, weight: f64) {
         self.is_empty &= weight == 0.0 || (rows.of_pairs.is_empty() && rows.at_walls.is_empty());
         add_weighted(&mut self.of_pairs, &rows.of_pairs, weight);

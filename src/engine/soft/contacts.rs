@@ -229,7 +229,7 @@ impl Contacts {
         }
     }
 
-    /// Removes and returns the contacts in progress. The half of the last kick that is not yet recorded is kept, in
+    /// Removes and returns the contacts in progress. The sums for the second half of the last kick are not removed, in
     /// case the contacts are put back unchanged.
     pub fn take(&mut self, list: &NeighbourList) -> Vec<Contact> {
         self.gather(list);
@@ -248,7 +248,7 @@ impl Contacts {
         self.blocks.iter_mut().for_each(ContactBlock::look_anew);
     }
 
-    /// Discards the half of the last kick that is not yet recorded, because another method has moved the contacts.
+    /// Discards the sums for the second half of the last kick, because another method has moved the contacts.
     pub fn forget(&mut self) {
         self.elastic_energy = 0.0;
         (self.rates, self.losses) = (Rates::default(), FrictionLosses::default());

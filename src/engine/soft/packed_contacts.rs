@@ -129,7 +129,6 @@ impl PackedContacts {
         place
     }
 
-    /// Stores a packed contact; returns its index.
     fn store(&mut self, kept: PackedContact) -> u32 {
         if let Some(place) = self.free.pop() {
             *self.at(place) = kept;

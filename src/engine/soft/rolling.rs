@@ -65,8 +65,8 @@ impl RollingMotion {
         Self { bodies, rolling, twisting, against_rolling, against_twisting }
     }
 
-    /// [1/kg] rolling acceleration by a tangential force, over this force: R_eff (r_i/I_i - r_j/I_j), without r_j/I_j at a
-    /// wall. The lever arm is the radius. It is also the acceleration of the slip by the rolling resistance, over that force.
+    /// [1/kg] rolling acceleration over the tangential force that causes it: R_eff (r_i/I_i - r_j/I_j), without r_j/I_j at a
+    /// wall. The lever arm is the radius. The slip has an equal acceleration over the rolling resistance that causes it.
     pub fn passed_on(&self, couple: &Couple, particles: &Particles) -> f64 {
         let inertia = particles.inertia.as_deref().unwrap_or_default();
         let of = |place: u32| particles.radius[place as usize] / inertia[place as usize];

@@ -57,7 +57,7 @@ impl PiecewisePath {
         along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], place| [low.min(place), high.max(place)])
     }
 
-    /// [m] bound of the distance between two places of the path: the diagonal of the box around all of them.
+    /// [m] upper limit of the distance between two points of the path: the diagonal of the box around all displacements.
     pub fn largest_excursion(&self) -> f64 {
         let places = || self.knots.iter().map(|(_, place)| *place);
         let low = places().fold(Vector3::repeat(f64::INFINITY), |a, b| a.inf(&b));

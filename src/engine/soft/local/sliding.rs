@@ -84,7 +84,6 @@ fn along(vector: Vector3<f64>) -> Vector3<f64> {
 }
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
-    /// True if spheres rotate.
     #[inline(always)]
     pub(super) fn rotates(&self) -> bool {
         self.scene.rotation.is_some()
@@ -169,7 +168,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Begins a step: stores the present state, to which trials of the step return.
+    /// Begins resistances that are due, and stores the state at the start of a step, to which every trial of the step returns.
     pub(super) fn keep_springs(&mut self) {
         if self.kinds().len() > 1 {
             self.wake_resistances();
@@ -218,7 +217,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Adds the rates of a stage to their means.
+    /// Adds the rates of a stage, times its `weight` [-], to the means over the step.
     pub(super) fn add_turning(&mut self, weight: f64) {
         let scratch = &mut *self.scratch;
         scratch.turned.iter_mut().zip(&scratch.turning).for_each(|(mean, rate)| *mean += rate * weight);
