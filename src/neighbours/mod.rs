@@ -449,7 +449,7 @@ impl<T: Copy> Sieve<T> {
     }
 }
 
-/// Appends the slots of the pairs whose centres are nearer to each other than `reach` [m].
+/// Appends to `slots` the slots of those pairs in `some` whose centres are nearer to each other than `reach` returns [m].
 #[inline(always)]
 fn within<'a>(
     some: impl Iterator<Item = (u32, &'a Pair)>,

@@ -18,8 +18,7 @@ const SEARCH: f64 = 90.0;
 /// [ns] cost of testing one pair.
 const CHECK: f64 = 1.2;
 
-/// [ns] cost of copying a particle into an island and back. It is half of the cost in `cheapest_part` per hot particle,
-/// which is a member of an island.
+/// [ns] cost of copying a particle into an island and back: half of the cost per member of an island in `cheapest_part`.
 const MEMBER: f64 = 700.0;
 
 /// [ns] cost of one contact force in an island.

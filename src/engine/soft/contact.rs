@@ -316,7 +316,7 @@ impl Alike {
         TouchingPair { couple, constants: self.constants }
     }
 
-    /// Species of one particle and kind of the other one. Both are the common species.
+    /// Species of one particle and kind of the other. Both contain the index of the species that all particles have.
     pub fn kinds(&self) -> (u16, Kind) {
         (self.species, Kind::Species(self.species))
     }

@@ -135,7 +135,7 @@ pub struct Contacts {
     /// Powers and wall forces of the last kick (change of velocities by forces). Its second half is recorded in the next
     /// window.
     rates: Rates,
-    /// [W] parts of the friction power of the last kick.
+    /// [W] parts of the friction power of the last kick (change of velocities by forces), by cause.
     losses: FrictionLosses,
     /// Sums over all steps of the window so far.
     total: ContactSums,

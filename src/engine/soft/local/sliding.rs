@@ -24,7 +24,7 @@ pub(super) enum Phase {
     Waiting,
     /// The force of spring and dashpot is below the limit.
     Stick,
-    /// The force equals the limit.
+    /// The force equals its limit, which friction sets.
     Slide,
     /// The normal force would pull the bodies together (because of the dashpot), so the spring has no force.
     Free,
@@ -72,7 +72,7 @@ impl SlidingContact {
         Self { phase, start: none, now: none, rate, mean, shear, margins }
     }
 
-    /// Sets a new phase, and the vector of its state.
+    /// Begins the phase `phase`. `vector` is the shear [m] of a spring that sticks, or the direction [-] of its force.
     fn take(&mut self, phase: Phase, vector: Vector3<f64>) {
         (self.phase, self.now.vector) = (phase, vector);
     }
