@@ -280,7 +280,7 @@ impl ContactLaw {
         self.parameters().first().copied().unwrap_or(none)
     }
 
-    /// Constants of the normal contact of two bodies that a tangential law uses.
+    /// Constants of the normal contact of two bodies, from which a tangential law computes the constants of its spring.
     pub fn normal_spring(&self, bodies: &Bodies, spring: &Spring) -> NormalSpring {
         let Spring { stiffness, dashpot, .. } = *spring;
         let contact_time = if self.is_linear() { self.contact_time(spring, 1.0) } else { f64::INFINITY };
