@@ -10,8 +10,8 @@ use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::runs::StudyError;
 use crate::simulation::Simulation;
 
-/// Peak force [N] and duration [s] of the impact of two balls, or of a ball on wall 0, with the speed of approach
-/// `speed` [m/s]. The force is computed by the contact law from the largest overlap of the run.
+/// Largest force [N] and duration [s] of the impact of two balls, or of a ball on wall 0, with the speed of approach
+/// `speed` [m/s]. The force follows from the largest overlap of the run by the contact law.
 fn normal_impact(scene: &CheckScene, speed: f64) -> Result<[f64; 2], StudyError> {
     let experiment = scene.experiment(Model::Soft, None, &[])?;
     let mut simulation = scene.simulation(Model::Soft, None, &[])?;
@@ -151,7 +151,8 @@ fn oblique(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(CheckResult { numbers, picture: Some(("Spin after an oblique impact (test 4).", panel)) })
 }
 
-/// Changed keys for test 5: a steel ball of 20 µm in a box of 1 mm, with the velocity `along` the plane [m/s].
+/// Changed keys of the case for test 5: a steel ball of 20 µm in a box of 1 mm, with the velocity `along` the plane
+/// [m/s].
 fn steel(along: f64) -> Vec<String> {
     let mut sets: Vec<String> = [
         "particles[0].diameter=20 um",
@@ -234,8 +235,8 @@ pub const SPINNING: ValidationCheck = ValidationCheck {
     measure: spinning,
 };
 
-/// Number k of the slip 0.2 m/s tan(5° k) before the impact, and β [-], minus the slip after the impact over the slip
-/// before it.
+/// Number k and coefficient β [-] of test 6. The slip before the impact is 0.2 m/s tan(5° k); β is minus the slip after
+/// the impact over that before it.
 const TEST_6: [(u32, f64); 9] = [
     (1, -0.3386),
     (2, -0.2588),

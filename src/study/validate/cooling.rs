@@ -24,7 +24,8 @@ fn haff(restitution: f64, rate: f64, time: f64) -> f64 {
     (1.0 + (1.0 - restitution * restitution) * rate * time / 6.0).powi(-2)
 }
 
-/// Temperature over its initial value [-] as measured and by Haff's law, at the given times [s].
+/// Runs a cooling gas; returns, for each of the given times [s], its temperature over the initial one [-]: measured,
+/// and by Haff's law.
 fn cool(simulation: &mut Simulation, restitution: f64, times: &[f64]) -> Result<Vec<[f64; 2]>, StudyError> {
     let start = temperature(&simulation.particles);
     let rate = enskog(simulation, start);

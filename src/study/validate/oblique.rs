@@ -13,7 +13,7 @@ const SPEED: f64 = 3.9;
 pub(super) struct PlateRebound {
     /// [-] velocity along the plate after the impact, divided by that before it.
     pub(super) ratio: f64,
-    /// [rad/s] spin, positive if the ball rolls forward.
+    /// [rad/s] spin after the impact, positive if the ball rolls forward along the plate.
     pub(super) spin: f64,
     /// [°] angle of the centre's path from the normal.
     pub(super) angle: f64,
