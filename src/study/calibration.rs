@@ -60,8 +60,8 @@ pub struct Physics {
     pub temperatures: Vec<f64>,
     /// Variation of the agitation with the height between the walls and with the direction of the velocity.
     pub spread: AgitationSpread,
-    /// [m/s] normal speeds of the collisions of pairs, for gases whose temperature changes during the run. The mean
-    /// temperature does not give these speeds. `None` for other gases, or with too few collisions.
+    /// [m/s] normal speeds of the collisions of pairs, if neither a gas flow nor heating nor lossless impacts keep the
+    /// temperature constant: its mean then does not give the speeds. `None` otherwise, or with too few collisions.
     pub pair_speeds: Option<Histogram>,
     /// [m/s] normal speeds of the wall impacts; `None` with too few impacts.
     pub wall_speeds: Option<Histogram>,

@@ -171,7 +171,7 @@ fn all_of<'a>(runs: &ReplicaRuns<'a>) -> Vec<&'a Outcome> {
 
 /// Reduces a profile to one number: its mean over the slices. If the profile changes sign at the mid-plane, the number
 /// is half the difference of the two sides. For the density it is the value in the slice at the wall. An observable
-/// that is a single number is returned unchanged.
+/// that is a single number is returned unchanged. If no value is known, the part of the result is `None`.
 fn number(profile: &Observable) -> Option<Observable> {
     let count = profile.places.len();
     if count == 0 {

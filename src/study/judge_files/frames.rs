@@ -21,8 +21,8 @@ const OF_VELOCITIES: [&str; 7] = [
     "mean_velocity_z_m_s",
 ];
 
-/// Columns of `series.csv` that also need the masses of the particles. The columns of rotation stay empty if the file
-/// has no spins.
+/// Columns of `series.csv` that also need the masses of the particles. The columns of rotation exist only if the file
+/// has spins.
 const OF_MASSES: [&str; 12] = [
     "kinetic_energy_J",
     "momentum_x_kg_m_s",

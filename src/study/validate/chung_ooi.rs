@@ -32,7 +32,7 @@ fn normal_impact(scene: &CheckScene, speed: f64) -> Result<[f64; 2], StudyError>
     Ok([law.force(&spring, overlap, 0.0).0, seen.mean_duration.unwrap_or(f64::NAN)])
 }
 
-/// Validation row: two balls of glass, head on (test 1).
+/// Validation row: two balls of glass, head on (test 1 of Chung and Ooi).
 pub const HEAD_ON: ValidationCheck = ValidationCheck {
     name: "chung-ooi-1",
     tier: OtherCodes,
@@ -44,7 +44,7 @@ pub const HEAD_ON: ValidationCheck = ValidationCheck {
     measure: |scene| force_and_time(normal_impact(scene, 20.0)?, [(10.70e3, 20.0), (40.47e-6, 0.1e-6)]),
 };
 
-/// Validation row: a ball of aluminium alloy on a rigid plane (test 2).
+/// Validation row: a ball of aluminium alloy on a rigid plane (test 2 of Chung and Ooi).
 pub const ON_PLANE: ValidationCheck = ValidationCheck {
     name: "chung-ooi-2",
     tier: OtherCodes,
@@ -67,7 +67,7 @@ fn force_and_time(ours: [f64; 2], expected: [(f64, f64); 2]) -> Result<CheckResu
     .into())
 }
 
-/// Validation row: restitution of a ball that meets a plane (test 3).
+/// Validation row: restitution of a ball that meets a plane (test 3 of Chung and Ooi).
 pub const RESTITUTION: ValidationCheck = ValidationCheck {
     name: "chung-ooi-3",
     tier: ClosedForms,
@@ -98,7 +98,7 @@ fn restitution(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(numbers.into())
 }
 
-/// Validation row: oblique impacts of aluminium oxide (test 4).
+/// Validation row: oblique impacts of aluminium oxide (test 4 of Chung and Ooi).
 pub const OBLIQUE: ValidationCheck = ValidationCheck {
     name: "chung-ooi-4",
     tier: OtherCodes,
@@ -174,7 +174,7 @@ fn steel(along: f64) -> Vec<String> {
     sets
 }
 
-/// Validation row: oblique impacts of steel against finite elements (test 5).
+/// Validation row: oblique impacts of steel against finite elements (test 5 of Chung and Ooi).
 pub const FINITE_ELEMENTS: ValidationCheck = ValidationCheck {
     name: "chung-ooi-5",
     tier: OtherCodes,
@@ -223,7 +223,7 @@ fn finite_elements(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(CheckResult { numbers, picture: Some(("Spin after an oblique elastic impact (test 5).", panel)) })
 }
 
-/// Validation row: a ball with spin on a rigid plane (test 6).
+/// Validation row: a ball with spin on a rigid plane (test 6 of Chung and Ooi).
 pub const SPINNING: ValidationCheck = ValidationCheck {
     name: "chung-ooi-6",
     tier: OtherCodes,
@@ -289,7 +289,7 @@ fn surface_speed(simulation: &Simulation, radius: f64) -> f64 {
     simulation.particles.velocity[0].x + radius * simulation.particles.spin_of(0).z
 }
 
-/// Validation row: two balls with opposite spins (test 7).
+/// Validation row: two balls with opposite spins (test 7 of Chung and Ooi).
 pub const OPPOSITE_SPINS: ValidationCheck = ValidationCheck {
     name: "chung-ooi-7",
     tier: ClosedForms,
