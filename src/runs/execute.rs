@@ -273,7 +273,7 @@ fn share(simulation: Simulation, with: Arc<dyn Communicator>, observers: usize, 
     if in_parts { simulation.shared_in_parts(with, observers) } else { simulation.shared(with, observers) }
 }
 
-/// Error for a state that cannot be stored, or that belongs to another run.
+/// Error of a run whose state cannot be stored, or whose stored state belongs to another run; `why` is the reason.
 fn unfit(why: impl std::fmt::Display) -> StudyError {
     StudyError::Failed(format!("error: cannot store this run or go on with it: {why}"))
 }

@@ -171,7 +171,7 @@ struct SweepPlan {
     checked: Vec<Checked>,
     /// Runs of the sweep, each once.
     runs: Vec<ResumableRun>,
-    /// Names of the runs for messages.
+    /// Names of the runs for messages, in the order of `runs`.
     names: Vec<String>,
     /// Hashes of the cases of all runs, by which equal runs are found.
     known: HashSet<String>,

@@ -179,7 +179,8 @@ pub const ROUGH: ValidationCheck = ValidationCheck {
 const MONTE_CARLO: [(f64, [(f64, f64); 2]); 2] =
     [(1.0, [(0.86357, 0.00093), (0.81901, 0.00040)]), (5.0, [(0.45934, 0.00064), (0.38795, 0.00048)])];
 
-/// Ratio T_r/T [-] of the reference in its final state, with its standard error.
+/// Reference value of the ratio T_r/T [-] of rotational to translational temperature in the final state of a gas of
+/// rough spheres, with its standard error.
 const FINAL_RATIO: (f64, f64) = (0.7899, 0.0018);
 
 fn rough(scene: &CheckScene) -> Result<CheckResult, StudyError> {

@@ -15,7 +15,7 @@ pub(super) struct PlateRebound {
     pub(super) ratio: f64,
     /// [rad/s] spin after the impact, positive if the ball rolls forward along the plate.
     pub(super) spin: f64,
-    /// [°] angle of the centre's path from the normal.
+    /// [°] angle between the path of the centre after the impact and the normal of the plate.
     pub(super) angle: f64,
 }
 
