@@ -7,7 +7,7 @@ use crate::simulation::Simulation;
 use crate::statistics::{Estimate, estimate};
 use serde::{Deserialize, Serialize};
 
-/// Largest number of samples that are stored.
+/// Largest number of samples (instants of measurement) that are stored.
 const MOST_SAMPLES: u64 = 200;
 
 /// Flow of a gas that feels the particles, over the averaging period.
@@ -29,7 +29,7 @@ pub struct GasFlow {
     pub balance: GasBalance,
 }
 
-/// Gas at one instant.
+/// State of the gas at one instant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct GasSample {
     /// [s] simulated time.
@@ -43,7 +43,7 @@ struct GasSample {
     nodes: Vec<GridNode>,
 }
 
-/// Measurement of the gas that feels the particles.
+/// Measurement of the flow of a gas that feels the particles, at samples.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct GasFlows {
     /// [s] time between samples.
@@ -58,7 +58,8 @@ impl GasFlows {
         Self { interval: schedule.spacing(MOST_SAMPLES), ..Self::default() }
     }
 
-    /// Averages from the time `from` [s] on; `None` if the gas `alone` is frozen, or without a sample.
+    /// Averages over the samples from the time `from` [s] on. `alone` is the gas before any particle acts on it. `None`
+    /// if it has no channel or pipe flow, or without a sample.
     pub fn averages(&self, alone: Option<&Fluid>, from: f64) -> Option<GasFlow> {
         let (fluid, flow) = alone.and_then(|fluid| Some((fluid, fluid.profile.channel_flow()?)))?;
         let used: Vec<&GasSample> = self.samples.iter().filter(|sample| sample.time >= from).collect();

@@ -115,9 +115,9 @@ impl Observation {
     }
 }
 
-/// Observer whose result has the common form.
+/// Observer of a run whose result has the common form of an [`Observation`].
 pub trait Measurement: Observer {
-    /// Result of the samples from the time `from` [s] on.
+    /// Result of the samples (instants of measurement) from the time `from` [s] on.
     fn result(&self, experiment: &Experiment, from: f64) -> Observation;
 }
 
@@ -152,7 +152,7 @@ impl Measurements {
         }
     }
 
-    /// All measurements.
+    /// All measurements that the case asks for.
     pub fn each(&mut self) -> impl Iterator<Item = &mut dyn Measurement> {
         let pairs = self.pair_distribution.as_mut().map(|of| of as &mut dyn Measurement);
         let velocities = self.velocity_distribution.as_mut().map(|of| of as &mut dyn Measurement);
@@ -163,7 +163,7 @@ impl Measurements {
         [pairs, velocities, diffusion, structure, network, fields].into_iter().flatten()
     }
 
-    /// Results of the samples from the time `from` [s] on.
+    /// Results of all measurements, from the samples at `from` [s] and later.
     pub fn results(mut self, experiment: &Experiment, from: f64) -> Vec<Observation> {
         self.each().map(|measurement| measurement.result(experiment, from)).collect()
     }

@@ -64,7 +64,7 @@ use crate::simulation::Simulation;
 use crate::statistics::Accumulator;
 use crate::stored::{StoreError, Stored};
 
-/// Implements the methods that store and restore an observer, for observers that consist of plain data.
+/// Implements the methods `stored` and `restore` of an observer that consists of plain data: its whole value is stored.
 macro_rules! plain_data {
     () => {
         fn stored(&self) -> Result<crate::stored::Stored, crate::stored::StoreError> {

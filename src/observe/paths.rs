@@ -7,7 +7,7 @@ use crate::simulation::Simulation;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Number of instants at which a path is recorded, for runs of any length.
+/// Number of instants at which the particles are recorded, for runs of any length.
 const INSTANTS: u64 = 1000;
 
 /// State of one particle at one instant.

@@ -12,10 +12,11 @@ use crate::statistics::VelocitySpread;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Largest number of rows of a series, for runs of any duration. A picture cannot show more rows.
+/// Largest number of rows (instants) of a series, for runs of any duration. A picture cannot show more rows.
 const MOST: u64 = 1000;
 
-/// Number of rows, sufficient for a curve, for a scene with few particles and fewer samples than this number.
+/// Smallest number of rows that is sufficient for a curve. A scene with few particles and fewer samples gets so many
+/// rows.
 const CURVE: u64 = 200;
 
 /// Largest number of particles for which rows may be more frequent than samples. A row of so few particles takes little
@@ -81,7 +82,7 @@ pub struct ShearStress {
 }
 
 impl ShearStress {
-    /// Stress at the present instant; `before` is the row before.
+    /// Stress at the present instant; `before` is the row of the series before this one. `None` without shear.
     pub(super) fn of(simulation: &Simulation, before: Option<&Row>) -> Option<Self> {
         let domain = &simulation.scene().domain;
         domain.shear?;
@@ -219,7 +220,8 @@ impl Row {
         self.rotation.map(|rotation| rotation.temperature.sum() / 3.0)
     }
 
-    /// Averages at the present instant; `before` is the row before.
+    /// Averages at the present instant; `before` is the row of the series before this one. `slices` is the number of
+    /// slices along y with whose mean velocities the granular temperature is computed.
     fn of(simulation: &Simulation, slices: usize, before: Option<&Self>) -> Self {
         let (time, sample) = (simulation.time, simulation.sample());
         let touching = simulation.touching();

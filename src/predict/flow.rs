@@ -34,7 +34,8 @@ pub struct Flow {
     pub turbulent_variance: Option<f64>,
 }
 
-/// Response to the gas of each species that has particles. `counts` contains the number of particles of each species.
+/// Response to the gas of each species that has particles; empty without gas or drag. `counts` contains the number of
+/// particles of each species.
 pub fn flows(scene: &Scene, counts: &[usize]) -> Vec<Flow> {
     let Some(fluid) = &scene.fluid else { return Vec::new() };
     let (height, volume) = (scene.domain.size.y, scene.domain.volume());

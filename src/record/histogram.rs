@@ -49,7 +49,7 @@ impl Histogram {
 
     /// Counts several values, with the result of [`add`](Self::add) for each value.
     pub fn add_all(&mut self, mut values: impl Iterator<Item = f64>) {
-        /// Number of values that are added to the exact sums in one call.
+        /// Number of values that are collected before one call adds them to the exact sums.
         const ROWS: usize = 32;
         let mut rows = [[0.0; 2]; ROWS];
         loop {
@@ -126,7 +126,7 @@ impl Histogram {
         self.sum_of_squares.value()
     }
 
-    /// Doubles the range by doubling the width of the bins.
+    /// Doubles the range: makes the bins twice as wide and merges neighbouring bins in pairs.
     fn widen(&mut self) {
         for k in 0..BINS / 2 {
             self.counts[k] = self.counts[2 * k] + self.counts[2 * k + 1];

@@ -61,7 +61,7 @@ impl Answer {
     }
 }
 
-/// One observable of two runs, with its tests and its answer.
+/// One observable of two runs, with the results of its tests and the answer that follows from them.
 #[derive(Clone, Debug, Serialize)]
 pub struct Judged {
     /// Results of the tests of this observable.
@@ -102,7 +102,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Observables with a difference, the most significant first.
+    /// Observables in which the tests find a difference between the two runs, the most significant first.
     pub fn detected(&self) -> Vec<&Judged> {
         let mut found: Vec<&Judged> = self.judged.iter().filter(|one| one.detected).collect();
         found.sort_by(|a, b| a.tested.chance.total_cmp(&b.tested.chance));
@@ -138,7 +138,7 @@ pub fn compare(a: &[Observable], b: &[Observable], margin: f64, levels: ErrorLev
     Comparison { answer, margin, judged, unknown }
 }
 
-/// Margin and error levels for the test of one observable among several.
+/// Margin and error levels with which each of several observables is tested for equivalence.
 struct EquivalenceTest {
     margin: f64,
     /// [-] level of the test for a difference in one observable.
@@ -172,9 +172,9 @@ impl EquivalenceTest {
     }
 }
 
-/// Significance of each of several tests, by Holm's procedure (1979). The probability of any false result is `level`
-/// [-]. The smallest of m probabilities must be below level/m, the next one below level/(m - 1), and so on. The
-/// procedure ends at the first probability that is too large.
+/// Significance of several tests with the probabilities `chances` [-], by Holm's procedure (1979): true for each
+/// significant one. The probability of any false result is `level` [-]. The smallest of m probabilities must be below
+/// level/m, the next one below level/(m - 1), and so on. The procedure ends at the first probability that is too large.
 pub fn holm(chances: &[f64], level: f64) -> Vec<bool> {
     let mut order: Vec<usize> = (0..chances.len()).collect();
     order.sort_by(|&a, &b| chances[a].total_cmp(&chances[b]));
