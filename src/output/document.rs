@@ -115,12 +115,12 @@ pub(super) struct Document<'a> {
     pub body: Vec<Block>,
     /// Further data needed to reproduce the results.
     pub tail: Vec<Block>,
-    /// Tables of numbers: names of the files and their texts.
+    /// Tables of numbers, each as the name of its file and the text of the file.
     pub tables: Vec<(String, Vec<u8>)>,
     pub figures: Vec<Figure>,
 }
 
-/// State of a finished run in one word.
+/// State of a run as a word for `summary.json`: "failed" if it stopped early, else "complete".
 pub(super) fn status(failed: bool) -> &'static str {
     if failed { "failed" } else { "complete" }
 }

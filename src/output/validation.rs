@@ -89,7 +89,7 @@ impl ValidationNumber {
     }
 }
 
-/// Number with its unit, if it has one.
+/// Text of a number followed by its unit, if the unit is not empty.
 fn with_unit(number: String, unit: &str) -> String {
     if unit.is_empty() { number } else { format!("{number} {unit}") }
 }
@@ -134,7 +134,7 @@ impl ValidationRow {
         among.max_by(|a, b| a.share().total_cmp(&b.share()))
     }
 
-    /// Answer in a word: "agrees" if all numbers are within tolerances.
+    /// Answer of the row in a word: "agrees" if all numbers are within tolerances.
     pub fn word(&self) -> &'static str {
         let exact = self.numbers.iter().all(|number| number.rule == ValidationRule::Tolerance);
         match self.answer() {

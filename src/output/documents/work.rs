@@ -75,7 +75,7 @@ pub fn islands(outcomes: &[Outcome]) -> Vec<Block> {
     ]
 }
 
-/// Share of each part of a run, such as drag and sampling, in the wall time.
+/// Table with the share of each part of a run, such as drag or sampling, in its wall time.
 pub fn timing(outcomes: &[Outcome]) -> Vec<Block> {
     let cells = |o: &Outcome| {
         let t = &o.timing;
