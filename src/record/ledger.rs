@@ -132,7 +132,7 @@ impl FrictionLosses {
         Self { tangential_restitution, separation, rescaling, rolling, twisting }
     }
 
-    /// Sum of all five parts.
+    /// Sum of all five losses [J], or of their powers [W].
     pub fn sum(&self) -> f64 {
         self.tangential_restitution + self.of_springs().iter().sum::<f64>()
     }
