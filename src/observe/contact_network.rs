@@ -66,7 +66,7 @@ impl ContactLine {
 /// Numbers of contacts, and means over the contacts, at one instant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct NetworkSample {
-    /// [s] simulated time.
+    /// [s] simulated time of the sample.
     time: f64,
     /// Number of particles with k contacts, for each k.
     by_contacts: Vec<u64>,

@@ -46,7 +46,7 @@ const AXES: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]];
 struct FieldBlock {
     /// [s] time of the first sample.
     from: f64,
-    /// Number of samples.
+    /// Number of samples (instants of measurement) in the block.
     samples: u64,
     /// Sums of each cell, cell by cell; x changes first.
     sums: Vec<[f64; SUMS]>,
@@ -68,7 +68,7 @@ pub struct Fields {
 
 /// Values of all fields in one cell.
 struct CellFields {
-    /// [kg/m³] density.
+    /// [kg/m³] mass of the particles per volume of the cell.
     density: f64,
     /// [m/s] velocity; 0 in an empty cell.
     velocity: Vector3<f64>,

@@ -32,13 +32,13 @@ pub struct GasFlow {
 /// State of the gas at one instant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct GasSample {
-    /// [s] simulated time.
+    /// [s] simulated time of the sample.
     time: f64,
     /// [Pa s/m] pressure drop per length, integrated over time since the start.
     pressed: f64,
     /// [m/s] flow rate over the cross-section.
     bulk_velocity: f64,
-    /// [m/s] friction velocity.
+    /// [m/s] friction velocity of the gas at the wall.
     friction_velocity: f64,
     nodes: Vec<GridNode>,
 }
@@ -46,7 +46,7 @@ struct GasSample {
 /// Measurement of the flow of a gas that feels the particles, at samples.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct GasFlows {
-    /// [s] time between samples.
+    /// [s] time between two samples of the gas.
     interval: f64,
     samples: Vec<GasSample>,
     balance: GasBalance,

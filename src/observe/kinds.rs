@@ -32,7 +32,7 @@ struct OfSpecies {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Kinds {
     slices: usize,
-    /// [s] time between samples.
+    /// [s] time between two samples (instants of measurement).
     interval: f64,
     species: Vec<OfSpecies>,
     impacts: Vec<ByKinds>,
@@ -43,7 +43,7 @@ pub struct Kinds {
 /// Averages of one species over the averaging period.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SpeciesAverages {
-    /// Name of the species.
+    /// Name of the species of particles.
     pub name: String,
     /// Number of particles of the species.
     pub count: usize,
@@ -88,7 +88,7 @@ pub struct MeetingAverages {
 /// Curve over time of a quantity of one kind or of a pair of kinds, for the whole run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KindCurve {
-    /// Name of the quantity.
+    /// Name of the quantity, for reports.
     pub name: String,
     /// Unit of the quantity; empty if it has none.
     pub unit: &'static str,

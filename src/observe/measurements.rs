@@ -33,7 +33,7 @@ impl ObservedQuantity {
 /// Values at the places of a measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObservedCurve {
-    /// Quantity of the values.
+    /// Quantity of which the curve holds values.
     pub quantity: ObservedQuantity,
     /// Values in the unit of the quantity, one for each place; `None` where the value is unknown.
     pub values: Vec<Option<Estimate>>,
@@ -46,7 +46,7 @@ pub struct ObservedCurve {
 /// Single number of a measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObservedNumber {
-    /// Quantity of the number.
+    /// Quantity of which this is the value.
     pub quantity: ObservedQuantity,
     /// Value in the unit of the quantity; `None` if it is unknown.
     pub value: Option<Estimate>,
@@ -70,15 +70,15 @@ pub struct ObservedGrid {
 pub struct Observation {
     /// Name of the measurement in the case. The file of the curves has this name too.
     pub name: &'static str,
-    /// Heading in reports.
+    /// Heading of the measurement in reports.
     pub title: &'static str,
     /// Quantity along which the curves extend.
     pub axis: ObservedQuantity,
     /// [SI] places along the axis, in the unit of the axis.
     pub places: Vec<f64>,
-    /// Curves over the places.
+    /// Curves of the measurement, each with a value at every place.
     pub curves: Vec<ObservedCurve>,
-    /// Single numbers.
+    /// Single numbers that the measurement gives.
     pub numbers: Vec<ObservedNumber>,
     /// Contacts at the end of the run, for a file of lines.
     pub lines: Vec<ContactLine>,

@@ -28,7 +28,7 @@ const MARKS: u64 = 8;
 /// Sums of the random signs of the particles in each layer at one instant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct LayerSample {
-    /// [s] simulated time.
+    /// [s] simulated time of the sums.
     time: f64,
     /// Sums of each layer: the number of particles, then 31 sums of signs.
     rows: Vec<Vec<f64>>,
@@ -39,7 +39,7 @@ struct LayerSample {
 pub struct Mixing {
     layers: usize,
     height: f64,
-    /// [s] time between instants.
+    /// [s] time between two instants at which sums are stored.
     interval: f64,
     marks: Vec<LayerSample>,
 }

@@ -32,7 +32,7 @@ const FURTHEST: f64 = 1.0 + NEAR as f64 * NEAR_WIDTH;
 /// Numbers of pairs at one instant, for each pair of species.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct PairSample {
-    /// [s] simulated time.
+    /// [s] simulated time of the sample.
     time: f64,
     /// Number of pairs in each bin of the distance, for each pair of species in the order of [`index`].
     bins: Vec<Vec<u64>>,
@@ -57,7 +57,7 @@ impl PairSample {
 pub struct PairDistribution {
     /// [s] time between the used samples.
     interval: f64,
-    /// [m] largest distance.
+    /// [m] largest distance of two centres that is counted in the histogram.
     reach: f64,
     bins: usize,
     /// [m] distance at contact of each pair of species; `None` if the diameters vary within one of them, or in a box of

@@ -16,14 +16,15 @@ pub struct RunLoop {
     /// Progress of the run: length of the completed windows (times between two exchanges with the gas), in units of the
     /// shortest window of the schedule.
     done: u64,
-    /// [s] instant requested by the case at which the current window was last interrupted; `None` if the run is at the
-    /// end of a window.
+    /// [s] instant requested by the case at which the current window (time between two exchanges with the gas) was last
+    /// interrupted. `None` if the run is at the end of a window.
     cut: Option<f64>,
     /// [s] time at or after which each observer is called next; `None` if the observer is not called again.
     due: Vec<Option<f64>>,
 }
 
-/// Stored state of a run that was stopped at the end of a window. The resumed run has the same results, bit by bit.
+/// Stored state of a run that was stopped at the end of a window (time between two exchanges with the gas). The resumed
+/// run has the same results, bit by bit.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Pause {
     /// State of the simulation at the pause.

@@ -40,7 +40,7 @@ pub struct Terms<T> {
     pub production: T,
     /// [m²/s³] transport by velocity fluctuations from other slices.
     pub transport: T,
-    /// [m²/s³] change by drag.
+    /// [m²/s³] rate of change by the drag of the gas.
     pub drag: T,
     /// [m²/s³] change by impacts between particles and on walls.
     pub impacts: T,
@@ -188,7 +188,8 @@ struct MomentBlock {
     walls: [f64; 3],
 }
 
-/// Observer that is called at the end of every window of a run and sums the terms of the budgets.
+/// Observer that sums the terms of the budgets. It is called at the end of every window, the time between two exchanges
+/// with the gas.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SecondMoments {
     slices: usize,
@@ -197,7 +198,8 @@ pub struct SecondMoments {
     height: f64,
     /// [m/s] velocity (u, v, w) that is subtracted from all velocities.
     reference: Vector3<f64>,
-    /// [m/s] velocities (u, v, w) with which the engine begins the next window, by particle id.
+    /// [m/s] velocities (u, v, w), by particle id, with which the engine begins the next window (time between two
+    /// exchanges with the gas).
     given: Vec<Vector3<f64>>,
     walls: [f64; 3],
     parts: Vec<MomentBlock>,
@@ -307,8 +309,8 @@ impl SecondMoments {
         })
     }
 
-    /// Sums of the part of the run that contains the window ending at `time` [s]. A new part begins if the last one is
-    /// complete.
+    /// Sums of the part of the run that contains the window (time between two exchanges with the gas) ending at `time`
+    /// [s]. A new part begins if the last one is complete.
     fn part(&mut self, time: f64) -> &mut MomentBlock {
         let length = (self.schedule.length() as f64 / PARTS as f64).max(1.0) * self.schedule.window;
         let begins = |part: &MomentBlock| time - part.start > length * (1.0 + 1e-9);

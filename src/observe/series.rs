@@ -26,7 +26,7 @@ const FEW: usize = 10_000;
 /// Averages over all particles at one instant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
-    /// [s] simulated time.
+    /// [s] simulated time of the row.
     pub time: f64,
     /// [m²/s²] parts of the granular temperature T along x, y and z, relative to the mean velocities of slices; T is
     /// the mean of the three. `None` if every slice contains at most one particle.
@@ -102,7 +102,7 @@ impl ShearStress {
 /// Energy lost to friction since the start, and energy stored in the springs of contacts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrictionSums {
-    /// [J] lost to sliding.
+    /// [J] energy lost to sliding friction since the start.
     pub sliding: f64,
     /// [J] other losses by friction.
     pub losses: FrictionLosses,
@@ -302,9 +302,9 @@ impl MassSums {
     }
 }
 
-/// [s] time between rows, for at most `most` rows. It is a whole number of sample intervals, or of windows if there are
-/// fewer than `least` samples. The case may set other instants, which are equal in all variants. They are used if they
-/// are closer in time or sufficient for a curve.
+/// [s] time between rows, for at most `most` rows. It is a whole number of sample intervals, or of windows (times
+/// between two exchanges with the gas) if there are fewer than `least` samples. The case may set other instants, which
+/// are equal in all variants. They are used if they are closer in time or sufficient for a curve.
 pub(super) fn interval(schedule: &Schedule, least: u64, most: u64) -> f64 {
     let between = |all: u64, rows: u64| all.div_ceil(rows.max(1)).max(1) as f64;
     let own = if schedule.samples >= least {
@@ -323,7 +323,7 @@ pub(super) fn interval(schedule: &Schedule, least: u64, most: u64) -> f64 {
 pub struct Series {
     /// Number of slices in which the temperature is computed.
     slices: usize,
-    /// [s] time between rows.
+    /// [s] time between two rows of the series.
     interval: f64,
     /// True if rows contain the coefficients of the velocity distribution.
     has_sonine: bool,

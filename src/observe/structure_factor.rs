@@ -25,7 +25,7 @@ const MOST_VECTORS: usize = 24;
 /// Structure factor S at one instant, averaged over the wave vectors of each bin of the wave number.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct StructureSample {
-    /// [s] simulated time.
+    /// [s] simulated time of the sample.
     time: f64,
     bins: Vec<f64>,
 }

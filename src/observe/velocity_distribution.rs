@@ -142,7 +142,7 @@ impl Sonine {
 /// Histograms of the velocities at one instant, relative to the mean velocities of slices.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct VelocitySample {
-    /// [s] simulated time.
+    /// [s] simulated time of the sample.
     time: f64,
     sonine: Option<Sonine>,
     /// Share of the particles in each bin of the speed c, and of the component c_x.

@@ -41,7 +41,7 @@ pub(super) struct AnswerCell {
     pub words: String,
 }
 
-/// Part of a document.
+/// Part of a document, such as a heading, a paragraph, a table or a picture.
 #[derive(Clone, Debug)]
 pub(super) enum Block {
     Heading(String),
@@ -62,7 +62,7 @@ pub(super) enum Block {
     Table(Table),
     /// Answers in a compact table.
     Matrix(Matrix),
-    /// Animation of particles.
+    /// Animation of the recorded motion of particles.
     Player(Box<Player>),
     /// Pictures of the document, given by a range of indices.
     Figures(Range<usize>),

@@ -85,7 +85,7 @@ pub fn percent(part: f64, whole: f64) -> String {
 pub struct Prefix {
     /// [-] factor by which a value is multiplied to obtain the number before the prefixed unit.
     pub factor: f64,
-    /// Letter of the prefix.
+    /// Letter of the SI prefix, such as `m` for milli.
     pub symbol: &'static str,
 }
 

@@ -15,7 +15,7 @@ pub enum ValidationTier {
     ClosedForms,
     /// Published numbers of other codes and of theories.
     OtherCodes,
-    /// Measurements.
+    /// Published measurements of experiments.
     Experiments,
 }
 
@@ -57,7 +57,7 @@ pub struct ValidationNumber {
     pub ours: Estimate,
     /// [-] degrees of freedom of the standard error of the result.
     pub freedom: f64,
-    /// Tolerance or margin, in the unit of the number.
+    /// Tolerance or margin: largest accepted magnitude of the difference, in the unit of the number.
     pub allowed: f64,
     /// Rule by which the number is judged.
     pub rule: ValidationRule,
@@ -99,9 +99,9 @@ fn with_unit(number: String, unit: &str) -> String {
 pub struct ValidationRow {
     /// Name of the row, for `--only`.
     pub name: &'static str,
-    /// Kind of the reference.
+    /// Kind of the reference: closed form, other code or experiment.
     pub tier: ValidationTier,
-    /// Description of the scene.
+    /// Description of the scene, in words.
     pub scene: &'static str,
     /// Source of the reference, with the page, figure or table.
     pub source: &'static str,
@@ -148,7 +148,7 @@ impl ValidationRow {
 /// Comparison that the suite does not make.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct NotValidated {
-    /// Name of the comparison.
+    /// Name of the comparison that is not made.
     pub name: &'static str,
     /// Existing reference, with its source.
     pub reference: &'static str,

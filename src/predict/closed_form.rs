@@ -91,9 +91,9 @@ struct BounceFlight {
 /// One sphere that bounces between a floor and a ceiling perpendicular to gravity, in a vacuum.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bouncing {
-    /// [m/s²] magnitude of gravity.
+    /// [m/s²] magnitude of the acceleration by gravity.
     gravity: f64,
-    /// [-] upward unit vector.
+    /// [-] unit vector upwards, against gravity.
     up: Vector3<f64>,
     flights: Vec<BounceFlight>,
 }

@@ -136,7 +136,7 @@ impl ImpactSpeeds {
 /// Predictions for one kind of contact, under a contact law.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ContactPrediction {
-    /// Kind of contact.
+    /// Kind of contact: its two bodies and the speeds of its impacts.
     #[serde(flatten)]
     pub contact: ContactKind,
     /// [N/m] stiffness of a linear spring; for Hertz's law the constant k_H [N/m^1.5].

@@ -143,7 +143,7 @@ pub struct Bound {
     /// [m/s] factor by which a contact impulse [kg m/s] is multiplied to give the energy [J] that rounding of
     /// coordinates may add, with one rounding per step.
     rounding: f64,
-    /// [m] the smallest diameter.
+    /// [m] diameter of the smallest particles of the scene.
     smallest: f64,
     /// [J] kinetic and elastic energy at the start.
     start: f64,

@@ -13,9 +13,9 @@ const EDDY_TIME: f64 = 1.5 * 0.09;
 /// Response of one species of particles to the gas.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Flow {
-    /// Name of the species.
+    /// Name of the species of particles.
     pub species: String,
-    /// [s] Stokes response time.
+    /// [s] Stokes response time: time in which drag changes the velocity of a slow particle.
     pub stokes_time: f64,
     /// [m/s] terminal slip speed, at which drag balances the weight; 0 without gravity.
     pub terminal_slip: f64,

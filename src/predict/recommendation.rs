@@ -47,7 +47,7 @@ const USUAL_STEPS: f64 = 20.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum EngineChoice {
-    /// Event-driven hard spheres.
+    /// Hard spheres, whose collisions are computed one by one as events.
     Hard,
     /// Soft spheres with local stepping: only particles in contact move in time steps.
     SoftLocal,

@@ -14,7 +14,7 @@ pub struct SideSpring {
     pub name: &'static str,
     /// [1/s] angular frequency without damping.
     pub frequency: f64,
-    /// [-] damping ratio.
+    /// [-] damping ratio: damping over critical damping.
     pub damping_ratio: f64,
 }
 

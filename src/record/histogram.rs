@@ -15,11 +15,11 @@ pub struct Histogram {
     pub width: f64,
     /// Number of values in each bin.
     pub counts: Vec<u64>,
-    /// Number of all values.
+    /// Number of values that were counted, over all bins.
     pub total: u64,
     /// Largest value; 0 before the first value.
     pub maximum: f64,
-    /// Sum of all values.
+    /// Exact sum of all values that were counted.
     sum: Box<ExactSum>,
     /// Sum of the squares of all values.
     sum_of_squares: Box<ExactSum>,

@@ -113,7 +113,7 @@ pub struct LeftOut {
 /// Sums over contacts that an engine replaced by instantaneous impacts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct InstantaneousContacts {
-    /// Number of contacts.
+    /// Number of contacts that were replaced.
     pub count: u64,
     /// [-] largest overlap that any of these contacts would have reached, divided by the (smaller) diameter.
     pub largest_overlap: f64,

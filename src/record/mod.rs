@@ -81,7 +81,7 @@ impl Record {
 /// All records that an engine makes during a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Record {
-    /// Impacts between particles.
+    /// Sums and histograms over the impacts between particles.
     pub pairs: Impacts,
     /// Impacts of particles on walls.
     pub walls: Impacts,

@@ -13,7 +13,8 @@ pub const LEVEL: f64 = 0.01;
 pub struct ErrorLevels {
     /// [-] probability that a difference in any observable is found although the two systems are equal.
     pub difference: f64,
-    /// [-] probability that two systems are called equivalent although they differ by the margin at one position.
+    /// [-] probability that two systems are called equivalent although they differ at one position by the margin, the
+    /// largest accepted difference.
     pub equivalence: f64,
 }
 
@@ -41,12 +42,13 @@ impl Default for ErrorLevels {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Answer {
-    /// At every position the difference is smaller than the margin, at the level of 5 % (two one-sided tests).
+    /// At every position the difference is shown to be smaller than the margin (the largest accepted difference), at
+    /// the level of 5 % (two one-sided tests).
     Equivalent,
     /// Neither equivalence nor a difference is shown by the tests.
     Unresolved,
-    /// A difference is found, at the level of 1 % for all observables together, and it is not shown to be within the
-    /// margin.
+    /// A difference is found, at the level of 1 % for all observables together. It is not shown to be within the
+    /// margin, the largest accepted difference.
     Different,
 }
 
@@ -69,17 +71,19 @@ pub struct Judged {
     pub tested: Tested,
     /// True if a difference is found, at the level of 1 % for all observables together (Holm 1979).
     pub detected: bool,
-    /// Answer for this observable.
+    /// Answer for this observable: equivalent, unresolved or different.
     pub answer: Answer,
-    /// [-] smallest margin, relative to the scale, within which the observable would be equivalent.
+    /// [-] smallest margin (accepted difference), over the scale of the observable, with which the answer would be
+    /// "equivalent".
     pub reached: f64,
-    /// [-] smallest margin, relative to the scale, within which the observable would be equivalent if the difference is
-    /// smooth.
+    /// [-] smallest margin (accepted difference), over the scale of the observable, with which the answer would be
+    /// "equivalent" if the difference is smooth across the profile.
     pub reached_smooth: f64,
-    /// [-] interval, relative to the scale, that contains the differences at all positions. If both its ends are within
-    /// the margin, the observable is equivalent.
+    /// [-] interval, over the scale of the observable, that contains the differences at all positions. If both its ends
+    /// are within the margin, the largest accepted difference, the observable is equivalent.
     pub interval: [f64; 2],
-    /// True if the difference that a report names first is shown to exceed the margin, by a one-sided test.
+    /// True if a one-sided test shows that the difference named first by a report exceeds the margin, the largest
+    /// accepted difference.
     pub beyond: bool,
     /// [-] smallest smooth difference, relative to the scale, that would be found in 80 % of cases.
     pub detectable: f64,
@@ -93,7 +97,7 @@ pub struct Judged {
 pub struct Comparison {
     /// Answer for all observables together: the worst of their answers, where "different" is the worst.
     pub answer: Answer,
-    /// [-] requested margin, relative to the scale of each observable.
+    /// [-] requested margin: largest difference that is accepted, over the scale of each observable.
     pub margin: f64,
     /// Observables with error bars, each with its answer.
     pub judged: Vec<Judged>,
@@ -110,8 +114,8 @@ impl Comparison {
     }
 }
 
-/// Compares two runs in a list of observables, which has the same order for both runs. `margin` [-] is relative to the
-/// scale of each observable.
+/// Compares two runs in a list of observables, which has the same order for both runs. `margin` [-] is the largest
+/// accepted difference, over the scale of each observable.
 pub fn compare(a: &[Observable], b: &[Observable], margin: f64, levels: ErrorLevels) -> Comparison {
     let folded: Vec<Option<Folded>> = a.iter().zip(b).map(|(a, b)| Folded::new(a, b)).collect();
     let prior = Prior::of(&folded.iter().flatten().flat_map(Folded::correlations).collect::<Vec<_>>());

@@ -16,8 +16,8 @@ use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 use std::borrow::Cow;
 
-/// [-] probability of a false answer "equivalent" if the true difference is as large as the margin. This is the usual
-/// value for two one-sided tests.
+/// [-] probability of a false answer "equivalent" if the true difference equals the margin, the largest difference that
+/// is accepted. This is the usual value for two one-sided tests.
 pub const EQUIVALENCE_LEVEL: f64 = 0.05;
 /// [-] accepted probability that a run of the recommended length fails to show equal systems equivalent.
 const FAILED: f64 = 0.2;
@@ -57,7 +57,7 @@ pub struct Observable {
 pub struct Deviation {
     /// Centre of the slice [m] or time [s]; `None` for the mean over all positions, or for a single number.
     pub place: Option<f64>,
-    /// Difference at `place`.
+    /// Difference between the two runs at `place`, in the unit of the observable.
     pub difference: f64,
     /// Standard error of the difference; 0 if neither run scatters.
     pub error: f64,
@@ -90,7 +90,7 @@ impl Deviation {
 /// probabilities [-].
 #[derive(Clone, Debug, Serialize)]
 pub struct Tested {
-    /// Name of the observable.
+    /// Name of the observable that was tested.
     pub name: Cow<'static, str>,
     /// Unit of the observable; empty if it has none.
     pub unit: &'static str,

@@ -23,7 +23,7 @@ pub(super) const LARGEST_CORRELATION: f64 = 0.9;
 /// Without a sample there is no estimate: functions return `Option<Estimate>`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
-    /// Estimated value.
+    /// Estimated value of the quantity.
     pub value: f64,
     /// Standard error of the value; `None` if it is unknown, for example with fewer than 8 blocks.
     pub error: Option<f64>,
@@ -101,7 +101,7 @@ pub(super) fn mean(values: &[f64]) -> f64 {
 /// Fit that was subtracted from a series of values before its scatter is measured.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Removed {
-    /// The mean is subtracted.
+    /// The mean of the series is subtracted.
     Mean,
     /// A fitted parabola is subtracted, so that drift does not count as noise in the test for drift.
     Parabola,

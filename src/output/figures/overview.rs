@@ -92,7 +92,7 @@ struct DifferenceMark {
 }
 
 struct Differences {
-    /// [%] margin of equivalence.
+    /// [%] margin of equivalence: largest accepted difference, of the scale of the quantity.
     margin: f64,
     rows: Vec<(String, Vec<DifferenceMark>)>,
 }

@@ -29,7 +29,8 @@ pub(super) struct TrajectoryFrame {
     id: Vec<u32>,
     /// Entry for each contact of each particle: index of the particle in the store, and overlap [m].
     contacts: Vec<(u32, f64)>,
-    /// Indices of the particles in islands; `None` if all particles were moved together.
+    /// Indices of the particles in islands (groups that may touch each other); `None` if all particles were moved
+    /// together.
     islands: Option<Vec<u32>>,
     /// Data of the particles in the order of their ids; available after [`sort`](Self::sort).
     own: Vec<Own>,
