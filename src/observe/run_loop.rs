@@ -13,16 +13,18 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunLoop {
     schedule: Schedule,
-    /// Number of completed windows, in units of the shortest windows of the schedule.
+    /// Progress of the run: length of the completed windows (times between two exchanges with the gas), in units of the
+    /// shortest window of the schedule.
     done: u64,
-    /// [s] instant requested by the case at which the current window was last interrupted; `None` if the run is at the end
-    /// of a window.
+    /// [s] instant requested by the case at which the current window (time between two exchanges with the gas) was last
+    /// interrupted. `None` if the run is at the end of a window.
     cut: Option<f64>,
     /// [s] time at or after which each observer is called next; `None` if the observer is not called again.
     due: Vec<Option<f64>>,
 }
 
-/// Stored state of a run that was stopped at the end of a window. The resumed run has the same results, bit by bit.
+/// Stored state of a run that was stopped at the end of a window (time between two exchanges with the gas). The resumed
+/// run has the same results, bit by bit.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Pause {
     /// State of the simulation at the pause.
@@ -109,8 +111,9 @@ impl RunLoop {
         }
     }
 
-    /// Calls the observers that are due at `now` [s], between two samples. The velocities lack the drag of the time
-    /// `kick` [s], half of a step of drag. This drag is added for observers that require velocities.
+    /// Calls the observers that are due at `now` [s], between two samples (instants of measurement). The velocities
+    /// lack the drag of the time `kick` [s], half of a step of drag. This drag is added for observers that require
+    /// velocities.
     fn see_between(
         &mut self,
         simulation: &mut Simulation,
@@ -135,20 +138,20 @@ impl RunLoop {
         }
     }
 
-    /// [s] present time according to the schedule. In the time of the simulation itself, rounding errors add up over
-    /// millions of windows.
+    /// [s] present time according to the schedule. The time of the simulation itself is not used, since its rounding
+    /// errors add up over millions of windows.
     fn now(&self) -> f64 {
         self.cut.unwrap_or(self.done as f64 * self.schedule.window)
     }
 
-    /// Adds the missing half step of drag to the velocities of a run stopped between two samples. A caller that
-    /// does not continue the run must call this function.
+    /// Adds the missing half step of drag to the velocities of a run that was stopped between two samples. A caller
+    /// that does not continue the run must call this function.
     pub fn settle(&self, simulation: &mut Simulation) {
         simulation.settle(self.schedule.window * self.schedule.together(self.done) as f64);
     }
 
-    /// Calls the observers that are due at a sample. If several processes share the run, observers that require sums or
-    /// parts are called with the local particles in every process.
+    /// Calls the observers that are due at a sample (instant of measurement). If several processes share the run,
+    /// observers that require sums or parts are called in every process, with the particles of this process.
     fn sample(&mut self, simulation: &mut Simulation, observers: &mut [&mut dyn Observer]) {
         let by_parts = |place: &usize| {
             matches!(observers[*place].sight(), Needs::Sums | Needs::Parts) && simulation.is_seen_by_all(*place)
@@ -182,7 +185,8 @@ impl RunLoop {
         observers.iter_mut().for_each(|observer| observer.end(simulation));
     }
 
-    /// Calls the observers with the given indices at `now` [s], and stores their next times.
+    /// Calls the observers with the indices `places` at `now` [s], and stores the times at which they are to be called
+    /// next.
     fn see(&mut self, simulation: &Simulation, now: f64, observers: &mut [&mut dyn Observer], places: &[usize]) {
         for &place in places {
             observers[place].see(simulation);
@@ -209,13 +213,14 @@ impl RunLoop {
     }
 }
 
-/// Calls the observers with the given indices in every process, with the local particles. Every process has a copy of
-/// each of these observers.
+/// Calls the observers with the indices `places` in every process, with the particles of this process. Every process
+/// has a copy of each of these observers.
 fn show_parts(simulation: &mut Simulation, observers: &[&mut dyn Observer], places: &[usize]) {
     simulation.show_parts(places, |place| observers[place].stored().unwrap_or_default());
 }
 
-/// Gathers the particles that the observers require in the lead process.
+/// Gathers, in the lead process, the particles that observers require. `sights` holds the particles that each of them
+/// requires.
 fn show(simulation: &mut Simulation, sights: impl Iterator<Item = Needs>) {
     let asked = sights.filter_map(|sight| match sight {
         Needs::Nothing => None,
@@ -244,10 +249,7 @@ impl Pause {
         self.resume_as(fresh, experiment, observers)
     }
 
-    /// Resumes the run. `fresh` is a simulation of the experiment in its initial state.
-    ///
-    /// # Errors
-    /// Errors of [`resume`](Self::resume).
+    /// Resumes the run with `fresh`, a simulation of the experiment in its initial state, instead of a newly made one.
     pub fn resume_as(
         self,
         fresh: Simulation,

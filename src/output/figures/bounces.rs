@@ -77,7 +77,8 @@ fn widest(bounces: &[Bounce]) -> f64 {
     points(bounces).map(|point| point.gap.abs()).filter(|gap| gap.is_finite()).fold(0.0, f64::max)
 }
 
-/// [s] first and last instant at which the overlap is at least `floor` [m] in any variant.
+/// First and last instant [s] at which the overlap is at least `floor` [m] in any variant. The overlap is negative
+/// while the bodies are apart.
 fn near(bounces: &[Bounce], floor: f64) -> (f64, f64) {
     let times = bounces.iter().flat_map(|bounce| cut(&bounce.path, floor)).map(|(t, _)| t).filter(|t| t.is_finite());
     times.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| (low.min(t), high.max(t)))
@@ -90,8 +91,8 @@ fn span(bounces: &[Bounce], floor: f64) -> f64 {
     from.abs().max(until.abs()).max(0.0)
 }
 
-/// Times [s] and overlaps [m] of the parts of a path whose overlap is at least `floor` [m]. The ends of these parts are
-/// found by linear interpolation.
+/// Times [s] and overlaps [m] along a path, where the overlap is at least `floor` [m]. The instants at which the
+/// overlap equals `floor` are found by linear interpolation.
 fn cut(path: &[PathPoint], floor: f64) -> impl Iterator<Item = (f64, f64)> {
     let inside = path.iter().filter(move |point| -point.gap >= floor).map(|point| (point.time, -point.gap));
     let crossings = path.windows(2).filter_map(move |pair| {
