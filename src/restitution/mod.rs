@@ -52,7 +52,8 @@ pub enum RestitutionBySpeed {
         restitution: f64,
         /// [m/s] speed u_1 > 0.
         speed: f64,
-        /// [(s/m)^(1/5)] β/u^(1/5), as [`RestitutionBySpeed::viscoelastic`] computes it.
+        /// [(s/m)^(1/5)] constant β/u^(1/5) of the two bodies, as [`RestitutionBySpeed::viscoelastic`] computes it from
+        /// e_1 and u_1.
         damping: f64,
     },
 }
