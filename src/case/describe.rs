@@ -142,8 +142,8 @@ pub(crate) fn scene_in_words(experiment: &Experiment) -> String {
     text
 }
 
-/// Describes the motion of a wall and of its surface, and the wall's own rolling and twisting friction. The text is empty
-/// if the wall has neither.
+/// Describes in words the motion of a wall and of its surface, and its coefficients of rolling and twisting friction.
+/// The text is empty if the wall has none of these.
 fn motion_in_words(wall: &Wall) -> String {
     let mut text = String::new();
     let vector = |v: &Vector3<f64>| format!("({}, {}, {})", short(v.x, 4), short(v.y, 4), short(v.z, 4));

@@ -155,7 +155,8 @@ fn add_parts<const K: usize>(sums: [&mut ExactSum; K], parts: Parts<K>, rows: im
     }
 }
 
-/// Smallest power of two that is larger than `x`; `x` is 0 or a normal positive number.
+/// Smallest power of two that is larger than `x`, a normal positive number. For `x` = 0 it is the smallest normal
+/// number.
 #[inline]
 fn power_above(x: f64) -> f64 {
     f64::from_bits((x.to_bits() & 0x7ff << 52) + (1 << 52))

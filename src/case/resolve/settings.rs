@@ -23,9 +23,9 @@ const GOOD_STEPS: f64 = 15.0;
 /// [N/m] allowed range of spring stiffness, which includes all real bodies: a bubble has 0.1, a diamond sphere of 1 mm
 /// has 1e9. Outside the range, squares of times or frequencies would exceed the range of floating-point numbers.
 pub(super) const SPRINGS: std::ops::RangeInclusive<f64> = 1e-9..=1e20;
-/// [-] default number of steps per contact N_c.
+/// [-] number of steps per contact N_c, if the case gives none.
 const DEFAULT_STEPS: f64 = 20.0;
-/// [-] default clearance θ of hybrid spheres, in contact times (docs/design/hybrid.md).
+/// [-] clearance θ of hybrid spheres in contact times, if the case gives none (docs/design/hybrid.md).
 const CLEARANCE: f64 = 2.0;
 
 impl Resolver {
@@ -263,7 +263,7 @@ impl Resolver {
         }
     }
 
-    /// Settings of collisions by chance for this number of `particles`.
+    /// Settings of collisions by chance, for a start with this number of `particles`.
     fn dsmc_settings(&mut self, dsmc: &DsmcFile, scene: &Scene, particles: usize) -> Result<DsmcSettings, Diagnostic> {
         let mut settings = DsmcSettings::default();
         if let Some(enskog) = &dsmc.enskog {

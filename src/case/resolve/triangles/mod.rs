@@ -30,7 +30,8 @@ pub(super) struct TriangleFile {
 }
 
 impl TriangleFile {
-    /// Merges corners that differ only by rounding. The coordinates have at most `digits` [-] significant digits.
+    /// Makes the result of reading a file. Corners that differ only by rounding are merged. The coordinates have at
+    /// most `digits` [-] significant digits.
     fn new(mut heap: Heap, digits: usize, notes: Vec<String>) -> Self {
         let welded = weld::weld(&mut heap, digits);
         Self { heap, welded, notes }
