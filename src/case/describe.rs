@@ -253,7 +253,6 @@ fn rests_by_friction(scene: &Scene) -> bool {
     rough && scene.gravity != Vector3::zeros()
 }
 
-/// Describes the sizes of the particles of a species.
 fn sizes_in_words(species: &Species) -> String {
     match &species.sizes {
         None => format!("diameter {}", length(species.diameter)),
@@ -335,7 +334,6 @@ fn dsmc_in_words(settings: &DsmcSettings) -> String {
     )
 }
 
-/// Describes the collision model and its settings.
 pub(crate) fn model_in_words(experiment: &Experiment) -> String {
     match experiment.model() {
         Model::Hybrid => {

@@ -17,7 +17,6 @@ use nalgebra::Vector3;
 const TABULATE: usize = 1000;
 
 impl Simulation {
-    /// True if the gas exerts drag.
     pub(super) fn is_dragged(&self) -> bool {
         self.scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some())
     }

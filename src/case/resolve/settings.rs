@@ -184,7 +184,6 @@ impl Resolver {
         Err(self.sources.error(origin, failure.to_string()).help(help))
     }
 
-    /// Settings of the hard engine.
     pub(super) fn hard(&mut self, file: &CaseFile) -> Result<HardSettings, Diagnostic> {
         let events = HardSettings { stepping: HardStepping::Events, contact_time: None };
         let Some(hard) = file.hard.as_ref().map(|hard| &hard.value) else { return Ok(events) };
@@ -230,7 +229,6 @@ impl Resolver {
         Ok(Some(time))
     }
 
-    /// Settings of the hybrid engine.
     pub(super) fn hybrid(&mut self, file: &CaseFile) -> Result<HybridSettings, Diagnostic> {
         let mut settings = HybridSettings { clearance: CLEARANCE };
         let Some(typed) = file.hybrid.as_ref().and_then(|hybrid| hybrid.value.clearance.as_ref()) else {
@@ -350,7 +348,6 @@ impl Resolver {
         Ok(RunSettings { instants, spheres, duration, average_from, window, seed })
     }
 
-    /// Settings of the statistics.
     pub(super) fn statistics(&mut self, file: &CaseFile) -> Result<StatisticsSettings, Diagnostic> {
         let mut settings = StatisticsSettings { slices: 40, sample_interval: None };
         let Some(statistics) = file.statistics.as_ref().map(|statistics| &statistics.value) else {

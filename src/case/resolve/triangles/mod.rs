@@ -43,7 +43,6 @@ fn wrong(format: &str, line: usize, what: impl std::fmt::Display) -> String {
     format!("is no {format} that can be read: line {line}: {what}")
 }
 
-/// Message about a file with too many triangles.
 fn too_many(given: usize) -> String {
     format!("has {given} triangles or more; allowed: up to {MOST_TRIANGLES}")
 }
