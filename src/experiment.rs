@@ -238,7 +238,7 @@ pub struct SoftSettings {
     pub law: Option<ContactLaw>,
     /// Choice of the time step.
     pub time_step: TimeStep,
-    /// Particles that a time step moves.
+    /// Choice of the particles that a time step moves: all of them, or only those in contact.
     pub stepping: SoftStepping,
     /// The time integrator.
     pub integrator: Integrator,

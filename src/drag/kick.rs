@@ -25,10 +25,11 @@ const TOLERANCE: f64 = 5e-10;
 
 /// Number of coefficients of the polynomial of a piece.
 const TERMS: usize = 5;
-/// Positions in a piece, from 0 to 1, at which the polynomial equals the law: Chebyshev points and both ends. If the
-/// law switches between two formulas within the piece, the switch lies between two of these positions.
+/// Positions in a piece of the table, from 0 to 1, at which the polynomial equals the drag law: Chebyshev points and
+/// both ends. A law may switch between two formulas at any position between two of these.
 const NODES: [f64; TERMS] = [0.0, 0.146_446_609_406_726_24, 0.5, 0.853_553_390_593_273_8, 1.0];
-/// Positions in a piece, from 0 to 1, at which the interpolation error is largest. The error is checked there.
+/// Positions in a piece of the table, from 0 to 1, at which the error of the polynomial is largest. The error is
+/// checked there.
 const CHECKS: [f64; TERMS - 1] = [0.05, 0.32, 0.68, 0.95];
 
 /// Coefficients [-] of the polynomial of a piece, constant term first. The variable is the position within the piece,

@@ -43,7 +43,7 @@ pub(super) struct SweepStep<'a> {
     pub relaxation: f64,
     /// [-] inverse of the time step in wall units, for the implicit Euler scheme; 0 for the steady equations.
     pub rate: f64,
-    /// Rate at which particles damp k in each cell, in wall units. The number is the factor by which this rate is
+    /// Rate at which particles damp k, one value per cell in wall units, followed by the factor by which this rate is
     /// multiplied in the equation of ε.
     pub damping: (&'a [f64], f64),
 }

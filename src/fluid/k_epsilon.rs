@@ -194,7 +194,7 @@ impl ChannelFlow {
     ///
     /// # Errors
     ///
-    /// As [`ChannelFlow::solve`], or fewer than 4 cells.
+    /// Errors of [`ChannelFlow::solve`], or fewer than 4 cells.
     pub fn solve_with_cells(
         bulk_velocity: f64,
         height: f64,
@@ -211,7 +211,7 @@ impl ChannelFlow {
     ///
     /// # Errors
     ///
-    /// As [`ChannelFlow::solve_with_cells`].
+    /// Errors of [`ChannelFlow::solve_with_cells`].
     pub fn solve_pipe(
         bulk_velocity: f64,
         diameter: f64,

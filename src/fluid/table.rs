@@ -52,7 +52,7 @@ impl VelocityTable {
     ///
     /// # Errors
     ///
-    /// As [`VelocityTable::new`].
+    /// Errors of [`VelocityTable::new`].
     pub fn with_end_slopes(points: &[(f64, f64)], ends: [Option<f64>; 2]) -> Result<Self, String> {
         let (Some(first), Some(last)) = (points.first(), points.last()) else {
             return Err("a velocity table needs at least 2 points, it has none".into());

@@ -50,11 +50,13 @@ pub enum EddyLaw {
 pub enum TurbulenceStatistics {
     /// Constant values: the standard deviation σ of a velocity component [m/s], and the turnover time k/ε [s].
     Uniform(f64, f64),
-    /// Functions of the [`depth`](Profile::depth) of the profile.
+    /// Values that depend on the position through the [`depth`](Profile::depth) of the gas profile: the distance from
+    /// the wall, or the coordinate y.
     Profile(Arc<TurbulenceProfile>),
 }
 
-/// Statistics of turbulence as functions of the [`depth`](Profile::depth) of a profile.
+/// Statistics of turbulence as functions of the [`depth`](Profile::depth) of a gas profile: the distance from the wall,
+/// or the coordinate y.
 #[derive(Clone, Debug, Serialize)]
 pub struct TurbulenceProfile {
     /// [m/s] standard deviation σ of a velocity component.
@@ -227,7 +229,8 @@ pub struct EddySeen {
 struct AlongSlip(Vector3<f64>);
 
 impl AlongSlip {
-    /// Multiplies the part of a vector along the slip, and the part across it, by one factor each.
+    /// Returns the vector `v` with its part along the slip, and its part across the slip, multiplied by one factor
+    /// each.
     #[inline]
     fn scaled(&self, [along, across]: [f64; 2], v: Vector3<f64>) -> Vector3<f64> {
         v * across + self.0 * ((along - across) * self.0.dot(&v))

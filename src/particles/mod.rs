@@ -25,7 +25,8 @@ columns! {
     /// Moving state of one particle: the quantities that a step, a collision or another process may change.
     pub struct Motion;
 
-    /// Moving state of several consecutive particles of a store, which can be changed.
+    /// Mutable access to the moving state of consecutive particles of a store: one slice per quantity, such as position
+    /// and velocity.
     pub struct MotionChunk;
 
     /// Particle store: spheres as a struct of arrays. All arrays have the same length, with one entry per sphere.

@@ -222,7 +222,8 @@ fn separate(
     }
 }
 
-/// Region in which overlaps are searched for, and the particles that count.
+/// Scope of a search for overlaps: the region, the particles that may be moved, and the positions at which overlaps are
+/// counted.
 struct There<'a> {
     /// Region of the domain that contains all particles of the search.
     region: Region,

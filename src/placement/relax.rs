@@ -66,8 +66,9 @@ pub fn relax(particles: &mut Particles, is_free: &[bool], room: &FreeRoom) -> us
     settle(particles, is_free, room, MARGIN)
 }
 
-/// Moves free particles as [`relax`] does. The radii are already enlarged by the fraction `margin` [-]. Overlaps of up
-/// to half of this enlargement may remain. Returns the number of deeper overlaps.
+/// Moves free particles as [`relax`] does, but with any enlargement of the radii. The caller has already enlarged the
+/// radii by the fraction `margin` [-]. Overlaps of up to half of this enlargement may remain. Returns the number of
+/// deeper overlaps.
 fn settle(particles: &mut Particles, is_free: &[bool], room: &FreeRoom, margin: f64) -> usize {
     let scene = &room.scene;
     let (mut list, mut slots) = (NeighbourList::default(), Vec::new());

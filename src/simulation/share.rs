@@ -224,8 +224,8 @@ impl Simulation {
         }
     }
 
-    /// Adds the records of all processes to those of the lead process. The records of the other processes are empty
-    /// afterwards.
+    /// Adds the records (impacts, energies and momenta) of all processes to those of the lead process. The records of
+    /// the other processes are empty afterwards.
     pub(super) fn collect_records(&mut self) {
         let Some(share) = &self.share else { return };
         let own = if self.is_follower() { std::mem::take(&mut self.record) } else { Record::default() };

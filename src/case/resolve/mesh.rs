@@ -132,7 +132,8 @@ impl Resolver {
         }
     }
 
-    /// Warns about repairs of a surface, and about an open surface. `findings` lists the repairs.
+    /// Warns about the repairs of a surface that `findings` counts, such as removed triangles, and about an open
+    /// surface.
     fn warn_of_findings(&mut self, name: &Located<String>, findings: &Findings, sides: Sides) {
         let typed = self.as_typed(name);
         let mut told = Vec::new();

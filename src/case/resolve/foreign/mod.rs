@@ -255,8 +255,8 @@ impl ForeignReader<'_> {
         self.sources.error(&lines.origin(number), message).help(help)
     }
 
-    /// Parses a number that was found in the line with the index `number`. `text` is the text of the number, and the
-    /// last argument its name in messages.
+    /// Parses the number `text`, which was found in the line with the index `number`. The last argument is the name of
+    /// the number in the error message.
     fn cell<T: std::str::FromStr>(
         &self,
         lines: &Lines,
