@@ -23,9 +23,9 @@ const GOOD_STEPS: f64 = 15.0;
 /// [N/m] allowed range of spring stiffness, which includes all real bodies: a bubble has 0.1, a diamond sphere of 1 mm
 /// has 1e9. Outside the range, squares of times or frequencies would exceed the range of floating-point numbers.
 pub(super) const SPRINGS: std::ops::RangeInclusive<f64> = 1e-9..=1e20;
-/// [-] default number of steps per contact N_c.
+/// [-] number of steps per contact N_c, if the case gives none.
 const DEFAULT_STEPS: f64 = 20.0;
-/// [-] default clearance θ of hybrid spheres, in contact times (docs/design/hybrid.md).
+/// [-] clearance θ of hybrid spheres in contact times, if the case gives none (docs/design/hybrid.md).
 const CLEARANCE: f64 = 2.0;
 
 impl Resolver {
@@ -184,7 +184,6 @@ impl Resolver {
         Err(self.sources.error(origin, failure.to_string()).help(help))
     }
 
-    /// Settings of the hard engine.
     pub(super) fn hard(&mut self, file: &CaseFile) -> Result<HardSettings, Diagnostic> {
         let events = HardSettings { stepping: HardStepping::Events, contact_time: None };
         let Some(hard) = file.hard.as_ref().map(|hard| &hard.value) else { return Ok(events) };
@@ -230,7 +229,6 @@ impl Resolver {
         Ok(Some(time))
     }
 
-    /// Settings of the hybrid engine.
     pub(super) fn hybrid(&mut self, file: &CaseFile) -> Result<HybridSettings, Diagnostic> {
         let mut settings = HybridSettings { clearance: CLEARANCE };
         let Some(typed) = file.hybrid.as_ref().and_then(|hybrid| hybrid.value.clearance.as_ref()) else {
@@ -263,7 +261,7 @@ impl Resolver {
         }
     }
 
-    /// Settings of collisions by chance for this number of `particles`.
+    /// Settings of collisions by chance, for a start with this number of `particles`.
     fn dsmc_settings(&mut self, dsmc: &DsmcFile, scene: &Scene, particles: usize) -> Result<DsmcSettings, Diagnostic> {
         let mut settings = DsmcSettings::default();
         if let Some(enskog) = &dsmc.enskog {
@@ -350,7 +348,6 @@ impl Resolver {
         Ok(RunSettings { instants, spheres, duration, average_from, window, seed })
     }
 
-    /// Settings of the statistics.
     pub(super) fn statistics(&mut self, file: &CaseFile) -> Result<StatisticsSettings, Diagnostic> {
         let mut settings = StatisticsSettings { slices: 40, sample_interval: None };
         let Some(statistics) = file.statistics.as_ref().map(|statistics| &statistics.value) else {
