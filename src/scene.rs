@@ -296,6 +296,14 @@ impl Scene {
         }
     }
 
+    /// True if the box is periodic in all directions, without walls, gas or shear.
+    pub fn is_homogeneous(&self) -> bool {
+        self.domain.periodic == [true; 3]
+            && self.walls.is_empty()
+            && self.fluid.is_none()
+            && self.domain.shear.is_none()
+    }
+
     /// True if a thermostat or thermal walls give energy to the particles.
     pub fn is_heated(&self) -> bool {
         self.thermostat.is_some() || self.walls.iter().any(|wall| wall.thermal.is_some())

@@ -444,9 +444,11 @@ fn steady_rate(experiment: &Experiment) -> f64 {
         return 0.0;
     }
     let count = experiment.count() as f64;
-    let each = experiment.start.iter().zip(experiment.counts()).map(|(population, own)| {
+    let each = experiment.start.iter().map(|population| {
         let agitation = motion(population).1;
-        own as f64 / count * scene.species[usize::from(population.species)].diameter.powi(2) * agitation
+        population.amount.count() as f64 / count
+            * scene.species[usize::from(population.species)].diameter.powi(2)
+            * agitation
     });
     // Chapman & Cowling 1970, 5.21, as in `DragScales::at`
     4.0 * count / scene.domain.volume() * PI.sqrt() * each.sum::<f64>()

@@ -196,10 +196,11 @@ impl Simulation {
         }
     }
 
-    /// Sets the seed of the random numbers in kicks of turbulence and heat; without this call it is 0. Rebounds from
-    /// rough and thermal walls use the seed that [`Scene::seed_walls`] sets.
+    /// Sets the seed of the random numbers in kicks of turbulence and heat, and in rebounds from rough and thermal walls.
+    /// Without this call it is 0 in kicks, and that of the scene in rebounds ([`Scene::seed_walls`]).
     pub fn with_seed(mut self, seed: u64) -> Self {
         self.seed = seed;
+        self.scene.seed_walls(seed);
         self
     }
 

@@ -375,6 +375,10 @@ impl Law for Stiffened {
     fn exponent(&self) -> f64 {
         self.law.exponent()
     }
+
+    fn shear_stiffness(&self, bodies: &Bodies) -> f64 {
+        self.law.shear_stiffness(&Bodies { stiffness_ratio: bodies.stiffness_ratio * self.factor, ..*bodies })
+    }
 }
 
 /// [-] damping ratio ζ = -ln e / sqrt(π² + ln² e) of a linear spring and dashpot with the restitution e (the paper,

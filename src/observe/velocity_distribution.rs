@@ -15,8 +15,9 @@ use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumbe
 use super::{Needs, Observer, plain_data};
 use crate::domain::Domain;
 use crate::experiment::{Experiment, VelocityDistributionSettings};
-use crate::kinetic_theory::cooling_a2;
+use crate::kinetic_theory::{cooling_a2, heated_a2};
 use crate::particles::Sample;
+use crate::scene::Thermostat;
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use crate::statistics::estimate;
@@ -175,18 +176,18 @@ impl VelocityDistribution {
     }
 }
 
-/// [-] coefficient a₂ that theory gives for a homogeneous gas that cools. It is `None` if a side of the box is not
+/// [-] coefficient a₂ that theory gives for a homogeneous gas that cools, or that random accelerations heat. It is `None` if a side of the box is not
 /// periodic, or with gas, shear, friction, rotation, several sizes, or a restitution that depends on the speed.
 fn theory(experiment: &Experiment) -> Option<f64> {
     let scene = &experiment.scene;
-    let is_alone = scene.domain.periodic == [true; 3] && scene.domain.shear.is_none() && scene.fluid.is_none();
     let surface = &scene.contact;
     let is_simple = scene.species.len() == 1
         && !scene.has_sizes()
         && scene.rotation.is_none()
         && surface.friction == 0.0
         && surface.by_speed.is_none();
-    (is_alone && is_simple).then(|| cooling_a2(surface.restitution))
+    let law = if matches!(scene.thermostat, Some(Thermostat::Stochastic { .. })) { heated_a2 } else { cooling_a2 };
+    (scene.is_homogeneous() && is_simple).then(|| law(surface.restitution))
 }
 
 impl Measurement for VelocityDistribution {

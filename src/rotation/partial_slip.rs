@@ -3,9 +3,9 @@
 //!
 //! The normal motion is Hertz's. The contact circle is divided into rings, and time into as many steps per half of the
 //! contact, so that the edge of the contact is always the edge of a ring. The traction is a sum of the distributions
-//! q sqrt(1 - r²/c²), one per radius c. Its tangential displacement, averaged around the ring at r, is that of the same
-//! normal pressure times the ratio of the tangential to the normal compliance, since the mean of cos² over all
-//! directions is 1/2 (Johnson 1985, Contact Mechanics, Eqs. 3.42 and 3.91). A ring sticks, and its displacement then
+//! q sqrt(1 - r²/c²), one per radius c. Its tangential displacement, averaged around the ring at r, is that of an equal
+//! normal pressure, times the ratio of the tangential to the normal compliance (Johnson 1985, Contact Mechanics, Eqs.
+//! 3.42 and 3.91). This holds because the mean of cos² over all directions is 1/2. A ring sticks, and its displacement then
 //! changes as that of the bodies, or it slides, and its traction is μ times the pressure.
 //!
 //! Units: largest overlap, effective radius, effective mass and normal speed are 1. The slip is divided by μ.
@@ -23,7 +23,7 @@ const MODULUS: f64 = 15.0 / 16.0;
 
 /// State of a ring of the contact circle.
 #[derive(Clone, Copy, PartialEq)]
-enum Ring {
+enum RingState {
     Sticks,
     /// The number is the sign of the traction, which is that of the slip.
     Slides(f64),
@@ -65,52 +65,52 @@ impl PartialSlip {
     pub fn rebound(&self, slip: f64) -> f64 {
         let mut slip = slip;
         let mut displaced = DVector::zeros(RINGS);
-        let mut state = [Ring::Sticks; RINGS];
+        let mut state = [RingState::Sticks; RINGS];
         let mut force = 0.0;
         let loading = (0..RINGS).map(|k| (k + 1, self.steps[k]));
-        let unloading = (0..RINGS).rev().map(|k| (k, self.steps[k]));
+        let unloading = (1..RINGS).rev().map(|k| (k, self.steps[k]));
         for (rings, time) in loading.chain(unloading) {
             slip -= 0.5 * time * force / self.mass;
-            state[rings..].fill(Ring::Sticks);
+            state[rings..].fill(RingState::Sticks);
             let amplitudes = self.tractions(&mut state[..rings], &displaced, slip * time);
             displaced = self.displacement.columns(0, rings) * &amplitudes;
             // the integral of the distribution over its circle
             force = amplitudes.iter().zip(&self.radii).map(|(q, c)| 2.0 / 3.0 * PI * c * c * q).sum();
             slip -= 0.5 * time * force / self.mass;
         }
-        slip
+        // the last ring opens without a force at the end
+        slip - 0.5 * self.steps[0] * force / self.mass
     }
 
     /// Amplitudes q of the distributions after the bodies have moved by `moved` along each other. `displaced` are the
-    /// displacements of the rings before. `state` has the rings in contact; it is changed until each ring that sticks
-    /// has less traction than the limit, and each ring that slides does so along its traction.
-    fn tractions(&self, state: &mut [Ring], displaced: &DVector<f64>, moved: f64) -> DVector<f64> {
+    /// displacements of the rings before. `state` has the rings in contact, at least one. It is changed until each ring
+    /// that sticks has less traction than the limit, and each ring that slides does so along its traction.
+    fn tractions(&self, state: &mut [RingState], displaced: &DVector<f64>, moved: f64) -> DVector<f64> {
         let rings = state.len();
         let displacement = self.displacement.view((0, 0), (rings, rings));
         let traction = self.traction.view((0, 0), (rings, rings));
         // Hertz's pressure 2 E* c/π sqrt(1 - r²/c²)
-        let pressure = traction.column(rings.max(1) - 1)
-            * self.radii.get(rings.max(1) - 1).map_or(0.0, |c| 2.0 * MODULUS * c / PI);
+        let pressure = traction.column(rings - 1) * (2.0 * MODULUS * self.radii[rings - 1] / PI);
         let mut amplitudes = DVector::zeros(rings);
         // a ring changes at most twice within a step; the bound only ends a cycle that rounding could cause
         for _ in 0..4 * rings {
             let matrix = DMatrix::from_fn(rings, rings, |i, j| match state[i] {
-                Ring::Sticks => displacement[(i, j)],
-                Ring::Slides(_) => traction[(i, j)],
+                RingState::Sticks => displacement[(i, j)],
+                RingState::Slides(_) => traction[(i, j)],
             });
             let wanted = DVector::from_fn(rings, |i, _| match state[i] {
-                Ring::Sticks => displaced[i] + moved,
-                Ring::Slides(sign) => sign * pressure[i],
+                RingState::Sticks => displaced[i] + moved,
+                RingState::Slides(sign) => sign * pressure[i],
             });
             let Some(solved) = matrix.lu().solve(&wanted) else { break };
             amplitudes = solved;
             let (now, tractions) = (displacement * &amplitudes, traction * &amplitudes);
             let next = |i: usize| match state[i] {
-                Ring::Sticks if tractions[i].abs() > pressure[i] => Ring::Slides(tractions[i].signum()),
-                Ring::Slides(sign) if sign * (moved - now[i] + displaced[i]) < 0.0 => Ring::Sticks,
+                RingState::Sticks if tractions[i].abs() > pressure[i] => RingState::Slides(tractions[i].signum()),
+                RingState::Slides(sign) if sign * (moved - now[i] + displaced[i]) < 0.0 => RingState::Sticks,
                 same => same,
             };
-            let changed: Vec<Ring> = (0..rings).map(next).collect();
+            let changed: Vec<RingState> = (0..rings).map(next).collect();
             if changed == *state {
                 break;
             }

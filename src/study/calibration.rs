@@ -158,13 +158,14 @@ pub fn variance_of(particles: &Particles) -> f64 {
     particles.velocity.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / (3.0 * count)
 }
 
-/// True if a gas, a shear of the box, a thermostat or thermal walls drive the particles.
+/// True if a gas, a shear of the box, a thermostat, thermal walls or moving walls drive the particles.
 fn is_driven(experiment: &Experiment) -> bool {
     let scene = &experiment.scene;
-    scene.fluid.is_some() || scene.domain.shear.is_some() || scene.is_heated()
+    let moves = scene.walls.iter().any(|wall| wall.moving.is_some());
+    scene.fluid.is_some() || scene.domain.shear.is_some() || scene.is_heated() || moves
 }
 
-/// True if no gas, gravity, shear or heat acts on the particles, and all impacts are elastic and frictionless. The
+/// True if no gas, gravity, shear, heat or moving wall acts on the particles, and all impacts are elastic and frictionless. The
 /// kinetic energy then stays constant from the start.
 fn conserves(experiment: &Experiment) -> bool {
     let scene = &experiment.scene;

@@ -45,7 +45,7 @@ pub fn fallback_cost(
     Some(if population.mixed { one_calendar(population, speeds, window) } else { f64::INFINITY })
 }
 
-/// True if the event queue of all particles remains valid from one window to the next. Drag, lift, and buoyancy of
+/// True if the event queue of all particles remains valid from one window to the next. Drag, lift, a thermostat, and buoyancy of
 /// species of different densities change the velocities between two windows; the predicted events are then wrong.
 pub fn lasts(scene: &Scene) -> bool {
     !scene.is_kicked()

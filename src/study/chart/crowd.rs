@@ -91,7 +91,10 @@ impl Crowd {
                 }
                 state = end;
             }
-            let (outcome, _) = execute(way, state.clone(), &mut [&mut outlook.watching(before, whole)]);
+            // noise of heat or turbulence differs between the references too
+            let mut seeded = way.clone();
+            seeded.run.seed = way.run.seed.wrapping_add(seed);
+            let (outcome, _) = execute(&seeded, state.clone(), &mut [&mut outlook.watching(before, whole)]);
             if let Some(why) = outcome.failure {
                 return Ok(Err(why));
             }
