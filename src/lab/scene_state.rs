@@ -5,11 +5,13 @@ use super::protocol::{Opened, PanelDescription as Heading, SceneChoice, ShownPar
 use super::scenes::{self, LabScene, PanelSetup};
 use crate::case::built_in::{self, BuiltIn};
 use crate::case::{Case, Variant};
+use crate::engine::hard::SteppedHard;
 use crate::experiment::{Experiment, HardStepping, Model};
 use crate::output::numbers::significant;
 use crate::particles::Particles;
 use crate::placement::initial_state;
 use crate::predict::contact::ContactTimes;
+use crate::schedule::Schedule;
 use crate::study::quoted;
 
 /// Scene of the lab that is ready to run, with the experiments and initial states of both panels.
@@ -113,7 +115,7 @@ impl SceneState {
         Heading {
             title: side.title.to_owned(),
             model: side.model.name(),
-            method: method(experiment, start.len()),
+            method: method(experiment, start),
             radii: start.radius.iter().map(|radius| *radius as f32).collect(),
             contact_time: law.and_then(|law| ContactTimes::of(experiment, &law, start.len()).governing()),
             command: self.run_command(side),
@@ -195,13 +197,19 @@ fn of_side(case: &BuiltIn, sets: &[String], side: &PanelSetup) -> Result<(Case, 
     Ok((case, checked))
 }
 
-/// Short description of the method by which an experiment computes collisions.
-fn method(experiment: &Experiment, particles: usize) -> String {
+/// Short description of the method by which an experiment computes collisions of the particles of its start.
+fn method(experiment: &Experiment, start: &Particles) -> String {
     match (experiment.model(), experiment.hard.stepping) {
-        (Model::Soft, _) => soft_method(experiment, particles),
+        (Model::Soft, _) => soft_method(experiment, start.len()),
         (Model::Hard, HardStepping::Events) => "impulses at the exact instants of touch".to_owned(),
         (Model::Hard, HardStepping::Steps { theta }) => {
-            format!("impulses at the ends of steps, θ = {}", significant(theta, 3))
+            let window = Schedule::new(experiment).longest();
+            let real = SteppedHard::theta_of_window(theta, start, &experiment.scene, window);
+            format!(
+                "impulses at the ends of steps, θ = {} at the start (at most {})",
+                significant(real, 3),
+                significant(theta, 3)
+            )
         }
         (Model::Dsmc, _) => "pairs that are drawn at random in cells".to_owned(),
         (Model::Hybrid, _) => "impulses where two meet alone, contacts elsewhere".to_owned(),

@@ -13,7 +13,7 @@ pub(super) const SCENE: LabScene = LabScene {
         "domain.size=[\"5.596 mm\", \"5.596 mm\", \"5.596 mm\"]",
         "particles[0].count=500",
         "soft.linear_spring_dashpot.stiffness=3000 N/m",
-        "run.window=216 us",
+        "run.window=180 us",
         "run.duration=50 ms",
     ],
     left: PanelSetup { title: "stepped hard", model: Model::Hard, sets: &[] },
@@ -29,7 +29,7 @@ pub(super) const SCENE: LabScene = LabScene {
     view: WHOLE,
     sentences: [
         "Both panels have hard spheres, and the same rule for velocities; they differ in how collisions are found.",
-        "On the left spheres fly for a step, and whoever overlaps then and approaches collides: who touched and flew on within the step is missed.",
+        "On the left spheres fly for a step. Two spheres collide if they overlap at its end and approach; a touch that begins and ends within the step is missed.",
         "On the right every collision is done at its exact instant, from a calendar of events.",
     ],
     equation: "Δt = θ d / u_r",
