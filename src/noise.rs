@@ -29,6 +29,10 @@ pub enum NoiseUse {
     Thermostat = 5,
     /// Rebounds from thermal walls.
     ThermalWalls = 6,
+    /// Sizes, velocities and spins of the particles that come in through inlets.
+    Inlets = 7,
+    /// Positions of the particles that come in through inlets.
+    InletPositions = 8,
 }
 
 /// One number of 64 bits from several, which changes at random if any of them changes, by the mixing function of

@@ -153,11 +153,11 @@ pub struct Bound {
 }
 
 impl Bound {
-    /// Computes the bound for an experiment with this start. Other processes may store a part of the start if no
+    /// Computes the bound for an experiment with this start, in which up to `count` particles touch. Other processes may store a part of the start if no
     /// particles overlap. `step` [s] is the longest time step with which contacts are resolved.
-    pub fn new(experiment: &Experiment, start: &Sample, step: f64) -> Option<Self> {
+    pub fn new(experiment: &Experiment, (start, count): (&Sample, usize), step: f64) -> Option<Self> {
         let (law, speed) = (experiment.law()?, fastest_impact(experiment));
-        let contacts = contacts(&experiment.scene, start.count());
+        let contacts = contacts(&experiment.scene, count);
         let largest = |scheme: Scheme| {
             let gains = contacts.iter().map(|contact| gain(scheme, &law, &law.between(&contact.bodies), [speed, step]));
             gains.fold(0.0, f64::max)

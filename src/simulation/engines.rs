@@ -82,7 +82,7 @@ pub fn may_touch(experiment: &Experiment, particles: usize) -> bool {
 
 /// Makes the engine for an experiment with `particles` particles.
 pub fn engine(experiment: &Experiment, particles: usize) -> SimulationEngine {
-    let changes = experiment.scene.changes();
+    let is_whole = experiment.scene.changes() || experiment.scene.has_openings();
     let engine: Box<dyn Distributed> = match experiment.run.spheres {
         Spheres::Soft(law) => {
             let settings = &experiment.soft;
@@ -100,6 +100,6 @@ pub fn engine(experiment: &Experiment, particles: usize) -> SimulationEngine {
             Box::new(Hybrid::new(law, settings.integrator, step, experiment.hybrid.clearance))
         }
     };
-    // blocks of the domain know neither images that slide nor walls that move
-    if changes { SimulationEngine::Single(engine) } else { SimulationEngine::Distributed(engine) }
+    // blocks of the domain know neither images that slide, nor walls that move, nor particles that come and go
+    if is_whole { SimulationEngine::Single(engine) } else { SimulationEngine::Distributed(engine) }
 }

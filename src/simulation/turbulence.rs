@@ -25,6 +25,16 @@ impl Simulation {
     }
 }
 
+impl Simulation {
+    /// Draws the eddies of particles that come in, if those in the scene have eddies.
+    pub(super) fn draw_eddies_of(&self, fresh: &mut Particles) {
+        let fluid = self.scene.fluid.as_ref().filter(|_| self.particles.eddies.is_some());
+        if let Some((fluid, turbulence)) = fluid.and_then(|fluid| Some((fluid, fluid.turbulence.as_ref()?))) {
+            draw_first_eddies(fresh, (fluid, turbulence), self.seed);
+        }
+    }
+}
+
 /// Draws the initial eddies of particles that have none: Gaussian numbers with the variance 1, which is that of the
 /// fluctuation of the gas over its standard deviation. A discrete random walk holds the fluctuation itself.
 pub(super) fn draw_first_eddies(particles: &mut Particles, (fluid, turbulence): (&Fluid, &Turbulence), seed: u64) {

@@ -8,6 +8,7 @@ mod impact;
 mod kinds;
 mod limits;
 mod measurements;
+mod openings;
 mod overview;
 mod plan;
 mod run;

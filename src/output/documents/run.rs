@@ -1,6 +1,6 @@
 //! Document of a run or a comparison.
 
-use super::{gas_flow, hybrid, kinds, measurements, overview, stress, trust, verdict, work};
+use super::{gas_flow, hybrid, kinds, measurements, openings, overview, stress, trust, verdict, work};
 use crate::outcome::Outcome;
 use crate::output::document::{Block, Document, Table, TextRow, known, status};
 use crate::output::figures::ROUNDING;
@@ -73,6 +73,7 @@ fn document<'a>(study: &Study<'a>) -> Result<Document<'a>, OutputError> {
     }
     tables.extend(measurements::tables(outcomes)?);
     tables.extend(gas_flow::csv(outcomes)?.map(|table| ("gas.csv".to_owned(), table)));
+    tables.extend(openings::csv(outcomes)?.map(|table| ("flow.csv".to_owned(), table)));
     tables.extend(over_time::paths(outcomes)?.map(|table| ("paths.csv".to_owned(), table)));
     let reproduction = [
         ("seed", distinct(outcomes.iter().map(|o| o.experiment.run.seed.to_string()))),
@@ -124,6 +125,7 @@ fn body(study: &Study, over_time: usize, figures: &[Figure]) -> Vec<Block> {
     }
     body.extend(pictures(figures, &["number-density", "streamwise-velocity", "second-moments", "spins"]));
     body.extend(averaging(outcomes));
+    body.extend(openings::blocks(outcomes));
     body.push(Block::heading("Impacts and overlaps"));
     body.extend(impacts(outcomes));
     body.extend(pictures(figures, &["overlap", "first-overlap", "mean-overlap", "impact-speed"]));
@@ -309,6 +311,8 @@ fn energy(outcomes: &[Outcome]) -> Vec<Block> {
     );
     let heated = any(|o| o.experiment.scene.is_heated());
     rows.extend(heated.then(|| work("thermostat and thermal walls", |o| o.record.ledger.thermostat_work)));
+    let flows = any(|o| o.experiment.scene.has_openings());
+    rows.extend(flows.then(|| work("inflow less outflow", |o| o.record.ledger.flow_energy)));
     rows.extend([
         loss("restitution between particles", |o| o.record.ledger.pair_restitution_loss),
         loss("friction between particles", |o| o.record.ledger.pair_friction_loss),
@@ -465,6 +469,7 @@ fn variant(outcome: &Outcome, parameters: Option<&Value>) -> Value {
         "stress": stress::json(outcome),
         "observe": measurements::json(outcome),
         "gas": gas_flow::json(outcome),
+        "flows": openings::json(outcome),
         "restitution": {
             "requested_pairs": experiment.scene.restitution_of_pairs(),
             "requested_walls": experiment.scene.walls.iter().map(|wall| wall.surface.restitution).collect::<Vec<_>>(),
