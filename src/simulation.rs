@@ -7,8 +7,8 @@
 mod contacts;
 mod coupling;
 mod engines;
-mod kick;
 mod inflow;
+mod kick;
 mod lift;
 mod share;
 mod snapshot;

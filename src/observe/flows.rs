@@ -66,9 +66,8 @@ impl Flows {
         let of = |((name, is_inlet), (samples, waiting)): ((&String, bool), (&Vec<FlowSample>, &[u64; 2]))| {
             let rate = |of: fn(&FlowTotals) -> f64| {
                 let used: Vec<&FlowSample> = samples.iter().filter(|sample| sample.time >= from).collect();
-                let each = used.windows(2).map(|two| {
-                    (of(&two[1].totals) - of(&two[0].totals)) / (two[1].time - two[0].time)
-                });
+                let each =
+                    used.windows(2).map(|two| (of(&two[1].totals) - of(&two[0].totals)) / (two[1].time - two[0].time));
                 estimate(&each.collect::<Vec<f64>>())
             };
             FlowAverages {

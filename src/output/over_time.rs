@@ -3,8 +3,8 @@
 use super::OutputError;
 use super::csv::{CsvTable, number};
 use crate::observe::{
-    FRICTION_COLUMNS, GAS_COLUMNS, OPENING_COLUMNS, PathSample, Row, SERIES_COLUMNS, SHEAR_COLUMNS, SONINE_COLUMNS, SeriesColumn,
-    THERMOSTAT_COLUMNS, TURBULENCE_COLUMNS,
+    FRICTION_COLUMNS, GAS_COLUMNS, OPENING_COLUMNS, PathSample, Row, SERIES_COLUMNS, SHEAR_COLUMNS, SONINE_COLUMNS,
+    SeriesColumn, THERMOSTAT_COLUMNS, TURBULENCE_COLUMNS,
 };
 use crate::outcome::Outcome;
 

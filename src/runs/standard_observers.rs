@@ -3,8 +3,8 @@
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Model, SoftStepping};
 use crate::observe::{
-    EnergyBooks, Flows, GasFlows, ImpactSeries, Kinds, Measurements, Mixing, MomentumBooks, Motion, Observer, Paths, Rings,
-    Series, Stresses,
+    EnergyBooks, Flows, GasFlows, ImpactSeries, Kinds, Measurements, Mixing, MomentumBooks, Motion, Observer, Paths,
+    Rings, Series, Stresses,
 };
 use crate::outcome::{Averaged, Outcome, Timing};
 use crate::schedule::Schedule;
@@ -147,7 +147,9 @@ fn time_step(experiment: &Experiment, simulation: &Simulation, window: f64) -> O
         (Model::Soft, SoftStepping::Uniform) | (Model::Hard | Model::Dsmc, _) if steps > 0 => {
             Some(simulation.time / steps as f64)
         }
-        (Model::Soft | Model::Hybrid, _) => Some(soft_step(experiment, experiment.most_that_touch(simulation.count())).min(window)),
+        (Model::Soft | Model::Hybrid, _) => {
+            Some(soft_step(experiment, experiment.most_that_touch(simulation.count())).min(window))
+        }
         (Model::Hard | Model::Dsmc, _) => None,
     }
 }

@@ -108,7 +108,12 @@ impl ThroughFlow {
     pub(super) fn new(scene: &Scene, particles: &Particles) -> Self {
         let next_id = particles.id.iter().max().map_or(Some(0), |largest| largest.checked_add(1));
         let closed = |count: usize| vec![OpeningFlow::default(); count];
-        Self { next_id, outlets: closed(scene.outlets.len()), inlets: closed(scene.inlets.len()), cut: ExactSum::default() }
+        Self {
+            next_id,
+            outlets: closed(scene.outlets.len()),
+            inlets: closed(scene.inlets.len()),
+            cut: ExactSum::default(),
+        }
     }
 
     /// [J] elastic energy of the contacts that were cut when particles left, since the start.
@@ -164,7 +169,12 @@ impl Simulation {
     }
 
     /// Removes the particles that leave and appends those that come in, which are already counted at their inlets.
-    fn replace(&mut self, flow: &mut ThroughFlow, leaving: &[(u32, usize)], (fresh, mut entries): (Particles, Vec<Ledger>)) {
+    fn replace(
+        &mut self,
+        flow: &mut ThroughFlow,
+        leaving: &[(u32, usize)],
+        (fresh, mut entries): (Particles, Vec<Ledger>),
+    ) {
         let gravity = self.scene.gravity;
         for &(place, outlet) in leaving {
             entries.push(-flow.outlets[outlet].add(&self.particles, place as usize, gravity));

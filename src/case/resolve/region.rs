@@ -39,7 +39,11 @@ impl Resolver {
         Ok(Hollow::new(Cavity::Box { center: vector(center), half_extents }))
     }
 
-    pub(super) fn cylinder_region(&self, cylinder: &Located<CylinderRegionFile>, scene: &Scene) -> Result<Hollow, Diagnostic> {
+    pub(super) fn cylinder_region(
+        &self,
+        cylinder: &Located<CylinderRegionFile>,
+        scene: &Scene,
+    ) -> Result<Hollow, Diagnostic> {
         let cylinder = &cylinder.value;
         let center = self.need(&cylinder.center, "particles.in.cylinder.center")?;
         let axis = self.need(&cylinder.axis, "particles.in.cylinder.axis")?.value.index();
