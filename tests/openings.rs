@@ -121,7 +121,7 @@ fn check_books(name: &str, engine: Box<dyn Engine>, share: f64, (windows, rate):
     }
     let flow = simulation.through_flow().unwrap();
     let (came, left) = (sum_of(flow.inlets.iter()), sum_of(flow.outlets.iter()));
-    assert!(came.count > windows / 2 && left.count > windows / 4, "{name}: {came:?} {left:?}");
+    assert!(came.count > windows / 2 && left.count > windows / 8, "{name}: {came:?} {left:?}");
     assert_eq!(simulation.particles.len() as u64 + left.count, 60 + came.count, "{name}");
     assert_eq!(simulation.count(), simulation.particles.len(), "{name}");
     // one rounding of each sum of unit masses
@@ -165,13 +165,14 @@ fn books_close_over_many_exchanges() {
 fn contacts_survive_when_another_particle_leaves() {
     let spring = TangentialLaw::Linear(LinearTangential::Ratios { stiffness: 2.0 / 7.0, dashpot: 2.0 / 7.0 });
     let rough = Some(Rotation::new(spring, ImpactRule::COULOMB));
-    let ways: [(&str, SoftStepping, f64, f64, Option<Rotation>); 4] = [
-        ("uniform, elastic", SoftStepping::Uniform, 1.0, 0.0, None),
-        ("local, elastic", SoftStepping::Local, 1.0, 0.0, None),
-        ("local, rough", SoftStepping::Local, 0.8, 0.5, rough.clone()),
-        ("auto, rough", SoftStepping::Auto, 0.8, 0.5, rough),
+    // a dashpot uses another velocity at the restart, which is of second order: twice (ω_0 Δt)² = 1e-3 is allowed
+    let ways: [(&str, SoftStepping, [f64; 3], Option<Rotation>); 4] = [
+        ("uniform, elastic", SoftStepping::Uniform, [1.0, 0.0, 0.0], None),
+        ("local, elastic", SoftStepping::Local, [1.0, 0.0, 0.0], None),
+        ("local, rough", SoftStepping::Local, [0.8, 0.5, 0.0], rough.clone()),
+        ("uniform, rough", SoftStepping::Uniform, [0.8, 0.5, 2e-3], rough),
     ];
-    for (name, stepping, restitution, friction, rotation) in ways {
+    for (name, stepping, [restitution, friction, tolerance], rotation) in ways {
         let outlets = vec![beyond("end", 8.0, -1.0)];
         let scene = empty([10.0; 3], [true, true, false], unit(), surface(restitution, friction));
         let scene = Scene { outlets, rotation, ..scene };
@@ -181,8 +182,11 @@ fn contacts_survive_when_another_particle_leaves() {
         let three = follow(&scene, &placed(&scene, &[pair[0], pair[1], third]), stepping);
         assert_eq!(three.through_flow().unwrap().outlets[0].totals().count, 1, "{name}");
         assert_eq!((three.record.pairs.count, three.particles.len()), (1, 2), "{name}: one contact, and it has ended");
-        let state = |simulation: &Simulation| (simulation.state().velocity, simulation.state().spin);
-        assert_eq!(state(&three), state(&alone), "{name}");
+        let (three, alone) = (three.state(), alone.state());
+        let all = |state: &Particles| [state.velocity.clone(), state.spins().to_vec()].concat();
+        for (one, other) in all(&three).iter().zip(&all(&alone)) {
+            close(name, (one - other).amax(), 0.0, tolerance);
+        }
     }
 }
 
@@ -198,20 +202,26 @@ fn follow(scene: &Scene, start: &Particles, stepping: SoftStepping) -> Simulatio
 fn the_energy_of_cut_contacts_leaves_with_the_particle() {
     for stepping in [SoftStepping::Uniform, SoftStepping::Local] {
         let scene = empty([10.0; 3], [true, true, false], unit(), surface(1.0, 0.0));
-        let scene = Scene { outlets: vec![beyond("end", 8.0, -1.0)], ..scene };
         let start = placed(&scene, &[([5.0, 5.0, 7.5], [0.0, 0.0, 0.0]), ([5.0, 5.0, 8.4999], [0.0, 0.0, -1.0])]);
+        let after_a_window = |outlets: Vec<Outlet>| {
+            let scene = Scene { outlets, ..scene.clone() };
+            let mut simulation = Simulation::with_engine(scene, start.clone(), soft_with(stepping));
+            let energy = simulation.energy();
+            simulation.run(1, 30.0 * STEP).unwrap();
+            let residual = simulation.record.ledger.residual(energy, simulation.energy());
+            (simulation, residual)
+        };
+        let (whole, of_scheme) = after_a_window(Vec::new());
         // the outlet is behind 8: the second sphere leaves at the end of the first window, 30 steps later
-        let mut simulation = Simulation::with_engine(scene, start, soft_with(stepping));
-        let energy = simulation.energy();
-        simulation.run(1, 30.0 * STEP).unwrap();
+        let (simulation, residual) = after_a_window(vec![beyond("end", 8.0, -1.0)]);
         let flow = simulation.through_flow().unwrap();
         assert_eq!((simulation.particles.len(), flow.outlets[0].totals().count), (1, 1));
         // the contact has about a third of its duration behind it, so most of the energy m v²/4 is in the spring
         assert!(flow.cut_energy() > 0.1, "{stepping:?}: {}", flow.cut_energy());
+        // the same state, summed in another order
+        close("energy of the spring", flow.cut_energy(), whole.elastic_energy(), 1e-15);
         assert_eq!(simulation.elastic_energy(), 0.0);
-        let residual = simulation.record.ledger.residual(energy, simulation.energy());
-        // (ω_0 Δt)²/4 of the energy of the contact, 2.5e-4 of 0.25 J
-        assert!(residual.abs() < 2.5e-4 * 0.25, "{stepping:?}: {residual}");
+        close("what the time steps leave unexplained", residual, of_scheme, 1e-14);
     }
 }
 
