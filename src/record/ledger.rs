@@ -195,8 +195,8 @@ impl Ledger {
         [drag_work, gravity_work, wall_work, shear_work, thermostat_work, flow_energy]
     }
 
-    /// [J] total energy turnover: sum of the magnitudes of the energy at the start [J], of drag work, of gravity work,
-    /// of wall work, of the work of shear, of that of a thermostat, and of the energy that came in and left with particles.
+    /// [J] total energy turnover: the sum of the magnitudes of the energy at the start [J] and of all gains but those by
+    /// impacts. These are the works of drag, gravity, walls, shear and a thermostat, and the energy that came in and left.
     pub fn through(&self, energy_at_start: f64) -> f64 {
         self.gains().iter().fold(energy_at_start.abs(), |sum, gain| sum + gain.abs())
     }

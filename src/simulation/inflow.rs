@@ -28,14 +28,14 @@ pub(super) fn rooms(scene: &Scene) -> Vec<FreeRoom> {
 }
 
 /// Sphere that a new particle must not overlap.
-struct Obstacle {
+struct SphereInTheWay {
     /// [m] position of the centre, inside the box along periodic axes.
     position: Vector3<f64>,
     /// [m] radius.
     radius: f64,
 }
 
-impl Obstacle {
+impl SphereInTheWay {
     /// True if a sphere at `position` [m] with this radius [m] would overlap or nearly touch this one.
     fn blocks(&self, position: &Vector3<f64>, radius: f64, domain: &Domain) -> bool {
         let reach = (self.radius + radius) * (1.0 + MARGIN);
@@ -110,7 +110,7 @@ impl Simulation {
             let mut tried = (0..TRIES).map(|_| room.anywhere(radius * (1.0 + MARGIN), &mut random));
             let Some(position) = tried.find(is_free) else { break };
             flow.take_id();
-            obstacles.push(Obstacle { position, radius });
+            obstacles.push(SphereInTheWay { position, radius });
             let mut one = Particles::default();
             one.push(position, particle.velocity, radius, species.of_one_size(2.0 * radius).mass(), inlet.species);
             one.id[0] = id;
@@ -132,7 +132,7 @@ impl Simulation {
     }
 
     /// Spheres that reach into the region of an inlet: those of the scene that do not leave now, and those of `fresh`.
-    fn obstacles(&self, inlet: &Inlet, leaving: &[(u32, usize)], fresh: &Particles) -> Vec<Obstacle> {
+    fn obstacles(&self, inlet: &Inlet, leaving: &[(u32, usize)], fresh: &Particles) -> Vec<SphereInTheWay> {
         let domain = &self.scene.domain;
         let [low, high] = inlet.region.corners();
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
@@ -140,7 +140,7 @@ impl Simulation {
             let position = domain.wrap(position);
             let apart = domain.separation(&position, &middle);
             let reaches = (0..3).all(|axis| apart[axis].abs() <= half[axis] + radius);
-            reaches.then_some(Obstacle { position, radius: *radius })
+            reaches.then_some(SphereInTheWay { position, radius: *radius })
         };
         let stays = |place: &u32| leaving.binary_search_by_key(place, |(place, _)| *place).is_err();
         let old = (0u32..).zip(self.particles.position.iter().zip(&self.particles.radius));

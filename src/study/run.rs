@@ -78,8 +78,8 @@ fn variant(args: &Run, ranks: &Ranks) -> Result<(Variants, Option<String>), Stud
     Ok((variants, reason))
 }
 
-/// Refuses `--budgets` (of the second moments of velocity) if particles come and go, because budgets follow each particle
-/// from window to window, and if the lengths of windows differ, because budgets are sums over windows of one length.
+/// Refuses `--budgets` (of the second moments of velocity) in two cases. Budgets follow each particle from window to window,
+/// so no particle may come or go. They are sums over windows of one length, so windows may not differ in length.
 fn refuse_budgets(args: &Run, experiment: &Experiment) -> Result<(), StudyError> {
     let schedule = Schedule::new(experiment);
     if args.budgets && experiment.scene.has_openings() {

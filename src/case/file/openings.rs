@@ -78,7 +78,7 @@ pub struct InletFile {
     #[schemars(example = &"20 g/s", extend("x-one-of" = "rate", "x-range" = "greater than 0, up to 1e6 kg/s"))]
     pub mass_rate: Option<Located<MassRate>>,
     /// Time at which the inlet opens.
-    #[schemars(example = &"0.5 s", extend("default" = "0 s", "x-range" = "0 s or more"))]
+    #[schemars(example = &"0.5 s", extend("default" = "0 s", "x-range" = "0 ..= 1e9 s"))]
     pub start: Option<Located<Time>>,
     /// Time at which the inlet closes, after `start`.
     #[schemars(example = &"2 s", extend("x-default" = "stays open", "x-range" = "greater than 0 s"))]

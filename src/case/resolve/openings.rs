@@ -122,6 +122,7 @@ impl Resolver {
         };
         let opens = opens.as_ref().map_or(Ok(0.0), |start| self.in_range(start, "the run starts at 0 s"))?;
         let closes = end.as_ref().map_or(Ok(f64::INFINITY), |end| {
+            self.in_range(end, "leave it out: the inlet then stays open")?;
             self.checked(end, |end| end > opens, &format!("later than `start`, {opens} s"), "leave it out: stays open")
         })?;
         let population = &start[index];
