@@ -39,7 +39,7 @@ pub use observe::{
     ContactNetworkFile, DiffusionFile, FieldsFile, ObserveFile, PairDistributionFile, StructureFactorFile,
     VelocityDistributionFile,
 };
-pub use openings::{InletFile, OutletFile, SideFile};
+pub use openings::{InletFile, OutletFile, OutletSideFile};
 pub use region::{BlockRegionFile, CylinderRegionFile, RegionFile};
 pub use restitution::{RestitutionFile, RestitutionLawFile};
 pub use rotation::{HistoryFile, ImpactRuleFile, RollingFile, TangentialFile, TwistingFile};

@@ -8,7 +8,7 @@ use serde::Deserialize;
 
 /// Side of the box: the axis, with the sign of the direction out of the box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
-pub enum SideFile {
+pub enum OutletSideFile {
     /// Side at x = 0.
     #[serde(rename = "-x")]
     LowerX,
@@ -39,7 +39,7 @@ pub struct OutletFile {
     pub name: Option<Located<String>>,
     /// A side of the box along an axis that is not periodic: all that is beyond it.
     #[schemars(example = &"-y", extend("x-one-of" = "shape", "x-required" = "or `plane`, `box`, `cylinder`"))]
-    pub side: Option<Located<SideFile>>,
+    pub side: Option<Located<OutletSideFile>>,
     /// All that is behind a plane, whose normal points to the particles that stay.
     #[schemars(extend("x-one-of" = "shape"))]
     pub plane: Option<Located<PlaneFile>>,

@@ -3,7 +3,9 @@
 use super::Resolver;
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
-use crate::case::file::{BlockRegionFile, CaseFile, CylinderRegionFile, InletFile, ObserveFile, OutletFile, SideFile};
+use crate::case::file::{
+    BlockRegionFile, CaseFile, CylinderRegionFile, InletFile, ObserveFile, OutletFile, OutletSideFile,
+};
 use crate::case::source::Origin;
 use crate::domain::Domain;
 use crate::experiment::Population;
@@ -53,14 +55,14 @@ impl Resolver {
     }
 
     /// Plane of a side of the box, whose normal points into the box.
-    fn side(&self, typed: &Located<SideFile>, domain: &Domain) -> Result<Plane, Diagnostic> {
+    fn side(&self, typed: &Located<OutletSideFile>, domain: &Domain) -> Result<Plane, Diagnostic> {
         let (axis, is_upper) = match typed.value {
-            SideFile::LowerX => (0, false),
-            SideFile::UpperX => (0, true),
-            SideFile::LowerY => (1, false),
-            SideFile::UpperY => (1, true),
-            SideFile::LowerZ => (2, false),
-            SideFile::UpperZ => (2, true),
+            OutletSideFile::LowerX => (0, false),
+            OutletSideFile::UpperX => (0, true),
+            OutletSideFile::LowerY => (1, false),
+            OutletSideFile::UpperY => (1, true),
+            OutletSideFile::LowerZ => (2, false),
+            OutletSideFile::UpperZ => (2, true),
         };
         if domain.periodic[axis] {
             let help = "leave the axis out of `domain.periodic`";
