@@ -141,6 +141,15 @@ impl Experiment {
         }
     }
 
+    /// Number of particles for predictions of contacts, from the number `now` in the scene: at least two with inlets,
+    /// through which any number may come in, and at least the number at the start with outlets.
+    pub fn most_that_touch(&self, now: usize) -> usize {
+        let scene = &self.scene;
+        let coming = if scene.inlets.is_empty() { 0 } else { 2 };
+        let at_start = if scene.outlets.is_empty() { 0 } else { self.count() };
+        now.max(coming).max(at_start)
+    }
+
     /// Number of particles at the start.
     pub fn count(&self) -> usize {
         self.start.iter().map(|population| population.amount.count()).sum()

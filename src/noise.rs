@@ -29,6 +29,10 @@ pub enum NoiseUse {
     Thermostat = 5,
     /// Rebounds from thermal walls.
     ThermalWalls = 6,
+    /// Sizes, velocities and spins of the particles that come in through inlets.
+    Inlets = 7,
+    /// Positions of the particles that come in through inlets.
+    InletPositions = 8,
 }
 
 /// One number of 64 bits computed from several. If any of them changes, the result changes as if it were drawn at

@@ -2,7 +2,7 @@
 
 use crate::engine::{Counters, Failure};
 use crate::experiment::{Experiment, Integrator, Model};
-use crate::observe::{Balance, GasFlow, KindAverages, Observation, Paths, RingAverages, Series, Stress};
+use crate::observe::{Balance, FlowAverages, GasFlow, KindAverages, Observation, Paths, RingAverages, Series, Stress};
 use crate::predict::contact::{ImpactSpeeds, contacts};
 use crate::predict::overlaps::Overlaps;
 use crate::record::{Impacts, Record};
@@ -80,6 +80,9 @@ pub struct Outcome {
     /// Gas over the averaging period, if it feels the particles.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gas: Option<GasFlow>,
+    /// Flow through each outlet and inlet; empty in a scene without any.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub flows: Vec<FlowAverages>,
     /// Results of the measurements that the case asks for.
     #[serde(skip)]
     pub observations: Vec<Observation>,

@@ -2,6 +2,7 @@
 
 mod buoyancy;
 mod instants;
+mod openings;
 mod sizes;
 mod start_region;
 mod surface;
@@ -9,6 +10,7 @@ mod thermostat;
 
 pub use buoyancy::ADDED_MASS;
 pub use instants::SceneInTime;
+pub use openings::{Inlet, Outlet, OutletShape};
 pub use sizes::{Fraction, SizeDistribution};
 pub use start_region::StartRegion;
 pub use surface::Surface;
@@ -257,6 +259,12 @@ pub struct Scene {
     /// Heating of the particles from outside; `None` if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub thermostat: Option<Thermostat>,
+    /// Places where particles leave the scene.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub outlets: Vec<Outlet>,
+    /// Places where particles come into the scene.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub inlets: Vec<Inlet>,
 }
 
 impl Scene {
@@ -272,6 +280,8 @@ impl Scene {
             species,
             rotation: None,
             thermostat: None,
+            outlets: Vec::new(),
+            inlets: Vec::new(),
         }
     }
 

@@ -6,8 +6,10 @@
 //! slowing is computed from the drag law alone, which is equal in every model, and not from the moving particles.
 
 mod heat;
+mod inlets;
 
 pub use heat::longest_for_thermostat;
+pub use inlets::longest_for_inlets;
 
 use crate::experiment::{Amount, Experiment, Population};
 use crate::fluid::Profile;
@@ -120,7 +122,7 @@ impl Schedule {
         };
         let allowed = allowed.min(longest_with_kicks_of_buoyancy(&experiment.scene));
         let allowed = allowed.min(longest_for_eddies(experiment)).min(longest_for_coupling(experiment));
-        let allowed = allowed.min(longest_for_thermostat(experiment));
+        let allowed = allowed.min(longest_for_thermostat(experiment)).min(longest_for_inlets(experiment));
         let longest = experiment.run.window.unwrap_or(allowed).min(duration);
         // windows are shortened if samples are requested more often than windows end
         let interval = experiment.statistics.sample_interval.unwrap_or(often.max(longest)).min(duration);

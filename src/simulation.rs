@@ -7,11 +7,13 @@
 mod contacts;
 mod coupling;
 mod engines;
+mod inflow;
 mod kick;
 mod lift;
 mod share;
 mod snapshot;
 mod thermostat;
+mod through_flow;
 mod totals;
 mod turbulence;
 mod weight;
@@ -21,6 +23,7 @@ pub use contacts::ContactSummary;
 pub use engines::{SimulationEngine, engine, may_touch, soft_step};
 pub use kick::kick;
 pub use snapshot::Snapshot;
+pub use through_flow::{FlowTotals, OpeningFlow, ThroughFlow};
 
 use crate::clock::Clock;
 use crate::communicator::Communicator;
@@ -30,6 +33,7 @@ use crate::engine::{Counters, Engine, Failure, Window};
 use crate::experiment::{Experiment, Integrator};
 use crate::fluid::LoadedFlow;
 use crate::particles::{Particles, Sample};
+use crate::placement::FreeRoom;
 use crate::predict::energy::{Bound, broken_contract, too_long};
 use crate::record::Record;
 use crate::scene::Scene;
@@ -101,6 +105,10 @@ pub struct Simulation {
     /// [J] elastic energy of the overlaps at the start; `None` after the first window, from which on the soft engine
     /// knows its contacts.
     unseen: Option<f64>,
+    /// Particles that have come in and left; `None` in a scene without inlets and outlets.
+    through_flow: Option<Box<ThroughFlow>>,
+    /// Free space of each inlet.
+    inlet_rooms: Vec<FreeRoom>,
 }
 
 /// Wall time spent in each part of a simulation, measured by the clock of the simulation; zero without a clock.
@@ -134,14 +142,15 @@ impl Simulation {
     fn of(experiment: &Experiment, particles: Particles, others: Option<&dyn Communicator>) -> Self {
         let sample = Sample::part(&particles, others);
         let totals = SimulationTotals::of(&sample);
-        let (engine, step) = (engine(experiment, totals.count), soft_step(experiment, totals.count));
-        let soft = experiment.model().has_contacts() && may_touch(experiment, totals.count);
+        let count = experiment.most_that_touch(totals.count);
+        let (engine, step) = (engine(experiment, count), soft_step(experiment, count));
+        let soft = experiment.model().has_contacts() && may_touch(experiment, count);
         // contacts that do not end set no limit: the step is then the duration of the run
         let step = step.min(experiment.run.duration);
         let may_run = experiment.soft.allow_unstable || experiment.soft.integrator == Integrator::Rk2;
-        let broken = if soft { broken_contract(experiment, totals.count) } else { None };
-        let bound = if soft && broken.is_none() { Bound::new(experiment, &sample, step) } else { None };
-        let refused = broken.or_else(|| too_long(experiment, totals.count, step).filter(|_| soft && !may_run));
+        let broken = if soft { broken_contract(experiment, count) } else { None };
+        let bound = if soft && broken.is_none() { Bound::new(experiment, (&sample, count), step) } else { None };
+        let refused = broken.or_else(|| too_long(experiment, count, step).filter(|_| soft && !may_run));
         let unseen = bound.as_ref().map(Bound::elastic_at_start);
         let mut scene = experiment.scene.clone();
         scene.seed_walls(experiment.run.seed);
@@ -165,6 +174,8 @@ impl Simulation {
 
     fn with_totals(scene: Scene, particles: Particles, totals: SimulationTotals, engine: SimulationEngine) -> Self {
         let (mut scene, mut particles) = (scene, particles);
+        let through_flow = scene.has_openings().then(|| ThroughFlow::new(&scene, &particles));
+        let inlet_rooms = inflow::rooms(&scene);
         scene.walls = Repeated::all(&scene.walls, &scene.domain);
         scene.let_rotate(&mut particles);
         let spheres = match &scene.fluid {
@@ -193,6 +204,8 @@ impl Simulation {
             refused: None,
             bound: None,
             unseen: None,
+            through_flow: through_flow.map(Box::new),
+            inlet_rooms,
         }
     }
 
@@ -267,6 +280,7 @@ impl Simulation {
             }
             self.advance(window)?;
             self.windows += 1;
+            self.exchange_particles();
             if k < windows && !go_on(self, k) {
                 self.half_kicked = false;
                 return Ok(k);

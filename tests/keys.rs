@@ -60,6 +60,18 @@ restitution = 0.9
 [[walls]]
 mesh = { file = "tests/inputs/block.stl", unit = "1 mm", position = ["10 mm", "30 mm", "30 mm"], axis = [0, 0, 1] }
 restitution = 0.9
+[[inlets]]
+particles = "particles 0"
+rate = "10 1/s"
+box = { center = ["20 mm", "35 mm", "10 mm"], half_extents = ["2 mm", "2 mm", "2 mm"] }
+[[inlets]]
+particles = "particles 0"
+rate = "10 1/s"
+cylinder = { center = ["35 mm", "35 mm", "10 mm"], axis = "x", radius = "2 mm", half_height = "2 mm" }
+[[outlets]]
+box = { center = ["5 mm", "35 mm", "20 mm"], half_extents = ["2 mm", "2 mm", "2 mm"] }
+[[outlets]]
+cylinder = { center = ["5 mm", "20 mm", "20 mm"], axis = "x", radius = "2 mm", half_height = "2 mm" }
 [contact]
 restitution = 0.9
 [[contact.pairs]]
@@ -77,6 +89,8 @@ fn place(table: &str) -> String {
     let at = shapes.iter().position(|shape| table == format!("walls.{shape}"));
     match (table, at) {
         ("particles.at", _) => "particles[1].at[0]".into(),
+        ("inlets.cylinder", _) => "inlets[1].cylinder".into(),
+        ("outlets.cylinder", _) => "outlets[1].cylinder".into(),
         ("particles.in.cylinder", _) => "particles[2].in.cylinder".into(),
         (_, Some(index)) => table.replace("walls", &format!("walls[{index}]")),
         _ => indexed(table),

@@ -114,6 +114,7 @@ pub fn outcome(name: &str, model: Model, seed: u64) -> Outcome {
     };
     Outcome {
         gas: None,
+        flows: Vec::new(),
         observations: Vec::new(),
         stress: Stress::default(),
         pairs: record.pairs.clone(),

@@ -60,6 +60,7 @@ mod moving_walls; // walls whose shape moves: exact map, period doubling, no mis
 mod needs; // models that a scene needs, against closed forms
 mod numbers; // every number of the paper, and every claim with its words, in docs/paper.md
 mod observers; // measurements while a simulation runs, and their times
+mod openings; // inlets and outlets: books, ids, contacts that stay, resumed runs, threads, blocked inlets, messages
 mod order; // sums over particles: identical bits in any order of the store
 mod output;
 mod over_time; // series and paths: against theories, in tables and pictures

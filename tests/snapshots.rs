@@ -10,14 +10,15 @@ use diptych::experiment::{
 };
 use diptych::fluid::{Fluid, Profile};
 use diptych::observe::{
-    ContactNetwork, Diffusion, EnergyBooks, Fields, ImpactSeries, Kinds, Mixing, MomentumBooks, Motion, Observer,
-    PairDistribution, Paths, Pause, Rings, RunLoop, Series, Stresses, StructureFactor, VelocityDistribution,
+    ContactNetwork, Diffusion, EnergyBooks, Fields, Flows, ImpactSeries, Kinds, Mixing, MomentumBooks, Motion,
+    Observer, PairDistribution, Paths, Pause, Rings, RunLoop, Series, Stresses, StructureFactor, VelocityDistribution,
 };
 use diptych::placement::initial_state;
-use diptych::scene::{Elasticity, Species, Thermostat};
+use diptych::scene::{Elasticity, Inlet, Outlet, OutletShape, Species, Thermostat};
 use diptych::schedule::Schedule;
 use diptych::simulation::{Simulation, Snapshot};
 use diptych::statistics::Accumulator;
+use diptych::walls::{Cavity, Hollow};
 use diptych::{Stored, Vector3};
 
 /// [s] length of a window: about 130 soft steps.
@@ -77,6 +78,29 @@ fn heated() -> Experiment {
     heated
 }
 
+/// A crowd that comes in on one side and leaves on the other, a few particles in each window.
+fn passing() -> Experiment {
+    let mut passing = crowd(200, 0.1, 0.5);
+    let edges = passing.scene.domain.size;
+    let middle = |share: f64| Vector3::new(0.5 * edges.x, 0.5 * edges.y, share * edges.z);
+    let half_extents = Vector3::new(0.5 * edges.x, 0.5 * edges.y, 0.2 * edges.z);
+    let region = |share: f64| Hollow::new(Cavity::Box { center: middle(share), half_extents });
+    passing.scene.outlets = vec![Outlet { name: "out".into(), shape: OutletShape::Body(region(0.8)) }];
+    passing.scene.inlets = vec![Inlet {
+        name: "in".into(),
+        species: 0,
+        region: region(0.2),
+        rate: 3.0 / WINDOW,
+        start: 0.0,
+        end: f64::INFINITY,
+        velocity_mean: Vector3::z(),
+        velocity_fluctuation: Vector3::repeat(1.0),
+        spin_mean: Vector3::zeros(),
+        spin_fluctuation: 0.0,
+    }];
+    passing
+}
+
 fn scenes() -> Vec<(&'static str, Experiment)> {
     vec![
         ("dilute", crowd(200, 0.01, 0.5)),
@@ -87,6 +111,7 @@ fn scenes() -> Vec<(&'static str, Experiment)> {
         ("blown", blown()),
         ("sheared", sheared()),
         ("heated", heated()),
+        ("passing", passing()),
     ]
 }
 
@@ -200,6 +225,7 @@ fn observers(experiment: &Experiment, schedule: &Schedule) -> Vec<Box<dyn Observ
         Box::new(Paths::new(schedule)),
         Box::new(Stresses::new(experiment, schedule)),
         Box::new(Kinds::new(experiment, schedule)),
+        Box::new(Flows::new(experiment, schedule)),
         Box::new(Rings::new(experiment)),
         Box::new(Mixing::new(experiment, schedule)),
         Box::new(PairDistribution::new(experiment, schedule, PairDistributionSettings { reach: 1e-3, bins: 7 })),
@@ -218,7 +244,7 @@ fn observers(experiment: &Experiment, schedule: &Schedule) -> Vec<Box<dyn Observ
 /// Number of the storage layout, and checksum of the stored data of a run before its first window, with every model and
 /// observer. Only the types define the meaning of these bytes. If the types change without the number, older files are
 /// misread.
-const LAYOUT: (&str, u32) = ("36", 827_836_134);
+const LAYOUT: (&str, u32) = ("37", 75_513_491);
 
 #[test]
 fn types_that_are_stored_change_with_the_number_of_the_layout_only() {

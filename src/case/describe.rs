@@ -7,8 +7,8 @@ use crate::experiment::{
 use crate::fluid::{EddyLaw, Fluid, Langevin, LocalTurbulence, Turbulence};
 use crate::predict::contact::usual_impact;
 use crate::predict::flow::terminal_slip;
-use crate::scene::{Kind, Scene, Species, Surface, Thermostat};
-use crate::walls::{PrescribedMotion, Wall};
+use crate::scene::{Kind, OutletShape, Scene, Species, Surface, Thermostat};
+use crate::walls::{Geometry, PrescribedMotion, Wall};
 use nalgebra::Vector3;
 use std::fmt::Write;
 
@@ -71,6 +71,31 @@ fn run_in_words(experiment: &Experiment) -> String {
     text
 }
 
+/// Adds a line for each outlet and each inlet.
+fn openings_in_words(text: &mut String, scene: &Scene) {
+    for outlet in &scene.outlets {
+        let place = match &outlet.shape {
+            OutletShape::Behind(plane) => {
+                let [p, n] = [plane.point, plane.normal].map(|v| v.map(|x| short(x, 4)));
+                format!("behind the plane through ({}, {}, {}) m facing ({}, {}, {})", p.x, p.y, p.z, n.x, n.y, n.z)
+            }
+            OutletShape::Body(body) => format!("in a {}", body.in_words()),
+        };
+        let _ = writeln!(text, "Outlet \"{}\": particles leave {place}.", outlet.name);
+    }
+    for inlet in &scene.inlets {
+        let closes = if inlet.end.is_finite() { format!(" until {}", time(inlet.end)) } else { String::new() };
+        let _ = writeln!(
+            text,
+            "Inlet \"{}\": {} particles per second come in, {} kg/s, from {}{closes}.",
+            inlet.name,
+            short(inlet.rate, 4),
+            short(inlet.rate * scene.species[usize::from(inlet.species)].mass(), 4),
+            time(inlet.start)
+        );
+    }
+}
+
 /// Describes the scene of an experiment, without its model and its run.
 pub(crate) fn scene_in_words(experiment: &Experiment) -> String {
     let scene = &experiment.scene;
@@ -131,6 +156,7 @@ pub(crate) fn scene_in_words(experiment: &Experiment) -> String {
         };
         let _ = writeln!(text, "Wall {index}: {shape}, {}{}.", surface(&wall.surface), motion_in_words(wall));
     }
+    openings_in_words(&mut text, scene);
     particles_in_words(&mut text, experiment, scene);
     if scene.gravity_alone().norm() > 0.0 {
         let g = scene.gravity_alone();

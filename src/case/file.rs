@@ -21,6 +21,7 @@ mod contact;
 mod gas;
 mod motion;
 mod observe;
+mod openings;
 mod region;
 mod restitution;
 mod rotation;
@@ -38,6 +39,7 @@ pub use observe::{
     ContactNetworkFile, DiffusionFile, FieldsFile, ObserveFile, PairDistributionFile, StructureFactorFile,
     VelocityDistributionFile,
 };
+pub use openings::{InletFile, OutletFile, OutletSideFile};
 pub use region::{BlockRegionFile, CylinderRegionFile, RegionFile};
 pub use restitution::{RestitutionFile, RestitutionLawFile};
 pub use rotation::{HistoryFile, ImpactRuleFile, RollingFile, TangentialFile, TwistingFile};
@@ -82,6 +84,10 @@ pub struct CaseFile {
     pub particles: Option<Vec<Located<ParticlesFile>>>,
     /// One wall, of exactly one shape.
     pub walls: Option<Vec<Located<WallFile>>>,
+    /// One place where particles leave. Without such a table all particles stay.
+    pub outlets: Option<Vec<Located<OutletFile>>>,
+    /// One place where particles come in. Without such a table none do.
+    pub inlets: Option<Vec<Located<InletFile>>>,
     /// Restitution and friction of contacts between particles.
     #[schemars(extend("x-required" = "where two particles can meet"))]
     pub contact: Option<Located<ContactFile>>,

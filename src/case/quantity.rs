@@ -40,6 +40,8 @@ pub type Acceleration = Quantity<1, 0, -2>;
 pub type Density = Quantity<-3, 1, 0>;
 /// [m²/s] kinematic viscosity.
 pub type KinematicViscosity = Quantity<2, 0, -1>;
+/// Mass per time [kg/s].
+pub type MassRate = Quantity<0, 1, -1>;
 /// [m²/s²] energy per mass.
 pub type SpecificEnergy = Quantity<2, 0, -2>;
 /// [m²/s³] rate of energy per mass.
@@ -70,6 +72,7 @@ const DIMENSIONS: &[(Exponents, &str, &str, &str)] = &[
     ([2, 0, -2], "an energy per mass", "m^2/s^2", "\"0.5 m^2/s^2\""),
     ([2, 0, -3], "a dissipation rate", "m^2/s^3", "\"10 m^2/s^3\""),
     ([-1, 1, -1], "a dynamic viscosity", "Pa s", "\"1.8e-5 Pa s\""),
+    ([0, 1, -1], "a mass per time", "kg/s", "\"20 g/s\""),
     ([0, 1, -2], "a stiffness", "N/m", "\"3000 N/m\""),
     ([1, 1, -2], "a force", "N", "\"1 mN\""),
     ([-1, 1, -2], "a pressure", "Pa", "\"101 kPa\""),

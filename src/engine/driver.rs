@@ -107,6 +107,12 @@ pub trait Solver {
     /// Marks data about the particle store as outdated, because islands may have moved or sorted the particles.
     fn disturb(&mut self);
 
+    /// Marks data about the particle store as outdated, because particles have left the store or come into it. The caller
+    /// has taken the carried state before.
+    fn repopulate(&mut self) {
+        self.disturb();
+    }
+
     /// Moves all particles through the window by the classical algorithm.
     ///
     /// # Errors
@@ -311,5 +317,23 @@ impl<S: DistributedSolver> Engine for Driver<S> {
         self.islands.resume(state.islands, state.spent);
         self.solver.resume(state.solver);
         Ok(())
+    }
+
+    fn repopulate(&mut self, place_of: &[Option<u32>]) -> f64 {
+        self.solver.hand_over(&mut self.lasting);
+        self.solver.repopulate();
+        self.islands.repopulate();
+        let (islands, mut cut) = (self.solver.islands(), ExactSum::default());
+        let follow = |carried: Lasting<S>| {
+            let new_place = |place: u32| place_of.get(place as usize).copied().flatten();
+            let places = S::Islands::places(&carried).into_iter().flatten();
+            if places.map(new_place).all(|place| place.is_some()) {
+                return Some(S::Islands::moved(&carried, &|place| new_place(place).unwrap_or(place)));
+            }
+            cut.add(islands.energy(&carried));
+            None
+        };
+        self.lasting = std::mem::take(&mut self.lasting).into_iter().filter_map(follow).collect();
+        cut.value()
     }
 }

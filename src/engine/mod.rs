@@ -108,6 +108,12 @@ pub trait Engine {
     /// # Errors
     /// The bytes are not the state of an engine of this type; this engine then remains unchanged.
     fn restore(&mut self, stored: &Stored) -> Result<(), StoreError>;
+
+    /// Follows a change of the population between two windows. `place_of` contains, for each index in the store before the
+    /// change, the index after it, or `None` for a particle that has left. Particles that have come in are at the end of
+    /// the store. The engine keeps the contacts and collision histories of the particles that stay. Returns the energy [J]
+    /// that was stored in contacts of the particles that have left.
+    fn repopulate(&mut self, place_of: &[Option<u32>]) -> f64;
 }
 
 /// Overlap of two bodies.

@@ -17,6 +17,7 @@ use crate::simulation::Simulation;
 use crate::statistics::estimate;
 use crate::stored::{StoreError, Stored};
 use nalgebra::Vector3;
+use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 
 /// Largest number of samples (instants of measurement) that are used; in a longer run the used samples are further
@@ -122,11 +123,11 @@ pub(super) fn contact_lines(simulation: &Simulation, law: &ContactLaw) -> Vec<Co
 
 impl NetworkSample {
     fn of(simulation: &Simulation, lines: &[ContactLine]) -> Self {
-        let mut contacts = vec![0_usize; simulation.count()];
+        let mut contacts: FxHashMap<u32, usize> = FxHashMap::default();
         let (mut fabric, mut force) = (<[ExactSum; 6]>::default(), ExactSum::default());
         let mut pairs = 0.0;
         for line in lines {
-            [Some(line.id), line.other].into_iter().flatten().for_each(|id| contacts[id as usize] += 1);
+            [Some(line.id), line.other].into_iter().flatten().for_each(|id| *contacts.entry(id).or_default() += 1);
             force.add(line.force);
             if line.other.is_some() {
                 pairs += 1.0;
@@ -136,11 +137,12 @@ impl NetworkSample {
             }
         }
         let mut by_contacts = vec![0; MOST_CONTACTS];
-        contacts.iter().for_each(|count| by_contacts[(*count).min(MOST_CONTACTS - 1)] += 1);
+        contacts.values().for_each(|count| by_contacts[(*count).min(MOST_CONTACTS - 1)] += 1);
+        by_contacts[0] = simulation.count().saturating_sub(contacts.len()) as u64;
         Self {
             time: simulation.time,
             by_contacts,
-            ends: contacts.iter().map(|count| *count as u64).sum(),
+            ends: contacts.values().map(|count| *count as u64).sum(),
             fabric: (pairs > 0.0).then(|| fabric.map(|sum| sum.value() / pairs)),
             force: (!lines.is_empty()).then(|| force.value() / lines.len() as f64),
         }

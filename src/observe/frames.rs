@@ -128,6 +128,10 @@ impl Observer for Frames {
     }
 
     fn see(&mut self, simulation: &Simulation) {
+        // a page shows particles that all stay
+        if simulation.scene().has_openings() {
+            return;
+        }
         let particles = &simulation.particles;
         self.particles = simulation.count();
         let every = u32::try_from(self.every()).unwrap_or(u32::MAX);

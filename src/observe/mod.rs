@@ -10,6 +10,7 @@ mod contact_network;
 mod diffusion;
 mod energy;
 mod fields;
+mod flows;
 mod frames;
 mod gas_flow;
 mod impacts;
@@ -34,6 +35,7 @@ pub use contact_network::{ContactLine, ContactNetwork};
 pub use diffusion::Diffusion;
 pub use energy::EnergyBooks;
 pub use fields::Fields;
+pub use flows::{FlowAverages, FlowSample, Flows};
 pub use frames::{Frame, Frames};
 pub use gas_flow::{GasFlow, GasFlows};
 pub use impacts::ImpactSeries;
@@ -51,8 +53,8 @@ pub use run_loop::{Pause, RunLoop};
 pub use second_moments::{Budgets, MOMENTS, SecondMoments, Terms};
 pub use series::{GasMeans, RotationSums, Row, Series, ShearStress, TurbulenceMeans};
 pub use series_columns::{
-    CurveScale, FRICTION_COLUMNS, GAS_COLUMNS, SERIES_COLUMNS, SHEAR_COLUMNS, SONINE_COLUMNS, SeriesColumn,
-    THERMOSTAT_COLUMNS, TURBULENCE_COLUMNS,
+    CurveScale, FRICTION_COLUMNS, GAS_COLUMNS, OPENING_COLUMNS, SERIES_COLUMNS, SHEAR_COLUMNS, SONINE_COLUMNS,
+    SeriesColumn, THERMOSTAT_COLUMNS, TURBULENCE_COLUMNS,
 };
 pub use stress::{Stress, Stresses};
 pub use structure_factor::StructureFactor;

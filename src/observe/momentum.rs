@@ -31,12 +31,14 @@ pub struct MomentumBooks {
     drag: Vec<f64>,
     /// [kg m/s] momentum received from walls since the start, at every sample.
     wall: Vec<f64>,
+    /// [kg m/s] momentum of the particles that came in, less that of those that left, since the start, at each sample.
+    flow: Vec<f64>,
 }
 
 impl MomentumBooks {
     /// Creates an observer for a run with the given schedule.
     pub fn new(schedule: &Schedule) -> Self {
-        Self { interval: schedule.interval(), weight: 0.0, drag: Vec::new(), wall: Vec::new() }
+        Self { interval: schedule.interval(), weight: 0.0, drag: Vec::new(), wall: Vec::new(), flow: Vec::new() }
     }
 
     /// Mean forces over the time from sample `first` on.
@@ -44,8 +46,9 @@ impl MomentumBooks {
         let forces = |impulses: &[f64]| -> Vec<f64> {
             impulses.windows(2).skip(first).map(|pair| (pair[1] - pair[0]) / self.interval).collect()
         };
-        let (drag, wall) = (forces(&self.drag), forces(&self.wall));
-        let sum = estimate(&drag.iter().zip(&wall).map(|(d, w)| d + w).collect::<Vec<f64>>());
+        let (drag, wall, flow) = (forces(&self.drag), forces(&self.wall), forces(&self.flow));
+        let each = drag.iter().zip(&wall).zip(&flow);
+        let sum = estimate(&each.map(|((d, w), f)| d + w + f).collect::<Vec<f64>>());
         Balance {
             drag: estimate(&drag),
             weight: self.weight,
@@ -72,6 +75,7 @@ impl Observer for MomentumBooks {
         let ledger = &simulation.record.ledger;
         self.drag.push(ledger.drag_impulse.z);
         self.wall.push(ledger.wall_impulse.z);
+        self.flow.push(ledger.flow_impulse.z);
     }
 
     fn end(&mut self, simulation: &Simulation) {

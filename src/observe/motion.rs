@@ -26,6 +26,8 @@ pub struct Motion {
     place: Vec<[f64; 4]>,
     /// Number of impacts since the start, first between particles, then on walls, at every sample.
     impacts: Vec<[u64; 2]>,
+    /// Number of particles at each sample; empty if all particles stay.
+    counts: Vec<f64>,
     /// [Pa] kinetic part of the stress against the shear of a sheared box, and [Pa s] integral of its contact part since the
     /// start, at every sample; empty without shear.
     stress: Vec<[f64; 2]>,
@@ -71,6 +73,7 @@ impl Motion {
             temperature: Vec::new(),
             place: Vec::new(),
             impacts: Vec::new(),
+            counts: Vec::new(),
             stress: Vec::new(),
             bounded: domain.periodic.map(|periodic| !periodic),
             size: domain.size,
@@ -110,6 +113,9 @@ impl Motion {
         let squares = || self.place.iter().map(|place| place[3]).collect();
         let square = self.size.y * self.size.y;
         all.extend(self.bounded[1].then(|| followed(squares(), square, PLACE * diameter * self.size.y)));
+        // a population that still grows or shrinks is not steady; a single particle makes no difference
+        let most = self.counts.iter().copied().fold(0.0, f64::max);
+        all.extend((most > 0.0).then(|| followed(self.counts.clone(), most, 1.0)));
         // particles at rest, slower on average than the rest speed, have no impact rates to be tested
         let rests = self.agitation.last().is_none_or(|last| *last < speed * speed);
         for which in 0..if rests { 0 } else { 2 } {
@@ -167,6 +173,9 @@ impl Observer for Motion {
             let at = sample.particles.position[place];
             [at.x, at.y, at.z, at.y * at.y]
         });
+        if simulation.scene().has_openings() {
+            self.counts.push(simulation.count() as f64);
+        }
         let count = simulation.count().max(1) as f64;
         self.times.push(simulation.time);
         self.velocity.push(spread.mean());

@@ -1,4 +1,4 @@
-//! Paths of all particles, for scenes with few particles.
+//! Paths of all particles, for scenes with few particles that all stay.
 
 use super::series::interval;
 use super::{Needs, Observer, plain_data};
@@ -59,7 +59,7 @@ impl Observer for Paths {
 
     fn see(&mut self, simulation: &Simulation) {
         let (particles, time) = (&simulation.particles, simulation.time);
-        if particles.len() > MOST_FOLLOWED {
+        if particles.len() > MOST_FOLLOWED || simulation.scene().has_openings() {
             return;
         }
         let overlaps = simulation.overlaps();

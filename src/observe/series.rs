@@ -49,6 +49,8 @@ pub struct Row {
     pub shear: Option<ShearStress>,
     /// [J] energy given by a thermostat and thermal walls since the start; `None` without any.
     pub thermostat_work: Option<f64>,
+    /// Number of particles; `None` if all particles stay.
+    pub particles: Option<u64>,
     /// Coefficients of the velocity distribution, if the case asks for this distribution.
     pub sonine: Option<Sonine>,
     /// [kg m/s] momentum of all particles.
@@ -231,6 +233,7 @@ impl Row {
             turbulence: TurbulenceMeans::of(simulation),
             gas: GasMeans::of(simulation),
             shear: ShearStress::of(simulation, before),
+            particles: simulation.scene().has_openings().then_some(simulation.count() as u64),
             thermostat_work: simulation.scene().is_heated().then_some(simulation.record.ledger.thermostat_work),
             pair_impacts: simulation.record.pairs.count,
             wall_impacts: simulation.record.walls.count,
@@ -260,6 +263,7 @@ impl Row {
             gas: None,
             shear: None,
             thermostat_work: None,
+            particles: None,
             sonine: None,
             momentum: sums.momentum,
             pair_impacts: 0,

@@ -141,6 +141,11 @@ pub const SHEAR_COLUMNS: [SeriesColumn; 3] = [
 pub const THERMOSTAT_COLUMNS: [SeriesColumn; 1] =
     [sum("thermostat_work_J", "work of the thermostat", "J", |row| row.thermostat_work)];
 
+/// Further column of scenes with inlets or outlets.
+pub const OPENING_COLUMNS: [SeriesColumn; 1] =
+    [sum("particles", "number of particles", "", |row| row.particles.map(|count| count as f64))
+        .compared(CurveScale::LargestValue)];
+
 /// Further columns of runs that measure the distribution of the velocities: its Sonine coefficients.
 pub const SONINE_COLUMNS: [SeriesColumn; 2] = [
     mean("a2", "a₂ of the velocities", "", |row| row.sonine.map(|of| of.a2)),

@@ -30,7 +30,7 @@ const REPORT: &str = "report.html";
 
 /// Names of tables that a run may write, apart from [`SUMMARY`]. When results are replaced, these files are removed, so
 /// that no file of an earlier run remains.
-const TABLES: [&str; 21] = [
+const TABLES: [&str; 22] = [
     "series.csv",
     "paths.csv",
     "profiles.csv",
@@ -48,6 +48,7 @@ const TABLES: [&str; 21] = [
     "chart.csv",
     "profile.csv",
     "gas.csv",
+    "flow.csv",
     "sweep.csv",
     "sensitivity.csv",
     "validation.csv",

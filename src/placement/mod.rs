@@ -21,7 +21,8 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
-use room::{FreeRoom, regions};
+pub use room::FreeRoom;
+use room::regions;
 
 /// [-] volume fraction up to which insertion is used; above it, insertion is slow. Random sequential addition of
 /// spheres jams at 0.382 (Talbot, Schaaf & Tarjus 1991).
@@ -41,7 +42,7 @@ const PER_PARTICLE: u64 = 32;
 
 /// [-] fraction by which the radii of spheres are enlarged during placement, so that no spheres touch at the start. The
 /// gaps are at least half of the enlargement.
-const MARGIN: f64 = 1e-3;
+pub const MARGIN: f64 = 1e-3;
 
 /// Error: no start without overlap was found.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -5,7 +5,7 @@ use crate::experiment::Population;
 use crate::scene::{Scene, StartRegion, Surface};
 use crate::walls::{NearWalls, Nearest, Repeated, Wall, WallGeometry};
 use nalgebra::Vector3;
-use rand::RngExt;
+use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -145,20 +145,36 @@ impl FreeRoom {
     /// Returns a random position at which a sphere of `radius` [m] touches no wall. If none is found within the effort,
     /// the last position tried is returned.
     pub fn somewhere(&self, radius: f64, random: &mut Xoshiro256PlusPlus) -> Vector3<f64> {
-        let [low, high] = self.corners;
         let mut place = Vector3::zeros();
         for _ in 0..ROUNDS {
-            place = Vector3::from_fn(|axis, _| {
-                let is_whole = low[axis] == 0.0 && high[axis] == self.scene.domain.size[axis];
-                let margin = if self.scene.domain.periodic[axis] && is_whole { 0.0 } else { radius };
-                let drawn = margin + random.random::<f64>() * (high[axis] - low[axis] - 2.0 * margin);
-                self.middle(axis, radius).unwrap_or(low[axis] + drawn)
-            });
-            if self.gap(&place, radius) > 0.0 && self.holds(&place) || !self.spend(1) {
+            place = self.anywhere(radius, random);
+            if self.fits(&place, radius) || !self.spend(1) {
                 break;
             }
         }
         place
+    }
+
+    /// Returns a random position for a sphere of `radius` [m] in the box of the free space, which may touch a wall.
+    pub fn anywhere(&self, radius: f64, random: &mut Xoshiro256PlusPlus) -> Vector3<f64> {
+        let [low, high] = self.corners;
+        Vector3::from_fn(|axis, _| {
+            let is_whole = low[axis] == 0.0 && high[axis] == self.scene.domain.size[axis];
+            let margin = if self.scene.domain.periodic[axis] && is_whole { 0.0 } else { radius };
+            let drawn = margin + random.random::<f64>() * (high[axis] - low[axis] - 2.0 * margin);
+            self.middle(axis, radius).unwrap_or(low[axis] + drawn)
+        })
+    }
+
+    /// True if a random search finds a position for a single sphere of `radius` [m].
+    pub fn has_place_for(&self, radius: f64) -> bool {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(0);
+        (0..ROUNDS).any(|_| self.fits(&self.anywhere(radius, &mut random), radius))
+    }
+
+    /// True if a sphere of `radius` [m] at `place` [m] touches no wall and is in the region.
+    pub fn fits(&self, place: &Vector3<f64>, radius: f64) -> bool {
+        self.gap(place, radius) > 0.0 && self.holds(place)
     }
 
     /// [m³] volume that walls leave free in the box from which positions are drawn. It is measured with points that

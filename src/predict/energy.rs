@@ -154,12 +154,12 @@ pub struct Bound {
 }
 
 impl Bound {
-    /// Computes the bound for an experiment with the particles `start`. `step` [s] is the longest time step with which
-    /// contacts are resolved. `start` may be the part of one process only if no particles overlap. `None` without a
-    /// contact law.
-    pub fn new(experiment: &Experiment, start: &Sample, step: f64) -> Option<Self> {
+    /// Computes the bound for an experiment with the particles `start`, of which up to `count` touch. `step` [s] is the
+    /// longest time step with which contacts are resolved. `start` may be the part of one process only if no particles
+    /// overlap. `None` without a contact law.
+    pub fn new(experiment: &Experiment, (start, count): (&Sample, usize), step: f64) -> Option<Self> {
         let (law, speed) = (experiment.law()?, fastest_impact(experiment));
-        let contacts = contacts(&experiment.scene, start.count());
+        let contacts = contacts(&experiment.scene, count);
         let largest = |scheme: Scheme| {
             let gains = contacts.iter().map(|contact| gain(scheme, &law, &law.between(&contact.bodies), [speed, step]));
             gains.fold(0.0, f64::max)

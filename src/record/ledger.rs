@@ -7,7 +7,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::sync::OnceLock;
 
 /// Length of a [`Ledger`] that is written as an array: a multiple of four, for vector instructions.
-pub const ENTRIES: usize = 40;
+pub const ENTRIES: usize = 44;
 
 /// Length of the lists [`OF_PAIRS`] and [`AT_WALLS`]: number of ledger entries to which one contact adds.
 pub const SOME: usize = 12;
@@ -34,11 +34,14 @@ pub const BY_SHEAR: [usize; 4] = [32, 33, 34, 35];
 /// Index, in the array of a ledger, of the work of a thermostat. The three components of its impulse follow.
 const BY_THERMOSTAT: usize = 36;
 
+/// Index of the entry of the energy that came in by flow, which the three entries of its momentum follow.
+const BY_FLOW: usize = 40;
+
 /// Totals of energy and momentum of an island (a group of particles that may meet), a window (the time between two
 /// exchanges with the gas) or a run.
 ///
 /// Balance: kinetic plus elastic energy now = that at the start + drag_work + gravity_work + wall_work + shear_work +
-/// thermostat_work - dissipated.
+/// thermostat_work + flow_energy - dissipated.
 /// The left side minus the right side is the residual. For hard spheres the residual is a rounding error; for soft
 /// spheres it is the energy that the integrator creates (> 0) or loses (< 0).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -85,6 +88,11 @@ pub struct Ledger {
     pub thermostat_work: f64,
     /// [kg m/s] momentum given to the particles by a thermostat; zero but for rounding.
     pub thermostat_impulse: Vector3<f64>,
+    /// [J] kinetic, rotational and elastic energy of the particles that came in through inlets, less that of the particles
+    /// that left through outlets. The elastic energy is that of the contacts that were cut.
+    pub flow_energy: f64,
+    /// [kg m/s] momentum of the particles that came in through inlets, less that of those that left through outlets.
+    pub flow_impulse: Vector3<f64>,
 }
 
 impl std::ops::AddAssign<SideCrossings> for Ledger {
@@ -99,6 +107,14 @@ impl std::ops::AddAssign<SideCrossings> for Books {
         let mut ledger = Ledger::default();
         ledger += crossings;
         *self += ledger;
+    }
+}
+
+impl std::ops::Neg for Ledger {
+    type Output = Self;
+
+    fn neg(self) -> Self {
+        Self::from_array(self.to_array().map(|number| -number))
     }
 }
 
@@ -167,16 +183,22 @@ impl Ledger {
         self.pair_restitution_loss + self.pair_friction_loss + self.wall_restitution_loss + self.wall_friction_loss
     }
 
-    /// [J] energy that drag, gravity, moving walls, shear and a thermostat have given to the particles.
+    /// [J] energy that drag, gravity, moving walls, shear and a thermostat have given to the particles, and that came in
+    /// through inlets less that which left through outlets.
     pub fn work(&self) -> f64 {
-        self.drag_work + self.gravity_work + self.wall_work + self.shear_work + self.thermostat_work
+        self.gains().iter().sum()
     }
 
-    /// [J] total energy turnover: sum of the magnitudes of the energy at the start [J], of drag work, of gravity work,
-    /// of wall work, of the work of shear and of that of a thermostat.
+    /// [J] energies that the particles have gained in other ways than by impacts; negative where they lost some.
+    fn gains(&self) -> [f64; 6] {
+        let Self { drag_work, gravity_work, wall_work, shear_work, thermostat_work, flow_energy, .. } = *self;
+        [drag_work, gravity_work, wall_work, shear_work, thermostat_work, flow_energy]
+    }
+
+    /// [J] total energy turnover: the sum of the magnitudes of the energy at the start [J] and of all gains but those by
+    /// impacts. These are the works of drag, gravity, walls, shear and a thermostat, and the energy that came in and left.
     pub fn through(&self, energy_at_start: f64) -> f64 {
-        let works = [self.drag_work, self.gravity_work, self.wall_work, self.shear_work, self.thermostat_work];
-        works.iter().fold(energy_at_start.abs(), |sum, work| sum + work.abs())
+        self.gains().iter().fold(energy_at_start.abs(), |sum, gain| sum + gain.abs())
     }
 
     /// [J] residual of the balance, from kinetic plus elastic energy at the start and now [J].
@@ -233,6 +255,10 @@ impl Ledger {
             self.thermostat_impulse.x,
             self.thermostat_impulse.y,
             self.thermostat_impulse.z,
+            self.flow_energy,
+            self.flow_impulse.x,
+            self.flow_impulse.y,
+            self.flow_impulse.z,
         ]
     }
 
@@ -265,6 +291,8 @@ impl Ledger {
             shear_impulse: vector(BY_SHEAR[1]),
             thermostat_work: all[BY_THERMOSTAT],
             thermostat_impulse: vector(BY_THERMOSTAT + 1),
+            flow_energy: all[BY_FLOW],
+            flow_impulse: vector(BY_FLOW + 1),
         }
     }
 }

@@ -3,8 +3,8 @@
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Model, SoftStepping};
 use crate::observe::{
-    EnergyBooks, GasFlows, ImpactSeries, Kinds, Measurements, Mixing, MomentumBooks, Motion, Observer, Paths, Rings,
-    Series, Stresses,
+    EnergyBooks, Flows, GasFlows, ImpactSeries, Kinds, Measurements, Mixing, MomentumBooks, Motion, Observer, Paths,
+    Rings, Series, Stresses,
 };
 use crate::outcome::{Averaged, Outcome, Timing};
 use crate::schedule::Schedule;
@@ -26,6 +26,7 @@ pub(crate) struct StandardObservers<'a> {
     momentum: MomentumBooks,
     stresses: Stresses,
     gas: GasFlows,
+    flows: Flows,
     series: Series,
     paths: Paths,
     kinds: Kinds,
@@ -50,6 +51,7 @@ impl<'a> StandardObservers<'a> {
             momentum: MomentumBooks::new(&schedule),
             stresses: Stresses::new(experiment, &schedule),
             gas: GasFlows::new(&schedule),
+            flows: Flows::new(experiment, &schedule),
             series: Series::new(experiment, &schedule),
             paths: Paths::new(&schedule),
             kinds: Kinds::new(experiment, &schedule),
@@ -62,9 +64,10 @@ impl<'a> StandardObservers<'a> {
     /// All standard observers and the measurements that the case asks for, followed by the `others`.
     pub fn with<'b>(&'b mut self, others: &'b mut [&mut dyn Observer]) -> Vec<&'b mut dyn Observer> {
         let Self { profiles, motion, pairs, walls, energy, momentum, .. } = self;
-        let Self { stresses, gas, series, paths, kinds, rings, mixing, measurements, .. } = self;
-        let own: [&mut dyn Observer; 13] =
-            [profiles, motion, pairs, walls, energy, momentum, stresses, gas, series, paths, kinds, rings, mixing];
+        let Self { stresses, gas, flows, series, paths, kinds, rings, mixing, measurements, .. } = self;
+        let own: [&mut dyn Observer; 14] = [
+            profiles, motion, pairs, walls, energy, momentum, stresses, gas, flows, series, paths, kinds, rings, mixing,
+        ];
         let asked = measurements.each().map(|measurement| measurement as &mut dyn Observer);
         own.into_iter().chain(asked).chain(others.iter_mut().map(|other| &mut **other as &mut dyn Observer)).collect()
     }
@@ -112,6 +115,7 @@ impl<'a> StandardObservers<'a> {
             balance: self.momentum.balance(first),
             stress: self.stresses.averages(first),
             gas: self.gas.averages(self.experiment.scene.fluid.as_ref(), steadiness.from),
+            flows: self.flows.averages(self.experiment, steadiness.from),
             observations: self.measurements.results(self.experiment, steadiness.from),
             series: self.series,
             paths: self.paths,
@@ -144,7 +148,9 @@ fn time_step(experiment: &Experiment, simulation: &Simulation, window: f64) -> O
         (Model::Soft, SoftStepping::Uniform) | (Model::Hard | Model::Dsmc, _) if steps > 0 => {
             Some(simulation.time / steps as f64)
         }
-        (Model::Soft | Model::Hybrid, _) => Some(soft_step(experiment, simulation.count()).min(window)),
+        (Model::Soft | Model::Hybrid, _) => {
+            Some(soft_step(experiment, experiment.most_that_touch(simulation.count())).min(window))
+        }
         (Model::Hard | Model::Dsmc, _) => None,
     }
 }

@@ -83,7 +83,7 @@ pub fn may_touch(experiment: &Experiment, particles: usize) -> bool {
 
 /// Makes the engine for an experiment with `particles` particles.
 pub fn engine(experiment: &Experiment, particles: usize) -> SimulationEngine {
-    let changes = experiment.scene.changes();
+    let is_whole = experiment.scene.changes() || experiment.scene.has_openings();
     let engine: Box<dyn Distributed> = match experiment.run.spheres {
         Spheres::Soft(law) => {
             let settings = &experiment.soft;
@@ -101,6 +101,7 @@ pub fn engine(experiment: &Experiment, particles: usize) -> SimulationEngine {
             Box::new(Hybrid::new(law, settings.integrator, step, experiment.hybrid.clearance))
         }
     };
-    // a domain that is cut into blocks supports neither images that slide nor walls that move
-    if changes { SimulationEngine::Single(engine) } else { SimulationEngine::Distributed(engine) }
+    // a domain that is cut into blocks supports neither images that slide, nor walls that move, nor particles that come
+    // and go
+    if is_whole { SimulationEngine::Single(engine) } else { SimulationEngine::Distributed(engine) }
 }

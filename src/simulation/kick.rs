@@ -45,7 +45,9 @@ impl Simulation {
         let began = self.clock.now();
         let place = self.kicks.iter().position(|kick| kick.duration() == duration).unwrap_or_else(|| {
             self.kicks.truncate(1);
-            let make = if self.totals.count < TABULATE { Kick::exact } else { Kick::tabulated };
+            // a population that changes may cross the limit, and a resumed run must have the same kicks
+            let is_small = self.totals.count < TABULATE && !self.scene.has_openings();
+            let make = if is_small { Kick::exact } else { Kick::tabulated };
             let kick = make(law, &self.spheres, duration);
             let spread = |species: &Species| species.sizes.is_some().then_some(species.diameter);
             let kick = if self.scene.has_sizes() {

@@ -1,7 +1,7 @@
 //! State of a simulation between two windows, as a value from which another simulation can continue.
 
 use super::totals::SimulationTotals;
-use super::{Simulation, SimulationTimes};
+use super::{Simulation, SimulationTimes, ThroughFlow};
 use crate::communicator::Communicator;
 use crate::experiment::Experiment;
 use crate::fluid::LoadedFlow;
@@ -39,6 +39,8 @@ pub struct Snapshot {
     unseen: Option<f64>,
     /// Gas that feels the particles; `None` if the gas is frozen.
     loaded_flow: Option<Box<LoadedFlow>>,
+    /// Particles that have come in and left; `None` in a scene without inlets and outlets.
+    through_flow: Option<Box<ThroughFlow>>,
     /// State of the engine.
     engine: Stored,
 }
@@ -76,6 +78,7 @@ impl Simulation {
             bound: self.bound.clone(),
             unseen: self.unseen,
             loaded_flow: self.loaded_flow.clone(),
+            through_flow: self.through_flow.clone(),
             engine: self.engine.stored()?,
         })
     }
@@ -96,12 +99,12 @@ impl Simulation {
     /// The snapshot was taken with another engine.
     pub fn resume(mut self, snapshot: Snapshot) -> Result<Self, StoreError> {
         let Snapshot { particles, record, time, windows, spent, totals, .. } = snapshot;
-        let Snapshot { half_kicked, bound, unseen, loaded_flow, engine, .. } = snapshot;
+        let Snapshot { half_kicked, bound, unseen, loaded_flow, through_flow, engine, .. } = snapshot;
         self.engine.restore(&engine)?;
         self.take_gas(loaded_flow);
         let by_walls = record.ledger.by_walls();
         let mut run = Self { particles, record, time, windows, spent, totals, by_walls, ..self };
         run.scene.move_to(time);
-        Ok(Self { half_kicked, bound, unseen, ..run })
+        Ok(Self { half_kicked, bound, unseen, through_flow, ..run })
     }
 }

@@ -26,6 +26,16 @@ impl Simulation {
     }
 }
 
+impl Simulation {
+    /// Draws the eddies of particles that come in, if those in the scene have eddies.
+    pub(super) fn draw_eddies_of(&self, fresh: &mut Particles) {
+        let fluid = self.scene.fluid.as_ref().filter(|_| self.particles.eddies.is_some());
+        if let Some((fluid, turbulence)) = fluid.and_then(|fluid| Some((fluid, fluid.turbulence.as_ref()?))) {
+            draw_first_eddies(fresh, (fluid, turbulence), self.seed);
+        }
+    }
+}
+
 /// Draws the fluctuation of the gas velocity that each particle sees at the start, unless particles have one already.
 /// The Langevin equation stores it over its standard deviation [-], the discrete random walk as a velocity [m/s].
 pub(super) fn draw_first_eddies(particles: &mut Particles, (fluid, turbulence): (&Fluid, &Turbulence), seed: u64) {

@@ -8,12 +8,14 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 
 impl Simulation {
-    /// [N] weight of all particles in all processes minus their buoyancy.
+    /// [N] weight of all particles in all processes minus their buoyancy. It is the mean since the start where particles
+    /// come and go.
     pub fn weight(&self) -> Vector3<f64> {
-        if self.scene.differences_in_gravity().is_empty() || self.time == 0.0 {
+        let is_constant = self.scene.differences_in_gravity().is_empty() && !self.scene.has_openings();
+        if is_constant || self.time == 0.0 {
             return self.total_mass() * self.scene.gravity;
         }
-        // the force is constant, so its impulse is proportional to the time
+        // the impulse of a constant force is proportional to the time
         self.record.ledger.gravity_impulse / self.time
     }
 

@@ -200,7 +200,8 @@ fn varied(case: &Case) -> Result<Vec<Varied>, Diagnostic> {
 impl CheckedVariant {
     fn of((experiment, _): &Checked) -> Self {
         let law = experiment.law();
-        let times = law.as_ref().map(|law| ContactTimes::of(experiment, law, experiment.count()));
+        let times =
+            law.as_ref().map(|law| ContactTimes::of(experiment, law, experiment.most_that_touch(experiment.count())));
         let shortest = times.as_ref().and_then(ContactTimes::governing);
         let step = match experiment.soft.time_step {
             TimeStep::Fixed(step) => law.map(|_| step),

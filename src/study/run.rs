@@ -70,7 +70,7 @@ fn variant(args: &Run, ranks: &Ranks) -> Result<(Variants, Option<String>), Stud
     let mut checked = if auto { any_model(&case, seed)? } else { case.experiment(model, seed)? };
     share_threads(&args.effort, ranks)?;
     let reason = if auto { Some(choose(&mut checked.0)?) } else { None };
-    refuse_budgets(args, &Schedule::new(&checked.0))?;
+    refuse_budgets(args, &checked.0)?;
     let trajectories = case.trajectories()?;
     let replicas = args.repeats.replicas;
     let variants = Variants { case, checked: vec![checked], replicas, trajectories, verify: args.verify };
@@ -78,9 +78,16 @@ fn variant(args: &Run, ranks: &Ranks) -> Result<(Variants, Option<String>), Stud
     Ok((variants, reason))
 }
 
-/// Refuses `--budgets` (of the second moments of velocity) if the lengths of windows differ, because budgets are sums
-/// over windows of one length.
-fn refuse_budgets(args: &Run, schedule: &Schedule) -> Result<(), StudyError> {
+/// Refuses `--budgets` (of the second moments of velocity) in two cases. Budgets follow each particle from window to window,
+/// so no particle may come or go. They are sums over windows of one length, so windows may not differ in length.
+fn refuse_budgets(args: &Run, experiment: &Experiment) -> Result<(), StudyError> {
+    let schedule = Schedule::new(experiment);
+    if args.budgets && experiment.scene.has_openings() {
+        let why = "--budgets needs particles that stay, and here they come and go";
+        return Err(StudyError::Input(format!(
+            "error: {why}\nhelp: leave --budgets out, or [[inlets]] and [[outlets]]"
+        )));
+    }
     if args.budgets && schedule.is_cut() {
         let why = "--budgets needs windows of one length, and --every ends some of them between";
         let help = format!("write every {:?} s or a multiple of it", schedule.longest());

@@ -39,9 +39,10 @@ impl Resolver {
         }
         let Some(law) = experiment.law() else { return Ok(()) };
         let soft = file.soft.as_ref().map(|soft| &soft.value);
-        let step = soft_step(experiment, experiment.count());
+        let step = soft_step(experiment, experiment.most_that_touch(experiment.count()));
         // if no contact is possible, each window is one step
-        let touches = ContactTimes::of(experiment, &law, experiment.count()).governing().is_some();
+        let touches =
+            ContactTimes::of(experiment, &law, experiment.most_that_touch(experiment.count())).governing().is_some();
         let most = match experiment.soft.stepping {
             SoftStepping::Uniform => MOST,
             SoftStepping::Local | SoftStepping::Auto => MOST_LOCAL,

@@ -8,6 +8,7 @@ mod mesh;
 mod missing;
 mod motion;
 mod observe;
+mod openings;
 mod output;
 mod overlap;
 mod pairs;
@@ -97,15 +98,29 @@ pub fn resolve(
     };
     let pairs = crate::scene::Pairs::default();
     let (rotation, thermostat) = (None, resolver.thermostat(file)?);
-    let mut scene =
-        crate::scene::Scene { domain, gravity, fluid, walls, contact, pairs, species, rotation, thermostat };
+    let (outlets, inlets) = (Vec::new(), Vec::new());
+    let mut scene = crate::scene::Scene {
+        domain,
+        gravity,
+        fluid,
+        walls,
+        contact,
+        pairs,
+        species,
+        rotation,
+        thermostat,
+        outlets,
+        inlets,
+    };
     resolver.check_shear(file, &scene)?;
     resolver.added_mass(file, &mut scene)?;
     resolver.buoyancy(file, &mut scene);
     // the start depends on whether spheres rotate; the laws of rotation replace this value below, when all surfaces are
     // known
     scene.rotation = Resolver::rotates(file).then_some(Rotation::new(TangentialLaw::Coulomb, ImpactRule::COULOMB));
+    scene.outlets = resolver.outlets(file, &scene)?;
     let start = resolver.start(file, &scene)?;
+    scene.inlets = resolver.inlets(file, &scene, &start)?;
     let soft = resolver.soft(file)?;
     let usual = usual_impact(&scene, &start);
     scene.represent(usual);
@@ -131,6 +146,7 @@ pub fn resolve(
     resolver.check_thermostat(file, &experiment);
     resolver.check_trajectories(file, &experiment)?;
     resolver.check_observe(file, &experiment)?;
+    resolver.check_openings(file, &experiment.scene)?;
     Ok((experiment, resolver.warnings))
 }
 

@@ -32,14 +32,18 @@ impl Resolver {
         Ok(Some(found))
     }
 
-    fn block_region(&self, block: &Located<BlockRegionFile>, scene: &Scene) -> Result<Hollow, Diagnostic> {
+    pub(super) fn block_region(&self, block: &Located<BlockRegionFile>, scene: &Scene) -> Result<Hollow, Diagnostic> {
         let center = self.need(&block.value.center, "particles.in.box.center")?;
         let half_extents = self.half_extents(&block.value.half_extents)?;
         self.keep_inside(center, &half_extents, &scene.domain)?;
         Ok(Hollow::new(Cavity::Box { center: vector(center), half_extents }))
     }
 
-    fn cylinder_region(&self, cylinder: &Located<CylinderRegionFile>, scene: &Scene) -> Result<Hollow, Diagnostic> {
+    pub(super) fn cylinder_region(
+        &self,
+        cylinder: &Located<CylinderRegionFile>,
+        scene: &Scene,
+    ) -> Result<Hollow, Diagnostic> {
         let cylinder = &cylinder.value;
         let center = self.need(&cylinder.center, "particles.in.cylinder.center")?;
         let axis = self.need(&cylinder.axis, "particles.in.cylinder.axis")?.value.index();

@@ -134,9 +134,9 @@ impl Resolver {
         let typed = soft.time_step.as_ref().map(|step| &step.origin);
         let Some(origin) = typed.or(soft.steps_per_contact.as_ref().map(|steps| &steps.origin)) else { return Ok(()) };
         let allowed = experiment.soft.allow_unstable || soft.allow_large_step.as_ref().is_some_and(|allow| allow.value);
-        let times = ContactTimes::of(experiment, &law, experiment.count());
+        let times = ContactTimes::of(experiment, &law, experiment.most_that_touch(experiment.count()));
         let Some(shortest) = times.governing() else { return Ok(()) };
-        let step = soft_step(experiment, experiment.count());
+        let step = soft_step(experiment, experiment.most_that_touch(experiment.count()));
         let steps = shortest / step;
         // a number exactly at the limit must not be refused because of rounding
         if steps >= GOOD_STEPS * (1.0 - 1e-9) {
@@ -165,7 +165,7 @@ impl Resolver {
     /// integrator is unstable at any step, a warning is given instead.
     pub(super) fn check_stability(&mut self, file: &CaseFile, experiment: &Experiment) -> Result<(), Diagnostic> {
         let Some(soft) = file.soft.as_ref().filter(|_| self.model.has_contacts()) else { return Ok(()) };
-        let particles = experiment.count();
+        let particles = experiment.most_that_touch(experiment.count());
         let step = soft_step(experiment, particles);
         let value = &soft.value;
         let typed =

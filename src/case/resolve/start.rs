@@ -10,7 +10,7 @@ use crate::case::source::Origin;
 use crate::experiment::{Amount, Population};
 use crate::particles::Particles;
 use crate::placement::push_placed_apart;
-use crate::scene::{Scene, Species, StartRegion};
+use crate::scene::{Outlet, OutletShape, Scene, Species, StartRegion};
 use nalgebra::Vector3;
 
 /// [-] volume fraction of the densest random packing of equal spheres.
@@ -193,6 +193,14 @@ impl Resolver {
         let walled = |axis: usize, sign: f64| {
             scene.walls.iter().any(|wall| wall.geometry.plane().is_some_and(|plane| sign * plane.normal[axis] > 0.1))
         };
+        let lets_out = |axis: usize, sign: f64| {
+            let behind = |outlet: &Outlet| match &outlet.shape {
+                OutletShape::Behind(plane) => sign * plane.normal[axis] > 0.1,
+                OutletShape::Body(_) => false,
+            };
+            scene.outlets.iter().any(behind)
+        };
+        let walled = |axis: usize, sign: f64| walled(axis, sign) || lets_out(axis, sign);
         let held = |axis: usize| scene.walls.iter().any(|wall| wall.geometry.law().holds_along(axis));
         let walled = |axis: usize| held(axis) || walled(axis, 1.0) && walled(axis, -1.0);
         let open: Vec<&str> = (0..3)

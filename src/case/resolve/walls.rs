@@ -335,7 +335,7 @@ impl Resolver {
         Ok(())
     }
 
-    fn plane(&self, plane: &Located<PlaneFile>, domain: &Domain) -> Result<Plane, Diagnostic> {
+    pub(super) fn plane(&self, plane: &Located<PlaneFile>, domain: &Domain) -> Result<Plane, Diagnostic> {
         let point = vector(self.need(&plane.value.point, "plane.point")?);
         let typed = self.need(&plane.value.normal, "plane.normal")?;
         // after division by the largest component, squares of very small and very large components remain finite

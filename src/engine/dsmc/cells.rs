@@ -36,7 +36,7 @@ const MOST_CELLS: f64 = 1024.0;
 /// Number of cells that a thread treats as one piece of work.
 pub const PIECE: usize = 256;
 
-/// Sizes of all particles of a run, which do not change.
+/// Sizes of all particles of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct RadiusSummary {
     /// [m] smallest and largest radius of any particle.

@@ -27,7 +27,7 @@ pub use crate::experiment::DsmcSettings;
 
 /// Engine in which particles of a cell collide by chance.
 ///
-/// The cells follow from the sizes of the particles and from the scene, which must not change during a run.
+/// The cells follow from the sizes of the particles and from the scene. They are made anew when the population changes.
 pub struct Dsmc {
     settings: DsmcSettings,
     seed: u64,
@@ -261,5 +261,11 @@ impl Engine for Dsmc {
     fn restore(&mut self, stored: &Stored) -> Result<(), StoreError> {
         self.state = stored.read()?;
         Ok(())
+    }
+
+    /// The cells follow from the sizes and the number of the particles, so they are made anew.
+    fn repopulate(&mut self, _place_of: &[Option<u32>]) -> f64 {
+        self.setup = None;
+        0.0
     }
 }

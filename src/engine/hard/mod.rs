@@ -161,6 +161,10 @@ impl Solver for HardSolver {
         self.memory.outdated = true;
     }
 
+    /// Does nothing, because the calendar sees from the ids that it must be made anew. It then keeps the whole collision
+    /// histories, which an outdated calendar would not.
+    fn repopulate(&mut self) {}
+
     /// Does nothing, because recent collisions are already returned at the end of each window.
     fn hand_over(&mut self, _lasting: &mut Vec<Recent>) {}
 

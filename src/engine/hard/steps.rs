@@ -175,4 +175,9 @@ impl Engine for SteppedHard {
         self.counters = counters;
         Ok(())
     }
+
+    fn repopulate(&mut self, _place_of: &[Option<u32>]) -> f64 {
+        self.list.invalidate();
+        0.0
+    }
 }

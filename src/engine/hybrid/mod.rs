@@ -191,6 +191,10 @@ impl Solver for HybridSolver {
         self.soft.disturb();
     }
 
+    fn repopulate(&mut self) {
+        self.soft.repopulate();
+    }
+
     fn hand_over(&mut self, lasting: &mut Vec<Contact>) {
         self.soft.hand_over(lasting);
     }

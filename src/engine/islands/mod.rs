@@ -172,6 +172,11 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         (self.counters, self.spent) = (counters, spent);
     }
 
+    /// Forgets the particles that were in islands, because particles have left the store or come into it.
+    pub fn repopulate(&mut self) {
+        self.members.clear();
+    }
+
     /// Indices of the particles that were members of islands in the last part of a window.
     pub fn members(&self) -> &[u32] {
         &self.members

@@ -409,6 +409,14 @@ impl Solver for SoftSolver {
         self.shared.halo = None;
     }
 
+    /// Drops the forces and the contacts that name particles by their indices before the change. The forces are evaluated
+    /// anew at the start of the next window.
+    fn repopulate(&mut self) {
+        self.disturb();
+        self.pushes.clear();
+        self.contacts = Contacts::new(self.islands.law);
+    }
+
     fn hand_over(&mut self, lasting: &mut Vec<Contact>) {
         if std::mem::take(&mut self.keeps_contacts) {
             *lasting = self.contacts.take(&self.list);

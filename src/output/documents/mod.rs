@@ -1,6 +1,7 @@
 //! Documents of the studies, one file for each study or part of a report.
 
 mod chart;
+mod energy;
 mod files_study;
 mod gas_flow;
 mod hybrid;
@@ -8,6 +9,7 @@ mod impact;
 mod kinds;
 mod limits;
 mod measurements;
+mod openings;
 mod overview;
 mod plan;
 mod run;

@@ -1,8 +1,8 @@
 //! Document of a run or a comparison.
 
-use super::{gas_flow, hybrid, kinds, measurements, overview, stress, trust, verdict, work};
+use super::{energy, gas_flow, hybrid, kinds, measurements, openings, overview, stress, trust, verdict, work};
 use crate::outcome::Outcome;
-use crate::output::document::{Block, Document, Table, TextRow, known, status};
+use crate::output::document::{Block, Document, TextRow, known, status};
 use crate::output::figures::ROUNDING;
 use crate::output::html::TRUST;
 use crate::output::numbers::{Prefix, count, percent, quantity, significant, with_error};
@@ -20,10 +20,6 @@ const ANSWERS: usize = 3;
 
 /// Number of standard errors beyond which a deviation is highlighted.
 const SUSPECT: f64 = 3.0;
-
-/// [-] magnitude of the unexplained energy, over the energy that passes through the balance, above which it is
-/// highlighted. The error of the integrator at 20 steps per contact is much smaller.
-const SUSPECT_RESIDUAL: f64 = 1e-3;
 
 /// Writes all results of a run or a comparison, and returns the path of the report.
 ///
@@ -73,6 +69,7 @@ fn document<'a>(study: &Study<'a>) -> Result<Document<'a>, OutputError> {
     }
     tables.extend(measurements::tables(outcomes)?);
     tables.extend(gas_flow::csv(outcomes)?.map(|table| ("gas.csv".to_owned(), table)));
+    tables.extend(openings::csv(outcomes)?.map(|table| ("flow.csv".to_owned(), table)));
     tables.extend(over_time::paths(outcomes)?.map(|table| ("paths.csv".to_owned(), table)));
     let reproduction = [
         ("seed", distinct(outcomes.iter().map(|o| o.experiment.run.seed.to_string()))),
@@ -124,6 +121,7 @@ fn body(study: &Study, over_time: usize, figures: &[Figure]) -> Vec<Block> {
     }
     body.extend(pictures(figures, &["number-density", "streamwise-velocity", "second-moments", "spins"]));
     body.extend(averaging(outcomes));
+    body.extend(openings::blocks(outcomes));
     body.push(Block::heading("Impacts and overlaps"));
     body.extend(impacts(outcomes));
     body.extend(pictures(figures, &["overlap", "first-overlap", "mean-overlap", "impact-speed"]));
@@ -134,7 +132,7 @@ fn body(study: &Study, over_time: usize, figures: &[Figure]) -> Vec<Block> {
     body.extend(gas_flow::blocks(outcomes));
     body.extend(pictures(figures, &["gas"]));
     body.push(Block::heading("Energy ledger"));
-    body.extend(energy(outcomes));
+    body.extend(energy::blocks(outcomes));
     if !outcomes.iter().all(|outcome| outcome.balance.is_idle()) {
         body.push(Block::Subheading("Streamwise momentum".into()));
         body.extend(momentum(outcomes));
@@ -254,95 +252,6 @@ fn impact_cells(impacts: &Impacts, rate: Option<Estimate>, requested: String, ro
     cells
 }
 
-/// Notes on the energy that collisions within the contact time of another one have kept.
-fn notes_on_contact_time(outcomes: &[Outcome], prefix: &Prefix) -> Vec<Block> {
-    let note = |o: &Outcome| {
-        let kept = o.record.ledger.contact_time_kept;
-        let all = o.record.ledger.through(o.energy_at_start);
-        Block::Note(format!(
-            "“{}”: restitution would have taken another {} {}J ({}) from collisions that came within the contact \
-             time of another and were elastic for it.",
-            o.experiment.name,
-            significant(kept * prefix.factor, 4),
-            prefix.symbol,
-            percent(kept, all)
-        ))
-    };
-    outcomes.iter().filter(|o| o.record.ledger.contact_time_kept > 0.0).map(note).collect()
-}
-
-/// Parts of the page about the energy balance.
-fn energy(outcomes: &[Outcome]) -> Vec<Block> {
-    let largest = outcomes
-        .iter()
-        .flat_map(|o| [o.energy_at_start, o.energy_at_end, o.record.ledger.drag_work, o.record.ledger.gravity_work])
-        .filter(|energy| energy.is_finite())
-        .fold(0.0, |a: f64, b| a.max(b.abs()));
-    let prefix = Prefix::of(largest);
-    let joule = |energy: f64| significant(energy * prefix.factor, 4);
-    let through = |o: &Outcome| o.record.ledger.through(o.energy_at_start);
-    // each variant has a column, with the terms of its balance one below the other
-    let row = |name: &str, cell: &dyn Fn(&Outcome) -> String| -> TextRow {
-        (false, std::iter::once(name.into()).chain(outcomes.iter().map(cell)).collect())
-    };
-    let plain = |name: &str, of: fn(&Outcome) -> f64| row(name, &|o| joule(of(o)));
-    let work = |name: &str, of: fn(&Outcome) -> f64| {
-        row(name, &|o| format!("{} ({})", joule(of(o)), percent(of(o), through(o))))
-    };
-    // a loss that is only the rounding error of impulses has no meaningful digit
-    let loss = |name: &str, of: fn(&Outcome) -> f64| {
-        row(name, &|o| {
-            let rounding = (of(o) / through(o)).abs() < 1e-12;
-            if rounding { "0".into() } else { format!("{} ({})", joule(-of(o)), percent(-of(o), through(o))) }
-        })
-    };
-    let suspect = outcomes.iter().filter_map(relative_residual).any(|residual| residual.abs() > SUSPECT_RESIDUAL);
-    let mut rows = vec![
-        plain("at the start", |o| o.energy_at_start),
-        work("drag", |o| o.record.ledger.drag_work),
-        work("gravity", |o| o.record.ledger.gravity_work),
-    ];
-    let any = |of: fn(&Outcome) -> bool| outcomes.iter().any(of);
-    rows.extend(any(|o| o.record.ledger.wall_work != 0.0).then(|| work("moving walls", |o| o.record.ledger.wall_work)));
-    rows.extend(
-        any(|o| o.experiment.scene.domain.shear.is_some()).then(|| work("shear", |o| o.record.ledger.shear_work)),
-    );
-    let heated = any(|o| o.experiment.scene.is_heated());
-    rows.extend(heated.then(|| work("thermostat and thermal walls", |o| o.record.ledger.thermostat_work)));
-    rows.extend([
-        loss("restitution between particles", |o| o.record.ledger.pair_restitution_loss),
-        loss("friction between particles", |o| o.record.ledger.pair_friction_loss),
-        loss("restitution at walls", |o| o.record.ledger.wall_restitution_loss),
-        loss("friction at walls", |o| o.record.ledger.wall_friction_loss),
-    ]);
-    if any(|o| o.experiment.scene.rotation.is_some()) {
-        type Part = (&'static str, fn(&Outcome) -> f64);
-        let parts: [Part; 6] = [
-            ("… of this friction: sliding", |o| o.record.ledger.sliding_loss()),
-            ("… tangential restitution (dashpot)", |o| o.record.ledger.friction.tangential_restitution),
-            ("… springs at separation", |o| o.record.ledger.friction.separation),
-            ("… rescaled springs", |o| o.record.ledger.friction.rescaling),
-            ("… rolling resistance", |o| o.record.ledger.friction.rolling),
-            ("… twisting resistance", |o| o.record.ledger.friction.twisting),
-        ];
-        let of_scene = parts.iter().filter(|(_, of)| outcomes.iter().any(|o| of(o) != 0.0));
-        rows.extend(of_scene.map(|(name, of)| loss(name, *of)));
-    }
-    rows.extend([
-        plain("at the end", |o| o.energy_at_end),
-        (suspect, work("unexplained", |o| o.record.ledger.residual(o.energy_at_start, o.energy_at_end)).1),
-    ]);
-    let head = std::iter::once(format!("energy [{}J]", prefix.symbol));
-    let head = head.chain(outcomes.iter().map(|o| o.experiment.name.clone())).collect();
-    let mut blocks = vec![Block::Table(Table { head, rows, remarks: false })];
-    blocks.extend(notes_on_contact_time(outcomes, &prefix));
-    blocks.push(Block::note(
-        "Kinetic and elastic energy; in brackets the share of what went through the ledger (start + |drag| + |gravity| + |moving walls| + |shear| + |thermostat|). \
-         Unexplained: rounding for hard spheres, also the integrator’s own gain or loss for soft ones; marked above 0.1 %.",
-    ));
-    blocks
-}
-
 /// Parts of the page about the balance of streamwise forces.
 fn momentum(outcomes: &[Outcome]) -> Vec<Block> {
     let forces = |o: &Outcome| {
@@ -393,47 +302,8 @@ fn hashes(outcomes: &[Outcome]) -> Block {
     table("variant | hash of the initial state | hash of the final state", outcomes, cells)
 }
 
-/// [-] unexplained energy, over the sum of the magnitudes of the initial energy and of all work (drag, gravity, moving
-/// walls, shear, thermostat). `None` if this sum is 0.
-fn relative_residual(outcome: &Outcome) -> Option<f64> {
-    let ledger = &outcome.record.ledger;
-    let through = ledger.through(outcome.energy_at_start);
-    let residual = ledger.residual(outcome.energy_at_start, outcome.energy_at_end);
-    (through > 0.0).then(|| residual / through)
-}
-
 pub(super) fn measured(found: Option<Estimate>) -> Value {
     json!({ "value": found.map(|found| found.value), "standard_error": found.and_then(|found| found.error) })
-}
-
-/// Energies of a variant for `summary.json`: start, end, and all terms of the energy balance.
-fn energies(outcome: &Outcome) -> Value {
-    let ledger = &outcome.record.ledger;
-    let mut energies = json!({ "at_start": outcome.energy_at_start, "at_end": outcome.energy_at_end });
-    if let (Value::Object(energies), Value::Object(ledger)) = (&mut energies, json!(**ledger)) {
-        energies.extend(ledger);
-    }
-    if let Value::Object(energies) = &mut energies
-        && outcome.experiment.scene.rotation.is_none()
-    {
-        energies.remove("friction");
-    } else {
-        energies["friction"]["sliding"] = ledger.sliding_loss().into();
-    }
-    if let Value::Object(energies) = &mut energies
-        && outcome.experiment.scene.domain.shear.is_none()
-    {
-        energies.retain(|key, _| !key.starts_with("shear_"));
-    }
-    if let Value::Object(energies) = &mut energies
-        && !outcome.experiment.scene.is_heated()
-    {
-        energies.retain(|key, _| !key.starts_with("thermostat_"));
-    }
-    energies["dissipated"] = ledger.dissipated().into();
-    energies["residual"] = ledger.residual(outcome.energy_at_start, outcome.energy_at_end).into();
-    energies["residual_relative"] = relative_residual(outcome).into();
-    energies
 }
 
 /// Data of a variant for `summary.json`, in SI units; `null` means an unknown value.
@@ -460,11 +330,12 @@ fn variant(outcome: &Outcome, parameters: Option<&Value>) -> Value {
         "wall_seconds_per_simulated_second": cost(outcome),
         "particle_windows_per_second": work::particle_windows_per_second(outcome),
         "timing": outcome.timing,
-        "energy": energies(outcome),
+        "energy": energy::json(outcome),
         "granular_temperature": measured(outcome.temperature),
         "stress": stress::json(outcome),
         "observe": measurements::json(outcome),
         "gas": gas_flow::json(outcome),
+        "flows": openings::json(outcome),
         "restitution": {
             "requested_pairs": experiment.scene.restitution_of_pairs(),
             "requested_walls": experiment.scene.walls.iter().map(|wall| wall.surface.restitution).collect::<Vec<_>>(),

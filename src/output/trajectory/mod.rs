@@ -211,7 +211,8 @@ impl<'scope> Trajectory<'scope> {
             return;
         }
         self.begin(simulation);
-        if !self.has_cast {
+        // particles that come and go are other ones in each frame
+        if !self.has_cast || simulation.scene().has_openings() {
             self.send(WriterMessage::Cast(Box::new(Cast::of(simulation))));
             self.has_cast = true;
         }

@@ -111,18 +111,21 @@ impl GlobalCalendar {
     /// Collision history of each particle, by id; empty if no particle has one. If `recently` is given, the histories
     /// are made from these last collisions instead of those of the calendar.
     fn history(&self, particles: &Particles, recently: Option<&[Recent]>) -> Vec<LastCollision> {
-        let nothing = || vec![LastCollision::default(); particles.len()];
+        // after particles have left or come in, the largest id exceeds their number
+        let nothing = |ids: &[u32]| {
+            vec![LastCollision::default(); ids.iter().map(|id| *id as usize + 1).max().unwrap_or_default()]
+        };
         match recently {
             Some([]) => Vec::new(),
             Some(recently) => {
-                let mut by_id = nothing();
+                let mut by_id = nothing(&particles.id);
                 for recent in recently {
                     by_id[particles.id[recent.place as usize] as usize] = LastCollision::at(recent.time);
                 }
                 by_id
             }
-            None if self.next_events.len() == particles.len() => {
-                let mut by_id = nothing();
+            None if self.met.len() == self.ids.len() => {
+                let mut by_id = nothing(&self.ids);
                 for (&id, met) in self.ids.iter().zip(&self.met) {
                     by_id[id as usize] = *met;
                 }

@@ -1,0 +1,86 @@
+//! Tables of inlets and outlets.
+
+use super::{BlockRegionFile, CylinderRegionFile, PlaneFile};
+use crate::case::de::Located;
+use crate::case::quantity::{MassRate, Spin, Time};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// Side of the box: the axis, with the sign of the direction out of the box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+pub enum OutletSideFile {
+    /// Side at x = 0.
+    #[serde(rename = "-x")]
+    LowerX,
+    /// Side at the largest x.
+    #[serde(rename = "+x")]
+    UpperX,
+    /// Side at y = 0.
+    #[serde(rename = "-y")]
+    LowerY,
+    /// Side at the largest y.
+    #[serde(rename = "+y")]
+    UpperY,
+    /// Side at z = 0.
+    #[serde(rename = "-z")]
+    LowerZ,
+    /// Side at the largest z.
+    #[serde(rename = "+z")]
+    UpperZ,
+}
+
+/// Table `[[outlets]]`: a place where particles leave, of exactly one shape. A particle leaves at the end of the first
+/// window at which its centre is there.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OutletFile {
+    /// Name of the outlet in results.
+    #[schemars(example = &"floor", extend("x-default" = "`outlet 0`, `outlet 1`, …"))]
+    pub name: Option<Located<String>>,
+    /// A side of the box along an axis that is not periodic: all that is beyond it.
+    #[schemars(example = &"-y", extend("x-one-of" = "shape", "x-required" = "or `plane`, `box`, `cylinder`"))]
+    pub side: Option<Located<OutletSideFile>>,
+    /// All that is behind a plane, whose normal points to the particles that stay.
+    #[schemars(extend("x-one-of" = "shape"))]
+    pub plane: Option<Located<PlaneFile>>,
+    /// A block with edges along the axes. Particles that fly through it within one window do not leave.
+    #[serde(rename = "box")]
+    #[schemars(extend("x-one-of" = "shape"))]
+    pub block: Option<Located<BlockRegionFile>>,
+    /// A cylinder along an axis. Particles that fly through it within one window do not leave.
+    #[schemars(extend("x-one-of" = "shape"))]
+    pub cylinder: Option<Located<CylinderRegionFile>>,
+}
+
+/// Table `[[inlets]]`: a place where particles come in, at random positions without overlap. Their sizes, velocities and
+/// spins are those of a table `[[particles]]`.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InletFile {
+    /// Name of the inlet in results.
+    #[schemars(example = &"feed", extend("x-default" = "`inlet 0`, `inlet 1`, …"))]
+    pub name: Option<Located<String>>,
+    /// The `name` of the particles that come in. A kind with `count = 0` comes in only here.
+    #[schemars(example = &"glass 2 mm", extend("x-required" = "always"))]
+    pub particles: Option<Located<String>>,
+    /// A block that contains each new particle wholly.
+    #[serde(rename = "box")]
+    #[schemars(extend("x-one-of" = "region", "x-required" = "or `cylinder`"))]
+    pub block: Option<Located<BlockRegionFile>>,
+    /// A cylinder along an axis that contains each new particle wholly.
+    #[schemars(extend("x-one-of" = "region"))]
+    pub cylinder: Option<Located<CylinderRegionFile>>,
+    /// Number of particles per time, at equal intervals.
+    #[schemars(example = &"2000 1/s", extend("x-one-of" = "rate", "x-required" = "or `mass_rate`"))]
+    #[schemars(extend("x-range" = "greater than 0, up to 1e9 1/s"))]
+    pub rate: Option<Located<Spin>>,
+    /// Mass of the particles per time. With `sizes`, the rate in particles follows from the mean mass.
+    #[schemars(example = &"20 g/s", extend("x-one-of" = "rate", "x-range" = "greater than 0, up to 1e6 kg/s"))]
+    pub mass_rate: Option<Located<MassRate>>,
+    /// Time at which the inlet opens.
+    #[schemars(example = &"0.5 s", extend("default" = "0 s", "x-range" = "0 ..= 1e9 s"))]
+    pub start: Option<Located<Time>>,
+    /// Time at which the inlet closes, after `start`.
+    #[schemars(example = &"2 s", extend("x-default" = "stays open", "x-range" = "greater than 0 s"))]
+    pub end: Option<Located<Time>>,
+}

@@ -1,0 +1,121 @@
+//! Flow of particles through inlets and outlets, over time and averaged.
+
+use super::{Needs, Observer, plain_data};
+use crate::experiment::Experiment;
+use crate::schedule::Schedule;
+use crate::simulation::{FlowTotals, OpeningFlow, Simulation};
+use crate::statistics::{Estimate, estimate};
+use serde::{Deserialize, Serialize};
+
+/// Largest number of samples that are stored.
+const MOST_SAMPLES: u64 = 1000;
+
+/// Flow through one inlet or outlet, over the averaging period and over time.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FlowAverages {
+    /// Name of the inlet or outlet.
+    pub name: String,
+    /// True for an inlet.
+    pub is_inlet: bool,
+    /// [kg/s] mass of the particles per time over the averaging period. `None` for fewer than two samples.
+    pub mass_rate: Option<Estimate>,
+    /// [1/s] number of particles per time over the averaging period.
+    pub rate: Option<Estimate>,
+    /// Sums over the particles of the whole run.
+    pub totals: FlowTotals,
+    /// Number of particles that wait at an inlet for a place at the end, and the largest number that has waited.
+    pub waiting: [u64; 2],
+    /// Sums since the start at the times of samples.
+    #[serde(skip)]
+    pub over_time: Vec<FlowSample>,
+}
+
+/// Sums over the particles that have passed an opening until a time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FlowSample {
+    /// [s] simulated time.
+    pub time: f64,
+    /// Sums since the start.
+    pub totals: FlowTotals,
+}
+
+/// Measurement of the flow through all inlets and outlets of a scene.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Flows {
+    /// [s] time between samples.
+    interval: f64,
+    /// Samples of each outlet, then of each inlet; empty in a scene without any.
+    samples: Vec<Vec<FlowSample>>,
+    /// Numbers of particles that wait, and that waited at most, at each outlet and inlet.
+    waiting: Vec<[u64; 2]>,
+}
+
+impl Flows {
+    /// Creates a measurement for an experiment that runs with the given schedule.
+    pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
+        let openings = experiment.scene.outlets.len() + experiment.scene.inlets.len();
+        let (samples, waiting) = (vec![Vec::new(); openings], vec![[0; 2]; openings]);
+        Self { interval: schedule.spacing(MOST_SAMPLES), samples, waiting }
+    }
+
+    /// Flow through each outlet and inlet of an experiment, averaged from the time `from` [s] on.
+    pub fn averages(&self, experiment: &Experiment, from: f64) -> Vec<FlowAverages> {
+        let scene = &experiment.scene;
+        let outlets = scene.outlets.iter().map(|outlet| (&outlet.name, false));
+        let named = outlets.chain(scene.inlets.iter().map(|inlet| (&inlet.name, true)));
+        let of = |((name, is_inlet), (samples, waiting)): ((&String, bool), (&Vec<FlowSample>, &[u64; 2]))| {
+            let rate = |of: fn(&FlowTotals) -> f64| {
+                let used: Vec<&FlowSample> = samples.iter().filter(|sample| sample.time >= from).collect();
+                let each =
+                    used.windows(2).map(|two| (of(&two[1].totals) - of(&two[0].totals)) / (two[1].time - two[0].time));
+                estimate(&each.collect::<Vec<f64>>())
+            };
+            FlowAverages {
+                name: name.clone(),
+                is_inlet,
+                mass_rate: rate(|totals| totals.mass),
+                rate: rate(|totals| totals.count as f64),
+                totals: samples.last().map(|sample| sample.totals).unwrap_or_default(),
+                waiting: *waiting,
+                over_time: samples.clone(),
+            }
+        };
+        named.zip(self.samples.iter().zip(&self.waiting)).map(of).collect()
+    }
+
+    fn take(&mut self, simulation: &Simulation) {
+        let Some(flow) = simulation.through_flow() else { return };
+        let all = flow.outlets.iter().chain(&flow.inlets);
+        self.waiting = all.clone().map(OpeningFlow::waiting).collect();
+        for (samples, opening) in self.samples.iter_mut().zip(all) {
+            samples.push(FlowSample { time: simulation.time, totals: opening.totals() });
+        }
+    }
+}
+
+impl Observer for Flows {
+    fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
+        (!self.samples.is_empty()).then_some(now + self.interval)
+    }
+
+    fn needs_velocities(&self) -> bool {
+        false
+    }
+
+    fn sight(&self) -> Needs {
+        Needs::Nothing
+    }
+
+    fn see(&mut self, simulation: &Simulation) {
+        self.take(simulation);
+    }
+
+    fn end(&mut self, simulation: &Simulation) {
+        let last = self.samples.first().and_then(|samples| samples.last());
+        if last.is_some_and(|last| last.time < simulation.time) {
+            self.take(simulation);
+        }
+    }
+
+    plain_data!();
+}

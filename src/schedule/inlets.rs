@@ -1,0 +1,21 @@
+//! Windows of scenes with inlets.
+
+use crate::experiment::Experiment;
+use crate::scene::Inlet;
+
+/// [-] largest share of the volume of an inlet that the particles of one window fill. Random sequential addition, by which
+/// they come in, is fast at this share; it jams at 0.382 (Talbot, Schaaf and Tarjus 1991).
+const FILLED: f64 = 0.1;
+
+/// [s] longest window with inlets, through which particles come at the ends of windows; infinite without inlets. In one
+/// window the particles of an inlet fill a tenth of its region, and particles at the mean velocity leave a half of it.
+pub fn longest_for_inlets(experiment: &Experiment) -> f64 {
+    let scene = &experiment.scene;
+    let longest = |inlet: &Inlet| {
+        let filling = inlet.rate * scene.species[usize::from(inlet.species)].volume();
+        let [low, high] = inlet.region.corners();
+        let leaving = (high - low).zip_map(&inlet.velocity_mean, |edge, speed| 0.5 * edge / speed.abs());
+        (FILLED * inlet.region.volume(&scene.domain.size) / filling).min(leaving.min())
+    };
+    scene.inlets.iter().map(longest).fold(f64::INFINITY, f64::min)
+}

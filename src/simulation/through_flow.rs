@@ -1,0 +1,195 @@
+//! Particles that leave through outlets and come in through inlets, at the ends of windows.
+
+use super::Simulation;
+use super::totals::SimulationTotals;
+use crate::exact::{ExactSum, none, values};
+use crate::particles::{Particles, Sample};
+use crate::record::Ledger;
+use crate::scene::Scene;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// Number of sums over the particles that have passed through an opening: mass, momentum along x, y and z, kinetic,
+/// rotational and potential energy, and speed.
+const SUMS: usize = 8;
+
+/// Sums over the particles that have passed through an inlet or outlet since the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FlowTotals {
+    /// Number of particles.
+    pub count: u64,
+    /// [kg] mass of the particles.
+    pub mass: f64,
+    /// [kg m/s] momentum of the particles.
+    pub momentum: Vector3<f64>,
+    /// [J] kinetic energy of their translation.
+    pub kinetic_energy: f64,
+    /// [J] rotational energy.
+    pub rotational_energy: f64,
+    /// [J] potential energy -m g·x in the gravity of the scene, which is 0 at the origin. The ledger has the work of gravity
+    /// in its place, so this energy is not part of the balance.
+    pub potential_energy: f64,
+    /// [m/s] sum of the speeds.
+    pub speed: f64,
+}
+
+/// Flow through one inlet or outlet since the start, with exact sums, which do not depend on the order of the particles.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct OpeningFlow {
+    count: u64,
+    sums: [ExactSum; SUMS],
+    /// Number of particles that are due at an inlet and have not found a place.
+    waiting: u64,
+    /// Largest number of particles that waited.
+    most_waiting: u64,
+}
+
+impl Default for OpeningFlow {
+    fn default() -> Self {
+        Self { count: 0, sums: none(), waiting: 0, most_waiting: 0 }
+    }
+}
+
+impl OpeningFlow {
+    /// Sums since the start, each rounded once.
+    pub fn totals(&self) -> FlowTotals {
+        let [mass, x, y, z, kinetic_energy, rotational_energy, potential_energy, speed] = values(&self.sums);
+        let (count, momentum) = (self.count, Vector3::new(x, y, z));
+        FlowTotals { count, mass, momentum, kinetic_energy, rotational_energy, potential_energy, speed }
+    }
+
+    /// Number of particles that wait at an inlet for a place, and the largest number that has waited.
+    pub fn waiting(&self) -> [u64; 2] {
+        [self.waiting, self.most_waiting]
+    }
+
+    /// Sets the number of particles that wait.
+    pub(super) fn set_waiting(&mut self, waiting: u64) {
+        self.waiting = waiting;
+        self.most_waiting = self.most_waiting.max(waiting);
+    }
+
+    /// Number of particles that have passed.
+    pub(super) fn count(&self) -> u64 {
+        self.count
+    }
+
+    /// Adds the particle at an index. Returns its entry in the ledger of a scene that it comes into.
+    pub(super) fn add(&mut self, particles: &Particles, place: usize, gravity: Vector3<f64>) -> Ledger {
+        let (mass, velocity) = (particles.mass[place], particles.velocity[place]);
+        let momentum = velocity * mass;
+        let moment = particles.inertia.as_ref().map_or(0.0, |inertia| inertia[place]);
+        let kinetic = 0.5 * mass * velocity.norm_squared();
+        let rotational = 0.5 * moment * particles.spin_of(place).norm_squared();
+        let potential = -mass * gravity.dot(&particles.position[place]);
+        let [x, y, z] = momentum.into();
+        let amounts = [mass, x, y, z, kinetic, rotational, potential, velocity.norm()];
+        self.sums.iter_mut().zip(amounts).for_each(|(sum, amount)| sum.add(amount));
+        self.count += 1;
+        Ledger { flow_energy: kinetic + rotational, flow_impulse: momentum, ..Ledger::default() }
+    }
+}
+
+/// Particles that have come in and left since the start of a run, and the next id.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct ThroughFlow {
+    /// Smallest id that no particle has had; `None` after the largest number of 32 bits, when no particle comes in any more.
+    next_id: Option<u32>,
+    /// Flow through each outlet of the scene.
+    pub outlets: Vec<OpeningFlow>,
+    /// Flow through each inlet of the scene.
+    pub inlets: Vec<OpeningFlow>,
+    /// Elastic energy of the contacts that were cut when particles left.
+    cut: ExactSum,
+}
+
+impl ThroughFlow {
+    /// Creates the state before the first window. Other ids than those of `particles` are free.
+    pub(super) fn new(scene: &Scene, particles: &Particles) -> Self {
+        let next_id = particles.id.iter().max().map_or(Some(0), |largest| largest.checked_add(1));
+        let closed = |count: usize| vec![OpeningFlow::default(); count];
+        Self {
+            next_id,
+            outlets: closed(scene.outlets.len()),
+            inlets: closed(scene.inlets.len()),
+            cut: ExactSum::default(),
+        }
+    }
+
+    /// [J] elastic energy of the contacts that were cut when particles left, since the start.
+    pub fn cut_energy(&self) -> f64 {
+        self.cut.value()
+    }
+
+    /// Smallest id that no particle has had; `None` after the largest number of 32 bits.
+    pub(super) fn next_id(&self) -> Option<u32> {
+        self.next_id
+    }
+
+    /// Marks the next id as taken.
+    pub(super) fn take_id(&mut self) {
+        self.next_id = self.next_id.and_then(|id| id.checked_add(1));
+    }
+}
+
+impl Simulation {
+    /// Particles that have come in and left; `None` in a scene without inlets and outlets.
+    pub fn through_flow(&self) -> Option<&ThroughFlow> {
+        self.through_flow.as_deref()
+    }
+
+    /// Lets particles leave through outlets and come in through inlets at the end of a window. Engine, ledger and totals
+    /// follow. Velocities may lack a half-kick of drag, as between windows.
+    pub(super) fn exchange_particles(&mut self) {
+        let Some(mut flow) = self.through_flow.take() else { return };
+        // all particles are in the lead process
+        if !self.is_follower() {
+            let leaving = self.leaving(&flow);
+            let coming = self.incoming(&mut flow, &leaving);
+            if !leaving.is_empty() || !coming.0.is_empty() {
+                self.replace(&mut flow, &leaving, coming);
+            }
+        }
+        self.through_flow = Some(flow);
+    }
+
+    /// Outlet of each particle that leaves now, with the index of the particle, in the order of the indices. Of several
+    /// outlets the first one counts.
+    fn leaving(&self, flow: &ThroughFlow) -> Vec<(u32, usize)> {
+        if flow.outlets.is_empty() {
+            return Vec::new();
+        }
+        let domain = &self.scene.domain;
+        let outlet_of = |position: &Vector3<f64>| {
+            let inside = domain.wrap(position);
+            self.scene.outlets.iter().position(|outlet| outlet.takes(&inside))
+        };
+        let positions = (0u32..).zip(&self.particles.position);
+        positions.filter_map(|(place, position)| Some((place, outlet_of(position)?))).collect()
+    }
+
+    /// Removes the particles that leave and appends those that come in, which are already counted at their inlets.
+    fn replace(
+        &mut self,
+        flow: &mut ThroughFlow,
+        leaving: &[(u32, usize)],
+        (fresh, mut entries): (Particles, Vec<Ledger>),
+    ) {
+        let gravity = self.scene.gravity;
+        for &(place, outlet) in leaving {
+            entries.push(-flow.outlets[outlet].add(&self.particles, place as usize, gravity));
+        }
+        let mut place_of = vec![None; self.particles.len()];
+        let mut gone = leaving.iter().map(|(place, _)| *place).peekable();
+        let stays = |place: &u32| gone.next_if_eq(place).is_none();
+        let order: Vec<u32> = (0..self.particles.len() as u32).filter(stays).collect();
+        (0u32..).zip(&order).for_each(|(new, old)| place_of[*old as usize] = Some(new));
+        self.particles.reorder(&order);
+        self.particles.copy_from(&fresh, &(0..fresh.len() as u32).collect::<Vec<_>>());
+        let cut = self.engine.repopulate(&place_of);
+        flow.cut.add(cut);
+        entries.push(Ledger { flow_energy: -cut, ..Ledger::default() });
+        self.record.ledger.add(&entries.iter().map(Ledger::to_array).collect::<Vec<_>>());
+        self.totals = SimulationTotals::of(&Sample::from(&self.particles));
+    }
+}
