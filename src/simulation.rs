@@ -14,6 +14,7 @@ mod snapshot;
 mod thermostat;
 mod totals;
 mod turbulence;
+mod until;
 mod weight;
 
 pub use contacts::ContactSummary;
@@ -33,6 +34,7 @@ use crate::particles::{Particles, Sample};
 use crate::predict::energy::{Bound, broken_contract, too_long};
 use crate::record::Record;
 use crate::scene::Scene;
+use crate::schedule::{Course, Schedule};
 use crate::walls::Repeated;
 use lift::LiftKick;
 use nalgebra::Vector3;
@@ -97,6 +99,9 @@ pub struct Simulation {
     bound: Option<Bound>,
     /// [J] elastic energy of the initial overlaps, until the soft engine has processed the start.
     unseen: Option<f64>,
+    /// Position in the windows in which [`run_until`](Self::run_until) runs. The windows have no length before they are
+    /// chosen.
+    course: Course,
 }
 
 /// Wall time spent in each part of a simulation, measured by the clock of the simulation; zero without a clock.
@@ -141,7 +146,8 @@ impl Simulation {
         let mut scene = experiment.scene.clone();
         scene.seed_walls(experiment.run.seed);
         let simulation = Self::with_totals(scene, particles, totals, engine);
-        Self { refused, bound, unseen, seed: experiment.run.seed, ..simulation }
+        let course = Course::new(Schedule::new(experiment));
+        Self { refused, bound, unseen, course, seed: experiment.run.seed, ..simulation }
     }
 
     /// Creates a simulation as [`new`](Self::new) does, with an engine of the calling program. If processes share the
@@ -187,6 +193,7 @@ impl Simulation {
             refused: None,
             bound: None,
             unseen: None,
+            course: Course::default(),
         }
     }
 
