@@ -13,7 +13,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (domain, surface) = (Domain::new(Vector3::new(0.06, 0.06, 0.13), [true, true, false]), Surface::new(0.8, 0.3));
     let floor = Plane { point: Vector3::zeros(), normal: Vector3::z() };
     let lid = Plane { point: Vector3::new(0.0, 0.0, 0.13), normal: -Vector3::z() };
-    let shapes = [WallGeometry::Mesh(funnel), WallGeometry::Plane(floor), WallGeometry::Plane(lid)];
+    let shapes = [WallGeometry::Mesh(funnel.into()), WallGeometry::Plane(floor), WallGeometry::Plane(lid)];
     let walls = shapes.map(|shape| Wall::new(shape, surface)).into();
     let beads = vec![Species::new("glass", 3e-3, 2500.0)];
     let scene = Scene { gravity: -9.81 * Vector3::z(), walls, ..Scene::new(domain, surface, beads) };

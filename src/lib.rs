@@ -94,6 +94,9 @@ pub mod study;
 #[cfg(feature = "lab")]
 pub mod lab;
 
+#[cfg(feature = "program")]
+pub mod program;
+
 // Names that most programs using the library need.
 pub use nalgebra::Vector3;
 

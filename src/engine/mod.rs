@@ -54,7 +54,7 @@ pub struct Window {
 /// assert!((particles.velocity[0].y + 0.981).abs() < 1e-12); // m/s: it fell for 0.1 s and met nothing
 /// # Ok::<(), diptych::Failure>(())
 /// ```
-pub trait Engine {
+pub trait Engine: Send {
     /// Moves every particle through the window, under gravity and impacts only. Events are added to `record`.
     ///
     /// # Errors

@@ -52,6 +52,12 @@ impl Course {
         self.schedule.window * self.schedule.together(self.done) as f64
     }
 
+    /// [s] time of the next sample.
+    pub fn next_sample(&self) -> f64 {
+        let windows = self.schedule.windows_per_sample.max(1);
+        ((self.done / windows + 1) * windows) as f64 * self.schedule.window
+    }
+
     /// True if the run has reached the end of its schedule. Runs beyond the end have windows of the last length.
     pub fn is_over(&self) -> bool {
         self.done == self.schedule.length()

@@ -46,6 +46,11 @@ impl Simulation {
         (self.course.window() > 0.0).then(|| self.course_at_present(*self.course.schedule()).after(1))
     }
 
+    /// [s] time of the next sample of the schedule; `None` if no windows are chosen yet.
+    pub fn next_sample(&self) -> Option<f64> {
+        (self.course.window() > 0.0).then(|| self.course_at_present(*self.course.schedule()).next_sample())
+    }
+
     fn in_pieces(&mut self, time: f64, go_on: &mut dyn FnMut(&mut Self) -> bool) -> Result<bool, Failure> {
         if time.is_nan() || time <= self.time {
             return Ok(true);
