@@ -12,7 +12,8 @@ use std::path::Path;
 
 /// Experiment of a built-in case with drag, for 20 ms.
 fn blown(model: Model) -> Experiment {
-    let sets = ["run.duration=20 ms", "particles[0].volume_fraction=2e-3"].map(String::from);
+    let sets = ["run.duration=20 ms", "particles[0].volume_fraction=2e-3", "statistics.sample_interval=3 ms"];
+    let sets = sets.map(String::from);
     let case = Case::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/quick.toml"), &sets).unwrap();
     case.experiment(Some(model), None).unwrap().0
 }
@@ -99,7 +100,7 @@ fn an_engine_of_the_program_gets_windows_of_its_particles() {
 
 #[test]
 fn defaults_are_those_of_a_case() {
-    let text = "[domain]\nsize = [\"2 mm\", \"2 mm\", \"2 mm\"]\nperiodic = [true, true, true]\n\
+    let text = "[domain]\nsize = [\"2 mm\", \"2 mm\", \"2 mm\"]\nperiodic = [\"x\", \"y\", \"z\"]\n\
                 [[particles]]\nname = \"glass\"\ndiameter = \"200 um\"\ndensity = \"2500 kg/m^3\"\ncount = 125\n\
                 velocity_fluctuation = \"0.1 m/s\"\n[contact]\nrestitution = 0.9\n\
                 [soft.linear_spring_dashpot]\nstiffness = \"1000 N/m\"\n[run]\nduration = \"10 ms\"\n";

@@ -10,7 +10,7 @@ use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 
 /// Models by name.
 const MODELS: [Model; 4] = [Model::Soft, Model::Hard, Model::Hybrid, Model::Dsmc];
@@ -71,7 +71,12 @@ impl Simulation {
     /// The particles and their engine, unless another thread moves them. Waiting would hold the interpreter, which the
     /// other thread may need to stop.
     fn at_rest(&self) -> PyResult<MutexGuard<'_, MovingParticles>> {
-        self.moving.try_lock().map_err(|_| PyRuntimeError::new_err("another thread runs this simulation"))
+        self.moving.try_lock().map_err(|why| {
+            PyRuntimeError::new_err(match why {
+                TryLockError::WouldBlock => "another thread runs this simulation",
+                TryLockError::Poisoned(_) => "this simulation was ended by an error of the library",
+            })
+        })
     }
 
     fn array<'py>(&self, py: Python<'py>, column: Column) -> PyResult<Bound<'py, PyAny>> {

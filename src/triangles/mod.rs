@@ -64,8 +64,8 @@ pub enum TriangleError {
 /// use diptych::{Domain, Mesh, Scene, Species, Surface, Vector3, Wall, WallGeometry};
 ///
 /// let file = TriangleFile::read("cases/walls/hopper.stl")?.scaled(1e-3); // millimetres
-/// let (mesh, findings) = Mesh::new("hopper", &file.heap, None)?;
-/// assert!(findings.duplicate.0 == 0 && mesh.volume() >= 0.0);
+/// let (_, findings) = Mesh::new("hopper", &file.heap, None)?;
+/// assert_eq!((file.heap.len(), findings.open_edges > 0), (192, true)); // a thin sheet
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Default)]
