@@ -68,18 +68,30 @@ fn run_until_stops_within_windows_and_comes_back_to_their_ends() {
 #[test]
 fn a_run_that_is_stopped_can_go_on() {
     let experiment = blown(Model::Hard);
-    let (mut simulation, mut seen) = (Simulation::from_start(&experiment).unwrap(), 0);
-    let mut until_third = |_: &mut Simulation| {
-        seen += 1;
-        seen < 3
+    // a run that is stopped after some windows
+    let stopped_after = |windows: u64| {
+        let mut simulation = Simulation::from_start(&experiment).unwrap();
+        let mut go_on = |simulation: &mut Simulation| simulation.windows < windows;
+        assert!(!simulation.run_until_while(experiment.run.duration, &mut go_on).unwrap());
+        assert_eq!(simulation.windows, windows);
+        simulation
     };
-    assert!(!simulation.run_until_while(experiment.run.duration, &mut until_third).unwrap());
-    assert_eq!(simulation.windows, 3);
-    // the half-kick was added at the stop: the velocities are those of a run to the same time
-    let mut other = Simulation::from_start(&experiment).unwrap();
-    other.run_until(simulation.time).unwrap();
-    assert_eq!(simulation.state().fingerprint(), other.state().fingerprint());
+    let mut simulation = stopped_after(2);
+    // a stop that nothing looks at changes no bit
     assert!(simulation.run_until_while(experiment.run.duration, &mut |_| true).unwrap());
+    assert_eq!(simulation.state().fingerprint(), by_the_program(&experiment));
+    // with the half-kick, velocities are those of a run to the time of the stop
+    let (mut stopped, mut other) = (stopped_after(2), Simulation::from_start(&experiment).unwrap());
+    other.run_until(stopped.time).unwrap();
+    assert_ne!(stopped.state().fingerprint(), other.state().fingerprint());
+    let within = stopped.time + 0.3 * Schedule::new(&experiment).window;
+    stopped.run_until(stopped.time).unwrap();
+    assert_eq!(stopped.state().fingerprint(), other.state().fingerprint());
+    // a shorter window that follows a stop begins with half-kicks of both lengths
+    let mut third = stopped_after(2);
+    third.run_until(within).unwrap();
+    other.run_until(within).unwrap();
+    assert_eq!(third.state().fingerprint(), other.state().fingerprint());
 }
 
 #[test]

@@ -47,7 +47,7 @@ class Simulation:
 
         observer is called at the ends of samples of the case (every="sample", the default), of windows
         (every="window"), or after every so many seconds of simulated time, and at `time`. A run with calls at samples
-        has the bits of `diptych run`; other times divide kicks of drag, which changes rounding.
+        has the bits of `diptych run`; looking at other times divides kicks of drag, which changes rounding.
 
         Raises RunError if the engine cannot go on, and what a signal raises, such as KeyboardInterrupt.
         """

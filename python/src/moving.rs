@@ -20,7 +20,16 @@ pub struct MovingParticles {
     lent: Option<Arc<Particles>>,
 }
 
-/// End of a run that did not reach its time.
+/// End of a run.
+#[derive(Clone, Copy)]
+pub enum RunEnd {
+    /// [s] simulated time.
+    Time(f64),
+    /// The end of the present window.
+    Window,
+}
+
+/// Reason why a run did not reach its end.
 pub enum Interruption {
     /// The engine cannot go on.
     Failed(Failure),
@@ -43,15 +52,20 @@ impl MovingParticles {
         &self.simulation
     }
 
-    /// The particles, lent or not.
-    pub fn particles(&self) -> &Particles {
-        self.lent.as_deref().unwrap_or(&self.simulation.particles)
-    }
-
-    /// The particles for arrays. They do not change before [`run_until`](Self::run_until) is called.
-    pub fn lend(&mut self) -> Arc<Particles> {
-        let particles = &mut self.simulation.particles;
-        Arc::clone(self.lent.get_or_insert_with(|| Arc::new(std::mem::take(particles))))
+    /// The particles at the present time, for arrays. They do not change before [`run`](Self::run) is called.
+    ///
+    /// # Errors
+    /// The check of the present state has failed.
+    pub fn lend(&mut self) -> Result<Arc<Particles>, Failure> {
+        if let Some(lent) = &self.lent {
+            return Ok(Arc::clone(lent));
+        }
+        let Self { simulation, pool, .. } = self;
+        // between two samples, velocities lack half a kick until somebody looks at them
+        pool.install(|| simulation.complete())?;
+        let lent = Arc::new(std::mem::take(&mut self.simulation.particles));
+        self.lent = Some(Arc::clone(&lent));
+        Ok(lent)
     }
 
     /// Takes the particles back: those that no array shares as they are, others as a copy.
@@ -61,11 +75,11 @@ impl MovingParticles {
         }
     }
 
-    /// Runs until `time` [s] without the lock of the interpreter. Signals end the run at the end of a window.
+    /// Runs to its end without the lock of the interpreter. Signals end the run at the end of a window.
     ///
     /// # Errors
-    /// The run has not reached `time`.
-    pub fn run_until(&mut self, py: Python<'_>, time: f64) -> Result<(), Interruption> {
+    /// The run has not reached its end.
+    pub fn run(&mut self, py: Python<'_>, end: RunEnd) -> Result<(), Interruption> {
         self.take_back();
         let Self { simulation, pool, .. } = self;
         py.detach(|| {
@@ -73,8 +87,12 @@ impl MovingParticles {
             pool.in_place_scope(|scope| {
                 let (send, ended) = channel();
                 let (stop, mut signal) = (&stop, None);
+                let (time, is_window) = match end {
+                    RunEnd::Time(time) => (time, false),
+                    RunEnd::Window => (f64::INFINITY, true),
+                };
                 scope.spawn(move |_| {
-                    let mut go_on = |_: &mut diptych::Simulation| !stop.load(Ordering::Relaxed);
+                    let mut go_on = |_: &mut diptych::Simulation| !is_window && !stop.load(Ordering::Relaxed);
                     // the receiver waits for this message, unless the work panics and the scope passes the panic on
                     let _ = send.send(keep_workers_spinning(|| simulation.run_until_while(time, &mut go_on)));
                 });

@@ -1,7 +1,7 @@
 //! The Python class `Simulation`.
 
 use crate::columns::{self, Column};
-use crate::moving::{Interruption, MovingParticles};
+use crate::moving::{Interruption, MovingParticles, RunEnd};
 use crate::{InputError, RunError};
 use diptych::case::Case;
 use diptych::memory;
@@ -80,12 +80,15 @@ impl Simulation {
     }
 
     fn array<'py>(&self, py: Python<'py>, column: Column) -> PyResult<Bound<'py, PyAny>> {
-        let particles = self.at_rest()?.lend();
-        columns::array(py, particles, column)
+        columns::array(py, self.particles()?, column)
     }
 
-    fn run_to(&self, py: Python<'_>, time: f64) -> PyResult<()> {
-        self.at_rest()?.run_until(py, time).map_err(|why| match why {
+    fn particles(&self) -> PyResult<Arc<Particles>> {
+        self.at_rest()?.lend().map_err(|failure| RunError::new_err(failure.to_string()))
+    }
+
+    fn run_to(&self, py: Python<'_>, end: RunEnd) -> PyResult<()> {
+        self.at_rest()?.run(py, end).map_err(|why| match why {
             Interruption::Failed(failure) => RunError::new_err(failure.to_string()),
             Interruption::Signal(signal) => signal,
         })
@@ -136,12 +139,13 @@ impl Simulation {
         if !time.is_finite() {
             return Err(PyValueError::new_err(format!("cannot run until {time} s")));
         }
-        let Some(observer) = observer else { return this.run_to(py, time) };
+        let Some(observer) = observer else { return this.run_to(py, RunEnd::Time(time)) };
         let (every, begun) = (Every::of(every)?, this.time()?);
         let mut calls = 0;
         while this.time()? < time {
             let next = every.next(this.at_rest()?.simulation(), begun, calls);
-            this.run_to(py, next.min(time))?;
+            let is_window = matches!(every, Every::Window) && next < time;
+            this.run_to(py, if is_window { RunEnd::Window } else { RunEnd::Time(next.min(time)) })?;
             observer.call1((slf,))?;
             calls += 1;
             if next >= time {
@@ -155,9 +159,10 @@ impl Simulation {
     #[pyo3(signature = (windows=1))]
     fn step(&self, py: Python<'_>, windows: u64) -> PyResult<()> {
         for _ in 0..windows {
-            let end = self.at_rest()?.simulation().end_of_window();
-            let end = end.ok_or_else(|| PyValueError::new_err("the case lasts 0 s and has no windows"))?;
-            self.run_to(py, end)?;
+            if self.at_rest()?.simulation().end_of_window().is_none() {
+                return Err(PyValueError::new_err("the case lasts 0 s and has no windows"));
+            }
+            self.run_to(py, RunEnd::Window)?;
         }
         Ok(())
     }
@@ -195,7 +200,7 @@ impl Simulation {
 
     #[getter]
     fn kinetic_energy(&self) -> PyResult<f64> {
-        Ok(self.at_rest()?.particles().kinetic_energy())
+        Ok(self.particles()?.kinetic_energy())
     }
 
     #[getter]
@@ -220,7 +225,7 @@ impl Simulation {
 
     #[getter]
     fn spins<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let rotates = self.at_rest()?.particles().spin.is_some();
+        let rotates = self.particles()?.spin.is_some();
         rotates.then(|| self.array(py, Column::Spin)).transpose()
     }
 
@@ -246,9 +251,8 @@ impl Simulation {
 
     /// Particles in the order of their ids, with positions within the box, as a pandas table with units.
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let moving = self.at_rest()?;
-        let mut particles: Particles = moving.particles().clone();
-        particles.wrap(&moving.simulation().scene().domain);
+        let mut particles = Particles::clone(&*self.particles()?);
+        particles.wrap(&self.at_rest()?.simulation().scene().domain);
         particles.sort_by_id();
         let particles = Arc::new(particles);
         let table = PyDict::new(py);
@@ -271,7 +275,7 @@ impl Simulation {
 
     fn __repr__(&self) -> PyResult<String> {
         let moving = self.at_rest()?;
-        let (count, time) = (moving.particles().len(), moving.simulation().time);
+        let (count, time) = (moving.simulation().count(), moving.simulation().time);
         Ok(format!("<diptych.Simulation: {count} {} spheres at {time} s>", self.model()))
     }
 }

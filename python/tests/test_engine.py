@@ -40,21 +40,30 @@ def long(**options):
 
 class Bits(unittest.TestCase):
     def test_a_run_has_the_bits_of_the_program(self):
+        sampled = {**SHORT, "statistics.sample_interval": "4 ms"}
         for model in ("soft", "hard"):
             with tempfile.TemporaryDirectory() as folder:
                 out = Path(folder) / "out"
                 arguments = ["--save-state"]
-                found = diptych.run(CASES / "quick.toml", out, command="run", model=model, set=SHORT, arguments=arguments).state
-            simulation = short(model)
+                found = diptych.run(CASES / "quick.toml", out, command="run", model=model, set=sampled, arguments=arguments).state
+            simulation = diptych.Simulation(CASES / "quick.toml", model=model, set=sampled)
             seen = []
-            simulation.run_until(0.01, lambda now: seen.append(now.time))
-            simulation.run_until(simulation.duration)
+            simulation.run_until(simulation.duration, lambda now: seen.append(now.positions))
             state = simulation.state()
             self.assertEqual(len(state), len(found))
             for column in ("x_m", "y_m", "z_m", "vx_m_s", "vy_m_s", "vz_m_s"):
                 self.assertTrue((state[column].to_numpy() == found[column].to_numpy()).all(), (model, column))
             self.assertTrue((2 * state["radius_m"].to_numpy() == found["diameter_m"].to_numpy()).all())
-            self.assertGreater(len(seen), 1)
+            self.assertEqual(len(seen), 5)
+
+    def test_windows_at_which_nothing_looks_change_no_bit(self):
+        stepped, whole = short(), short()
+        while stepped.time < 0.999 * stepped.duration:
+            stepped.step()
+        whole.run_until(whole.duration)
+        self.assertEqual(stepped.windows, whole.windows)
+        self.assertGreater(whole.windows, 10)
+        self.assertTrue(stepped.state().equals(whole.state()))
 
     def test_threads_and_a_text_change_no_bit(self):
         one = short(threads=1)
@@ -204,7 +213,8 @@ class ThreadsAndSignals(unittest.TestCase):
             sets = [word for key, value in LONG.items() for word in ("--set", f"{key}={value}")]
             line = [sys.executable, "-m", "diptych", "run", str(CASES / "dense-gas.toml"), "--model", "hard", "--out", folder, "--overwrite", *sets]
             process = subprocess.Popen(line, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-            while not (Path(folder) / "case.toml").exists() and process.poll() is None:
+            # the folder has a file as soon as the program listens to signals and begins the run
+            while not any(Path(folder).iterdir()) and process.poll() is None:
                 time.sleep(0.05)
             time.sleep(0.5)
             process.send_signal(signal.SIGINT)

@@ -26,12 +26,14 @@ impl Simulation {
     /// # Errors
     /// Errors of [`run`](Self::run).
     pub fn run_until(&mut self, time: f64) -> Result<(), Failure> {
-        self.run_until_while(time, &mut |_| true).map(drop)
+        self.run_until_while(time, &mut |_| true)?;
+        self.complete()
     }
 
     /// Runs as [`run_until`](Self::run_until) for as long as `go_on` returns true, and returns true if `time` [s] is
-    /// reached. `go_on` is called at the end of every window but the last. Velocities may then lack a half-kick of drag,
-    /// which [`look`](Self::look) adds.
+    /// reached. `go_on` is called at the end of every window. After a stop, velocities lack a half-kick of drag at most
+    /// ends of windows. Runs to later times add it, and have the bits of a run that was not stopped.
+    /// [`complete`](Self::complete) adds it at once.
     ///
     /// # Errors
     /// Errors of [`run`](Self::run).
@@ -39,6 +41,19 @@ impl Simulation {
         let result = self.in_pieces(time, go_on);
         self.show(1);
         result
+    }
+
+    /// Adds the half-kick of drag that velocities lack after [`run_until_while`](Self::run_until_while) was stopped. This
+    /// divides a kick, which changes rounding.
+    ///
+    /// # Errors
+    /// A particle left the domain, or energy grew more than errors of the scheme explain.
+    pub fn complete(&mut self) -> Result<(), Failure> {
+        if self.half_kicked {
+            return Ok(());
+        }
+        self.settle(self.course.window());
+        self.check()
     }
 
     /// [s] end of the present window of the schedule; `None` if no windows are chosen yet.
@@ -65,11 +80,13 @@ impl Simulation {
             }
             let step = course.next(time);
             let (windows, window) = course.lengths(step);
+            if window != course.window() {
+                self.complete()?;
+            }
             let ran = self.run_while(windows, window, &mut |simulation, _| go_on(simulation))?;
             course.advance(step, ran);
             self.course = course.clone();
             if ran < windows {
-                self.settle(window);
                 return Ok(false);
             }
             if time - course.now() > course.schedule().rounding() && !go_on(self) {
