@@ -47,8 +47,8 @@ impl Clock {
         result
     }
 
-    /// Reports that the run has reached the simulated time `time` [s]. A report is one write to memory, so engines can
-    /// report every step or event.
+    /// Reports that the run has reached the simulated time `time` [s], for the display of progress. A report is one
+    /// write to memory, so engines can report every step or event.
     pub fn tell(&self, time: f64) {
         if let Some(reached) = &self.reached {
             reached.0.store(time.to_bits(), Ordering::Relaxed);

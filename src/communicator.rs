@@ -30,7 +30,7 @@ pub trait Communicator: Send + Sync {
         self.rank() == 0
     }
 
-    /// Replaces each sum by its total over all processes.
+    /// Replaces each exact sum of this process by the total over all processes.
     fn total(&self, sums: &mut [&mut ExactSum]) {
         let mut words: Vec<i64> = sums.iter_mut().flat_map(|sum| *sum.words()).collect();
         self.sum(&mut words);

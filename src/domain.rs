@@ -6,25 +6,27 @@ use nalgebra::Vector3;
 use serde::Serialize;
 use std::borrow::Cow;
 
-/// Uniform shear of a periodic box (Lees and Edwards 1972, J. Phys. C 5, 1921). The mean flow is U_z = γ y. Images
-/// across y slide along z: the image one period L_y above has the velocity γ L_y relative to its particle.
+/// Uniform shear of a periodic box (Lees and Edwards 1972, J. Phys. C 5, 1921). The mean flow is U_z = γ y. Periodic
+/// images of a particle above and below the box slide along z: the image one box height L_y above has the velocity γ
+/// L_y relative to the particle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Shear {
     /// [1/s] shear rate γ = dU_z/dy.
     pub rate: f64,
-    /// [m] displacement along z of the image one period above, at time 0.
+    /// [m] displacement along z, at time 0, of the periodic image one box height above a particle.
     pub start: f64,
-    /// [m] displacement along z of the image one period above, at the instant of the box; at most half a period.
+    /// [m] displacement along z of the periodic image one box height above a particle, at the time for which the box
+    /// was made. It is between minus and plus half the edge length along z.
     #[serde(skip)]
     offset: f64,
 }
 
-/// Particle in a sheared box as seen from the nearest image of another one.
+/// Periodic image of one particle that is nearest to another particle, in a sheared box.
 #[derive(Clone, Copy, Debug)]
 struct NearestImage {
-    /// [m] vector to the particle's nearest image.
+    /// [m] vector from the other particle to the image.
     apart: Vector3<f64>,
-    /// [m/s] velocity along z of that image relative to the particle.
+    /// [m/s] velocity along z of the image relative to the particle itself.
     velocity: f64,
 }
 
@@ -37,7 +39,7 @@ pub struct Domain {
     pub size: Vector3<f64>,
     /// True for each axis along which the box is periodic.
     pub periodic: [bool; 3],
-    /// Shear, by which images across y slide along z; `None` if images are at rest.
+    /// Shear, by which periodic images above and below the box slide along z; `None` if images do not slide.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shear: Option<Shear>,
     /// [m] half the edge length along periodic axes, infinity along others. If two particles are farther apart along an
@@ -57,30 +59,34 @@ impl Domain {
         Self { size, periodic, shear: None, half, direct: half.min().powi(2) }
     }
 
-    /// Makes the box sheared at a rate [1/s], with images at the places of time 0: the image one period above is displaced
-    /// by `start` [m] along z. The box must be periodic along y and z.
+    /// Makes the box sheared at a rate [1/s], with periodic images at their places of time 0: the image one box height
+    /// above a particle is displaced by `start` [m] along z. The box must be periodic along y and z.
     pub fn sheared(self, rate: f64, start: f64) -> Self {
         Self { shear: Some(Shear { rate, start, offset: 0.0 }), ..self }.at(0.0).into_owned()
     }
 
-    /// The box with other edge lengths [m], with the same periodic axes and shear.
+    /// Returns a box with other edge lengths [m], and with the periodic axes and the shear of this box. Periodic images
+    /// are at their places of time 0.
     pub fn resized(&self, size: Vector3<f64>) -> Self {
         let resized = Self::new(size, self.periodic);
         self.shear.map_or_else(|| resized.clone(), |shear| resized.clone().sheared(shear.rate, shear.start))
     }
 
-    /// The box with images at rest at their present places, where only positions matter.
+    /// Copy of the box whose periodic images do not slide but stay at their present places. It is for code that needs
+    /// only positions, no velocities.
     pub fn at_rest(&self) -> Self {
         let rest = |shear: Shear| Shear { rate: 0.0, start: shear.offset, ..shear };
         Self { shear: self.shear.map(rest), ..self.clone() }
     }
 
-    /// [m] displacement along z of the image one period above, at the instant of the box; `None` without shear.
+    /// [m] displacement along z of the periodic image one box height above a particle, at the time for which the box
+    /// was made; `None` without shear.
     pub fn offset(&self) -> Option<f64> {
         self.shear.map(|shear| shear.offset)
     }
 
-    /// The box with images at the places of a time [s]. Without shear it is the box itself.
+    /// Returns the box with periodic images at their places of the simulated time `time` [s]. Without shear it is this
+    /// box, not a copy.
     pub fn at(&self, time: f64) -> Cow<'_, Self> {
         self.slid_to(|shear| shear.start + self.sliding() * time)
     }
@@ -92,7 +98,8 @@ impl Domain {
         Cow::Owned(Self { shear: Some(Shear { offset, ..*shear }), ..self.clone() })
     }
 
-    /// [m/s] velocity γ L_y along z of the image one period above its particle; 0 without shear.
+    /// [m/s] velocity γ L_y along z of the periodic image one box height above a particle, relative to the particle; 0
+    /// without shear.
     pub fn sliding(&self) -> f64 {
         self.shear.map_or(0.0, |shear| shear.rate * self.size.y)
     }
@@ -115,15 +122,16 @@ impl Domain {
         Vector3::new(0.0, 0.0, self.shear.map_or(0.0, |shear| shear.rate * position.y))
     }
 
-    /// True for each axis along which cells at one side continue at the other side. Across sheared sides they do not,
-    /// since the images there are displaced.
+    /// True for each axis along which a grid of cells continues from one side of the box to the opposite side. It is
+    /// false for sides that are not periodic, and for sheared sides, whose images are displaced along z.
     pub fn joined(&self) -> [bool; 3] {
         let [x, y, z] = self.periodic;
         [x, y && self.shear.is_none(), z]
     }
 
-    /// Calls `visit` with the images of `position` across the sheared sides within `reach` [m] of it. Images are inside
-    /// the box along z only.
+    /// Calls `visit` with the periodic images [m] of `position` beyond the sheared sides (the upper and the lower side)
+    /// that are nearer to the box than `reach` [m]. Along z the images are wrapped into the box. Without shear there
+    /// are none.
     #[inline]
     pub fn for_each_across(&self, position: &Vector3<f64>, reach: f64, mut visit: impl FnMut(Vector3<f64>)) {
         if self.shear.is_none() {
@@ -138,14 +146,16 @@ impl Domain {
         }
     }
 
-    /// Calls `visit` with `position` and with its images as [`for_each_across`](Self::for_each_across) does.
+    /// Calls `visit` with `position` [m] itself, and then with its images as [`for_each_across`](Self::for_each_across)
+    /// does.
     #[inline]
     pub fn for_each_image(&self, position: &Vector3<f64>, reach: f64, mut visit: impl FnMut(Vector3<f64>)) {
         visit(*position);
         self.for_each_across(position, reach, visit);
     }
 
-    /// [m] image of a position across a number of sheared periods, inside the box along z.
+    /// [m] periodic image of a position that is `periods` box heights above it in a sheared box. Its coordinate z is
+    /// wrapped into the box.
     fn image(&self, position: &Vector3<f64>, periods: f64) -> Vector3<f64> {
         let offset = self.shear.map_or(0.0, |shear| shear.offset);
         let z = position.z + periods * offset;
@@ -181,9 +191,9 @@ impl Domain {
         d
     }
 
-    /// Separation [m] as by [`separation`](Self::separation), and velocity [m/s] of the nearest image of `a` relative to
-    /// `b`, from the `velocity` of `a` itself relative to `b`. Both positions are those `elapsed` [s] after the instant
-    /// of the box.
+    /// Vector [m] from `b` to the nearest periodic image of `a`, and velocity [m/s] of this image relative to `b`.
+    /// `velocity` [m/s] is that of `a` itself relative to `b`. The positions are those `elapsed` [s] after the time for
+    /// which the box was made.
     #[inline(always)]
     pub fn relative(
         &self,
@@ -201,7 +211,8 @@ impl Domain {
         (image.apart, Vector3::new(velocity.x, velocity.y, velocity.z + image.velocity))
     }
 
-    /// Nearest image of a particle at the distance `d` [m] from another one, `elapsed` [s] after the instant of the box.
+    /// Nearest periodic image of a particle whose own position minus that of the other particle is `d` [m]. The
+    /// positions are those `elapsed` [s] after the time for which the box was made.
     fn nearest(&self, d: &Vector3<f64>, shear: &Shear, elapsed: f64) -> NearestImage {
         let sliding = shear.rate * self.size.y;
         let above = -(d.y / self.size.y).round();
@@ -232,7 +243,7 @@ impl Domain {
         self.wrap_by(position, self.sheared_periods(position))
     }
 
-    /// Number of sheared periods by which a position must move to be in the box; 0 without shear.
+    /// Number of box heights L_y by which a position must move along y to be in a sheared box; 0 without shear.
     #[inline]
     fn sheared_periods(&self, position: &Vector3<f64>) -> f64 {
         let (y, height) = (position.y, self.size.y);
@@ -244,7 +255,8 @@ impl Domain {
         if y + periods * height < height { periods } else { 0.0 }
     }
 
-    /// Wraps a position that crosses a number of sheared periods.
+    /// [m] image of a position inside the box along all periodic axes. `periods` is the number of box heights by which
+    /// the position moves along y in a sheared box.
     #[inline]
     fn wrap_by(&self, position: &Vector3<f64>, periods: f64) -> Vector3<f64> {
         let position = if periods == 0.0 { *position } else { self.image(position, periods) };

@@ -47,7 +47,8 @@ pub enum Other {
     Wall(AtWall),
 }
 
-/// A wall of the scene, with the number of one of its possible contacts with a sphere.
+/// A wall of the scene, with the number of one of the contacts that a sphere can have with it. A sphere in a corner of
+/// a box has several contacts with one wall, at different points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AtWall {
     /// Index of the wall among the walls of the scene.
@@ -72,11 +73,12 @@ pub struct Couple {
     pub other: Other,
 }
 
-/// Time at which the relative position and velocity of two bodies are computed, relative to the time of the particle
-/// store. The store may be in a falling frame, so two times of fall are also given. All times are in s.
+/// Time at which the relative position and velocity of two bodies are computed, counted from the time of the particle
+/// store.
 ///
-/// Engines move particles in the frame that falls freely with gravity, in which gravity does not affect pairs. A wall
-/// does not fall, so the motion of a particle relative to a wall includes gravity.
+/// Engines move particles in a frame of reference that falls freely with gravity, in which gravity does not affect
+/// pairs. A wall does not fall in this way, so the motion of a particle relative to a wall includes gravity. Two times
+/// of fall describe how long the frame has fallen. All times are in s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameTime {
     /// Time [s] from the time of the particle store to the computed time; particles fly straight meanwhile.
@@ -98,7 +100,8 @@ impl FrameTime {
         Self { fallen: time, ..Self::default() }
     }
 
-    /// Creates the time [`fallen`](Self::fallen) creates, for velocities that are `lag` [s] earlier than the positions.
+    /// Creates the time that [`fallen`](Self::fallen) creates, but for velocities in the store that are `lag` [s]
+    /// earlier than the positions.
     pub fn lagging(time: f64, lag: f64) -> Self {
         Self { fallen: time, lag, ..Self::default() }
     }
@@ -115,14 +118,16 @@ impl FrameTime {
         Self { ahead: time, sunk: time, fallen: time, lag: 0.0 }
     }
 
-    /// [m] centre of the particle at index `place`, in the frame of the particle store.
+    /// [m] centre of the particle at index `place` after its straight flight to this time, in the frame of the particle
+    /// store.
     #[inline(always)]
     fn position(&self, particles: &Particles, place: usize) -> Vector3<f64> {
         let x = particles.position[place];
         if self.ahead == 0.0 { x } else { x + particles.velocity[place] * self.ahead }
     }
 
-    /// Motion of the particle at index `place` relative to a wall, with gravity.
+    /// Position, velocity and acceleration of the particle at index `place` relative to a wall at rest, with the effect
+    /// of gravity added.
     #[inline(always)]
     pub fn flight(&self, particles: &Particles, scene: &Scene, place: usize) -> Flight {
         let fall = scene.gravity * (0.5 * self.sunk * self.sunk);
@@ -186,14 +191,16 @@ impl Couple {
         }
     }
 
-    /// True if the couple is a contact with a wall, but not the first of the possible contacts with that wall.
+    /// True if the other body is a wall, and this contact is not the first (number 0) of the contacts that a sphere can
+    /// have with that wall.
     #[inline]
     pub fn is_further(&self) -> bool {
         matches!(self.other, Other::Wall(at) if at.which > 0)
     }
 
-    /// True if both couples are contacts of one particle with one wall, and this contact cannot be nearer than `other`.
-    /// This requires a wall that numbers its contacts by distance, the nearest first.
+    /// True if both couples are contacts of one particle with one wall, and this contact cannot be nearer than the
+    /// contact `other`. Such a statement is possible only for walls that number their contacts by distance, the nearest
+    /// first.
     pub fn is_beyond(&self, other: &Self, scene: &Scene) -> bool {
         let (Other::Wall(at), Other::Wall(before)) = (self.other, other.other) else { return false };
         let same = self.i == other.i && at.wall == before.wall && at.which > before.which;
@@ -213,7 +220,8 @@ impl Couple {
         [Some(self.i), self.j()]
     }
 
-    /// Returns this couple with new indices, after particles have moved in the particle store.
+    /// Returns this couple with new indices of its particles, after the particle store was reordered. `place_of`
+    /// returns the new index for an old one.
     pub fn moved(self, place_of: impl Fn(u32) -> u32) -> Self {
         let other = match self.other {
             Other::Particle(j) => Other::Particle(place_of(j)),
@@ -227,7 +235,7 @@ impl Couple {
         self == couple || couple.j().is_some_and(|j| *self == Self::pair(j, couple.i))
     }
 
-    /// Restitution and friction between the two bodies.
+    /// Restitution and friction of an impact between the two bodies.
     #[inline]
     pub fn surface<'s>(&self, particles: &Particles, scene: &'s Scene) -> &'s Surface {
         let (species, other) = self.kinds(particles);
@@ -244,8 +252,9 @@ impl Couple {
         (particles.species[self.i as usize], other)
     }
 
-    /// Motion of the wall's surface at the contact; `None` between particles. If a wall exerts a force [N] on the
-    /// particle, its power is force times velocity. The energy of an impulse [N s] is impulse times velocity.
+    /// Motion of the wall's surface at the contact point; `None` for a pair of particles. A wall that exerts a force
+    /// [N] on the particle has the power [W] force times velocity of the surface. An impulse [N s] gives the energy [J]
+    /// impulse times velocity.
     #[inline(always)]
     pub fn wall_motion(
         &self,
@@ -264,8 +273,9 @@ impl Couple {
         Some(WallMotion::of(wall, &at_contact, moment.sunk - moment.lag))
     }
 
-    /// [m/s] velocity along z, relative to particle j itself, of the image of j that particle i meets. It is 0 unless a
-    /// sheared side is between the two. `velocity` [m/s] is that of i relative to the image.
+    /// [m/s] velocity along z of the periodic image of particle j that particle i meets, relative to particle j itself.
+    /// It is 0 unless a sheared side of the box is between i and j. `velocity` [m/s] is that of i relative to the
+    /// image.
     #[inline]
     pub fn image_velocity(&self, particles: &Particles, scene: &Scene, velocity: &Vector3<f64>) -> f64 {
         match self.other {
@@ -277,7 +287,7 @@ impl Couple {
         }
     }
 
-    /// Properties of the two bodies on which a contact law depends.
+    /// Masses, sizes and materials of the two bodies, on which the constants of a contact law depend.
     pub fn bodies(&self, particles: &Particles, scene: &Scene) -> Bodies {
         match self.other {
             Other::Particle(j) => Bodies::pair(scene, particles, self.i as usize, j as usize),
@@ -390,7 +400,8 @@ impl Couple {
         self.j().map_or(radius, |j| radius + particles.radius[j as usize])
     }
 
-    /// Relative position and velocity of two bodies whose [`reach`](Self::reach) [m] is already known.
+    /// Relative position and velocity of two bodies at the time `moment`. `reach` [m] is the distance of the centres at
+    /// touch, as [`reach`](Self::reach) returns it.
     #[inline(always)]
     pub fn meet_at(&self, reach: f64, particles: &Particles, scene: &Scene, moment: FrameTime) -> Encounter {
         let i = self.i as usize;

@@ -114,7 +114,7 @@ pub struct Experiment {
     pub hybrid: HybridSettings,
     /// Settings of collisions by chance.
     pub dsmc: DsmcSettings,
-    /// Length, window, seed and collision model of the run.
+    /// Duration, window (time between two drag kicks), seed and collision model of the run.
     pub run: RunSettings,
     /// Settings of the averages.
     pub statistics: StatisticsSettings,
@@ -147,8 +147,8 @@ impl Experiment {
         self.start.iter().map(|population| population.amount.count()).sum()
     }
 
-    /// [-] volume of all particles at the start over that of the box. It is 0 if the drag law does not depend on the
-    /// volume fraction.
+    /// [-] volume of all particles at the start over the volume of the box. If the drag law does not depend on the
+    /// volume fraction, the result is 0.
     pub fn fraction_for_drag(&self) -> f64 {
         let drag = self.scene.fluid.as_ref().and_then(|fluid| fluid.drag.as_ref());
         if drag.is_none_or(|drag| drag.law().cells().is_none()) {
@@ -239,7 +239,7 @@ pub struct SoftSettings {
     pub law: Option<ContactLaw>,
     /// Choice of the time step.
     pub time_step: TimeStep,
-    /// Particles that a time step moves.
+    /// Choice of the particles that a time step moves: all of them, or only those in contact.
     pub stepping: SoftStepping,
     /// The time integrator.
     pub integrator: Integrator,
@@ -247,7 +247,7 @@ pub struct SoftSettings {
     pub allow_unstable: bool,
 }
 
-/// Choice of the soft time step.
+/// Choice of the time step of soft spheres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TimeStep {
@@ -325,7 +325,7 @@ pub enum HardStepping {
     },
 }
 
-/// Length, window and seed of a run.
+/// Duration, window (time between two drag kicks), seed and collision model of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunSettings {
     /// [s] time between instants at which windows must also end, so that all particles can be written at these
@@ -338,7 +338,7 @@ pub struct RunSettings {
     pub duration: f64,
     /// Beginning of the averaging period.
     pub average_from: AverageFrom,
-    /// [s] window h; `None` if it is to be chosen from the scene.
+    /// [s] length h of a window, the time between two drag kicks; `None` if it is to be chosen from the scene.
     pub window: Option<f64>,
     /// Seed of the initial state.
     pub seed: u64,

@@ -20,6 +20,15 @@ pub fn cooling_a2(restitution: f64) -> f64 {
     16.0 * (1.0 - e) * (1.0 - 2.0 * square) / (81.0 - 17.0 * e + 30.0 * square * (1.0 - e))
 }
 
+/// [-] coefficient a₂ of the velocity distribution in a homogeneous gas of smooth spheres with random accelerations, with
+/// the `restitution` e: 16 (1 - e)(1 - 2e²)/(241 - 177 e + 30 e² (1 - e)) (van Noije and Ernst 1998, Granular Matter 1,
+/// 57). It is linear in a₂.
+pub fn heated_a2(restitution: f64) -> f64 {
+    let (e, square) = (restitution, restitution * restitution);
+    // numbers of van Noije and Ernst 1998 in three dimensions
+    16.0 * (1.0 - e) * (1.0 - 2.0 * square) / (241.0 - 177.0 * e + 30.0 * square * (1.0 - e))
+}
+
 /// [m²/s] coefficient of self-diffusion of elastic hard spheres by Enskog's theory, in the first approximation:
 /// 3/(8 n d² χ) sqrt(T/π). n is the `density` [1/m³], d the `diameter` [m], T the granular `temperature` [m²/s²] and χ the
 /// contact value (Chapman and Cowling 1970, The Mathematical Theory of Non-Uniform Gases, sections 14.2 and 16.6). The

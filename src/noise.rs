@@ -25,14 +25,14 @@ pub enum NoiseUse {
     Collisions = 3,
     /// Facets of rough walls.
     Facets = 4,
-    /// Random accelerations of a thermostat.
+    /// Random accelerations of the particles by a thermostat.
     Thermostat = 5,
     /// Rebounds from thermal walls.
     ThermalWalls = 6,
 }
 
-/// One number of 64 bits from several, which changes at random if any of them changes, by the mixing function of
-/// SplitMix64 (Steele, Lea and Flood 2014, OOPSLA).
+/// One number of 64 bits computed from several. If any of them changes, the result changes as if it were drawn at
+/// random. The mixing function is that of SplitMix64 (Steele, Lea and Flood 2014, OOPSLA).
 pub fn mixed(words: &[u64]) -> u64 {
     let mix = |z: u64, shift: u32, factor: u64| (z ^ (z >> shift)).wrapping_mul(factor);
     words.iter().fold(0, |so_far, word| {

@@ -63,7 +63,7 @@ pub struct Outcome {
     /// [m²/s²] granular temperature over the averaging period: a third of the variance of the velocities about the mean
     /// of each slice at the same instant.
     pub temperature: Option<Estimate>,
-    /// Collision rates and temperature averaged in blocks of time, with errors from replicas.
+    /// Collision rates, temperature and shear stress averaged in blocks of time, from which errors are computed.
     #[serde(skip)]
     pub averaged: Averaged,
     /// [J] part of the change of energy that the balance of the whole run does not explain; its error is the size of
@@ -73,7 +73,7 @@ pub struct Outcome {
     pub energy_at_start: f64,
     /// [J] kinetic plus elastic energy at the end.
     pub energy_at_end: f64,
-    /// Balance of streamwise momentum over the averaging period.
+    /// Balance of the momentum of the particles along z over the averaging period.
     pub balance: Balance,
     /// Stress, contacts per particle and volume fraction over the averaging period.
     pub stress: Stress,

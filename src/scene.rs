@@ -34,7 +34,7 @@ pub struct Meeting {
     /// does not depend on the masses.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at_mass: Option<f64>,
-    /// Rolling and twisting friction that differ from those of the law.
+    /// Coefficients of rolling and twisting friction of this pair. A coefficient that is missing is taken from the law.
     #[serde(skip_serializing_if = "ResistanceFriction::is_of_law")]
     pub resistance: ResistanceFriction,
 }
@@ -51,7 +51,8 @@ impl Meeting {
 }
 
 impl From<Surface> for Meeting {
-    /// Makes the contact properties of a surface, with the stiffness of the contact law.
+    /// Makes the contact properties of a pair with this surface. The stiffness and the rolling and twisting friction
+    /// are those of the laws.
     fn from(surface: Surface) -> Self {
         Self { surface, stiffness_ratio: 1.0, at_mass: None, resistance: ResistanceFriction::default() }
     }
@@ -83,7 +84,8 @@ pub enum Kind {
 #[serde(transparent)]
 pub struct Pairs(Vec<(u16, Kind, Meeting)>);
 
-/// Sorts a pair of kinds: of two species, the one with the smaller index comes first.
+/// Sorts the key of a pair of kinds: of two species, the one with the smaller index comes first. A species comes before
+/// a wall.
 #[inline]
 pub(crate) fn in_order(species: u16, other: Kind) -> (u16, Kind) {
     match other {
@@ -286,12 +288,20 @@ impl Scene {
         }
     }
 
-    /// Sets the seed of the random rebounds from rough and thermal walls.
+    /// Sets the seed of the random numbers that rough and thermal walls use in rebounds.
     pub fn seed_walls(&mut self, seed: u64) {
         for wall in &mut self.walls {
             wall.roughness.iter_mut().for_each(|roughness| roughness.seed = seed);
             wall.thermal.iter_mut().for_each(|thermal| thermal.seed = seed);
         }
+    }
+
+    /// True if the box is periodic in all directions, without walls, gas or shear.
+    pub fn is_homogeneous(&self) -> bool {
+        self.domain.periodic == [true; 3]
+            && self.walls.is_empty()
+            && self.fluid.is_none()
+            && self.domain.shear.is_none()
     }
 
     /// True if a thermostat or thermal walls give energy to the particles.
@@ -306,7 +316,8 @@ impl Scene {
         walls.chain(pairs).chain([&self.contact]).any(|surface| surface.by_speed.is_some())
     }
 
-    /// Evaluates restitutions that depend on the speed at the normal speed `speed` [m/s], for predictions.
+    /// Sets the restitution that predictions use for every surface whose restitution depends on the speed. It becomes
+    /// the restitution at the normal speed `speed` [m/s].
     pub fn represent(&mut self, speed: f64) {
         let walls = self.walls.iter_mut().map(|wall| &mut wall.surface);
         let surfaces = walls.chain([&mut self.contact]).chain(self.pairs.surfaces_mut());
@@ -369,7 +380,7 @@ impl Scene {
         self.pairs.find(species, other).map_or_else(|| self.usual(other), |meeting| &meeting.surface)
     }
 
-    /// Default surface of a kind, for pairs that are not in `pairs`.
+    /// Surface of contacts with a kind of body, for pairs that are not in `pairs`.
     #[inline]
     fn usual(&self, other: Kind) -> &Surface {
         match other {
@@ -392,7 +403,8 @@ impl Scene {
         (0..count).flat_map(each)
     }
 
-    /// All species, each with the stiffness of contacts between its own particles over that of the contact law [-].
+    /// All species, each with a stiffness ratio [-]: stiffness of contacts between two of its particles over that of
+    /// the contact law.
     pub fn alike(&self) -> impl Iterator<Item = (&Species, f64)> {
         (0..).zip(&self.species).map(|(index, species)| {
             (species, self.meeting(index, Kind::Species(index)).stiffness_of(0.5 * species.mass()))
@@ -433,7 +445,8 @@ impl Scene {
         0.01 * (self.gravity.norm() * self.smallest_diameter()).sqrt()
     }
 
-    /// [-] restitution between particles, if all pairs of species have equal restitution, which depends on no speed.
+    /// [-] restitution between particles; `None` unless all pairs of species have equal restitution that depends on no
+    /// speed.
     pub fn restitution_of_pairs(&self) -> Option<f64> {
         if self.pairs.is_empty() {
             return constant([self.contact]);
@@ -441,7 +454,8 @@ impl Scene {
         constant(self.meetings().map(|(_, _, meeting)| meeting.surface))
     }
 
-    /// [-] restitution at walls, if it is equal for all species and walls and depends on no speed; `None` without walls.
+    /// [-] restitution at walls; `None` unless it is equal for all species and walls and depends on no speed, and
+    /// without walls.
     pub fn restitution_at_walls(&self) -> Option<f64> {
         if self.pairs.is_empty() {
             return constant(self.walls.iter().map(|wall| wall.surface));
@@ -449,8 +463,8 @@ impl Scene {
         constant(self.meetings_at_walls().map(|(_, _, meeting)| meeting.surface))
     }
 
-    /// All surfaces of the scene: those at walls and, if `particles` > 1, those between particles. If the scene has no
-    /// particular pairs, the list contains the surface of each wall and the surface `contact`.
+    /// Surfaces at all walls and, if `particles` > 1, between particles. The pairs with contact properties of their own
+    /// are included.
     pub fn surfaces(&self, particles: usize) -> Vec<Surface> {
         if self.pairs.is_empty() {
             let walls = self.walls.iter().map(|wall| wall.surface);

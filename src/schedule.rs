@@ -47,8 +47,8 @@ const MOST_SAMPLES: f64 = 1e5;
 /// Largest number of particles whose paths are stored; more paths could not be distinguished in a picture.
 pub const MOST_FOLLOWED: usize = 50;
 
-/// Number of rows of a curve over time, if variants with different sample times share common instants. The second
-/// constant is for runs of at most `MOST_FOLLOWED` particles, whose paths are stored.
+/// Number of rows of a curve over time, if variants with different sample times share common instants. `ROWS_OF_FEW` is
+/// for runs of at most `MOST_FOLLOWED` particles, whose paths are stored.
 const ROWS: f64 = 200.0;
 const ROWS_OF_FEW: f64 = 1000.0;
 
@@ -58,10 +58,11 @@ const SAMPLES_PER_RESPONSE: f64 = 20.0;
 /// Largest number of times that the length of windows may be doubled in a run.
 const DOUBLINGS: usize = 4;
 
-/// [-] largest ratio of the longest window to the duration of the run; longer windows would be visible in time series.
+/// [-] largest ratio of the longest window to the duration of the run. Curves over time would show steps if windows
+/// were longer.
 const SHARE: f64 = 1e-3;
 
-/// [-] smallest fraction of the windows of a run that growing windows must save to be used.
+/// [-] growing windows are used only if they save at least this share of the windows of a run.
 const WORTH: f64 = 0.1;
 
 /// Windows of a run and samples between them. Either all windows are equal, or the shortest windows are merged into
@@ -94,13 +95,15 @@ pub enum ScheduleStep {
 }
 
 impl Schedule {
-    /// Creates a schedule with windows of one length [s].
+    /// Creates a schedule of `samples` samples with `windows_per_sample` windows between two samples. All windows have
+    /// the length `window` [s].
     pub fn even(window: f64, windows_per_sample: u64, samples: u64) -> Self {
         Self { window, windows_per_sample, samples, ..Self::default() }
     }
 
-    /// Schedule of an experiment. No window is longer than that given by the experiment or, if none is given, than the
-    /// splitting of drag allows. The duration is a whole number of the shortest windows.
+    /// Schedule of an experiment. No window is longer than the experiment gives. If it gives none, no window is longer
+    /// than the splitting of drag, buoyancy, turbulence, coupling and heat from the motion allows. The duration is a
+    /// whole number of the shortest windows.
     pub fn new(experiment: &Experiment) -> Self {
         let duration = experiment.run.duration;
         if duration <= 0.0 {
@@ -134,8 +137,8 @@ impl Schedule {
         if experiment.run.window.is_some() || countless { even } else { even.growing(experiment) }
     }
 
-    /// Schedule whose windows grow while drag slows the particles down, if this saves enough windows. Otherwise returns
-    /// this schedule unchanged.
+    /// Merges windows into longer ones while drag slows the particles down. If this does not save enough windows, the
+    /// schedule is returned unchanged.
     fn growing(self, experiment: &Experiment) -> Self {
         let Some(slowing) = Slowing::of(experiment) else { return self };
         let most = SHARE * experiment.run.duration;
@@ -162,7 +165,8 @@ impl Schedule {
         best.filter(|best| (best.windows() as f64) < (1.0 - WORTH) * self.windows() as f64).unwrap_or(self)
     }
 
-    /// Number of the shortest windows that make up the next window. `done` of the shortest windows precede it.
+    /// Length of the next window, as a number of the shortest windows. `done` is the time before it, also as a number
+    /// of the shortest windows.
     pub fn together(&self, done: u64) -> u64 {
         let sample = done / self.windows_per_sample.max(1);
         1 << self.longer.iter().flatten().filter(|first| **first <= sample).count()
@@ -178,12 +182,13 @@ impl Schedule {
         self.windows_per_sample as f64 * self.window
     }
 
-    /// [s] time between every n-th sample, with the smallest n for at most `most` of them after the start.
+    /// [s] time between every n-th sample, where n is the smallest number that leaves at most `most` of the samples
+    /// after the start.
     pub fn spacing(&self, most: u64) -> f64 {
         self.samples.div_ceil(most).max(1) as f64 * self.interval()
     }
 
-    /// Length of the whole run, as a number of the shortest windows.
+    /// Duration of the whole run, as a number of the shortest windows.
     pub fn length(&self) -> u64 {
         self.samples * self.windows_per_sample
     }
@@ -204,7 +209,8 @@ impl Schedule {
         1e-6 * self.window
     }
 
-    /// Next piece of a run at the time `now` [s]. The present window begins after `done` of the shortest windows.
+    /// Returns the next piece of a run, which begins at the time `now` [s]. The window that contains `now` begins after
+    /// `done` of the shortest windows.
     pub fn piece(&self, done: u64, now: f64) -> ScheduleStep {
         let together = self.together(done);
         let to_sample = (self.windows_per_sample - done % self.windows_per_sample) / together;
@@ -239,7 +245,8 @@ impl Schedule {
         }
     }
 
-    /// True if instants divide windows, because they are not at the ends of windows.
+    /// True if the instants at which particles are written are not all at ends of windows, so that some windows are
+    /// divided in two.
     pub fn is_cut(&self) -> bool {
         let windows = self.instants.map_or(1.0, |every| every / self.longest());
         (windows - windows.round()).abs() > 1e-6 * windows.max(1.0) || windows.round() < 1.0
@@ -321,7 +328,7 @@ impl DragScales {
         Some(Self { response: law.response_time(&sphere, slip.max(falling)), relaxation, fall, rate, crossing })
     }
 
-    /// [s] longest window for which all four errors are within their limits.
+    /// [s] longest window for which all four errors in the comment of `DragScales` are within their limits.
     fn longest_window(&self) -> f64 {
         let alone = (24.0 * SPLITTING_ALONE).sqrt() * self.response.min(self.relaxation);
         let fall = (12.0 * SPLITTING_ALONE * self.fall).sqrt();
@@ -364,7 +371,8 @@ impl<'a> Slowing<'a> {
         (still && of_one_kind && speed > 0.0).then_some(Self { experiment, speed })
     }
 
-    /// [s] longest window allowed at a time [s] of the run; its length grows with time.
+    /// [s] longest window allowed at the time `time` [s] of the run. It grows with time, because the limit of the
+    /// speeds falls.
     fn longest_window(&self, time: f64) -> f64 {
         let Self { experiment, speed } = self;
         let scene = &experiment.scene;
@@ -438,9 +446,11 @@ fn steady_rate(experiment: &Experiment) -> f64 {
         return 0.0;
     }
     let count = experiment.count() as f64;
-    let each = experiment.start.iter().zip(experiment.counts()).map(|(population, own)| {
+    let each = experiment.start.iter().map(|population| {
         let agitation = motion(population).1;
-        own as f64 / count * scene.species[usize::from(population.species)].diameter.powi(2) * agitation
+        population.amount.count() as f64 / count
+            * scene.species[usize::from(population.species)].diameter.powi(2)
+            * agitation
     });
     // Chapman & Cowling 1970, 5.21, as in `DragScales::at`
     4.0 * count / scene.domain.volume() * PI.sqrt() * each.sum::<f64>()

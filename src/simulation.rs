@@ -74,12 +74,13 @@ pub struct Simulation {
     clock: Clock,
     scene: Scene,
     engine: SimulationEngine,
-    /// Seed of the random numbers of the run.
+    /// Seed of the random numbers of kicks.
     seed: u64,
     spheres: Vec<Sphere>,
     /// Gas that feels the particles; `None` if the gas of the scene is frozen.
     loaded_flow: Option<Box<LoadedFlow>>,
-    /// Kicks that were used last: for half a window and for a whole window.
+    /// Drag kicks for the two durations used last: half a window and a whole window. They are kept because a tabulated
+    /// kick takes long to make.
     kicks: Vec<Kick>,
     /// Sums over all particles of all processes.
     totals: SimulationTotals,
@@ -87,17 +88,20 @@ pub struct Simulation {
     by_walls: Vector3<f64>,
     /// Connection to the other processes that share the run; `None` if there are no others.
     share: Option<SharedSimulation>,
-    /// Data of the particles gathered from all processes, as long as the gathered particles replace those of the lead
-    /// process.
+    /// Description of particles gathered from all processes, as long as these replace the particles of the lead
+    /// process. Otherwise `None`.
     shown: Option<GatheredParticles>,
-    /// True if the drag of the last window has been applied completely, so that velocities and positions belong to one
-    /// time.
+    /// True if the kick after the last window has been applied completely, so that velocities and positions belong to
+    /// one time. False if velocities still lack a half-kick.
     half_kicked: bool,
-    /// Failure that the next run returns: a violated contract of the contact law, or a soft time step that is too long.
+    /// Failure that the next call of [`run`](Self::run) returns before any step: a violated contract of the contact
+    /// law, or a soft time step that is too long.
     refused: Option<Failure>,
-    /// Limit of the growth of the energy by errors of the soft scheme.
+    /// Largest energy that the particles can have if the growth comes from errors of the soft scheme alone; `None` for
+    /// other models.
     bound: Option<Bound>,
-    /// [J] elastic energy of the initial overlaps, until the soft engine has processed the start.
+    /// [J] elastic energy of the overlaps at the start; `None` after the first window, from which on the soft engine
+    /// knows its contacts.
     unseen: Option<f64>,
     /// Position in the windows in which [`run_until`](Self::run_until) runs. The windows have no length before they are
     /// chosen.
@@ -109,7 +113,7 @@ pub struct Simulation {
 pub struct SimulationTimes {
     /// Time spent in the engine.
     pub engine: Duration,
-    /// Time spent on kicks of drag.
+    /// Time spent on kicks of drag, lift, heat and buoyancy between the windows.
     pub drag: Duration,
     /// Time spent in observers.
     pub observers: Duration,
@@ -117,7 +121,7 @@ pub struct SimulationTimes {
     pub whole: Duration,
 }
 
-/// Particles in the order of their ids, with positions wrapped into the box.
+/// Returns the particles in the order of their ids, with positions wrapped into the box.
 fn in_order(mut particles: Particles, scene: &Scene) -> Particles {
     particles.wrap(&scene.domain);
     particles.sort_by_id();
@@ -130,7 +134,8 @@ impl Simulation {
         Self::of(experiment, particles, None)
     }
 
-    /// Creates a simulation of particles. With `others`, `particles` is the part of them that this process has.
+    /// Creates a simulation at time 0. If `others` connects this process with others, `particles` are only those that
+    /// this process has.
     fn of(experiment: &Experiment, particles: Particles, others: Option<&dyn Communicator>) -> Self {
         let sample = Sample::part(&particles, others);
         let totals = SimulationTotals::of(&sample);
@@ -150,14 +155,15 @@ impl Simulation {
         Self { refused, bound, unseen, course, seed: experiment.run.seed, ..simulation }
     }
 
-    /// Creates a simulation as [`new`](Self::new) does, with an engine of the calling program. If processes share the
+    /// Creates a simulation at time 0 with an engine that the calling program supplies. If processes share the
     /// simulation, the lead process moves all particles.
     pub fn with_engine(scene: Scene, particles: Particles, engine: Box<dyn Engine>) -> Self {
         let totals = SimulationTotals::of(&Sample::from(&particles));
         Self::with_totals(scene, particles, totals, SimulationEngine::Single(engine))
     }
 
-    /// Creates a simulation as [`with_engine`](Self::with_engine) does, whose run several processes can share.
+    /// Creates a simulation at time 0 with an engine that the calling program supplies, and whose run several processes
+    /// can share.
     pub fn with_distributed_engine(scene: Scene, particles: Particles, engine: Box<dyn Distributed>) -> Self {
         let totals = SimulationTotals::of(&Sample::from(&particles));
         Self::with_totals(scene, particles, totals, SimulationEngine::Distributed(engine))
@@ -197,9 +203,11 @@ impl Simulation {
         }
     }
 
-    /// Uses `seed` for the random numbers of the run; without this call the seed is 0.
+    /// Sets the seed of the random numbers in kicks of turbulence and heat, and in rebounds from rough and thermal walls.
+    /// Without this call it is 0 in kicks, and that of the scene in rebounds ([`Scene::seed_walls`]).
     pub fn with_seed(mut self, seed: u64) -> Self {
         self.seed = seed;
+        self.scene.seed_walls(seed);
         self
     }
 
@@ -277,8 +285,8 @@ impl Simulation {
         Ok(windows)
     }
 
-    /// Applies the half-kick of drag that velocities lack after a run of windows of `window` [s] was stopped. This
-    /// method is for a run that is not continued.
+    /// Applies the half-kick that velocities lack after a run was stopped. `window` [s] is the length of the windows of
+    /// that run. Call this method only if the run is not continued.
     pub fn settle(&mut self, window: f64) {
         if !self.half_kicked {
             self.hide();
@@ -311,8 +319,8 @@ impl Simulation {
         if self.totals.mass > 0.0 { self.totals.momentum / self.totals.mass } else { Vector3::zeros() }
     }
 
-    /// Particles of this process with velocities relative to the mean flow of a sheared box; without shear, the particles
-    /// as they are.
+    /// Particles of this process, with velocities relative to the mean flow of a sheared box. Without shear the
+    /// velocities are unchanged, and the particles are not copied.
     pub fn relative_to_flow(&self) -> Cow<'_, Particles> {
         self.particles.relative_to_flow(&self.scene.domain)
     }
@@ -332,8 +340,8 @@ impl Simulation {
         self.totals.mean_radius
     }
 
-    /// Indices of the particles that were moved last in islands (groups of particles that may meet). `None` if all
-    /// particles were moved at once.
+    /// Indices of the particles that were moved in islands (groups of particles that may meet within a window) in the
+    /// last window. `None` if all particles were moved at once.
     pub fn in_islands(&self) -> Option<&[u32]> {
         self.engine.in_islands()
     }
@@ -379,8 +387,8 @@ impl Simulation {
         result
     }
 
-    /// Moves the walls, and the images of a sheared box, to their places at the present time. The particles that have
-    /// crossed a sheared side come back at the other side.
+    /// Moves the walls, and the periodic images of a sheared box, to their places at the present time. Particles that
+    /// have crossed a sheared side are put back into the box at the other side.
     fn move_scene(&mut self) {
         self.scene.move_to(self.time);
         if self.scene.domain.shear.is_none() {
@@ -390,9 +398,9 @@ impl Simulation {
         self.totals.momentum = self.particles.momentum();
     }
 
-    /// Calls `show` during a run with the missing half-kick of drag applied to the velocities. `kick` [s] is the
-    /// duration of the half-kick. Afterwards the velocities are restored, so that the next kick is a whole one and this
-    /// call changes no rounding. If each process has a part of the particles, all processes apply the half-kick.
+    /// Calls `show` during a run, at a time when velocities lack a half-kick of drag. `kick` [s] is the duration of
+    /// this half-kick, which is applied before the call. Afterwards all velocities are restored, so that the call
+    /// changes no bit of the run. If each process has a part of the particles, all processes apply the half-kick.
     pub fn look<T>(&mut self, kick: f64, show: impl FnOnce(&mut Self) -> T) -> T {
         let kicked = self.is_dragged() || self.scene.thermostat.is_some();
         let kept = kicked.then(|| {

@@ -1,5 +1,5 @@
-//! Impacts of two bodies, and of a sphere on a wall, against closed-form solutions. Oracle X means section X of the
-//! catalogue of reference values.
+//! Impacts of two bodies, and of a sphere on a wall, against closed-form solutions. "Oracle A1" and so on are sections
+//! of a catalogue of reference values that were computed independently.
 //!
 //! The tolerances allow for the truncation errors of the soft engine, with x = ω_0 Δt = π sqrt(1-ζ²)/N_c. The schemes
 //! are of second order (x²). A contact that is detected at the end of a step misses up to one step of the dashpot. The

@@ -16,7 +16,7 @@ fn normal(random: &mut Xoshiro256PlusPlus) -> f64 {
     StandardNormal.sample(random)
 }
 
-/// Independent samples with unit variance about a mean.
+/// Random numbers that are independent, with the given mean and a variance of 1.
 fn white(mean: f64, random: &mut Xoshiro256PlusPlus) -> Vec<f64> {
     (0..SAMPLES).map(|_| mean + normal(random)).collect()
 }

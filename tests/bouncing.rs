@@ -9,7 +9,8 @@ use diptych::scene::{Scene, Species};
 use diptych::simulation::Simulation;
 use nalgebra::Vector3;
 
-/// A ball of oracle C above a floor, at rest with its centre at `height` [m].
+/// Scene and particles of oracle C (section C of the catalogue of reference values): a ball above a floor, at rest with
+/// its centre at `height` [m].
 fn dropped(species: Species, restitution: f64, height: f64) -> (Scene, Particles) {
     let edge = 4.0 * height;
     let mut scene = empty([edge; 3], [false; 3], species, surface(1.0, 0.0));

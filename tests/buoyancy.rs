@@ -122,7 +122,7 @@ fn three_densities() -> Scene {
     scene
 }
 
-/// Adds a sphere at rest to particles.
+/// Appends a sphere at rest, at the position `place` [m], to the particles.
 fn add(particles: &mut Particles, scene: &Scene, species: u16, place: [f64; 3]) {
     let kind = &scene.species[usize::from(species)];
     particles.push(place.into(), Vector3::zeros(), 0.5 * kind.diameter, kind.mass(), species);

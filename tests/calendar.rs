@@ -1,5 +1,5 @@
-//! Event queue of all particles, which remains from window to window. The results must not depend on the windows, the
-//! order of the store or the number of threads.
+//! Event queue of all particles. It remains from one window (time between two drag kicks) to the next. The results must
+//! not depend on the windows, the order of the store or the number of threads.
 
 use crate::support::*;
 use diptych::engine::hard::Hard;

@@ -1,4 +1,4 @@
-//! Contact time in a dense group of spheres, and impacts during a change between two ways of stepping.
+//! Contact time in a dense group of spheres. Impacts that are in progress when the engine changes its way of stepping.
 
 use crate::support::*;
 use diptych::contact_law::ContactLaw;

@@ -21,7 +21,7 @@ fn engine(settings: DsmcSettings, seed: u64) -> Box<dyn Engine> {
     Box::new(Dsmc::new(settings, seed))
 }
 
-/// Settings with one cell for all particles.
+/// Settings of collisions by chance with one cell that contains all particles.
 const ONE_CELL: DsmcSettings = DsmcSettings { enskog: true, cells: Some([1; 3]), step: 0.2 };
 
 /// Unit spheres in a periodic cube with the volume fraction `phi`, at T = 1.

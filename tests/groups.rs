@@ -1,4 +1,4 @@
-//! Comparisons between variants, panels with several variants, and counted impacts.
+//! Comparisons between more than two variants, panels of pictures with several variants, and counts of impacts.
 
 use crate::made_up::outcome;
 use crate::support::{empty, experiment, small, surface};

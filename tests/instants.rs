@@ -1,4 +1,5 @@
-//! Windows end at the requested instants, which are the same in every variant.
+//! A run has instants at which all particles are written. Windows end at these instants, which are equal in every
+//! variant.
 
 use crate::support::*;
 use diptych::case::Case;

@@ -1,5 +1,6 @@
-//! Islands against the classical algorithms. An island is a group of particles that may meet within a window. The
-//! results must agree for any collisions within a window.
+//! Hard spheres computed island by island, compared with the classical algorithms. An island is a group of particles
+//! that may meet within a window, the time between two drag kicks. The results must agree for any collisions within a
+//! window.
 
 use crate::support::*;
 use diptych::contact_law::ContactLaw;
@@ -195,8 +196,8 @@ fn local_stepping_gives_the_same_bits_for_any_number_of_threads() {
     }
 }
 
-/// In a dense gas, islands are tried and given up in window after window. Islands reorder the particles, which must not
-/// affect the other algorithms.
+/// In a dense gas, islands are tried in every window and given up again. This reorders the particle store, which must
+/// not affect the other algorithms.
 #[test]
 fn islands_that_give_up_leave_no_trace() {
     let species = small();

@@ -1,5 +1,5 @@
-//! Integration tests: one program with one module per topic. "Oracle A" to "oracle H" are sections of a catalogue of
-//! reference values that were computed independently of this library.
+//! Integration tests: one program with one module per topic. "Oracle A" to "oracle H" in comments are sections of a
+//! catalogue of reference values that were computed independently of this library.
 
 #![allow(clippy::type_complexity, reason = "tables of an oracle's columns are read once, where they stand")]
 

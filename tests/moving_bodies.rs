@@ -28,10 +28,10 @@ const STEP: f64 = 2e-4;
 /// A name and a function that makes an engine.
 type Maker = (&'static str, fn() -> Box<dyn Engine>);
 
-/// Engines of hard spheres without time steps.
+/// Engines that find each collision of hard spheres at its exact instant.
 const EXACT: [Maker; 2] = [("one calendar", || Box::new(Hard::with_one_calendar())), ("islands", islands)];
 
-/// Engines with contacts that last.
+/// Engines in which contacts last for some time steps.
 const SOFT: [Maker; 3] = [
     ("uniform", || soft(STIFFNESS, STEP, Integrator::VelocityVerlet)),
     ("local", || local(STIFFNESS, STEP, Integrator::VelocityVerlet)),

@@ -23,10 +23,10 @@ const STEP: f64 = 2e-4;
 /// A name and a function that makes an engine.
 type Maker = (&'static str, fn() -> Box<dyn Engine>);
 
-/// Engines of hard spheres without time steps.
+/// Engines that find each collision of hard spheres at its exact instant.
 const EXACT: [Maker; 2] = [("one calendar", || Box::new(Hard::with_one_calendar())), ("islands", islands)];
 
-/// Engines with contacts that last.
+/// Engines in which contacts last for some time steps.
 const SOFT: [Maker; 4] = [
     ("uniform", || soft(STIFFNESS, STEP, Integrator::VelocityVerlet)),
     ("uniform, Heun", || soft(STIFFNESS, STEP, Integrator::Rk2)),
@@ -34,7 +34,7 @@ const SOFT: [Maker; 4] = [
     ("hybrid", || Box::new(Hybrid::new(ContactLaw::linear(STIFFNESS), Integrator::VelocityVerlet, STEP, 2.0))),
 ];
 
-/// Hard spheres in time steps.
+/// Engine that finds collisions of hard spheres as overlaps at the ends of time steps.
 const STEPPED: Maker = ("stepped", || stepped(0.1));
 
 fn up(y: f64) -> Vector3<f64> {

@@ -30,7 +30,7 @@ fn simulation(experiment: &Experiment) -> Simulation {
     Simulation::new(experiment, initial_state(experiment).unwrap())
 }
 
-/// The gas with only two spheres.
+/// Experiment like that of `gas`, with only two spheres.
 fn few() -> Experiment {
     let mut few = gas();
     let amount = placed(&few.scene, &[([0.0; 3], [1.0, 0.0, 0.0]), ([1e-3; 3], [0.0; 3])]);

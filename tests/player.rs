@@ -8,7 +8,7 @@ use diptych::placement::initial_state;
 use diptych::study::execute;
 use std::path::Path;
 
-/// Text between two other texts.
+/// Part of `text` between the first occurrence of `from` and the next occurrence of `to`.
 fn between<'a>(text: &'a str, from: &str, to: &str) -> &'a str {
     text.split(from).nth(1).unwrap_or_else(|| panic!("no {from}")).split(to).next().unwrap()
 }

@@ -69,7 +69,8 @@ fn head_on(law: RestitutionBySpeed, speed: f64) -> (Scene, Particles, f64) {
     (scene, particles, gap / speed)
 }
 
-/// Realised restitution of a head-on impact.
+/// Restitution measured in a head-on impact at the normal speed `speed` [m/s]. `lasts` [s] is the expected contact
+/// time.
 fn realised(law: RestitutionBySpeed, speed: f64, engine: Box<dyn Engine>, lasts: f64) -> f64 {
     let (scene, start, touch) = head_on(law, speed);
     let end = run(&scene, start, engine, touch + 1.5 * lasts + 1e-5, 1);
@@ -373,7 +374,7 @@ fn a_case_gives_a_law_where_it_gives_a_number() {
     assert_eq!(case(CASE, Model::Soft, &set).unwrap().scene.walls[1].surface, of.scene.walls[0].surface);
 }
 
-/// What needs one restitution takes that at the mean speed of impact.
+/// A plan evaluates a restitution that depends on the speed at the mean speed of impact.
 #[test]
 fn a_plan_takes_the_restitution_at_the_mean_speed_of_impact() {
     let of = case(CASE, Model::Hard, &["particles[0].count=400"]).unwrap();

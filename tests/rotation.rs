@@ -31,16 +31,16 @@ use diptych::simulation::Simulation;
 use nalgebra::Vector3;
 use std::sync::Arc;
 
-/// Surfaces of a reference case.
+/// Restitution, friction and constants of the tangential law in a reference case.
 #[derive(Clone, Copy)]
 struct Surfaces {
     restitution: f64,
     friction: f64,
-    /// [-] k_t/k_n.
+    /// [-] ratio k_t/k_n of the tangential to the normal stiffness.
     stiffness: f64,
-    /// [-] c_t/(M ω_0).
+    /// [-] tangential dashpot c_t/(M ω_0).
     dashpot: f64,
-    /// [-] β_0 of Walton's rule for comparison.
+    /// [-] tangential restitution β_0 of Walton's rule, which is compared with the spring.
     walton: f64,
 }
 
@@ -72,7 +72,7 @@ impl Surfaces {
 
 const RADIUS: f64 = 2.5e-3;
 const SPEED: f64 = 3.9;
-/// [N/m]
+/// [N/m] normal stiffness of the contacts.
 const STIFFNESS: f64 = 1.72e7;
 
 fn ball() -> Species {
@@ -93,7 +93,7 @@ fn thrown(surfaces: &Surfaces, impact: ImpactRule, (angle, spin): (f64, f64)) ->
     (scene, particles)
 }
 
-/// (v_t'/V, R ω'/V, v_n'/V) [-] after the bounce.
+/// Velocities and spin after the bounce [-], over the speed V before: (v_t'/V, R ω'/V, v_n'/V).
 fn bounced(scene: Scene, particles: Particles, engine: Box<dyn Engine>) -> [f64; 3] {
     let mut simulation = Simulation::with_engine(scene, particles, engine);
     simulation.run(20, 1e-5).unwrap();

@@ -206,7 +206,7 @@ fn the_same_bits_on_any_number_of_threads_and_processes_and_after_a_snapshot() {
     }
 }
 
-/// A ball in a channel.
+/// Case of twenty beads between two planes, the lower one of which is rough.
 const CASE: &str = r#"
 [domain]
 size = ["20 mm", "20 mm", "20 mm"]

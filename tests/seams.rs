@@ -1,4 +1,4 @@
-//! Drag laws and wall shapes of the calling program. They implement the required methods only.
+//! Drag laws and wall shapes that a calling program defines. They implement only the methods that a trait requires.
 
 use crate::support::{empty, hard, large, placed, run, small, soft, surface, unit};
 use diptych::drag::{Drag, DragLaw, Kick, SchillerNaumann, Sphere, Stokes};

@@ -25,7 +25,7 @@ fn hybrid() -> Box<dyn Engine> {
     Box::new(Hybrid::new(ContactLaw::linear(STIFFNESS), Integrator::VelocityVerlet, STEP, 2.0))
 }
 
-/// Engines of hard spheres without time steps.
+/// Engines that find each collision of hard spheres at its exact instant.
 const EXACT: [Maker; 2] = [("one calendar", || Box::new(Hard::with_one_calendar())), ("islands", islands)];
 
 /// Engines of soft spheres.

@@ -30,7 +30,7 @@ fn crowd(count: usize, phi: f64, fluctuation: f64) -> Experiment {
     experiment(scene, count, [0.0; 3], fluctuation, Model::Hard, 5)
 }
 
-/// The same spheres between a floor and a lid. Gravity brings them to the floor within some windows.
+/// A gas of spheres between a floor and a lid. Gravity brings them to the floor within some windows.
 fn falling() -> Experiment {
     let mut falling = crowd(150, 0.2, 0.3);
     let scene = &mut falling.scene;
@@ -70,7 +70,7 @@ fn sheared() -> Experiment {
     sheared
 }
 
-/// A crowd with random accelerations.
+/// A dense gas that a thermostat heats by random accelerations.
 fn heated() -> Experiment {
     let mut heated = crowd(200, 0.2, 0.5);
     heated.scene.thermostat = Some(Thermostat::Stochastic { heating: 100.0 });

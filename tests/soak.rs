@@ -1,5 +1,5 @@
-//! Many random dense gases (crowds) in every way of stepping: energy and momentum compared with the errors that the
-//! schemes can explain.
+//! Many random dense gases (crowds), each with every way of stepping. Energy and momentum may change only by the errors
+//! that the schemes can explain.
 
 use crate::support::*;
 use diptych::contact_law::ContactLaw;

@@ -36,12 +36,12 @@ pub fn surface(restitution: f64, friction: f64) -> Surface {
     Surface::new(restitution, friction)
 }
 
-/// Box without gas, gravity or walls.
+/// Box of the given size [m] without gas, gravity or walls.
 pub fn empty(size: [f64; 3], periodic: [bool; 3], species: Species, contact: Surface) -> Scene {
     Scene::new(Domain::new(Vector3::from(size), periodic), contact, vec![species])
 }
 
-/// Plane wall that bounds a half-space.
+/// Wall that is a plane through `point` [m]. The whole space behind it, opposite to `normal`, is solid.
 pub fn plane(point: [f64; 3], normal: [f64; 3], surface: Surface) -> Wall {
     Wall::new(WallGeometry::Plane(Plane { point: point.into(), normal: normal.into() }), surface)
 }
@@ -108,7 +108,8 @@ pub fn case(text: &str, model: Model, sets: &[&str]) -> Result<Experiment, Strin
     case.experiment(Some(model), None).map(|(experiment, _)| experiment).map_err(|why| why.to_string())
 }
 
-/// Random spheres of species 0.
+/// Particles of species 0 at random positions without overlap. `fluctuation` [m/s] is the standard deviation of each
+/// velocity component.
 pub fn random(scene: &Scene, count: usize, fluctuation: f64, seed: u64) -> Particles {
     initial_state(&experiment(scene.clone(), count, [0.0; 3], fluctuation, Model::Hard, seed)).unwrap()
 }
@@ -123,7 +124,7 @@ pub fn local(k: f64, dt: f64, integrator: Integrator) -> Box<dyn Engine> {
     Box::new(Soft::new(ContactLaw::linear(k), integrator, dt, SoftStepping::Local))
 }
 
-/// Event-driven engine of hard spheres.
+/// Event-driven engine of hard spheres with its default settings.
 pub fn hard() -> Box<dyn Engine> {
     Box::new(Hard::new())
 }
@@ -195,7 +196,7 @@ pub fn temperature(particles: &Particles) -> f64 {
     2.0 * particles.kinetic_energy() / (3.0 * (particles.len() as f64 - 1.0) * particles.mass[0])
 }
 
-/// Both integrators of uniform stepping.
+/// Both integrators that uniform stepping of soft spheres can use.
 pub const BOTH: [Integrator; 2] = [Integrator::VelocityVerlet, Integrator::Rk2];
 
 /// Linear spring and dashpot in closed form, computed independently of the library.
@@ -206,7 +207,7 @@ pub struct LinearSpring {
 }
 
 impl LinearSpring {
-    /// [-] damping ratio ζ.
+    /// [-] damping ratio ζ with which an impact has this restitution.
     pub fn damping_ratio(restitution: f64) -> f64 {
         let ln = restitution.ln();
         -ln / std::f64::consts::PI.hypot(ln)
@@ -217,12 +218,12 @@ impl LinearSpring {
         (self.stiffness / effective_mass).sqrt()
     }
 
-    /// [1/s] damping γ_n.
+    /// [1/s] damping γ_n = ζ ω_0 with which an impact has this restitution.
     pub fn damping(&self, effective_mass: f64, restitution: f64) -> f64 {
         Self::damping_ratio(restitution) * self.angular_frequency(effective_mass)
     }
 
-    /// [s] contact time T_c.
+    /// [s] contact time T_c of an impact with this restitution, for an effective mass [kg].
     pub fn contact_time(&self, effective_mass: f64, restitution: f64) -> f64 {
         let ratio = Self::damping_ratio(restitution);
         std::f64::consts::PI / (self.angular_frequency(effective_mass) * (1.0 - ratio * ratio).sqrt())
@@ -277,7 +278,7 @@ pub fn gain_of_a_gas(simulation: &Simulation, integrator: Integrator, steps_per_
     (mean * through, 4.0 * error + 0.03 * (mean * through).abs() + (mean.abs() + deviation) * in_progress)
 }
 
-/// Path of a small case for the program.
+/// Path of a small case, for tests that start the program.
 pub const BASE: &str = "tests/inputs/good/base.toml";
 
 /// Command that runs the program with these arguments in the root folder of the crate.
@@ -287,7 +288,7 @@ pub fn diptych(arguments: &[&str]) -> std::process::Command {
     command
 }
 
-/// Printed text of a program.
+/// Text that a program has printed, from its bytes.
 pub fn words(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
@@ -298,15 +299,15 @@ pub struct Crew {
     room: Arc<Room>,
 }
 
-/// Memory common to the threads.
+/// Memory through which the threads exchange messages.
 struct Room {
     barrier: std::sync::Barrier,
-    /// Messages of each thread to every other thread.
+    /// Messages of each thread, one for every thread.
     post: std::sync::Mutex<Vec<Vec<Vec<u8>>>>,
 }
 
 impl Crew {
-    /// Communicators for `size` threads.
+    /// Makes one communicator for each of `size` threads.
     pub fn of(size: usize) -> Vec<Arc<dyn Communicator>> {
         let post = std::sync::Mutex::new(vec![Vec::new(); size]);
         let room = Arc::new(Room { barrier: std::sync::Barrier::new(size), post });

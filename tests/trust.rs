@@ -1,4 +1,4 @@
-//! Trust sheet: every number with its expected value, and the effect of half the time step.
+//! Trust sheet of a report: each measured number beside its expected value, and the effect of half the time step.
 
 use crate::support::{empty, experiment, plane, random, small, surface};
 use diptych::contact_law::ContactLaw;

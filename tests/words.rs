@@ -1,4 +1,4 @@
-//! Sentences of reports and summaries must be true of the runs.
+//! Checks that the sentences of reports and summaries are true of the runs.
 
 use crate::made_up;
 use crate::support::{BASE, diptych, words};

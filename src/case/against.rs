@@ -15,7 +15,7 @@ pub enum AgainstFile {
     Table(Located<String>),
 }
 
-/// Table `{ table = "points.csv" }`.
+/// Table `{ table = "points.csv" }`, which names a file with values.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct TableFile {

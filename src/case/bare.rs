@@ -53,7 +53,7 @@ fn is_bare(node: &CaseNode) -> bool {
     }
 }
 
-/// Text of a number with its unit, as a user would type it; any other value as it was typed.
+/// Text of a number with its unit, as a user would type it. Any value that is not a number is returned as it was typed.
 fn with_unit(node: &CaseNode, unit: Option<&str>, sources: &Sources) -> String {
     let typed = sources.typed(&node.origin);
     match node.value {

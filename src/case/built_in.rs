@@ -21,14 +21,16 @@ pub struct BuiltIn {
     pub text: &'static str,
 }
 
-/// Finds the text of the file `name` in a folder; `kind` is the name of the folder in messages.
+/// Finds the file `name` in a folder of built-in files; `None` if there is none. `kind` is the name of the folder in
+/// messages.
 fn find(folder: &'static Dir, kind: &str, name: &str) -> Option<BuiltIn> {
     let text = folder.get_file(format!("{name}.toml"))?.contents_utf8()?;
     let path = PathBuf::from(format!("{kind}/{name}.toml (built in)"));
     Some(BuiltIn { name: name.to_owned(), path, text })
 }
 
-/// All texts of a folder, sorted by name. Texts directly in the folder come before those in subfolders.
+/// All files of a folder of built-in files, sorted by name. Files directly in the folder come before those in
+/// subfolders.
 fn all(folder: &'static Dir, kind: &str) -> Vec<BuiltIn> {
     fn names(folder: &Dir, found: &mut Vec<String>) {
         let name = |path: &Path| path.with_extension("").to_string_lossy().replace('\\', "/");

@@ -22,7 +22,8 @@ use std::marker::PhantomData;
 /// Text that separates the message from the remedy in a custom error.
 pub(in crate::case) const HELP_MARK: &str = "\u{1}help: ";
 
-/// Reason why a value does not fit its type. The source position of the value is added while the error is passed on.
+/// Reason why a value does not fit its type. The source position of the value is added while the error is passed on to
+/// the caller.
 #[derive(Clone, Debug)]
 pub struct Error {
     kind: EnumVisitor,
@@ -368,7 +369,7 @@ impl<'de> SeqAccess<'de> for &mut ListAccess<'de, '_> {
     }
 }
 
-/// Sequence of the five fields of [`Located`]: value, source, start, end, path.
+/// Sequence of the five fields of [`Located`], from which serde reads them: value, source, start, end, path.
 struct PlaceAccess<'de> {
     deserializer: NodeDeserializer<'de>,
     field: usize,

@@ -142,8 +142,8 @@ pub(crate) fn scene_in_words(experiment: &Experiment) -> String {
     text
 }
 
-/// Describes the motion of a wall and of its surface, and the wall's own rolling and twisting friction. The text is empty
-/// if the wall has neither.
+/// Describes in words the motion of a wall and of its surface, and its coefficients of rolling and twisting friction.
+/// The text is empty if the wall has none of these.
 fn motion_in_words(wall: &Wall) -> String {
     let mut text = String::new();
     let vector = |v: &Vector3<f64>| format!("({}, {}, {})", short(v.x, 4), short(v.y, 4), short(v.z, 4));
@@ -253,7 +253,6 @@ fn rests_by_friction(scene: &Scene) -> bool {
     rough && scene.gravity != Vector3::zeros()
 }
 
-/// Describes the sizes of the particles of a species.
 fn sizes_in_words(species: &Species) -> String {
     match &species.sizes {
         None => format!("diameter {}", length(species.diameter)),
@@ -335,7 +334,6 @@ fn dsmc_in_words(settings: &DsmcSettings) -> String {
     )
 }
 
-/// Describes the collision model and its settings.
 pub(crate) fn model_in_words(experiment: &Experiment) -> String {
     match experiment.model() {
         Model::Hybrid => {

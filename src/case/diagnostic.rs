@@ -55,13 +55,13 @@ impl Diagnostic {
         Self { severity: Severity::Error, message, place: place.map(Box::new), help: None }
     }
 
-    /// Adds a remedy to the message.
+    /// Returns the message with a remedy added.
     pub fn help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(legible::message(&help.into()).into_owned());
         self
     }
 
-    /// Turns the message into a warning.
+    /// Returns the message as a warning instead of an error.
     pub fn into_warning(mut self) -> Self {
         self.severity = Severity::Warning;
         self

@@ -143,7 +143,7 @@ fn allow_use(schema: &mut Value) {
     }
 }
 
-/// Alternatives of a schema: its branches if the schema is a choice, else the schema itself.
+/// Alternatives that a schema allows: its branches if it is a choice, else the schema itself.
 fn branches(schema: &Value) -> &[Value] {
     match schema.get("oneOf").or_else(|| schema.get("anyOf")) {
         Some(Value::Array(branches)) => branches,
@@ -151,7 +151,8 @@ fn branches(schema: &Value) -> &[Value] {
     }
 }
 
-/// Keys of a table with their schemas; empty if `schema` describes no table, or a table with arbitrary keys.
+/// Keys of a table with the schemas of their values. There are none if `schema` does not describe a table, or describes
+/// a table with arbitrary keys.
 pub(super) fn properties(schema: &Value) -> impl Iterator<Item = (&String, &Value)> {
     let of = |branch| Value::as_object(Value::get(branch, "properties")?);
     branches(schema).iter().filter_map(of).flat_map(Map::iter)
@@ -175,7 +176,7 @@ pub(super) fn root() -> &'static Value {
     &SCHEMA
 }
 
-/// SI unit that a schema gives for a number; `None` if the value has no unit.
+/// SI unit that a schema gives for numbers typed without a unit; `None` if the value has no unit.
 pub(super) fn unit(schema: &Value) -> Option<&str> {
     schema.get(UNIT)?.as_str().filter(|unit| !unit.is_empty())
 }
@@ -241,7 +242,7 @@ fn key(name: &str, schema: &Value) -> Key {
     }
 }
 
-/// Type of a value, in words.
+/// Type of a value, in words such as "list of 3 lengths".
 fn kind(schema: &Value) -> String {
     if let Some(quantity) = words(schema, QUANTITY) {
         return quantity;
@@ -265,7 +266,7 @@ fn kind(schema: &Value) -> String {
     }
 }
 
-/// Value as it would be typed in a case.
+/// Text of a value as it would be typed in a case.
 fn typed(value: &Value) -> String {
     toml::Value::try_from(value).map_or_else(|_| value.to_string(), |value| value.to_string())
 }

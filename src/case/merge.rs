@@ -33,7 +33,7 @@ impl CaseNode {
         }
     }
 
-    /// Sets the value of the key at `path`, and creates missing tables on the way.
+    /// Sets the value of the key at `path`. Tables on this path that do not exist yet are created.
     ///
     /// # Errors
     /// A message, if the path leads through a value that is not a table, or to an element that a list does not have.

@@ -54,7 +54,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tree::{CaseNode, KeyPart, Value};
 
-/// Experiment, with the warnings about its case.
+/// Experiment made from a case, with the warnings about the case.
 pub type Checked = (Experiment, Vec<Diagnostic>);
 
 /// Case that has been read, with the changes of the command line. Only the syntax of the case has been checked.
@@ -74,7 +74,8 @@ pub struct Case {
     library: Library,
 }
 
-/// Change of one key: by `--set key=value`, by an entry of a variant's `set`, or by a value of a sweep.
+/// Change of one key. It comes from `--set key=value`, from an entry in the `set` of a variant, or from a value of a
+/// sweep.
 struct Setting {
     path: Vec<KeyPart>,
     value: CaseNode,
@@ -175,7 +176,7 @@ impl Case {
         self.variants_with(&self.sets.iter().collect::<Vec<_>>(), seed)
     }
 
-    /// Makes the experiments of `compare` with the changes `sets` instead of those of the command line.
+    /// Makes the experiments of `compare`. The changes `sets` replace those of the command line.
     fn variants_with(&self, sets: &[&Setting], seed: Option<u64>) -> Result<Vec<Checked>, Diagnostic> {
         let whole = self.merged(self.tree.clone(), sets)?;
         let Some(list) = whole.file.compare.as_ref().filter(|list| !list.is_empty()) else {
@@ -271,12 +272,13 @@ impl Case {
         parameters(experiment)
     }
 
-    /// Applies changes to the tree of a case, then adds the sets of values that the case uses.
+    /// Applies changes to the tree of a case, and then inserts the sets of values that the case names with `use`.
     fn merged(&self, tree: CaseNode, changes: &[&Setting]) -> Result<Merged, Diagnostic> {
         self.merged_with(self.sources.clone(), tree, changes)
     }
 
-    /// Applies changes and adds sets of values; `sources` contains the texts of the changes.
+    /// Applies changes to the tree of a case, and then inserts its sets of values. `sources` contains the texts of the
+    /// changes.
     fn merged_with(
         &self,
         mut sources: Sources,
@@ -303,7 +305,7 @@ struct Merged {
 }
 
 impl Merged {
-    /// Makes the experiment for one choice of model and seed, with all warnings.
+    /// Makes the experiment of one variant, with all warnings. `choice` gives its model and seed.
     fn resolve(&self, choice: &VariantChoice) -> Result<Checked, Diagnostic> {
         rules::refuse_conflicts(&self.tree, &self.sources)?;
         let (experiment, warnings) = resolve((&self.file, &self.tree), choice, self.sources.clone())?;
@@ -361,7 +363,7 @@ fn value_of(text: &str, start: usize, source: usize, sources: &Sources) -> Resul
     }
 }
 
-/// Changes in the table `set` of a variant.
+/// Reads the table `set` of a variant into a list of changes. The list is empty without such a table.
 fn settings(set: Option<&CaseNode>, sources: &Sources) -> Result<Vec<Setting>, Diagnostic> {
     let Some(set) = set else { return Ok(Vec::new()) };
     let Value::Table(entries) = &set.value else {
@@ -377,7 +379,7 @@ fn settings(set: Option<&CaseNode>, sources: &Sources) -> Result<Vec<Setting>, D
         .collect()
 }
 
-/// Comment lines at the beginning of a text, without `#`.
+/// Comment lines at the beginning of the text of a case, without `#`.
 fn heading(text: &str) -> String {
     let lines: Vec<&str> = text
         .lines()

@@ -74,7 +74,7 @@ fn soft(experiment: &Experiment) -> Value {
     value
 }
 
-/// Settings of the hard engine; if spheres rotate, also the impact rule.
+/// Settings of the hard engine. They include the impact rule if spheres rotate.
 fn hard(experiment: &Experiment) -> Value {
     let mut value = match experiment.hard.stepping {
         HardStepping::Events => json!({ "stepping": "events", "contact_time": experiment.hard.contact_time }),
@@ -98,7 +98,8 @@ fn surface(surface: &Surface) -> Value {
     value
 }
 
-/// Adds the coefficients of rolling and twisting friction that differ from those of the law.
+/// Adds to `value` the coefficients of rolling and twisting friction of a wall or a pair that differ from those of the
+/// law.
 fn add_resistance(value: &mut Value, own: &ResistanceFriction) {
     for (key, friction) in [("rolling_friction", own.rolling), ("twisting_friction", own.twisting)] {
         if let Some(friction) = friction {

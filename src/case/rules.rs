@@ -17,7 +17,7 @@ const REQUIRED: &str = "x-required";
 /// Attribute of a key with the allowed range of its numbers, in the same words as in messages.
 const RANGE: &str = "x-range";
 
-/// Keys of a table of which at most one may be given.
+/// Keys of one table that exclude each other: at most one of them may be given.
 pub(super) struct KeyGroup<'a> {
     /// Keys of the group, in the order of the types.
     pub keys: Vec<&'a str>,
@@ -54,8 +54,8 @@ pub(super) fn groups(table: &Schema) -> Vec<KeyGroup<'_>> {
     found.into_iter().map(|(_, group)| group).collect()
 }
 
-/// Keys of the group that contains `key`; only one of them may be in the table at `place`. The list is empty if `key`
-/// excludes no other key. In `place`, `[]` means any element of a list.
+/// Keys that exclude each other and of which one is `key`, in the table at `place`. The list is empty if `key` excludes
+/// no other key. In `place`, `[]` means any element of a list.
 pub(super) fn alternatives(place: &str, key: &str) -> Vec<&'static str> {
     let groups = schema_at(place).map(groups).unwrap_or_default();
     groups.into_iter().find(|group| group.keys.contains(&key)).map_or(Vec::new(), |group| group.keys)
@@ -80,7 +80,8 @@ pub(super) fn is_within(range: &str, number: f64) -> bool {
     })
 }
 
-/// Schema at a path such as `particles[].sizes`; between the brackets may be any index.
+/// Schema of the value at a path such as `particles[].sizes`; `None` if there is no such key. The brackets may contain
+/// any index.
 fn schema_at(path: &str) -> Option<&'static Schema> {
     path.split('.').filter(|part| !part.is_empty()).try_fold(root(), |schema, part| {
         let (key, brackets) = part.split_at(part.find('[').unwrap_or(part.len()));
@@ -157,8 +158,8 @@ fn is_required(schema: &Schema) -> bool {
     words(schema, REQUIRED) == Some("always")
 }
 
-/// Required keys of the absent table at `path`. If the absent key is not a table, or requires no keys, the result is
-/// `path` itself.
+/// Required keys of an absent table at `path`, for a message. If the key is not a table, or the table requires no keys,
+/// the result is the key at `path` itself.
 fn absent<'a>(schema: &'static Schema, path: String, table: Option<&'a Origin>) -> Vec<MissingKey<'a>> {
     let required = properties(schema).filter(|(_, inner)| is_required(inner));
     let keys: Vec<_> = required.flat_map(|(key, inner)| absent(inner, child_place(&path, key), table)).collect();
@@ -183,7 +184,7 @@ pub(super) fn refuse_conflicts(tree: &CaseNode, sources: &Sources) -> Result<(),
     Ok(())
 }
 
-/// Text with a list of keys: "`a`, `b` and `c`".
+/// List of keys as a text: "`a`, `b` and `c`".
 fn list(keys: &[&str]) -> String {
     match keys {
         [] => String::new(),
@@ -192,7 +193,7 @@ fn list(keys: &[&str]) -> String {
     }
 }
 
-/// Limits in a range given in words, as entries of a JSON schema.
+/// Limits of a range that is given in words, as entries of a JSON schema such as `minimum`.
 pub(super) fn limits(words: &str) -> Vec<(&'static str, Schema)> {
     if let Some((low, high)) = words.split_once("..=") {
         return [("minimum", low), ("maximum", high)]
@@ -207,7 +208,7 @@ pub(super) fn limits(words: &str) -> Vec<(&'static str, Schema)> {
     words.split(',').filter_map(one).collect()
 }
 
-/// Number at the beginning of a text.
+/// Number at the beginning of a text; `None` if the text does not begin with a number.
 fn first(text: &str) -> Option<Schema> {
     let word = text.split_whitespace().next()?;
     word.parse::<i64>().map(Schema::from).or_else(|_| word.parse::<f64>().map(Schema::from)).ok()

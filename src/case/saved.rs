@@ -5,7 +5,7 @@
 
 use crate::domain::Domain;
 
-/// Beginning of the first line of a saved state, which is a comment in CSV.
+/// Beginning of the first line of a saved state. It begins with `#`, so that readers of CSV take it as a comment.
 const BEGIN: &str = "# diptych state: ";
 
 /// Adds the first line, with the number of particles and the checksum, to the table `text`.
@@ -41,8 +41,8 @@ pub fn head(text: &str) -> impl Iterator<Item = (&str, &str)> {
     lines.filter_map(|line| line.split_once(": ")).map(|(key, value)| (key, value.trim_end()))
 }
 
-/// Entries about the box of a saved state: edges [m] and periodic axes, as text. For a sheared box also the displacement
-/// [m] of the image one period above.
+/// Lines about the box in the head of a saved state, as pairs of key and value: edges [m] and periodic axes. For a
+/// sheared box also the displacement [m] along z of the periodic image one box height above.
 pub fn box_lines(domain: &Domain) -> Vec<(&'static str, String)> {
     let axes = ["x", "y", "z"].into_iter().zip(domain.periodic).filter(|(_, periodic)| *periodic).map(|(axis, _)| axis);
     let edges: Vec<String> = domain.size.iter().map(|edge| format!("{edge:?}")).collect();

@@ -9,7 +9,8 @@ use super::quantity::{Exponents, PREFIXES, UNITS, WHOLE_UNITS};
 use super::rules::{groups, limits};
 use serde_json::{Map, Value, json};
 
-/// Regular expression (ECMA 262) that matches quantities of a dimension, and also `word` if one is given.
+/// Regular expression (ECMA 262) that matches a quantity of the dimension `wanted`. If `word` is given, the expression
+/// also matches this word.
 pub fn pattern(wanted: Exponents, word: Option<&str>) -> String {
     let named = |only: Option<Exponents>| {
         let is_wanted = |exponents: &Exponents| only.is_none_or(|only| only == *exponents);
@@ -61,7 +62,8 @@ fn exclude(table: &mut Map<String, Value>, keys: &[String]) {
     }
 }
 
-/// Adds ranges given in words as numbers, at every level. Numbers that the schema already has are kept.
+/// Adds the ranges that are given in words to the schema as limits of numbers, at every level. Limits that the schema
+/// already has are not changed.
 fn add_ranges(schema: &mut Value) {
     match schema {
         Value::Array(items) => items.iter_mut().for_each(add_ranges),
@@ -82,7 +84,7 @@ fn add_ranges(schema: &mut Value) {
     }
 }
 
-/// Sets those limits that are not set yet.
+/// Adds limits to the schema of a number. Limits that it already has are not changed.
 fn limit(numbers: &mut Map<String, Value>, limits: &[(&'static str, Value)]) {
     for (key, value) in limits {
         numbers.entry(*key).or_insert_with(|| value.clone());

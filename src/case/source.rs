@@ -86,12 +86,14 @@ impl Sources {
         short
     }
 
-    /// Line number of an origin, counted from 1; 0 if the origin has no line.
+    /// Line number of a value in its source text, counted from 1; 0 if the value was typed in an argument of the
+    /// command line.
     pub fn line(&self, origin: &Origin) -> usize {
         self.place(origin).map_or(0, |place| place.line)
     }
 
-    /// File, line and column of an origin; only the name for an argument of the command line.
+    /// Name of the source text, line and column of a value. For an argument of the command line only the name is set.
+    /// `None` if the text is unknown.
     pub fn place(&self, origin: &Origin) -> Option<SourceLocation> {
         let source = self.get(origin)?;
         if source.kind == SourceKind::Argument {

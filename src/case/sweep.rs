@@ -14,7 +14,7 @@ pub struct SweepAxis {
     pub unit: Option<String>,
     /// Values as they were typed.
     pub typed: Vec<String>,
-    /// [the unit] Values as numbers in SI; `None` if any value is not a number.
+    /// Values as numbers in the SI unit of the key; `None` if any value is not a number.
     pub numbers: Option<Vec<f64>>,
     settings: Vec<Setting>,
 }
@@ -33,7 +33,7 @@ impl SweepAxis {
     }
 }
 
-/// SI unit of a key; `None` if the key has no unit or does not exist.
+/// SI unit of the key at a path; `None` if the key has no unit or does not exist.
 fn unit(path: &[KeyPart]) -> Option<String> {
     let step = |schema, segment: &KeyPart| match segment {
         KeyPart::Key(key) if segment.index().is_none() => keys::inner(schema, Some(key)),
@@ -111,8 +111,8 @@ impl Case {
         Ok(axes)
     }
 
-    /// Variants of the case at one point of a sweep. `at` contains, for each axis, the index of the value. If `seed` is
-    /// given, it replaces that of the case.
+    /// Makes the experiments of all variants of the case at one point of a sweep. `at` contains, for each axis, the
+    /// index of the value. If `seed` is given, it replaces that of the case.
     ///
     /// # Errors
     /// Errors of [`variants`](Self::variants).
@@ -139,7 +139,8 @@ fn argument(text: &str, sources: &mut Sources) -> Result<SweepAxis, Diagnostic> 
     Ok(SweepAxis::new(text[..start - 1].trim().to_owned(), settings, sources))
 }
 
-/// Parts of a text between commas outside brackets and quotes, each with its byte position.
+/// Parts of a text between commas, each with its byte position in the text. Commas inside brackets and quotes do not
+/// count.
 fn split(text: &str) -> Vec<(usize, &str)> {
     let (mut parts, mut begin, mut depth, mut quote) = (Vec::new(), 0, 0, None);
     for (place, c) in text.char_indices() {

@@ -26,7 +26,7 @@ pub enum WindowFile {
     Auto,
 }
 
-/// Reads a time [s] or one fixed word; the word gives `None`.
+/// Reads a time [s], or the one word that is allowed instead; `None` stands for the word.
 fn time_or_word<'de, D: serde::Deserializer<'de>>(
     deserializer: D,
     word: &'static str,
@@ -76,7 +76,7 @@ impl<'de> Deserialize<'de> for WindowFile {
     }
 }
 
-/// JSON schema of a time or the given word.
+/// JSON schema of a value that is a time or the given word.
 fn schema(word: &str) -> Schema {
     let name = format!("time, or \"{word}\"");
     let pattern = super::schema::pattern(TIME, Some(word));

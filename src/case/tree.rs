@@ -107,12 +107,12 @@ pub enum KeyPart {
 }
 
 impl KeyPart {
-    /// True if this step is the given key.
+    /// True if this step of the path is the given key of a table.
     pub fn is_key(&self, key: &str) -> bool {
         matches!(self, Self::Key(known) if known == key)
     }
 
-    /// Index in a list; `None` if this step cannot be an index.
+    /// Index in a list that this step of the path gives; `None` if the step cannot be an index.
     pub fn index(&self) -> Option<usize> {
         match self {
             Self::Key(key) => key.parse().ok(),

@@ -41,7 +41,7 @@ impl Case {
     }
 }
 
-/// TOML value of a node, without its source position.
+/// TOML value of a node of the tree of a case, without its source position.
 fn value(node: &CaseNode) -> toml::Value {
     match &node.value {
         Value::Table(entries) => {

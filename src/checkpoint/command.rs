@@ -66,8 +66,8 @@ impl RunIdentity {
         Self { name: hash.to_owned(), parts: Vec::new() }
     }
 
-    /// Name of the first part of the experiment that differs between this run and another; `None` if all parts are
-    /// equal.
+    /// Name of the first part of the experiment, such as `scene`, in which this run differs from another; `None` if all
+    /// parts are equal.
     pub fn difference(&self, other: &Self) -> Option<&str> {
         let differs = |(own, other): &(&(String, u32), &(String, u32))| own != other;
         self.parts.iter().zip(&other.parts).find(differs).map(|(own, _)| own.0.as_str())

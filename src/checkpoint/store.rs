@@ -37,7 +37,7 @@ pub struct Store {
     next: u64,
 }
 
-/// Newest stored state of the present run, and the files of states that cannot be used.
+/// Result of the search for a stored state of the present run: the newest state, and the files that cannot be used.
 pub struct Newest {
     /// Identity of the run and its newest usable state; `None` if no file can be used.
     pub found: Option<(RunIdentity, StoredRun)>,
@@ -120,7 +120,8 @@ impl Store {
         if (found, &whose) == (age, run) { Ok(part) } else { Err(Unreadable::Damaged) }
     }
 
-    /// Checks that the part of the state from each process is stored and can be read.
+    /// Checks that the data of every process that belong to a stored state can be read. On failure returns the path of
+    /// the file and the reason.
     fn has_parts(&self, of: &str, whose: (u64, &RunIdentity), kept: &StoredRun) -> Result<(), (PathBuf, Unreadable)> {
         (0..kept.pause.snapshot.parts).try_for_each(|number| {
             let read = self.read_part(of, whose, number).map(drop);

@@ -26,12 +26,12 @@ pub struct Bodies {
 }
 
 impl Bodies {
-    /// These bodies with the restitution of an impact at the normal speed `speed` [m/s].
+    /// Returns these properties with the restitution of an impact at the normal speed `speed` [m/s].
     pub fn at_speed(&self, speed: f64) -> Self {
         Self { restitution: self.by_speed.map_or(self.restitution, |law| law.at(speed)), ..*self }
     }
 
-    /// These bodies with elastic impacts.
+    /// Returns these properties with the restitution 1 at every speed.
     pub fn elastic(&self) -> Self {
         Self { restitution: 1.0, by_speed: None, ..*self }
     }
@@ -65,7 +65,8 @@ impl Bodies {
         }
     }
 
-    /// Properties of two spheres, one of each species, with the stiffness of the contact law.
+    /// Properties of two spheres of the species `one` and `other` with the common surface `surface`. The stiffness is that of
+    /// the contact law.
     pub fn of(one: &Species, other: &Species, surface: &Surface) -> Self {
         Self {
             effective_mass: 1.0 / (1.0 / one.mass() + 1.0 / other.mass()),
@@ -77,7 +78,7 @@ impl Bodies {
         }
     }
 
-    /// Properties of two spheres of species with these indices in the scene. The two indices may be equal.
+    /// Properties of two spheres of the species with the indices `one` and `other` in the scene, which may be equal.
     pub fn between(scene: &Scene, one: u16, other: u16) -> Self {
         let meeting = scene.meeting(one, Kind::Species(other));
         let (first, second) = (&scene.species[usize::from(one)], &scene.species[usize::from(other)]);
@@ -94,7 +95,7 @@ impl Bodies {
         Self { stiffness_ratio: meeting.stiffness_of(bodies.effective_mass), ..bodies }
     }
 
-    /// Properties of two spheres of one species.
+    /// Properties of two spheres of one species with the surface `surface`. The stiffness is that of the contact law.
     pub fn alike(species: &Species, surface: &Surface) -> Self {
         Self {
             effective_mass: 0.5 * species.mass(),
@@ -106,8 +107,8 @@ impl Bodies {
         }
     }
 
-    /// Properties of a sphere of a species, and of a wall with the surface `surface` and the given elasticity. `None`:
-    /// the elasticity of the contact law.
+    /// Properties of a sphere of a species, and of a wall with the surface `surface` and the given elasticity. With `None`
+    /// the wall has the elasticity of the contact law.
     pub fn of_wall(species: &Species, surface: &Surface, elasticity: Option<Elasticity>) -> Self {
         Self {
             effective_mass: species.mass(),

@@ -25,7 +25,7 @@ pub enum BrokenContract {
     },
     /// The viscous force accelerates the motion instead of slowing it down.
     Drives {
-        /// [m/s] normal velocity at which the viscous force has the wrong sign; positive while the bodies separate.
+        /// [m] overlap at which the viscous force has the wrong sign.
         overlap: f64,
         /// [m/s] normal velocity at which the viscous force has the wrong sign; positive: separating.
         velocity: f64,

@@ -280,7 +280,7 @@ impl ContactLaw {
         self.parameters().first().copied().unwrap_or(none)
     }
 
-    /// Constants of the normal contact of two bodies that a tangential law uses.
+    /// Constants of the normal contact of two bodies, from which a tangential law computes the constants of its spring.
     pub fn normal_spring(&self, bodies: &Bodies, spring: &Spring) -> NormalSpring {
         let Spring { stiffness, dashpot, .. } = *spring;
         let contact_time = if self.is_linear() { self.contact_time(spring, 1.0) } else { f64::INFINITY };
@@ -374,6 +374,10 @@ impl Law for Stiffened {
 
     fn exponent(&self) -> f64 {
         self.law.exponent()
+    }
+
+    fn shear_stiffness(&self, bodies: &Bodies) -> f64 {
+        self.law.shear_stiffness(&Bodies { stiffness_ratio: bodies.stiffness_ratio * self.factor, ..*bodies })
     }
 }
 

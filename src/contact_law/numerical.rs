@@ -114,7 +114,8 @@ impl IntegratedImpact {
     }
 }
 
-/// Numerical [`Law::greatest_overlap`]. For an impact that does not end, it is the overlap without damping.
+/// [m] largest overlap of an impact at the normal speed `speed` [m/s], by integration in time steps. For an impact that
+/// does not end, it is the overlap without damping.
 pub fn greatest_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -> f64 {
     match IntegratedImpact::new(law, spring, speed) {
         Some(impact) => impact.greatest_overlap(),
@@ -135,19 +136,19 @@ fn slope<L: Law + ?Sized>(law: &L, spring: &Spring, overlap: f64) -> f64 {
     (force(overlap + step) - force(overlap - step)) / (2.0 * step)
 }
 
-/// Numerical [`Law::frequency`].
+/// [1/s] highest angular frequency in an impact, as [`Law::frequency`] defines it, from slopes at `SAMPLES` overlaps.
 pub fn frequency<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -> f64 {
     let squares = overlaps(law, spring, speed).map(|overlap| slope(law, spring, overlap) / spring.effective_mass);
     squares.fold(0.0, f64::max).sqrt()
 }
 
-/// Numerical [`Law::damping_ratio`].
+/// [-] damping ratio as [`Law::damping_ratio`] defines it, from the viscous forces at `SAMPLES` overlaps.
 pub fn damping_ratio<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -> f64 {
     let viscous = overlaps(law, spring, speed).map(|overlap| -law.force(spring, overlap, speed).1 / speed);
     viscous.fold(0.0, f64::max) / (2.0 * spring.effective_mass * law.frequency(spring, speed))
 }
 
-/// Numerical [`Law::thermal_overlap`].
+/// [m] length as [`Law::thermal_overlap`] defines it, by Simpson's rule; infinite if the stored energy stays too low.
 pub fn thermal_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, energy: f64) -> f64 {
     /// Stored energy over `energy` above which the weights exp(-V/E) are negligible (below 1e-16).
     const NEGLIGIBLE: f64 = 37.0;
@@ -166,7 +167,8 @@ pub fn thermal_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, energy: f64) -
     (0..=INTERVALS).map(|k| weight(k) * value(k)).sum::<f64>() * step / 3.0
 }
 
-/// Numerical [`Law::well_depth`].
+/// [J] depth as [`Law::well_depth`] defines it, from the stored energies at `SAMPLES` overlaps. Infinite if the stored
+/// energy is negative at all overlaps.
 pub fn well_depth<L: Law + ?Sized>(law: &L, spring: &Spring) -> f64 {
     let energy = |overlap: f64| law.stored_energy(spring, overlap);
     let Some(end) = rising_zero(energy, 1e-6) else { return f64::INFINITY };
@@ -174,7 +176,8 @@ pub fn well_depth<L: Law + ?Sized>(law: &L, spring: &Spring) -> f64 {
     -within.fold(0.0, f64::min)
 }
 
-/// Numerical [`Law::static_overlap`].
+/// [m] overlap of a contact at rest with the normal force `force` [N], by bisection; infinite if the elastic force is
+/// smaller at all overlaps.
 pub fn static_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, force: f64) -> f64 {
     if force <= 0.0 {
         return 0.0;

@@ -48,8 +48,8 @@ impl Blocks {
         [0, 1].map(|side| Vector3::from_fn(|axis, _| self.span(axis, block[axis], domain)[side]))
     }
 
-    /// True if the position `x` [m] is farther than `width` [m] from all other blocks. `low` and `high` [m] are the
-    /// corners of the block that contains `x`.
+    /// True if the position `x` [m] is farther than `width` [m] from all blocks other than its own. `low` and `high`
+    /// [m] are the corners of the block that contains `x`.
     pub fn is_deep(&self, x: &Vector3<f64>, [low, high]: &[Vector3<f64>; 2], width: f64) -> bool {
         let deep = |axis: usize| x[axis] - low[axis] > width && high[axis] - x[axis] > width;
         (0..3).all(|axis| self.ends[axis].is_empty() || deep(axis))
@@ -84,7 +84,7 @@ impl Blocks {
         i + self.count(0) * (j + self.count(1) * k)
     }
 
-    /// [m] coordinates of the beginning and the end of a block along an axis.
+    /// [m] coordinates of the beginning and the end of block number `block` along an axis.
     fn span(&self, axis: usize, block: usize, domain: &Domain) -> [f64; 2] {
         let before = block.checked_sub(1).and_then(|before| self.ends[axis].get(before));
         [before.copied().unwrap_or(0.0), self.ends[axis].get(block).copied().unwrap_or(domain.size[axis])]

@@ -44,9 +44,9 @@ pub(super) fn integrate(rate: &dyn Fn(f64) -> f64, duration: f64) -> f64 {
     log
 }
 
-/// [-] change of L in one step from `start`, and the estimated error of this change. The estimate is the difference
-/// from the extrapolation without the last sequence. The entries of the last row alone give no safe estimate, because
-/// they may agree by chance where the law jumps.
+/// [-] change of L = ln(w/w_0) in one step from the value `start`, and the estimated error of this change. The estimate
+/// is the difference from the extrapolation without the last sequence. The entries of the last row alone give no safe
+/// estimate, because they may agree by chance where the law jumps.
 fn extrapolate(rate: &dyn Fn(f64) -> f64, start: f64, step: f64) -> (f64, f64) {
     let first = rate(start);
     // one row of the scheme of Aitken and Neville, which extrapolates in the square of the substep
@@ -65,7 +65,8 @@ fn extrapolate(rate: &dyn Fn(f64) -> f64, start: f64, step: f64) -> (f64, f64) {
     (best, (best - before).abs())
 }
 
-/// [-] change of L over `step` [s] by `substeps` steps of the midpoint rule. The last two values are averaged (Gragg).
+/// [-] change of L = ln(w/w_0) over `step` [s], by `substeps` steps of the midpoint rule. The last two values are
+/// averaged (Gragg).
 fn midpoint(rate: &dyn Fn(f64) -> f64, (start, first): (f64, f64), step: f64, substeps: usize) -> f64 {
     let h = step / substeps as f64;
     // all values are relative to the start, so that a short step keeps its digits

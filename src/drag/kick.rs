@@ -25,24 +25,25 @@ const TOLERANCE: f64 = 5e-10;
 
 /// Number of coefficients of the polynomial of a piece.
 const TERMS: usize = 5;
-/// Positions in a piece, from 0 to 1, at which the polynomial equals the law: Chebyshev points and both ends. A switch
-/// of the law anywhere in the piece lies between two of these positions.
+/// Positions in a piece of the table, from 0 to 1, at which the polynomial equals the drag law: Chebyshev points and
+/// both ends. A law may switch between two formulas at any position between two of these.
 const NODES: [f64; TERMS] = [0.0, 0.146_446_609_406_726_24, 0.5, 0.853_553_390_593_273_8, 1.0];
-/// Positions in a piece, from 0 to 1, at which the interpolation error is largest. The error is checked there.
+/// Positions in a piece of the table, from 0 to 1, at which the error of the polynomial is largest. The error is
+/// checked there.
 const CHECKS: [f64; TERMS - 1] = [0.05, 0.32, 0.68, 0.95];
 
 /// Coefficients [-] of the polynomial of a piece, constant term first. The variable is the position within the piece,
 /// from 0 to 1. All coefficients are not-a-number if the law switches between two formulas within the piece.
 type Piece = [f64; TERMS];
 
-/// Drag kick: change of the slip velocity by drag alone, over a given time, for spheres of each species.
+/// Change of the slip velocity of particles by drag alone in a given time, for spheres of each species.
 #[derive(Clone, Debug)]
 pub struct Kick {
     law: Drag,
     duration: f64,
     species: Vec<SpeciesTable>,
-    /// [m] diameter of the sphere in `SpeciesTable`, for each species whose particles differ in size; `None` for other
-    /// species. The list is empty if all species have particles of one size.
+    /// [m] for each species whose particles differ in size, the diameter of the sphere in its `SpeciesTable`; `None`
+    /// for other species. The list is empty if all species have particles of one size.
     spread: Vec<Option<f64>>,
 }
 
@@ -69,7 +70,7 @@ impl Kick {
         self
     }
 
-    /// True if the change depends on the size of each particle and not only on its species.
+    /// True if the change of some particles depends on their own size, and not only on their species.
     pub fn asks_sizes(&self) -> bool {
         self.spread.iter().any(Option::is_some)
     }
@@ -158,7 +159,8 @@ impl Kick {
     }
 }
 
-/// Exponent and leading bits of the fraction of `square`, as an integer that determines the piece.
+/// Exponent and leading bits of the fraction of the floating-point number `square`, as an integer that numbers the
+/// pieces of the table.
 #[inline]
 fn leading(square: f64) -> u64 {
     square.to_bits() >> REST_BITS

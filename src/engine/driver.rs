@@ -38,13 +38,14 @@ pub struct Work<'a, C> {
 }
 
 impl<C> Work<'_, C> {
-    /// Returns this data with a scene of another instant.
+    /// Returns the data of this window with `scene`, the scene of another instant, in place of the present scene.
     pub fn in_scene<'b>(&'b mut self, scene: &'b Scene) -> Work<'b, C> {
         let Self { particles, lasting, log, record, .. } = self;
         Work { particles, scene, lasting, log, record }
     }
 
-    /// Wraps the particles into the box, and books what crossing its sheared sides changes.
+    /// Shifts particles outside the box by whole periods into the box. If sides of the box are sheared, adds the changes of
+    /// energy and momentum at crossings of these sides to the ledger.
     pub fn wrap(&mut self) {
         let crossings = self.particles.wrap(&self.scene.domain);
         if self.scene.domain.shear.is_some() {
@@ -59,7 +60,7 @@ pub type Lasting<S> = <<S as Solver>::Islands as Solve>::Carried;
 /// Result of trying to solve islands in a time window.
 #[derive(Clone, Copy)]
 pub struct Trial {
-    /// Simulated time [s] that was covered by solving islands.
+    /// [s] simulated time, from the beginning of the window, through which islands were solved.
     pub done: f64,
     /// Counts of the work in islands before the trial.
     pub before: IslandCounters,
@@ -75,10 +76,11 @@ pub trait Solver: Send {
     /// State, other than carried contacts or collisions, that the solver stores from one time window to the next.
     type State: Serialize + DeserializeOwned;
 
-    /// Returns the solver of islands.
+    /// Returns the part of the engine that solves one island (a group of particles that may meet).
     fn islands(&self) -> &Self::Islands;
 
-    /// Makes the carried state at the start of a run, such as contacts of particles that overlap at the start.
+    /// Makes the state that is carried from one window to the next, at the start of a run. An example is the contacts of
+    /// particles that overlap at the start. The default is to make none.
     fn begin(&mut self, _work: &mut Work<Lasting<Self>>, _window: Window) {}
 
     /// Largest cost at which islands are used in this time window, per particle and simulated time [ns/s]. With `None`
@@ -99,7 +101,7 @@ pub trait Solver: Send {
     /// double the memory.
     fn hand_over(&mut self, lasting: &mut Vec<Lasting<Self>>);
 
-    /// Calls `visit` with each item of state that [`hand_over`](Self::hand_over) would move.
+    /// Calls `visit` with a copy of each item of state that [`hand_over`](Self::hand_over) would move.
     fn for_each_kept(&self, visit: &mut dyn FnMut(Lasting<Self>));
 
     /// Marks data about the particle store as outdated, because islands may have moved or sorted the particles.
@@ -182,7 +184,7 @@ impl<S: DistributedSolver> Driver<S> {
     }
 
     /// Data for the choice between islands and the classical algorithm (all particles at once); `None` if islands are
-    /// not tried.
+    /// not tried. If they are tried, the solver passes its carried state (such as contacts) to them.
     fn choice(&mut self, work: &mut Work<Lasting<S>>, window: Window) -> Option<IslandCost> {
         let population = self.islands.population(work);
         let speeds = self.islands.speeds(work, &population);
@@ -212,7 +214,7 @@ impl<S: DistributedSolver> Driver<S> {
         self.solver.for_each_kept(visit);
     }
 
-    /// Exact sum [J] of an energy over all items of carried state, in all processes.
+    /// Exact sum [J] of `energy` over all items of carried state (such as contacts), in all processes that share the run.
     fn sum_of_lasting(&self, energy: impl Fn(&Lasting<S>) -> f64) -> f64 {
         let mut sum = ExactSum::default();
         self.for_each_lasting(&mut |carried| sum.add(energy(&carried)));

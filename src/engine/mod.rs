@@ -55,7 +55,8 @@ pub struct Window {
 /// # Ok::<(), diptych::Failure>(())
 /// ```
 pub trait Engine: Send {
-    /// Moves every particle through the window, under gravity and impacts only. Events are added to `record`.
+    /// Moves every particle through the window, the time between two exchanges of momentum with the gas. Only gravity and
+    /// impacts act. Impacts, energies and impulses are added to `record`.
     ///
     /// # Errors
     /// A [`Failure`] with numbers. The store then contains the state at the time of the failure, [`Failure::time`].
@@ -67,12 +68,12 @@ pub trait Engine: Send {
         record: &mut Record,
     ) -> Result<(), Failure>;
 
-    /// Frees, at the end of the run, memory that is needed only for a further time window. A further window would then
-    /// begin without stored contacts or collisions. Counts and times are kept.
+    /// Frees memory that only a further window would need; called at the end of a run. A further window would begin
+    /// without the stored contacts or collisions. Counts and times are kept.
     fn forget(&mut self) {}
 
-    /// Work done so far: counts, which are equal on every machine, and wall-clock times. The times are those of the
-    /// tasks that engines have in common. The rest of the time is spent on contacts and collisions.
+    /// Returns the work done so far: counts, which are equal on every machine, and wall-clock times. The times are those of
+    /// the tasks that engines have in common. The rest of the run time is spent on contacts and collisions.
     fn work_done(&self) -> (Counters, EngineTimes);
 
     /// Energy [J] that is now stored in contacts (for soft spheres: in springs); 0 if contacts are instantaneous.
@@ -128,7 +129,7 @@ pub struct EngineTimes {
 }
 
 impl EngineTimes {
-    /// Adds the time spent on building a neighbour list.
+    /// Returns these times, with the time spent on building the neighbour list `list` added.
     fn with_list(self, list: &NeighbourList) -> Self {
         Self { neighbours: self.neighbours + list.building(), ..self }
     }
@@ -399,13 +400,14 @@ impl Failure {
     }
 }
 
-/// Largest component [m/s] of a particle's velocity. It may be finite even if the square of the speed is not.
+/// Largest absolute component [m/s] of the velocity of the particle at index `place`; 0 if there is no such particle. It
+/// may be finite even if the square of the speed is not.
 fn speed(particles: &Particles, place: usize) -> f64 {
     particles.velocity.get(place).map_or(0.0, |velocity| velocity.amax())
 }
 
-/// Makes the failure for the first particle, in the order of the particle store, whose position or velocity is not a
-/// finite number. If there is no such particle, the failure is that of the fastest particle.
+/// Makes the failure that names the first particle, in the order of the particle store, whose position or velocity is not
+/// a finite number. If all are finite, it names the fastest particle. `time` [s] is the simulated time.
 fn not_a_number(particles: &Particles, time: f64) -> Failure {
     let bad = particles
         .position

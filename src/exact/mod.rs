@@ -25,7 +25,7 @@ const WORDS: usize = DIGITS + SPECIAL;
 /// [-] exponent of the power of two that the lowest bit of the first digit represents. 2^-1075 is half of the smallest
 /// `f64` above 0.
 const LOWEST: i32 = -1075;
-/// Number of terms that can be added before digits must be carried: each term adds less than 2^52 to a digit.
+/// Number of terms that can be added before digits must be carried: each term adds less than 2^52 to a 64-bit digit.
 const MOST: u32 = 1024;
 
 /// An exact sum of `f64`, rounded to the nearest (ties to even) when its value is read.
@@ -47,7 +47,7 @@ pub struct ExactSum {
     words: [i64; WORDS],
     /// Bit k is set if `words[k]` may differ from 0.
     used: u128,
-    /// Bound on the digits: no digit is larger than it could be after this number of additions to an empty sum.
+    /// Bound on the size of the digits: no digit is larger than this number of additions to an empty sum could make it.
     added: u32,
 }
 
@@ -90,7 +90,7 @@ impl ExactSum {
         self.used |= 1 << place;
     }
 
-    /// Adds another sum to this sum.
+    /// Adds the terms of another sum to this sum.
     pub fn merge(&mut self, other: &Self) {
         if self.added + other.added > 2 * MOST - 2 {
             self.carry();
@@ -127,8 +127,9 @@ impl ExactSum {
         self.added = 1;
     }
 
-    /// The 64-bit words in which the sum is stored. To add the sums of several processes, word k of each sum may be
-    /// added to word k of this one, for up to 2^20 sums. The result is the exact total, also if terms were not finite.
+    /// The 64-bit words in which the sum is stored. To add the sums of several processes, add their words one by one:
+    /// word k of every sum to word k of this sum, for up to 2^20 sums. The result is the exact total, also if terms
+    /// were not finite.
     pub fn words(&mut self) -> &mut [i64; WORDS] {
         self.carry();
         // all words count as used, since the caller may change any of them
@@ -176,7 +177,7 @@ impl ExactSum {
     }
 }
 
-/// Positions of the bits that are set in a number.
+/// Positions of the bits that are set in a number, from the lowest bit.
 fn places(mut bits: u128) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         (bits != 0).then(|| {
@@ -187,8 +188,8 @@ fn places(mut bits: u128) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Number with the given digits, none of which is negative, rounded to the nearest number (ties to even). `first` is
-/// the position of the lowest digit.
+/// Number whose digits to the base 2^32 are given, the lowest first, rounded to the nearest `f64` (ties to even). No
+/// digit is negative. `first` is the exponent of two of the lowest digit.
 fn round(digits: &[i64], first: i32) -> f64 {
     let Some(top) = digits.iter().rposition(|&digit| digit != 0) else { return 0.0 };
     // the three leading digits, and a flag that is true if lower digits differ from 0

@@ -13,7 +13,7 @@ use std::array::from_fn;
 
 /// Largest number of rows that are added together as a block.
 pub const BLOCK: usize = 128;
-/// [-] ratio of the first σ to a power of two above the largest number of a block: at least `BLOCK` + 2.
+/// [-] ratio of the first σ to a power of two above the largest number of a block. It must be at least `BLOCK` + 2.
 const ROOM: f64 = 256.0;
 /// [-] ratio of the second σ to the first. The first step leaves remainders of at most 2^-53 times the first σ.
 const NEXT: f64 = ROOM * f64::EPSILON / 2.0;
@@ -24,19 +24,19 @@ const LANES: usize = 4;
 /// Number of terms in one piece of work of a thread. For fewer terms a second thread takes longer than it saves.
 const CHUNK: usize = 8192;
 
-/// Partial sums of the K columns of a block: for each column the sum of the leading bits, and that of the next bits.
+/// Two partial sums of each of the K columns of a block of numbers: `high` of the leading bits, `low` of the next bits.
 struct Parts<const K: usize> {
     high: [f64; K],
     low: [f64; K],
-    /// Bits that neither partial sum contains, of all rows, combined by bitwise OR. The sign bit of a zero may be set,
-    /// which changes no sum.
+    /// Remaining bits of all rows that neither partial sum contains, combined by bitwise OR for each column. It is 0 if
+    /// the partial sums are exact, apart from the sign bit of a zero.
     left: [u64; K],
     /// Largest magnitude of the numbers in each column.
     largest: [f64; K],
 }
 
-/// Computes the partial sums of T columns, beginning with column `at`. The sums must fit into the registers of a
-/// processor.
+/// Computes the partial sums of T columns, the first of which has the index `at`. T must be so small that the sums fit
+/// into the registers of a processor.
 #[inline(always)]
 fn columns<const T: usize, const K: usize>(rows: &[[f64; K]], at: usize, parts: &mut Parts<K>) {
     let of = |row: &[f64; K]| -> [f64; T] { from_fn(|k| row[at + k]) };
@@ -141,8 +141,8 @@ fn add_block<const K: usize>(sums: [&mut ExactSum; K], rows: &[[f64; K]]) {
     );
 }
 
-/// Adds the partial sums of a block to the exact sums. If bits remain that they lack, adds every row of the block
-/// instead.
+/// Adds the partial sums of a block to the exact sums of its K columns. If the partial sums of a column are not exact,
+/// adds every row of this column instead.
 fn add_parts<const K: usize>(sums: [&mut ExactSum; K], parts: Parts<K>, rows: impl Iterator<Item = [f64; K]> + Clone) {
     let Parts { high, low, left, largest } = parts;
     for (k, sum) in sums.into_iter().enumerate() {
@@ -155,7 +155,8 @@ fn add_parts<const K: usize>(sums: [&mut ExactSum; K], parts: Parts<K>, rows: im
     }
 }
 
-/// Power of two that is larger than `x` and at most twice as large; `x` is 0 or a normal positive number.
+/// Smallest power of two that is larger than `x`, a normal positive number. For `x` = 0 it is the smallest normal
+/// number.
 #[inline]
 fn power_above(x: f64) -> f64 {
     f64::from_bits((x.to_bits() & 0x7ff << 52) + (1 << 52))
@@ -209,7 +210,8 @@ pub fn merged<const K: usize>(mut one: [ExactSum; K], other: [ExactSum; K]) -> [
     one
 }
 
-/// Exact sums of the rows `of(0)` to `of(count - 1)`, column by column, on all threads.
+/// Exact sums of rows of K numbers, column by column, computed on all threads. `of(k)` returns row k, for k from 0 to
+/// `count` - 1.
 pub fn sums<const K: usize>(count: usize, of: impl Fn(usize) -> [f64; K] + Sync) -> [ExactSum; K] {
     let piece = |first: usize| {
         let (mut sums, mut rows) = (none(), [[0.0; K]; BLOCK]);
@@ -366,7 +368,7 @@ impl<const K: usize> Groups<K> {
         }
     }
 
-    /// All sums of all groups as one list, group by group.
+    /// All sums of all groups as one list: the K sums of group 0, then those of group 1, and so on.
     pub fn each_mut(&mut self) -> Vec<&mut ExactSum> {
         let groups = self.0.iter_mut().map(|group| group.get_or_insert_with(|| Box::new(GroupSums::new())));
         groups

@@ -22,13 +22,14 @@ const UNIT: f64 = (1_u64 << 56) as f64;
 pub struct LocalFractions {
     cells: [usize; 3],
     periodic: [bool; 3],
-    /// [m] edge lengths of a cell.
+    /// [m] edge lengths of one cell along x, y and z.
     edges: Vector3<f64>,
     /// [-] volume fraction in each cell; the index along x varies fastest.
     values: Vec<f64>,
 }
 
-/// The two cells among which a sphere is divided along one axis: index and share [-] of each.
+/// The two neighbouring cells between which a sphere is divided along one axis: index of the cell along the axis, and
+/// share [-] of the volume.
 type Portions = [(usize, f64); 2];
 
 impl LocalFractions {
@@ -66,7 +67,8 @@ impl LocalFractions {
         fractions
     }
 
-    /// [-] volume fraction of particles around a sphere at `place` [m] with the radius `radius` [m].
+    /// [-] volume fraction of all particles around a sphere with the centre `place` [m] and the radius `radius` [m]:
+    /// the mean over the cells that contain parts of this sphere.
     pub fn at(&self, place: &Vector3<f64>, radius: f64) -> f64 {
         let mut fraction = 0.0;
         self.for_each_cell(place, radius, |cell, weight| fraction += weight * self.values[cell]);
@@ -86,7 +88,8 @@ impl LocalFractions {
         }
     }
 
-    /// The two cells among which a sphere with its centre at the coordinate `x` [m] is divided along an axis.
+    /// The two cells between which a sphere is divided along an axis (0 to 2), each with its share [-] of the volume.
+    /// `x` [m] is the coordinate of the centre along this axis.
     #[inline]
     fn portions(&self, axis: usize, x: f64, radius: f64) -> Portions {
         let edge = self.edges[axis];

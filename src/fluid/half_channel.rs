@@ -37,13 +37,14 @@ pub(super) struct HalfChannel {
     pub face_stress: Option<Vec<f64>>,
 }
 
-/// Rates of change of k and ε in one sweep of their equations.
+/// Parameters of one sweep, which updates k and ε once.
 pub(super) struct SweepStep<'a> {
     /// [-] weight of the newly computed values in the next iterate; the previous values have the remaining weight.
     pub relaxation: f64,
     /// [-] inverse of the time step in wall units, for the implicit Euler scheme; 0 for the steady equations.
     pub rate: f64,
-    /// Rate at which particles damp k in each cell, and the factor of this rate in the equation of ε.
+    /// Rate at which particles damp k, one value per cell in wall units, followed by the factor by which this rate is
+    /// multiplied in the equation of ε.
     pub damping: (&'a [f64], f64),
 }
 
@@ -162,7 +163,7 @@ impl HalfChannel {
         stress / (1.0 + self.nu_t[cell])
     }
 
-    /// Solves one equation for all cells by Thomas' algorithm, and moves `phi` towards the solution by the share
+    /// Solves one equation for all cells by Thomas' algorithm. Moves `phi` towards the solution by the fraction
     /// `relaxation` [-]. Returns the largest relative difference between the solution and the previous `phi`.
     pub fn solve(&self, equation: &Equation, relaxation: f64, phi: &mut [f64]) -> f64 {
         let count = phi.len();

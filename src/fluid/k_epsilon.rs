@@ -59,7 +59,8 @@ pub enum TurbulenceModel {
 }
 
 impl TurbulenceModel {
-    /// Updates k, ε and ν_t of a flow by one step; returns the largest relative change [-].
+    /// Updates k, ε and ν_t of a flow once, by one step in time or one iteration of the steady equations. Returns the
+    /// largest relative change [-].
     pub(super) fn sweep_turbulence(self, channel: &mut HalfChannel, step: &SweepStep) -> f64 {
         match self {
             Self::WallFunctions => wall_functions::sweep_turbulence(channel, step),
@@ -67,7 +68,7 @@ impl TurbulenceModel {
         }
     }
 
-    /// U/τ_w of the first cell, in wall units.
+    /// Velocity of the first cell divided by the stress at the wall, U/τ_w, in wall units.
     pub(super) fn first_velocity_per_stress(self, channel: &HalfChannel) -> f64 {
         match self {
             Self::WallFunctions => wall_functions::velocity_per_stress(channel, channel.y[0]),
@@ -193,7 +194,7 @@ impl ChannelFlow {
     ///
     /// # Errors
     ///
-    /// As [`ChannelFlow::solve`], or fewer than 4 cells.
+    /// Errors of [`ChannelFlow::solve`], or fewer than 4 cells.
     pub fn solve_with_cells(
         bulk_velocity: f64,
         height: f64,
@@ -210,7 +211,7 @@ impl ChannelFlow {
     ///
     /// # Errors
     ///
-    /// As [`ChannelFlow::solve_with_cells`].
+    /// Errors of [`ChannelFlow::solve_with_cells`].
     pub fn solve_pipe(
         bulk_velocity: f64,
         diameter: f64,
@@ -347,7 +348,8 @@ fn half_table(profile: &[(f64, f64)]) -> Result<VelocityTable, String> {
     VelocityTable::with_end_slopes(profile, [None, Some(0.0)])
 }
 
-/// Repeats sweeps over k and ε until they hardly change the flow. Returns the last relative change [-].
+/// Repeats sweeps over k and ε until they change the flow by less than `SWEEP_TOLERANCE`. Adds the number of sweeps to
+/// `iterations`, and returns the last relative change [-].
 fn converge(channel: &mut HalfChannel, model: TurbulenceModel, iterations: &mut usize) -> Result<f64, String> {
     let mut change = f64::INFINITY;
     for _ in 0..SWEEPS {

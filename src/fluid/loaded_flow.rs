@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 /// [-] factor C_ε3 of the damping of k by particles in the equation of ε: Elghobashi and Abou-Arab 1983, Phys. Fluids 26,
 /// 931, and Simonin (1996).
 const C_EPSILON_3: f64 = 1.2;
-/// [u_τ²] and [u_τ⁴/ν] smallest k and ε in units of the gas alone, far below any value of a turbulent flow. They keep k/ε
-/// finite where particles have damped the turbulence.
+/// [u_τ²] and [u_τ⁴/ν] smallest allowed k and ε, far below any value of a turbulent flow. They keep k/ε finite where
+/// particles have damped the turbulence. The unit u_τ is that of the gas alone.
 const LEAST: f64 = 1e-12;
 
 /// Settings of the two-way coupling between gas and particles.
@@ -83,24 +83,25 @@ pub struct LoadedFlow {
     bulk_per_flow: f64,
     /// Pressure gradient in the last step, in wall units; that of the gas alone is 1/h⁺.
     pressure_gradient: f64,
-    /// [kg m/s] momentum along z that lift has taken from the gas in each slice since the last step.
+    /// [kg m/s] momentum along z that lift has given to the particles of each slice since the last step. The gas loses
+    /// it in the next step.
     owed: Vec<f64>,
     /// [kg m/s] momentum of the gas along z at the start, and what it has gained since.
     pub balance: GasBalance,
 }
 
-/// Momentum of the gas along z: value at the start, and gains and losses since.
+/// Momentum of the gas along z: value at the start, and all gains and losses since then.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GasBalance {
     /// [kg m/s] momentum at the start.
     pub start: f64,
     /// [kg m/s] momentum at present.
     pub now: f64,
-    /// [kg m/s] given by the pressure gradient.
+    /// [kg m/s] momentum that the gas has gained from the pressure gradient since the start.
     pub by_pressure: f64,
-    /// [kg m/s] taken by friction at the walls.
+    /// [kg m/s] momentum that the gas has lost by friction at the walls since the start.
     pub to_walls: f64,
-    /// [kg m/s] taken by the particles.
+    /// [kg m/s] momentum that the gas has lost to the particles since the start.
     pub to_particles: f64,
 }
 
@@ -110,7 +111,7 @@ impl GasBalance {
         self.now - self.start - self.by_pressure + self.to_walls + self.to_particles
     }
 
-    /// [-] unexplained momentum over the largest of its parts.
+    /// [-] unexplained momentum, divided by the largest magnitude among the entries of the balance.
     pub fn unexplained_share(&self) -> f64 {
         let parts = [self.start, self.now, self.by_pressure, self.to_walls, self.to_particles];
         let largest = parts.into_iter().map(f64::abs).fold(0.0, f64::max);
@@ -143,7 +144,8 @@ impl LoadedFlow {
         loaded
     }
 
-    /// Begins with the volume fractions of the gas among the particles at the start.
+    /// Sets the volume fractions of the gas, one per cell, and starts the balance of momentum. It is called once, in
+    /// the first step.
     fn begin(&mut self, gas_fraction: Vec<f64>) {
         self.gas_fraction = gas_fraction;
         self.flow_rate = self.gas_momentum();
@@ -156,29 +158,30 @@ impl LoadedFlow {
         self.channel.reynolds_tau * self.kinematic_viscosity / (0.5 * self.height)
     }
 
-    /// [m] unit of lengths.
+    /// [m] unit of lengths: ν/u_τ with the friction velocity u_τ of the gas alone.
     fn unit_length(&self) -> f64 {
         0.5 * self.height / self.channel.reynolds_tau
     }
 
-    /// [s] unit of times.
+    /// [s] unit of times: the unit of lengths over the unit of velocities.
     fn unit_time(&self) -> f64 {
         self.unit_length() / self.unit_velocity()
     }
 
-    /// [kg m/s] momentum of a layer of gas at all walls, as thick as the unit of length, at the unit of velocity.
+    /// [kg m/s] unit of momentum: that of a layer of gas along all walls, one unit of length thick, which moves at the
+    /// unit of velocity.
     fn unit_impulse(&self) -> f64 {
         self.density * self.wall_area * self.unit_length() * self.unit_velocity()
     }
 
-    /// Index of the slice at the distance `depth` [m] from the wall.
+    /// Index of the slice at the distance `depth` [m] from the wall; the slice at the wall has the index 0.
     #[inline]
     pub fn slice(&self, depth: f64) -> usize {
         let share = depth / (0.5 * self.height) * self.coupling.slices as f64;
         (share.max(0.0) as usize).min(self.coupling.slices - 1)
     }
 
-    /// Number of slices.
+    /// Number of slices between the wall and the centre plane or the axis.
     pub fn slices(&self) -> usize {
         self.coupling.slices
     }
@@ -195,7 +198,8 @@ impl LoadedFlow {
         self.channel.area(middle) * width * self.wall_area * self.unit_length()
     }
 
-    /// Mean over each cell of values that are constant in slices, weighted by volume.
+    /// Converts values from slices to cells of the solver: for each cell the mean of the values in the slices that it
+    /// overlaps, weighted by volume.
     fn on_cells(&self, values: &[f64]) -> Vec<f64> {
         let width = self.channel.reynolds_tau / self.coupling.slices as f64;
         let cell = |ends: &[f64]| {
@@ -216,14 +220,14 @@ impl LoadedFlow {
         self.channel.face.windows(2).map(cell).collect()
     }
 
-    /// Adds momentum along z [kg m/s] that lift has given to the particles of each slice. The next step takes it from the
-    /// gas.
+    /// Books momentum along z [kg m/s] that lift has given to the particles, one number per slice. The next step takes
+    /// it from the gas.
     pub fn owe(&mut self, impulses: impl IntoIterator<Item = f64>) {
         self.owed.iter_mut().zip(impulses).for_each(|(owed, impulse)| *owed += impulse);
     }
 
-    /// Advances the gas by `duration` [s], in which it has given momentum to the particles of each slice. The implicit Euler
-    /// scheme is used, with k, ε and ν_t one step behind.
+    /// Advances the gas by `duration` [s]. `slices` contains the momentum that the gas has given to the particles in
+    /// this time. The implicit Euler scheme computes the velocity with k, ε and ν_t of the previous step.
     pub fn advance(&mut self, duration: f64, slices: &[SliceSums]) {
         let per_volume = |of: &dyn Fn(usize, &SliceSums) -> f64| -> Vec<f64> {
             slices.iter().enumerate().map(|(slice, sums)| of(slice, sums) / self.slice_volume(slice)).collect()
@@ -254,20 +258,21 @@ impl LoadedFlow {
         self.owed.fill(0.0);
     }
 
-    /// Volume of the flow per area of the wall, in wall units.
+    /// Volume of the gas and the particles in the flow per area of the wall, in wall units.
     fn volume(&self) -> f64 {
         (0..self.channel.u.len()).map(|cell| self.channel.volume(cell)).sum()
     }
 
-    /// Momentum of the gas, and its flow rate, per area of the wall in wall units.
+    /// Momentum of the gas per area of the wall, in wall units. The density is 1 in these units, so it is also the flow
+    /// rate of the gas.
     fn gas_momentum(&self) -> f64 {
         let fraction = |cell: usize| self.gas_fraction.get(cell).copied().unwrap_or(1.0);
         let cells = self.channel.u.iter().enumerate();
         cells.map(|(cell, u)| fraction(cell) * self.channel.volume(cell) * u).sum()
     }
 
-    /// Computes the velocity after `step`, in wall units. Each volume of gas loses the momentum `taken`; `fraction` are the new
-    /// volume fractions of the gas.
+    /// Computes the velocity of the gas after a time step of length `step`. `taken` is the momentum per volume that the
+    /// gas loses in each cell, and `fraction` the new volume fraction of the gas. All in wall units.
     fn advance_velocity(&mut self, step: f64, taken: &[f64], fraction: Vec<f64>) {
         let channel = &self.channel;
         let count = channel.u.len();
@@ -313,7 +318,7 @@ impl LoadedFlow {
         self.gas_fraction = fraction;
     }
 
-    /// Computes the shear stress at all faces from the velocity.
+    /// Computes the shear stress at all faces between cells from the present velocity.
     fn renew_stress(&mut self) {
         let channel = &self.channel;
         let count = channel.u.len();
@@ -371,12 +376,12 @@ impl LoadedFlow {
         self.pressure_gradient * self.density * self.unit_velocity().powi(2) / self.unit_length()
     }
 
-    /// [m/s] flow rate of the gas over the cross-section.
+    /// [m/s] bulk velocity of the gas: its flow rate over the cross-section.
     pub fn bulk_velocity(&self) -> f64 {
         self.gas_momentum() * self.bulk_per_flow
     }
 
-    /// [m/s] friction velocity, with the sign of the stress at the wall.
+    /// [m/s] friction velocity; negative if the stress at the wall drives the gas along +z.
     pub fn friction_velocity(&self) -> f64 {
         let stress = self.channel.wall_stress();
         stress.signum() * stress.abs().sqrt() * self.unit_velocity()
@@ -391,7 +396,7 @@ impl LoadedFlow {
     }
 }
 
-/// Solution u of inertia u = right + flux from the neighbours, by Thomas' algorithm. The flux through face i is
+/// Solves inertia u = right + flux for the velocity u of each cell, by Thomas' algorithm. The flux through face i is
 /// conductance[i] (u[i - 1] - u[i]); the velocity at the wall is 0.
 fn diffused(inertia: &[f64], conductance: &[f64], right: &[f64]) -> Vec<f64> {
     let count = inertia.len();

@@ -120,7 +120,7 @@ impl LogLaw {
     /// Makes a channel flow with a given bulk velocity [m/s], from which the friction velocity is computed.
     ///
     /// # Errors
-    /// As [`LogLaw::with_friction_velocity`].
+    /// Errors of [`LogLaw::with_friction_velocity`].
     pub fn with_bulk_velocity(
         bulk_velocity: f64,
         height: f64,

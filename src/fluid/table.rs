@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-/// Number of bins of the index per node. For evenly spaced nodes most bins contain no node, so the first piece tried is
-/// the right one.
+/// Number of bins of the search index per given point. For evenly spaced points most bins contain no point, so the
+/// first cubic piece tried is the right one.
 const BINS_PER_NODE: usize = 16;
 
 /// Function u(y) through given points: piecewise cubic with continuous slope and no overshoot between points. The
@@ -52,7 +52,7 @@ impl VelocityTable {
     ///
     /// # Errors
     ///
-    /// As [`VelocityTable::new`].
+    /// Errors of [`VelocityTable::new`].
     pub fn with_end_slopes(points: &[(f64, f64)], ends: [Option<f64>; 2]) -> Result<Self, String> {
         let (Some(first), Some(last)) = (points.first(), points.last()) else {
             return Err("a velocity table needs at least 2 points, it has none".into());

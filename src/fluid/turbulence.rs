@@ -50,11 +50,13 @@ pub enum EddyLaw {
 pub enum TurbulenceStatistics {
     /// Constant values: the standard deviation σ of a velocity component [m/s], and the turnover time k/ε [s].
     Uniform(f64, f64),
-    /// Functions of the [`depth`](Profile::depth) of the profile.
+    /// Values that depend on the position through the [`depth`](Profile::depth) of the gas profile: the distance from
+    /// the wall, or the coordinate y.
     Profile(Arc<TurbulenceProfile>),
 }
 
-/// Statistics of turbulence as functions of the [`depth`](Profile::depth) of a profile.
+/// Statistics of turbulence as functions of the [`depth`](Profile::depth) of a gas profile: the distance from the wall,
+/// or the coordinate y.
 #[derive(Clone, Debug, Serialize)]
 pub struct TurbulenceProfile {
     /// [m/s] standard deviation σ of a velocity component.
@@ -140,9 +142,9 @@ impl Turbulence {
         }
     }
 
-    /// Statistics at the middles of strips of equal width, along the line through the middle of the profile. The strips
-    /// lie between the walls of the gas in a box of `height` [m]. The number before each is the weight [-] of the strip
-    /// in a mean over the cross-section.
+    /// Statistics at the middles of narrow strips, along the line through the middle of the gas from wall to wall.
+    /// `height` [m] is that of the box. The number before each entry is the weight [-] of the strip in a mean over the
+    /// cross-section.
     pub fn strips(&self, profile: &Profile, height: f64) -> impl Iterator<Item = (f64, LocalTurbulence)> {
         let [low, high] = profile.between(height);
         let axis = match profile {
@@ -222,19 +224,20 @@ pub struct EddySeen {
     pub response: f64,
 }
 
-/// Unit vector [-] along the slip of a particle; zero without slip.
+/// Unit vector [-] along the slip of a particle; zero if there is no slip.
 #[derive(Clone, Copy, Debug)]
 struct AlongSlip(Vector3<f64>);
 
 impl AlongSlip {
-    /// Multiplies the part of a vector along the slip, and the part across it, by one factor each.
+    /// Returns the vector `v` with its part along the slip, and its part across the slip, multiplied by one factor
+    /// each.
     #[inline]
     fn scaled(&self, [along, across]: [f64; 2], v: Vector3<f64>) -> Vector3<f64> {
         v * across + self.0 * ((along - across) * self.0.dot(&v))
     }
 }
 
-/// Exact solution of the Langevin equation over a time h along one direction, with x = h/T.
+/// Constants of the exact solution of the Langevin equation over a time h along one direction, with x = h/T.
 #[derive(Clone, Copy, Debug)]
 struct Relaxation {
     /// [-] share of the initial fluctuation that remains at the end, exp(-x).
@@ -263,8 +266,9 @@ impl Relaxation {
     }
 }
 
-/// [-] weight of the end value in the mean that a particle responds to: coth(r/2) - 2/r with r = h/τ, for a time h and
-/// a response time τ. It is 0 for long response times and 1 for short ones.
+/// [-] weight of the end value of the gas velocity in the mean over a kick to which a particle responds. It is
+/// coth(r/2) - 2/r with r = h/τ, for a kick of length h and the response time τ. It is 0 for long response times and 1
+/// for short ones.
 #[inline]
 fn lateness(ratio: f64) -> f64 {
     // first term of the series; the next term is at most 6e-12
@@ -287,8 +291,8 @@ impl Langevin {
         [local.time / (1.0 + crossing).sqrt(), local.time / (1.0 + 4.0 * crossing).sqrt()]
     }
 
-    /// Integral times [s] as [`times`](Self::times) returns them, for a slip velocity [m/s], and the direction of the
-    /// slip.
+    /// Integral times [s] of the gas velocity along and across the slip, as [`times`](Self::times) returns them, and
+    /// the direction of the slip. `slip` [m/s] is the slip velocity.
     #[inline]
     fn scales(&self, local: &LocalTurbulence, slip: Vector3<f64>) -> ([f64; 2], AlongSlip) {
         let square = slip.norm_squared();

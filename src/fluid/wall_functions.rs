@@ -35,7 +35,7 @@ pub(super) fn cells(reynolds_tau: f64) -> usize {
     ((reynolds_tau / (2.0 * FIRST_NODE)).round() as usize).clamp(4, MOST_CELLS)
 }
 
-/// Faces of cells of equal width, as fractions of h.
+/// Faces of cells of equal width, as fractions of h from 0 at the wall to 1.
 pub(super) fn faces(cells: usize) -> Vec<f64> {
     (0..=cells).map(|face| face as f64 / cells as f64).collect()
 }
@@ -96,7 +96,8 @@ fn law(channel: &HalfChannel, y: f64) -> f64 {
     channel.wall_stress() * velocity_per_stress(channel, y)
 }
 
-/// U/τ_w at the distance `y` from the wall, by the two-layer law of the wall.
+/// Velocity U divided by the stress at the wall τ_w, at the distance `y` from the wall in wall units, by the two-layer
+/// law of the wall.
 pub(super) fn velocity_per_stress(channel: &HalfChannel, y: f64) -> f64 {
     let scale = scale(channel);
     if y * scale < SUBLAYER { y } else { (E * scale * y).ln() / (KAPPA * scale) }

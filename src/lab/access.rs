@@ -7,7 +7,7 @@
 /// Number of random bytes in the token. The text of the token has two hexadecimal digits per byte.
 const BYTES: usize = 16;
 
-/// Secret part of the address of the lab, too long to be found by trial.
+/// Random secret in the address of the lab. Requests must contain it, and it is too long to be found by trial.
 #[derive(Clone, Debug)]
 pub struct Token(String);
 
@@ -43,8 +43,8 @@ pub fn is_host(host: Option<&str>, port: u16) -> bool {
     host.is_some_and(|host| NAMES.iter().any(|name| host.eq_ignore_ascii_case(&format!("{name}:{port}"))))
 }
 
-/// True if an `Origin` header is that of a page of the lab. A missing header is accepted unless `required` is true,
-/// because programs other than browsers do not send the header.
+/// True if an `Origin` header names a page of the lab at this port. Programs other than browsers send no such header,
+/// so a missing one is accepted unless `required` is true.
 pub fn is_origin(origin: Option<&str>, port: u16, required: bool) -> bool {
     match origin {
         None => !required,

@@ -16,7 +16,8 @@ pub struct Now {
     pub state: &'static str,
     /// Reason why the run failed, as one word and as a sentence.
     pub failure: Option<(&'static str, String)>,
-    /// Rows of measured quantities since the previous frame, one value per column of the graphs.
+    /// Rows of quantities measured since the previous frame, each with one value per column of the graphs, in the unit
+    /// of the column.
     pub rows: Vec<Vec<f64>>,
     /// Numbers that the page shows next to the panel.
     pub live: Live,
@@ -35,17 +36,17 @@ pub struct Live {
     pub work: f64,
     /// [J] kinetic and elastic energy at the start.
     pub at_start: f64,
-    /// [J] unexplained energy: change of energy minus the work and losses in the ledger.
+    /// [J] residual of the energy balance: change of the energy minus the work and plus the losses that were booked.
     pub residual: f64,
     /// Number of finished impacts between particles.
     pub pairs: u64,
     /// Number of finished impacts at walls.
     pub walls: u64,
-    /// [-] realised restitution, from all impacts together.
+    /// [-] realised restitution of all impacts together; `None` without an impact.
     pub restitution: Option<f64>,
-    /// [-] largest overlap over the diameter, the smaller one of two different spheres.
+    /// [-] largest overlap so far, divided by the diameter of the smaller sphere; `None` without an overlap.
     pub overlap: Option<f64>,
-    /// [s] mean duration of an impact.
+    /// [s] mean duration of an impact; `None` if none has a duration.
     pub duration: Option<f64>,
     /// [s/s] wall time of the engine per simulated time.
     pub cost: Option<f64>,
@@ -76,7 +77,7 @@ pub struct PanelComparison {
 /// JSON part of a frame.
 #[derive(Clone, Debug, Serialize)]
 pub struct Head<'a> {
-    /// Serial number of the choice of scene and settings that is running.
+    /// Serial number of the choice of scene and settings by which the page opened the running scene.
     pub serial: u32,
     /// States of the left and the right panel.
     pub sides: &'a [Now; 2],

@@ -14,7 +14,7 @@ use serde::Serialize;
 /// Number of intervals of a theoretical curve.
 const POINTS: usize = 200;
 
-/// Set of quantities that the lab measures in a scene and draws.
+/// Set of quantities that the lab measures and draws in a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gauge {
     /// Overlap, velocity and forces of two spheres.
@@ -68,8 +68,8 @@ impl Graph {
     }
 }
 
-/// Points of a function of the time [s], up to the end of the run of an experiment. The times of the points are in
-/// units of `unit` [s].
+/// Points of a theoretical curve `at` over time [s], from 0 to the duration of the experiment. The abscissas are times
+/// in units of `unit` [s]; times for which `at` gives `None` are left out.
 fn curve(experiment: &Experiment, unit: f64, at: impl Fn(f64) -> Option<f64>) -> Vec<[f64; 2]> {
     let times = (0..=POINTS).map(|k| experiment.run.duration * k as f64 / POINTS as f64);
     times.filter_map(|time| Some([time / unit, at(time)?])).collect()
@@ -144,7 +144,8 @@ impl Gauge {
         }
     }
 
-    /// Measured values at one instant: a row with one value per column.
+    /// Quantities at one instant: a row with one value per column of the graphs, in the unit of the column. Some values
+    /// are relative to `at_start`, their value at the start.
     fn row(self, simulation: &Simulation, at_start: f64) -> Vec<f64> {
         let (particles, time) = (&simulation.particles, simulation.time);
         let suffered = 2.0 * simulation.record.pairs.count as f64 / particles.len().max(1) as f64;
@@ -190,8 +191,8 @@ impl Gauge {
         }
     }
 
-    /// Value at the start by which measured values are divided: the granular temperature of a gas that cools, otherwise
-    /// the energy.
+    /// Value at the start to which measured values are relative: the granular temperature [m²/s²] for a gas that cools,
+    /// otherwise the energy [J].
     fn scale(self, simulation: &Simulation) -> f64 {
         match self {
             Self::Gas => temperature(&simulation.particles),
@@ -200,8 +201,9 @@ impl Gauge {
     }
 }
 
-/// Curve of the overlap of the lowest of n spheres that rest on top of each other, over the diameter [%]. For a linear
-/// spring the overlap is n m g/k. It is constant over the whole run.
+/// Theoretical overlap of the lowest of n spheres at rest on top of each other, in per cent of the diameter, at the
+/// start and at the end of the run. For a linear spring the overlap is n m g/k. `None` without a contact law or a
+/// floor.
 fn statics(experiment: &Experiment, start: &Particles) -> Option<Vec<[f64; 2]>> {
     let law = experiment.law()?;
     let wall = experiment.scene.walls.first().map(|_| 0)?;
@@ -223,12 +225,12 @@ pub struct Meter<'a> {
     gauge: Gauge,
     experiment: &'a Experiment,
     at_start: Option<f64>,
-    /// Rows that have not been sent to the page yet.
+    /// Rows measured since the last frame, one value per column of the graphs.
     pub rows: Vec<Vec<f64>>,
 }
 
 impl<'a> Meter<'a> {
-    /// Creates a meter without measured rows.
+    /// Creates an observer for the quantities of `gauge`, without measured rows.
     pub fn new(gauge: Gauge, experiment: &'a Experiment) -> Self {
         Self { gauge, experiment, at_start: None, rows: Vec::new() }
     }
@@ -248,7 +250,7 @@ impl<'a> Meter<'a> {
     }
 }
 
-/// The first two spheres, as the bodies of a contact.
+/// The first two spheres with the properties on which a contact law depends.
 fn pair(scene: &Scene, particles: &Particles) -> Bodies {
     Bodies::pair(scene, particles, 0, 1)
 }

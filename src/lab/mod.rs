@@ -33,7 +33,7 @@ use crate::cli;
 use crate::study::{self, Signals, StudyError};
 use std::time::Duration;
 
-/// Time between two checks for Ctrl-C.
+/// Interval of wall time at which the command checks whether Ctrl-C was pressed.
 const LOOK: Duration = Duration::from_millis(100);
 
 /// Runs `diptych lab`: serves the page until Ctrl-C or the signal to terminate.

@@ -17,8 +17,8 @@ use std::time::Duration;
 /// Largest number of measured rows in a frame. Of more rows, only every n-th one is sent.
 const MOST_ROWS: usize = 100;
 
-/// Smallest number of windows per frame at the default pace of a scene. With two windows per frame, motion is smooth at
-/// a slower pace too.
+/// Smallest number of windows (pieces of the run) per frame at the default pace of a scene. With two of them, the
+/// motion is smooth at a slower pace too.
 const WINDOWS_PER_FRAME: f64 = 2.0;
 
 /// Running simulation of one panel.
@@ -33,9 +33,9 @@ pub struct LabPanel<'a> {
     failure: Option<Failure>,
 }
 
-/// Schedule of the windows of a panel, for frames that are `frame` [s] of simulated time apart. With drag or stepped
-/// hard spheres it is the schedule of the case. Otherwise the windows are short enough for the frames, and whole
-/// multiples of the time step.
+/// Lengths of the windows (pieces after which a panel can show its state), for frames `frame` [s] of simulated time
+/// apart. With drag or stepped hard spheres these are the windows of the case. Otherwise they are short enough for the
+/// frames, and about whole multiples of the time step.
 fn schedule(experiment: &Experiment, particles: usize, frame: f64) -> Schedule {
     let own = Schedule::new(experiment);
     let dragged = experiment.scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
@@ -69,13 +69,13 @@ impl<'a> LabPanel<'a> {
         }
     }
 
-    /// [s] simulated time of the panel; `None` if its run is over.
+    /// [s] simulated time that the panel has reached; `None` if its run is over.
     pub fn running(&self) -> Option<f64> {
         (!self.over).then_some(self.simulation.time)
     }
 
-    /// Continues the run up to the simulated time `until` [s]. The call ends earlier if the wall time `most` has passed
-    /// or the run is over.
+    /// Continues the run until the simulated time `until` [s] is reached, the wall time `most` has passed, or the run
+    /// is over.
     pub fn run(&mut self, until: f64, most: Duration) {
         if self.over || self.simulation.time >= until {
             return;
@@ -98,7 +98,7 @@ impl<'a> LabPanel<'a> {
         }
     }
 
-    /// Present state of the panel, with all measured rows since the last call.
+    /// State of the panel for the page, with all quantities measured since the last call.
     pub fn now(&mut self) -> Now {
         let mut rows = std::mem::take(&mut self.meter.rows);
         let every = rows.len().div_ceil(MOST_ROWS).max(1);
@@ -160,7 +160,8 @@ impl<'a> LabPanel<'a> {
         drawn
     }
 
-    /// Results of the panel so far; `None` at the start, and in scenes whose statistics are not tested.
+    /// Results of the panel so far, for the comparison of the panels; `None` at the start, and in scenes whose
+    /// statistics are not tested.
     pub fn outcome(&self) -> Option<Outcome> {
         let seen = self.seen.clone()?;
         let hash = self.simulation.state().fingerprint();

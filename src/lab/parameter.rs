@@ -119,7 +119,7 @@ impl LabParameter {
         }
     }
 
-    /// Effect of the parameter in one sentence, for the page.
+    /// Effect of the parameter in one sentence, shown beside its control on the page.
     pub fn help(self) -> &'static str {
         match self {
             Self::Restitution => "Speed after an impact over the speed before it; both models are asked for the same.",
@@ -243,7 +243,8 @@ fn rounded(value: f64) -> f64 {
     format!("{value:.*e}", DIGITS as usize - 1).parse().unwrap_or(value)
 }
 
-/// Arguments that set a property, such as the restitution, for contacts of pairs and of every wall.
+/// Arguments of the form `key=value` that set a property, such as the restitution, for contacts of pairs and of every
+/// wall.
 fn surfaces(experiment: &Experiment, key: &str, value: f64) -> Vec<String> {
     let walls = (0..experiment.scene.walls.len()).map(|wall| format!("walls[{wall}].{key}={value}"));
     std::iter::once(format!("contact.{key}={value}")).chain(walls).collect()
@@ -304,7 +305,7 @@ fn theta(experiment: &Experiment, theta: f64) -> Vec<String> {
     sets
 }
 
-/// Short description of the soft engine: integrator and time step.
+/// Short text on the soft engine of an experiment: its integrator and its time step.
 pub fn soft_method(experiment: &Experiment, particles: usize) -> String {
     let step = soft_step(experiment, particles);
     let integrator = INTEGRATORS[usize::from(experiment.soft.integrator == Integrator::Rk2)].1;

@@ -24,7 +24,7 @@ pub struct SceneChoice {
     /// Values of parameters that the user has set.
     #[serde(default)]
     pub settings: Settings,
-    /// Model of the right panel, as its index in the list of the scene.
+    /// Index of the model of the right panel in the list of models that the scene offers.
     #[serde(default)]
     pub right: usize,
     /// Serial number of the choice, counted by the page. Answers to the choice contain the same number.
@@ -45,9 +45,9 @@ pub enum Ask {
     },
     /// Computes one frame while the motion is paused.
     Step,
-    /// Sets the pace, as a factor on the default pace of the scene.
+    /// Sets the speed of the animation.
     Pace {
-        /// [-] factor on the default pace.
+        /// [-] factor on the default pace, the simulated time per wall time of the scene.
         factor: f64,
     },
     /// Reports whether the page is visible.
@@ -55,7 +55,7 @@ pub enum Ask {
         /// True if the page is visible.
         on: bool,
     },
-    /// Reports that the page has drawn a frame and can receive another one.
+    /// Reports that the page has drawn a frame, so that another one can be sent.
     Drawn,
 }
 
@@ -125,7 +125,7 @@ pub struct Opened {
     pub answer: &'static str,
     /// Parameters that the page can change.
     pub knobs: Vec<ShownParameter>,
-    /// Models that the right panel may show.
+    /// Names of the models that the right panel may show.
     pub rights: Vec<&'static str>,
     /// Index of the model that the right panel shows.
     pub right: usize,
@@ -141,7 +141,7 @@ pub struct Opened {
     pub graphs: Vec<Graph>,
     /// [s] simulated duration of the scene.
     pub duration: f64,
-    /// [s/s] simulated time per wall time, at the default pace of the scene.
+    /// [s/s] simulated time per wall time at the default speed of the animation.
     pub pace: f64,
     /// Command line that compares both panels.
     pub command: String,

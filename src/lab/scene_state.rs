@@ -82,7 +82,7 @@ impl SceneState {
         }
     }
 
-    /// [s/s] simulated time per wall time, at the default pace of the scene.
+    /// [s/s] simulated time per wall time, at the default speed of the animation.
     pub fn pace(&self) -> f64 {
         self.experiments[0].run.duration / self.scene.lasts
     }
@@ -162,13 +162,13 @@ impl SceneState {
     }
 }
 
-/// Changes to the built-in case that the definition of the scene contains.
+/// Changes to the built-in case that belong to the scene, without those of a panel or a user.
 fn plain(scene: &LabScene) -> Vec<String> {
     scene.sets.iter().map(|set| (*set).to_owned()).collect()
 }
 
-/// Changes to the built-in case by the scene and by the settings on the page. Settings equal to the values of the case
-/// are left out.
+/// Changes to the built-in case that come from the scene and from the settings on the page. A setting equal to the
+/// value in the experiment `own` is left out.
 fn changes(scene: &LabScene, choice: &SceneChoice, own: &Experiment) -> Result<Vec<String>, String> {
     if let Some(name) = choice.settings.keys().find(|name| !scene.knobs.iter().any(|range| range.knob.name() == **name))
     {

@@ -31,7 +31,7 @@ const MOST_SESSIONS: usize = 4;
 /// closed.
 const MOST_ASKS: usize = 256;
 
-/// Largest number of messages of a session that its WebSocket has not yet sent.
+/// Largest number of messages to a page that its WebSocket has not yet sent; the session waits when it is reached.
 const UNSENT: usize = 4;
 
 /// Largest number of simultaneous connections, WebSockets not included. A page opens six connections, and many systems
@@ -76,7 +76,7 @@ pub struct LabServer {
     server: JoinHandle<()>,
 }
 
-/// State that all requests share.
+/// Data that all requests share; a copy refers to the same data.
 #[derive(Clone)]
 struct ServerState {
     port: u16,
@@ -265,7 +265,7 @@ async fn socket(State(shared): State<ServerState>, upgrade: WebSocketUpgrade) ->
         .on_upgrade(move |socket| serve_page(socket, shared, place))
 }
 
-/// Place of one open page, of a limited number of places. Dropping this value frees the place for another page.
+/// One of the places for open pages, whose number is limited. Dropping this value frees the place for another page.
 struct PageSlot(Arc<AtomicUsize>);
 
 impl Drop for PageSlot {
@@ -304,7 +304,7 @@ async fn serve_page(mut socket: WebSocket, shared: ServerState, place: PageSlot)
     }
 }
 
-/// Passes a request of a page to its session. Returns true if the connection remains open.
+/// Passes a request of a page to its session. Returns false if the connection must be closed.
 fn hear(message: &ws::Message, ask: &SyncSender<Ask>) -> bool {
     match message {
         ws::Message::Text(text) => serde_json::from_str(text).is_ok_and(|asked| ask.try_send(asked).is_ok()),
@@ -313,8 +313,7 @@ fn hear(message: &ws::Message, ask: &SyncSender<Ask>) -> bool {
     }
 }
 
-/// Starts the thread of a session. The thread pool of its engines has this one thread, so that parallel loops run on
-/// it.
+/// Starts the thread of a session. The engines of the session compute in this thread alone.
 fn start(
     session: Session,
     place: PageSlot,

@@ -17,7 +17,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 use std::time::Duration;
 use tokio::sync::mpsc::Sender;
 
-/// Largest number of frames that have been sent to the page but not yet drawn.
+/// Largest number of frames that have been sent to the page but that the page has not yet drawn.
 const UNDRAWN: u32 = 2;
 
 /// Wall time between two frames.
@@ -27,7 +27,8 @@ const FRAME: Duration = Duration::from_millis(33);
 /// has reached.
 const BUDGET: Duration = Duration::from_millis(14);
 
-/// Largest wall time since the last frame that counts for the next frame. A longer pause is not made up for.
+/// Largest wall time since the last frame that the motion makes up for in the next frame. The rest of a longer pause is
+/// left out.
 const LATEST: Duration = Duration::from_millis(100);
 
 /// Wall time between two comparisons of the panels.
@@ -58,8 +59,8 @@ pub struct Session {
     pub turn: EngineLock,
 }
 
-/// State of the page: motion on or off, page visible or not, one step requested or not, number of frames still to be
-/// drawn, and pace.
+/// Requests of a page so far: motion on or off, page visible or not, one step requested or not, number of frames still
+/// to be drawn, and factor on the pace.
 struct Wish {
     playing: bool,
     looking: bool,
@@ -68,7 +69,7 @@ struct Wish {
     factor: f64,
 }
 
-/// Error: the page has been closed.
+/// Error: the page has been closed, so the session ends.
 struct Gone;
 
 impl Session {
@@ -133,7 +134,8 @@ impl Session {
         }
     }
 
-    /// Handles requests of the page until the next frame is to be computed. Returns a scene if the page has opened one.
+    /// Handles requests of the page until it is time for the next frame. Returns the opened scene if the page has
+    /// chosen one.
     fn listen(&self, wish: &mut Wish, run: &StageRun) -> Result<Option<SceneState>, Gone> {
         let mut choice = None;
         let mut ask = if wish.wants(run) {
@@ -175,23 +177,24 @@ impl Session {
 }
 
 impl Wish {
-    /// Returns true if the next frame is to be computed.
+    /// True if the next frame is to be computed: the motion is on, the page is visible and has drawn its frames, and a
+    /// panel has not reached its end.
     fn wants(&self, run: &StageRun) -> bool {
         let moving = self.playing || self.single;
         moving && self.looking && self.undrawn < UNDRAWN && run.panels.iter().any(|panel| panel.running().is_some())
     }
 }
 
-/// Running panels of an opened scene.
+/// Panels of an opened scene while they run.
 struct StageRun<'a> {
     stage: &'a SceneState,
     panels: [LabPanel<'a>; 2],
     clock: Clock,
-    /// Wall time of the last frame.
+    /// Wall time at which the last frame was made, on the clock of this run.
     shown: Duration,
-    /// Comparison of the panels that the next frame will contain.
+    /// Comparison of the panels that the next frame will contain; `None` if the page has it already.
     judged: Option<PanelComparison>,
-    /// Wall time of the last comparison.
+    /// Wall time of the last comparison of the panels, on the clock of this run.
     judged_at: Duration,
 }
 
@@ -214,7 +217,8 @@ impl<'a> StageRun<'a> {
         (self.shown + FRAME).saturating_sub(self.clock.now()).max(Duration::from_millis(1))
     }
 
-    /// [s] simulated time to compute for the next frame, from the wall time since the last frame.
+    /// [s] simulated time by which the panels advance for the next frame: the wall time since the last frame times the
+    /// pace. `factor` [-] is relative to the default pace; with `single` the wall time is that of one frame.
     fn stretch(&self, factor: f64, single: bool) -> f64 {
         let passed = if single { FRAME } else { (self.clock.now() - self.shown).min(LATEST) };
         self.stage.pace() * factor * passed.as_secs_f64()

@@ -272,7 +272,7 @@ impl SizeLevels {
         (grid, order, *first)
     }
 
-    /// True if there are levels with smaller spheres than `level`.
+    /// True if the level with the number `level` is followed by levels with smaller spheres.
     #[inline]
     pub fn has_smaller(&self, level: usize) -> bool {
         level + 1 < self.levels.len()

@@ -449,7 +449,7 @@ impl<T: Copy> Sieve<T> {
     }
 }
 
-/// Appends the slots of the pairs whose centres are nearer to each other than `reach` [m].
+/// Appends to `slots` the slots of those pairs in `some` whose centres are nearer to each other than `reach` returns [m].
 #[inline(always)]
 fn within<'a>(
     some: impl Iterator<Item = (u32, &'a Pair)>,
@@ -473,8 +473,8 @@ pub fn overlapping(particles: &Particles, scene: &Scene) -> Vec<Couple> {
     slots.iter().map(|&slot| list.couple(slot as usize).moved(|place| order[place as usize])).collect()
 }
 
-/// Part of a common velocity or acceleration of all particles that changes no gap to a wall. It is parallel to all
-/// planes, and zero if some wall is not a plane.
+/// Component of a common velocity or acceleration `vector` of all particles that changes no gap to a wall. It is parallel
+/// to all planes, and zero if some wall is not a plane.
 pub fn along_walls(scene: &Scene, vector: Vector3<f64>) -> Vector3<f64> {
     let mut normals: Vec<Vector3<f64>> = Vec::new();
     let mut rest = vector;

@@ -252,8 +252,8 @@ impl PackedBalls {
         Some([eight_of(x, number)?, eight_of(y, number)?, eight_of(z, number)?, eight_of(radii, number)?])
     }
 
-    /// Collects the balls of a range of the cell order that may overlap the ball `one`. Some of them nearly overlap.
-    /// `across` must be true if images through periodic sides may be nearer.
+    /// Collects the balls of a range of the cell order that may overlap the ball `one`. Because of rounding, some of them have
+    /// a small gap. `across` must be true if images through periodic sides may be nearer.
     #[inline(always)]
     fn pick<const CROWDED: bool, L: Lanes>(
         &self,

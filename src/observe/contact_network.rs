@@ -19,9 +19,11 @@ use crate::stored::{StoreError, Stored};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Largest number of used samples.
+/// Largest number of samples (instants of measurement) that are used; in a longer run the used samples are further
+/// apart.
 const MOST_SAMPLES: u64 = 1000;
-/// Number of entries of the list of contacts per particle; the last also counts particles with more contacts.
+/// Length of the list that counts particles by their number of contacts. The last entry also counts particles with more
+/// contacts.
 const MOST_CONTACTS: usize = 25;
 /// Names of the components of the fabric tensor, each with its two axes.
 const COMPONENTS: [(&str, [usize; 2]); 6] =
@@ -45,7 +47,8 @@ pub struct ContactLine {
 }
 
 impl ContactLine {
-    /// This contact, seen from the particle with the smaller id.
+    /// This contact with the particle of the smaller id as the first one, and with the reversed normal if the two are
+    /// exchanged.
     fn ordered(self, domain: &Domain) -> Self {
         let Some(other) = self.other.filter(|other| *other < self.id) else { return self };
         let (from, normal) = (domain.wrap(&self.to), -self.normal);
@@ -53,23 +56,24 @@ impl ContactLine {
         Self { id: other, other: Some(self.id), from, to, normal, ..self }
     }
 
-    /// Key for an order that does not depend on the store. A particle may touch several walls.
+    /// Key by which contacts are sorted, so that their order does not depend on the order of the particles in memory. A
+    /// particle may touch several walls, so the key includes the point of contact.
     fn key(&self) -> (u32, u32, [u64; 3]) {
         (self.id, self.other.unwrap_or(u32::MAX), [self.to.x, self.to.y, self.to.z].map(f64::to_bits))
     }
 }
 
-/// Contacts at one instant.
+/// Numbers of contacts, and means over the contacts, at one instant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct NetworkSample {
-    /// [s] simulated time.
+    /// [s] simulated time of the sample.
     time: f64,
     /// Number of particles with k contacts, for each k.
     by_contacts: Vec<u64>,
     /// Sum over all particles of the number of their contacts.
     ends: u64,
-    /// Sums of the products of normals over the contacts between particles, divided by the number of these contacts; `None`
-    /// without a contact.
+    /// Mean, over the contacts between particles, of the products of the components of their unit normals, in the order
+    /// of [`COMPONENTS`]; `None` without such a contact.
     fabric: Option<[f64; 6]>,
     /// [N] mean elastic part of the normal force; `None` without a contact.
     force: Option<f64>,
@@ -98,7 +102,7 @@ impl ContactNetwork {
     }
 }
 
-/// All present contacts of soft spheres with a contact law, in the order of the ids.
+/// All present contacts of soft spheres under the contact law `law`, sorted by the ids of the particles.
 pub(super) fn contact_lines(simulation: &Simulation, law: &ContactLaw) -> Vec<ContactLine> {
     let (particles, scene) = (&simulation.particles, simulation.scene());
     let mut lines = Vec::new();
@@ -142,12 +146,13 @@ impl NetworkSample {
         }
     }
 
-    /// Number of all particles.
+    /// Number of all particles, also of those without contacts.
     fn count(&self) -> f64 {
         self.by_contacts.iter().sum::<u64>() as f64
     }
 
-    /// Mechanical coordination number; `None` if no particle has two contacts.
+    /// Mechanical coordination number: contacts per particle, of particles with two contacts or more. `None` if there
+    /// is no such particle.
     fn mechanical(&self) -> Option<f64> {
         let (none, one) = (self.by_contacts[0] as f64, self.by_contacts[1] as f64);
         let carrying = self.count() - none - one;

@@ -22,19 +22,21 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Largest number of times of a curve. If there are more samples in the longest time, every n-th is used.
+/// Largest number of times at which a curve has values. If there are more samples in the longest time, every n-th is
+/// used.
 const MOST_TIMES: u64 = 1000;
 
-/// Sums over the particles of a species at one time after an origin, as means.
+/// Means over the particles of a species at one time t after an origin.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct MotionSample {
-    /// [m²] M(t).
+    /// [m²] mean squared displacement M(t) since the origin.
     displacement: f64,
-    /// [m²/s²] C(t).
+    /// [m²/s²] autocorrelation of the velocities C(t): the mean of v(0)·v(t)/3.
     correlation: f64,
 }
 
-/// Particles at the origin of a block of time and at the last sample, in the order of ids.
+/// Particles at the origin of a block of time and at the last sample. Lists are in the order of the ids of the
+/// particles.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct TrackedParticles {
     /// [m/s] velocities at the origin.
@@ -45,7 +47,7 @@ struct TrackedParticles {
     displacement: Vec<Vector3<f64>>,
 }
 
-/// Motion from one origin up to the longest time.
+/// Means over the particles in one block of time, from its origin up to the longest time.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct MotionBlock {
     /// [s] time of the origin.
@@ -83,7 +85,8 @@ impl Diffusion {
         }
     }
 
-    /// Begins a block of time with all particles, in the order of `by_id`.
+    /// Begins a block of time, whose origin is the present instant. `by_id` holds the index of each particle in the
+    /// store, in the order of ids.
     fn begin(&mut self, simulation: &Simulation, by_id: &[u32]) {
         let particles = &simulation.particles;
         let domain = &simulation.scene().domain;
@@ -96,7 +99,8 @@ impl Diffusion {
         self.blocks.push(MotionBlock { origin: simulation.time, samples: vec![Vec::new(); self.species] });
     }
 
-    /// Adds the displacements since the last sample.
+    /// Adds the displacement of each particle since the last sample. `by_id` holds the indices of the particles in the
+    /// order of ids.
     fn track(&mut self, simulation: &Simulation, by_id: &[u32]) {
         let domain = &simulation.scene().domain;
         let TrackedParticles { position, displacement, .. } = &mut self.tracked;
@@ -107,14 +111,16 @@ impl Diffusion {
         }
     }
 
-    /// True if a particle moves further than a quarter of a period between two samples.
+    /// True if the present velocity would move a particle further than a quarter of a period between two samples. The
+    /// nearest image may then be the wrong one.
     fn is_too_fast(&self, simulation: &Simulation) -> bool {
         let furthest = 0.5 * simulation.scene().domain.half;
         let reaches = |v: &Vector3<f64>| (0..3).any(|axis| (v[axis] * self.interval).abs() > furthest[axis]);
         simulation.particles.velocity.iter().any(reaches)
     }
 
-    /// Adds the means at the present time to the block.
+    /// Adds the means over each species at the present time to the last block. `by_id` holds the indices of the
+    /// particles in the order of ids.
     fn measure(&mut self, simulation: &Simulation, by_id: &[u32]) {
         let (particles, tracked) = (&simulation.particles, &self.tracked);
         let sums = sums_in_groups(self.species, by_id.len(), |id| {
@@ -137,7 +143,7 @@ impl Diffusion {
         }
     }
 
-    /// Complete blocks of time from the time `from` [s] on; none if displacements are unknown.
+    /// Complete blocks of time whose origin is not before `from` [s]; none if displacements are unknown.
     fn complete(&self, from: f64) -> Vec<&MotionBlock> {
         let is_used = |block: &&MotionBlock| {
             block.origin >= from && block.samples.iter().all(|samples| samples.len() == self.intervals + 1)
@@ -151,8 +157,13 @@ impl Diffusion {
 fn theory(experiment: &Experiment, temperature: f64) -> Option<f64> {
     let scene = &experiment.scene;
     let ([species], false) = (scene.species.as_slice(), scene.has_sizes()) else { return None };
-    let is_alone = scene.domain.periodic == [true; 3] && scene.fluid.is_none() && scene.gravity == Vector3::zeros();
-    if !is_alone || scene.contact.restitution < 1.0 || scene.contact.friction > 0.0 || scene.rotation.is_some() {
+    let is_alone = scene.is_homogeneous() && scene.gravity == Vector3::zeros();
+    if !is_alone
+        || scene.is_heated()
+        || scene.contact.restitution < 1.0
+        || scene.contact.friction > 0.0
+        || scene.rotation.is_some()
+    {
         return None;
     }
     let density = experiment.count() as f64 / scene.domain.volume();

@@ -24,26 +24,29 @@ use crate::stored::{StoreError, Stored};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Largest number of used samples.
+/// Largest number of samples (instants of measurement) that are used; in a longer run the used samples are further
+/// apart.
 const MOST_SAMPLES: u64 = 400;
-/// Number of blocks of time. The averaging period, which is known after the run, begins with a block.
+/// Number of blocks of time into which the run is divided. The averaging period, which is known after the run, begins
+/// with a block.
 const BLOCKS: f64 = 20.0;
-/// [-] distance at which the Gaussian is cut off, in widths.
+/// [-] distance, in widths of the Gaussian, beyond which the Gaussian counts as zero.
 const REACH: f64 = 4.0;
 /// [-] largest distance of the points along a contact at which the Gaussian is evaluated, in widths. The midpoint rule then
 /// errs by a hundredth.
 const STEP: f64 = 0.5;
-/// Number of sums of a cell: mass, three of momentum, six of products of velocities, six of contacts.
+/// Number of sums of a cell: mass, three of momentum, six of products of velocities, six of products of distance and
+/// force in contacts.
 const SUMS: usize = 16;
 /// Axes of the six components of a stress: xx, yy, zz, xy, xz, yz.
 const AXES: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]];
 
-/// Sums of all cells over the samples of a block of time.
+/// Sums of all cells over the samples in one block of time.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct FieldBlock {
     /// [s] time of the first sample.
     from: f64,
-    /// Number of samples.
+    /// Number of samples (instants of measurement) in the block.
     samples: u64,
     /// Sums of each cell, cell by cell; x changes first.
     sums: Vec<[f64; SUMS]>,
@@ -63,9 +66,9 @@ pub struct Fields {
     blocks: Vec<FieldBlock>,
 }
 
-/// Fields of a cell.
+/// Values of all fields in one cell.
 struct CellFields {
-    /// [kg/m³] density.
+    /// [kg/m³] mass of the particles per volume of the cell.
     density: f64,
     /// [m/s] velocity; 0 in an empty cell.
     velocity: Vector3<f64>,
@@ -76,7 +79,7 @@ struct CellFields {
 }
 
 impl CellFields {
-    /// Fields of a cell of `volume` [m³] with the means of these sums over samples.
+    /// Fields of a cell of the volume `volume` [m³]. `sums` holds the sums of the cell, averaged over samples.
     fn of(sums: &[f64; SUMS], volume: f64) -> Self {
         let per_volume = sums.map(|sum| sum / volume);
         let density = per_volume[0];
@@ -104,7 +107,8 @@ impl Fields {
         }
     }
 
-    /// Cells along an axis and the shares of a particle at the place `x` [m] in them; the shares add up to one.
+    /// Indices of the cells along an axis that get a share of a particle at the coordinate `x` [m], each with its share
+    /// [-]. The shares add up to one.
     fn shares(&self, domain: &Domain, axis: usize, x: f64) -> Vec<(usize, f64)> {
         let (count, size) = (self.cells[axis], domain.size[axis] / self.cells[axis] as f64);
         let own = x / size - 0.5;
@@ -128,7 +132,8 @@ impl Fields {
         shares
     }
 
-    /// Adds the values of `row` to the cells around a place [m], from the sum with the index `first` on.
+    /// Adds the numbers of `row` to the cells around a place [m], each cell by its share. The first number goes to the
+    /// sum with the index `first` in a cell, the others to the following sums.
     fn spread(&self, sums: &mut [[f64; SUMS]], domain: &Domain, place: &Vector3<f64>, first: usize, row: &[f64]) {
         let place = domain.wrap(place);
         let [x, y, z] = [0, 1, 2].map(|axis| self.shares(domain, axis, place[axis]));
@@ -143,7 +148,7 @@ impl Fields {
         }
     }
 
-    /// Adds a contact between particles: r f along the line between the centres.
+    /// Adds a contact between two particles to the contact stress of the cells along the line between the centres.
     fn spread_contact(&self, sums: &mut [[f64; SUMS]], domain: &Domain, line: &ContactLine) {
         let r = line.from - line.to;
         let force = line.normal * line.force;
@@ -154,14 +159,14 @@ impl Fields {
         }
     }
 
-    /// Blocks of time from the time `from` [s] on; the last one if all begin earlier.
+    /// Blocks of time that begin at `from` [s] or later; if all begin earlier, only the last one.
     fn used(&self, from: f64) -> &[FieldBlock] {
         let first = self.blocks.iter().position(|block| block.from >= from * (1.0 - 1e-9));
         &self.blocks[first.unwrap_or(self.blocks.len().saturating_sub(1))..]
     }
 }
 
-/// Mean over samples of the sums of each cell, over several blocks of time.
+/// Sums of each cell, averaged over all samples of several blocks of time.
 fn mean(blocks: &[FieldBlock]) -> Vec<[f64; SUMS]> {
     let samples = blocks.iter().map(|block| block.samples).sum::<u64>().max(1) as f64;
     let count = blocks.first().map_or(0, |block| block.sums.len());
@@ -169,7 +174,7 @@ fn mean(blocks: &[FieldBlock]) -> Vec<[f64; SUMS]> {
     (0..count).map(|cell| std::array::from_fn(|k| of(cell, k))).collect()
 }
 
-/// Mean of the sums of all cells in each layer across y.
+/// Sums averaged over the cells of each layer across y. `cells` holds the numbers of cells along x, y and z.
 fn layers(sums: &[[f64; SUMS]], cells: [usize; 3]) -> Vec<[f64; SUMS]> {
     let mut layers = vec![[0.0; SUMS]; cells[1]];
     for (cell, sums) in sums.iter().enumerate() {

@@ -13,21 +13,23 @@ use serde::{Deserialize, Serialize};
 /// enough.
 const MOST_PARTICLES: usize = 500;
 
-/// Number of particles up to which a viewer can follow each one, even if it flies far between two frames.
+/// Largest number of particles for which frames are always spaced over the whole run. A viewer can follow so few
+/// particles even if they fly far between two frames.
 const FEW: usize = 50;
 
 /// Smallest and largest number of frames of a run.
 const FRAMES: std::ops::RangeInclusive<usize> = 40..=241;
 
-/// Largest number of recorded particles times frames, of all variants together. This number limits the data of a page
-/// to a few megabytes.
+/// Largest product of recorded particles and frames, summed over all variants shown on a page. It limits the data of
+/// the page to a few megabytes.
 const BUDGET: usize = 90_000;
 
-/// [-] mean distance that a particle flies between two frames, in units of its radius. The distance uses the velocity
-/// fluctuations alone, and is short enough to show collisions.
+/// [-] desired mean distance that a particle flies between two frames, in units of its radius, from velocity
+/// fluctuations alone. It is short enough to show collisions.
 const FLIGHT: f64 = 1.0;
 
-/// [-] factor by which the distance may exceed `FLIGHT`, provided that the frames then cover the whole run.
+/// [-] factor by which the distance between two frames may exceed `FLIGHT`, provided that the frames then cover the
+/// whole run.
 const WHOLE: f64 = 5.0;
 
 /// State of the recorded particles at one instant.
@@ -83,7 +85,7 @@ impl Frames {
         Self { particles: radius.len(), species: vec![0; radius.len()], radius, frames, ..Self::default() }
     }
 
-    /// Step n in the ids of the recorded particles: every n-th particle is recorded.
+    /// Step n between the ids of recorded particles: every n-th particle is recorded.
     fn every(&self) -> usize {
         self.particles.div_ceil(self.most.0.max(1)).max(1)
     }

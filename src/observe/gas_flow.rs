@@ -7,7 +7,7 @@ use crate::simulation::Simulation;
 use crate::statistics::{Estimate, estimate};
 use serde::{Deserialize, Serialize};
 
-/// Largest number of samples that are stored.
+/// Largest number of samples (instants of measurement) that are stored.
 const MOST_SAMPLES: u64 = 200;
 
 /// Flow of a gas that feels the particles, over the averaging period.
@@ -29,24 +29,24 @@ pub struct GasFlow {
     pub balance: GasBalance,
 }
 
-/// Gas at one instant.
+/// State of the gas at one instant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct GasSample {
-    /// [s] simulated time.
+    /// [s] simulated time of the sample.
     time: f64,
     /// [Pa s/m] pressure drop per length, integrated over time since the start.
     pressed: f64,
     /// [m/s] flow rate over the cross-section.
     bulk_velocity: f64,
-    /// [m/s] friction velocity.
+    /// [m/s] friction velocity of the gas at the wall.
     friction_velocity: f64,
     nodes: Vec<GridNode>,
 }
 
-/// Measurement of the gas that feels the particles.
+/// Measurement of the flow of a gas that feels the particles, at samples.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct GasFlows {
-    /// [s] time between samples.
+    /// [s] time between two samples of the gas.
     interval: f64,
     samples: Vec<GasSample>,
     balance: GasBalance,
@@ -58,7 +58,8 @@ impl GasFlows {
         Self { interval: schedule.spacing(MOST_SAMPLES), ..Self::default() }
     }
 
-    /// Averages from the time `from` [s] on; `None` if the gas `alone` is frozen, or without a sample.
+    /// Averages over the samples from the time `from` [s] on. `alone` is the gas before any particle acts on it. `None`
+    /// if it has no channel or pipe flow, or without a sample.
     pub fn averages(&self, alone: Option<&Fluid>, from: f64) -> Option<GasFlow> {
         let (fluid, flow) = alone.and_then(|fluid| Some((fluid, fluid.profile.channel_flow()?)))?;
         let used: Vec<&GasSample> = self.samples.iter().filter(|sample| sample.time >= from).collect();

@@ -9,10 +9,10 @@ use crate::statistics::{Batches, Estimate, FEWEST_BLOCKS, estimate};
 use serde::{Deserialize, Serialize};
 
 /// Number of equal parts of a run at whose ends the sums of the impacts are stored. A detected start of averaging is
-/// the end of a part in the first half of the run ([`judge`](crate::statistics::judge)).
+/// the end of such a part in the first half of the run ([`judge`](crate::statistics::judge)).
 const MARKS: u64 = 40;
 
-/// Sums over all impacts from the start of the run to a sample.
+/// Sums over all impacts from the start of the run to one sample (instant of measurement).
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct ImpactSample {
     count: u64,
@@ -73,7 +73,8 @@ impl ImpactSeries {
         if self.on_walls { &record.walls } else { &record.pairs }
     }
 
-    /// True if averaging may begin at the sample at `time` [s].
+    /// True if averaging may begin at the present sample, which is at `time` [s]. The sums of the impacts are then
+    /// stored.
     fn begins(&self, time: f64) -> bool {
         match self.average_from {
             // 1e-9 allows for the rounding of a sum of windows
@@ -85,24 +86,24 @@ impl ImpactSeries {
         }
     }
 
-    /// Impacts in each interval between samples.
+    /// Sums over the impacts of each interval between two successive samples.
     fn intervals(&self) -> impl Iterator<Item = ImpactSample> {
         self.samples.windows(2).map(|pair| pair[1].since(&pair[0]))
     }
 
-    /// Impacts since the first mark at or after `from` [s]. A mark is a stored sum up to a possible start of averaging.
-    /// If all marks are earlier, the last mark is used. Without marks, no impacts are returned.
+    /// Impacts since the first stored sums at or after `from` [s]. Sums are stored at each time at which averaging may
+    /// begin. If all these times are earlier, the last one is used. If there are none, no impacts are returned.
     pub fn since(&self, from: f64, record: &Record) -> Impacts {
         let begun = self.marks.iter().find(|(time, _)| *time >= from * (1.0 - 1e-9)).or(self.marks.last());
         begun.map_or_else(Impacts::default, |(_, before)| self.of(record).since(before))
     }
 
-    /// [1/s] mean impact rate from sample `first` on.
+    /// [1/s] mean impact rate from the sample with the index `first` on; `None` if no sample follows.
     pub fn rate(&self, first: usize) -> Option<Estimate> {
         estimate(&self.rates(first))
     }
 
-    /// [1/s] impact rate in each interval between samples, from sample `first` on.
+    /// [1/s] impact rate in each interval between successive samples, from the sample with the index `first` on.
     fn rates(&self, first: usize) -> Vec<f64> {
         let interval = self.schedule.interval();
         self.intervals().skip(first).map(|totals| totals.count as f64 / interval).collect()

@@ -12,7 +12,7 @@ use crate::statistics::{Accumulator, Batches, Estimate, ProfileTable, VelocitySp
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Means over the particles of one species, each with one value per sample.
+/// Means over the particles of one species, with one value per sample (instant of measurement).
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct OfSpecies {
     species: u16,
@@ -32,7 +32,7 @@ struct OfSpecies {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Kinds {
     slices: usize,
-    /// [s] time between samples.
+    /// [s] time between two samples (instants of measurement).
     interval: f64,
     species: Vec<OfSpecies>,
     impacts: Vec<ByKinds>,
@@ -43,7 +43,7 @@ pub struct Kinds {
 /// Averages of one species over the averaging period.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SpeciesAverages {
-    /// Name of the species.
+    /// Name of the species of particles.
     pub name: String,
     /// Number of particles of the species.
     pub count: usize,
@@ -88,7 +88,7 @@ pub struct MeetingAverages {
 /// Curve over time of a quantity of one kind or of a pair of kinds, for the whole run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KindCurve {
-    /// Name of the quantity.
+    /// Name of the quantity, for reports.
     pub name: String,
     /// Unit of the quantity; empty if it has none.
     pub unit: &'static str,
@@ -124,7 +124,8 @@ pub struct KindAverages {
     pub curves: Vec<KindCurve>,
 }
 
-/// Averages over blocks of time of all runs together; `None` if one run has no such averages.
+/// Blocks of time of several runs of one variant together; `None` if one run has none. `by_runs` is passed to
+/// [`Batches::pool`].
 fn pool<'a>(runs: impl Iterator<Item = &'a Option<Batches>>, by_runs: bool) -> Option<Batches> {
     let all: Option<Vec<&Batches>> = runs.map(Option::as_ref).collect();
     Batches::pool(&all?, by_runs)
@@ -163,7 +164,8 @@ impl KindAverages {
 }
 
 impl MeetingAverages {
-    /// Impacts of one pair of kinds in several runs; `None` for runs in which this pair had no impact.
+    /// Impacts of one pair of kinds in several runs together, with the names of `first`. An entry of `runs` is `None`
+    /// if the pair had no impact in that run.
     fn pool(first: &Self, runs: &[Option<&Self>]) -> Self {
         let met = || runs.iter().flatten();
         let count: u64 = met().map(|one| one.count).sum();
@@ -216,7 +218,8 @@ impl Kinds {
         KindAverages { species, meetings, curves: self.curves(scene) }
     }
 
-    /// [1/s] rate of impacts of a species with particles in each interval between samples, from sample `first` on.
+    /// [1/s] rate at which particles of a species collide with particles, in each interval between samples. The first
+    /// interval begins at the sample with the index `first`.
     fn rates(&self, species: u16, first: usize) -> Vec<f64> {
         let counts = self.impacts.iter().skip(first).map(|sample| {
             let own = sample.met().filter(|between| takes_part(species, *between));
@@ -288,7 +291,7 @@ fn names(scene: &Scene, between: Between) -> [String; 2] {
     [scene.species[usize::from(between.species)].name.clone(), other]
 }
 
-/// True if `between` refers to impacts of the species with particles, not with a wall.
+/// True if the impacts `between` two kinds are impacts of the species `species` with particles, not with a wall.
 fn takes_part(species: u16, between: Between) -> bool {
     match between.other {
         Kind::Species(other) => species == between.species || species == other,
@@ -297,7 +300,8 @@ fn takes_part(species: u16, between: Between) -> bool {
 }
 
 impl OfSpecies {
-    /// Averages from sample `first` on. This sample is at `from` [s], and samples are `interval` [s] apart.
+    /// Averages from the sample with the index `first` on, which is at `from` [s]. Samples are `interval` [s] apart.
+    /// `rate` is the rate of impacts with particles [1/s].
     fn averages(
         &self,
         scene: &Scene,

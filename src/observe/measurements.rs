@@ -33,7 +33,7 @@ impl ObservedQuantity {
 /// Values at the places of a measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObservedCurve {
-    /// Quantity of the values.
+    /// Quantity of which the curve holds values.
     pub quantity: ObservedQuantity,
     /// Values in the unit of the quantity, one for each place; `None` where the value is unknown.
     pub values: Vec<Option<Estimate>>,
@@ -46,7 +46,7 @@ pub struct ObservedCurve {
 /// Single number of a measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObservedNumber {
-    /// Quantity of the number.
+    /// Quantity of which this is the value.
     pub quantity: ObservedQuantity,
     /// Value in the unit of the quantity; `None` if it is unknown.
     pub value: Option<Estimate>,
@@ -70,15 +70,15 @@ pub struct ObservedGrid {
 pub struct Observation {
     /// Name of the measurement in the case. The file of the curves has this name too.
     pub name: &'static str,
-    /// Heading in reports.
+    /// Heading of the measurement in reports.
     pub title: &'static str,
     /// Quantity along which the curves extend.
     pub axis: ObservedQuantity,
     /// [SI] places along the axis, in the unit of the axis.
     pub places: Vec<f64>,
-    /// Curves over the places.
+    /// Curves of the measurement, each with a value at every place.
     pub curves: Vec<ObservedCurve>,
-    /// Single numbers.
+    /// Single numbers that the measurement gives.
     pub numbers: Vec<ObservedNumber>,
     /// Contacts at the end of the run, for a file of lines.
     pub lines: Vec<ContactLine>,
@@ -115,9 +115,9 @@ impl Observation {
     }
 }
 
-/// Observer whose result has the common form.
+/// Observer of a run whose result has the common form of an [`Observation`].
 pub trait Measurement: Observer {
-    /// Result of the samples from the time `from` [s] on.
+    /// Result of the samples (instants of measurement) from the time `from` [s] on.
     fn result(&self, experiment: &Experiment, from: f64) -> Observation;
 }
 
@@ -152,7 +152,7 @@ impl Measurements {
         }
     }
 
-    /// All measurements.
+    /// All measurements that the case asks for.
     pub fn each(&mut self) -> impl Iterator<Item = &mut dyn Measurement> {
         let pairs = self.pair_distribution.as_mut().map(|of| of as &mut dyn Measurement);
         let velocities = self.velocity_distribution.as_mut().map(|of| of as &mut dyn Measurement);
@@ -163,7 +163,7 @@ impl Measurements {
         [pairs, velocities, diffusion, structure, network, fields].into_iter().flatten()
     }
 
-    /// Results of the samples from the time `from` [s] on.
+    /// Results of all measurements, from the samples at `from` [s] and later.
     pub fn results(mut self, experiment: &Experiment, from: f64) -> Vec<Observation> {
         self.each().map(|measurement| measurement.result(experiment, from)).collect()
     }

@@ -14,21 +14,21 @@ use rand::{Rng, SeedableRng};
 use rand_xoshiro::SplitMix64;
 use serde::{Deserialize, Serialize};
 
-/// Number of sums per layer: the number of particles, and 31 sums of signs. With n layers, the share of the particles
-/// that stay in their layer has a statistical error of 1/sqrt(31 n).
+/// Number of sums per layer: the number of particles, and 31 sums of random signs. With n layers, the share of the
+/// particles that stay in their layer has a statistical error of 1/sqrt(31 n).
 const SUMS: usize = 32;
 /// Largest number of layers. With 64 layers, the share of the particles that stay in their layer has an error of 0.02.
 const LAYERS: f64 = 64.0;
 /// Smallest number of layers. With fewer layers, too many particles are in the same layer twice by chance.
 const FEWEST_LAYERS: f64 = 4.0;
-/// Number of instants before the end at which the sums are stored. The sums at one of these instants are compared with
-/// those at the end.
+/// Number of equal intervals of the run, at whose ends the sums are stored. The sums at one of these instants are
+/// compared with those at the end.
 const MARKS: u64 = 8;
 
-/// Sums of signs in layers at one instant.
+/// Sums of the random signs of the particles in each layer at one instant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct LayerSample {
-    /// [s] simulated time.
+    /// [s] simulated time of the sums.
     time: f64,
     /// Sums of each layer: the number of particles, then 31 sums of signs.
     rows: Vec<Vec<f64>>,
@@ -39,7 +39,7 @@ struct LayerSample {
 pub struct Mixing {
     layers: usize,
     height: f64,
-    /// [s] time between instants.
+    /// [s] time between two instants at which sums are stored.
     interval: f64,
     marks: Vec<LayerSample>,
 }
@@ -75,7 +75,7 @@ impl Mixing {
     }
 }
 
-/// Contribution of a particle to the sums of its layer: the number 1, then the signs of the particle.
+/// Contribution of the particle `id` to the sums of its layer: the number 1, then the 31 random signs of the particle.
 fn row(id: u32) -> [f64; SUMS] {
     let bits = SplitMix64::seed_from_u64(u64::from(id)).next_u32();
     std::array::from_fn(|k| if k == 0 || bits >> k & 1 == 0 { 1.0 } else { -1.0 })

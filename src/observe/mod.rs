@@ -64,7 +64,7 @@ use crate::simulation::Simulation;
 use crate::statistics::Accumulator;
 use crate::stored::{StoreError, Stored};
 
-/// Implements the methods that store and restore an observer, for observers that consist of plain data.
+/// Implements the methods `stored` and `restore` of an observer that consists of plain data: its whole value is stored.
 macro_rules! plain_data {
     () => {
         fn stored(&self) -> Result<crate::stored::Stored, crate::stored::StoreError> {
@@ -102,14 +102,15 @@ pub enum Needs {
 /// Every closure that takes a `&Simulation` is an observer that is called at every sample.
 pub trait Observer: Send {
     /// [s] next time after `now` [s] at which the observer is to be called; `None` if it is not to be called again. The
-    /// call takes place at the end of the first window that reaches this time. Every observer is also called at the
-    /// start. The default is the time of the next sample.
+    /// call takes place at the end of the first window (time between two exchanges with the gas) that reaches this
+    /// time. Every observer is also called at the start. The default is the time of the next sample.
     fn next(&self, now: f64, schedule: &Schedule) -> Option<f64> {
         Some(now + schedule.interval())
     }
 
     /// True if the observer requires velocities of the same instant as the positions. Between two samples the
-    /// velocities lack the drag of up to half a window. Adding it takes as long as the drag of one window.
+    /// velocities lack the drag of up to half a window, the time between two exchanges with the gas. Adding it takes as
+    /// long as the drag of one window.
     fn needs_velocities(&self) -> bool {
         true
     }

@@ -23,7 +23,7 @@ pub struct Balance {
 /// Streamwise (z) momentum that all particles have received from the start to every sample.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct MomentumBooks {
-    /// [s] time between samples.
+    /// [s] time between two samples (instants of measurement).
     interval: f64,
     /// [N] weight of all particles along z.
     weight: f64,

@@ -24,7 +24,7 @@ pub struct Motion {
     temperature: Vec<Option<Vector3<f64>>>,
     /// [m] mean position along x, y and z, and [m²] mean square of y, at every sample.
     place: Vec<[f64; 4]>,
-    /// Number of impacts so far, of pairs and on walls, at every sample.
+    /// Number of impacts since the start, first between particles, then on walls, at every sample.
     impacts: Vec<[u64; 2]>,
     /// [Pa] kinetic part of the stress against the shear of a sheared box, and [Pa s] integral of its contact part since the
     /// start, at every sample; empty without shear.
@@ -55,8 +55,8 @@ impl Followed {
     }
 }
 
-/// [-] largest drift of a mean position that counts as rest, in diameters. In the same way, speeds below a hundredth of
-/// sqrt(g d) count as rest.
+/// [-] largest drift of a mean position that counts as rest, in diameters of the smallest particles. In the same way,
+/// speeds below a hundredth of sqrt(g d) count as rest.
 const PLACE: f64 = 0.01;
 
 impl Motion {
@@ -91,7 +91,8 @@ impl Motion {
         judge(&self.times, &all.iter().map(Followed::series).collect::<Vec<_>>(), from)
     }
 
-    /// All tested quantities over time.
+    /// All quantities over time that are tested for being steady: agitation, and along each axis velocity, temperature
+    /// and position; impact rates.
     fn series(&self) -> Vec<Followed> {
         // if momentum is conserved, the mean velocity changes only by rounding errors, which are small compared with
         // the agitation

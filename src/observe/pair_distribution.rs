@@ -17,24 +17,26 @@ use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Largest number of used samples.
+/// Largest number of samples (instants of measurement) that are used; in a longer run the used samples are further
+/// apart.
 const MOST_SAMPLES: u64 = 1000;
 /// Number of bins beyond contact from which the value at contact is extrapolated.
 const NEAR: usize = 12;
-/// [-] width of these bins over the distance at contact. A parabola over 0.12 diameters extrapolates g of a hard-sphere
-/// fluid to contact with an error of 0.2 % at a volume fraction of 0.45, where g falls like exp(-5 r/d).
+/// [-] width of a bin beyond contact, over the distance of the two centres at contact. A parabola over 0.12 diameters
+/// extrapolates g of a hard-sphere fluid to contact with an error of 0.2 % at a volume fraction of 0.45, where g falls
+/// like exp(-5 r/d).
 const NEAR_WIDTH: f64 = 0.01;
-/// [-] end of the last of these bins over the distance at contact.
+/// [-] distance of the end of the last bin beyond contact, over the distance of the two centres at contact.
 const FURTHEST: f64 = 1.0 + NEAR as f64 * NEAR_WIDTH;
 
 /// Numbers of pairs at one instant, for each pair of species.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct PairSample {
-    /// [s] simulated time.
+    /// [s] simulated time of the sample.
     time: f64,
-    /// Number of pairs in each bin of the distance.
+    /// Number of pairs in each bin of the distance, for each pair of species in the order of [`index`].
     bins: Vec<Vec<u64>>,
-    /// Number of pairs in each bin beyond contact.
+    /// Number of pairs in each of the narrow bins beyond contact, for each pair of species.
     near: Vec<[u64; NEAR]>,
 }
 
@@ -55,7 +57,7 @@ impl PairSample {
 pub struct PairDistribution {
     /// [s] time between the used samples.
     interval: f64,
-    /// [m] largest distance.
+    /// [m] largest distance of two centres that is counted in the histogram.
     reach: f64,
     bins: usize,
     /// [m] distance at contact of each pair of species; `None` if the diameters vary within one of them, or in a box of
@@ -99,8 +101,8 @@ impl PairDistribution {
         }
     }
 
-    /// g averaged over `samples`, from the counts that `counts` returns for bins between `edges` [m]. `share` is the
-    /// volume of the box over the number of all pairs.
+    /// Values of g in each bin of the distance, averaged over `samples`. `counts` returns the number of pairs in a bin
+    /// of one sample. `share` [m³] is the volume of the box over the number of all pairs.
     fn curve(
         &self,
         samples: &[&PairSample],
@@ -116,7 +118,8 @@ impl PairDistribution {
         (0..self.bins).map(bin).collect()
     }
 
-    /// Extrapolated value of g at the distance `contact` [m] of the pair of species at an index.
+    /// Value of g extrapolated to contact at the distance `contact` [m]. `pair` is the index of the pair of species,
+    /// and `share` [m³] the volume of the box over the number of its pairs.
     fn at_contact(&self, samples: &[&PairSample], pair: usize, contact: f64, share: f64) -> Option<Estimate> {
         let weights = weights_at_contact()?;
         let edge = |k: usize| contact * (1.0 + k as f64 * NEAR_WIDTH);

@@ -7,15 +7,15 @@ use crate::simulation::Simulation;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Number of instants at which a path is recorded, for runs of any length.
+/// Number of instants at which the particles are recorded, for runs of any length.
 const INSTANTS: u64 = 1000;
 
 /// State of one particle at one instant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PathSample {
-    /// [s] simulated time.
+    /// [s] simulated time of this state.
     pub time: f64,
-    /// Id of the particle.
+    /// Id of the particle, which it keeps during the whole run.
     pub id: u32,
     /// [m] centre, inside the box along periodic axes.
     pub position: Vector3<f64>,
@@ -31,7 +31,7 @@ pub struct PathSample {
 /// variants of the scene.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Paths {
-    /// [s] time between instants.
+    /// [s] time between two recorded instants.
     interval: f64,
     /// States of all particles in the order of time, then of id.
     pub points: Vec<PathSample>,

@@ -41,7 +41,7 @@ pub struct RingAverages {
     pub profiles: ProfileTable,
 }
 
-/// Pipe of the gas flow; `None` if the gas flow is not that of a pipe.
+/// Pipe of the gas flow of a scene; `None` if the gas flow is not that of a pipe.
 fn pipe(scene: &Scene) -> Option<&Pipe> {
     match &scene.fluid.as_ref()?.profile {
         Profile::Pipe(pipe) => Some(pipe),

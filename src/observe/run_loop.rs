@@ -17,7 +17,8 @@ pub struct RunLoop {
     due: Vec<Option<f64>>,
 }
 
-/// Stored state of a run that was stopped at the end of a window. The resumed run has the same results, bit by bit.
+/// Stored state of a run that was stopped at the end of a window (time between two exchanges with the gas). The resumed
+/// run has the same results, bit by bit.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Pause {
     /// State of the simulation at the pause.
@@ -90,8 +91,9 @@ impl RunLoop {
         }
     }
 
-    /// Calls the observers that are due at `now` [s], between two samples. The velocities lack the drag of the time
-    /// `kick` [s], half of a step of drag. This drag is added for observers that require velocities.
+    /// Calls the observers that are due at `now` [s], between two samples (instants of measurement). The velocities
+    /// lack the drag of the time `kick` [s], half of a step of drag. This drag is added for observers that require
+    /// velocities.
     fn see_between(
         &mut self,
         simulation: &mut Simulation,
@@ -122,8 +124,8 @@ impl RunLoop {
         simulation.settle(self.course.window());
     }
 
-    /// Calls the observers that are due at a sample. If several processes share the run, observers that require sums or
-    /// parts are called with the local particles in every process.
+    /// Calls the observers that are due at a sample (instant of measurement). If several processes share the run,
+    /// observers that require sums or parts are called in every process, with the particles of this process.
     fn sample(&mut self, simulation: &mut Simulation, observers: &mut [&mut dyn Observer]) {
         let by_parts = |place: &usize| {
             matches!(observers[*place].sight(), Needs::Sums | Needs::Parts) && simulation.is_seen_by_all(*place)
@@ -157,7 +159,8 @@ impl RunLoop {
         observers.iter_mut().for_each(|observer| observer.end(simulation));
     }
 
-    /// Calls the observers with the given indices at `now` [s], and stores their next times.
+    /// Calls the observers with the indices `places` at `now` [s], and stores the times at which they are to be called
+    /// next.
     fn see(&mut self, simulation: &Simulation, now: f64, observers: &mut [&mut dyn Observer], places: &[usize]) {
         for &place in places {
             observers[place].see(simulation);
@@ -184,13 +187,14 @@ impl RunLoop {
     }
 }
 
-/// Calls the observers with the given indices in every process, with the local particles. Every process has a copy of
-/// each of these observers.
+/// Calls the observers with the indices `places` in every process, with the particles of this process. Every process
+/// has a copy of each of these observers.
 fn show_parts(simulation: &mut Simulation, observers: &[&mut dyn Observer], places: &[usize]) {
     simulation.show_parts(places, |place| observers[place].stored().unwrap_or_default());
 }
 
-/// Gathers the particles that the observers require in the lead process.
+/// Gathers, in the lead process, the particles that observers require. `sights` holds the particles that each of them
+/// requires.
 fn show(simulation: &mut Simulation, sights: impl Iterator<Item = Needs>) {
     let asked = sights.filter_map(|sight| match sight {
         Needs::Nothing => None,
@@ -219,10 +223,7 @@ impl Pause {
         self.resume_as(fresh, experiment, observers)
     }
 
-    /// Resumes the run. `fresh` is a simulation of the experiment in its initial state.
-    ///
-    /// # Errors
-    /// Errors of [`resume`](Self::resume).
+    /// Resumes the run with `fresh`, a simulation of the experiment in its initial state, instead of a newly made one.
     pub fn resume_as(
         self,
         fresh: Simulation,

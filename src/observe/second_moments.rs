@@ -27,7 +27,8 @@ use serde::{Deserialize, Serialize};
 
 /// Names of the four moments, each with its two components of (u, v, w) = (streamwise, wall-normal, spanwise).
 pub const MOMENTS: [(&str, usize, usize); 4] = [("uu", 0, 0), ("vv", 1, 1), ("ww", 2, 2), ("uv", 0, 1)];
-/// Number of parts of a run whose sums are stored separately. The averaging period begins at the start of a part.
+/// Number of parts of a run whose sums are stored separately, so that the averaging period can begin at the start of
+/// any part.
 const PARTS: u64 = 200;
 /// Number of blocks of time from which the standard errors are computed.
 const BLOCKS: usize = 20;
@@ -39,7 +40,7 @@ pub struct Terms<T> {
     pub production: T,
     /// [m²/s³] transport by velocity fluctuations from other slices.
     pub transport: T,
-    /// [m²/s³] change by drag.
+    /// [m²/s³] rate of change by the drag of the gas.
     pub drag: T,
     /// [m²/s³] change by impacts between particles and on walls.
     pub impacts: T,
@@ -74,7 +75,8 @@ pub struct Budgets {
     pub from: f64,
 }
 
-/// Sums over the particles of a slice and over several windows; velocities (u, v, w) are relative to `reference`.
+/// Sums over the particles of a slice and over several windows (times between two exchanges with the gas). Velocities
+/// (u, v, w) are relative to the `reference` of [`SecondMoments`].
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct MomentSums {
     count: f64,
@@ -91,11 +93,11 @@ struct MomentSums {
     jumps: [f64; 4],
 }
 
-/// Number of sums of a slice. One of the numbers is unused and makes the total a multiple of four.
+/// Number of sums of a slice as an array. The last one is unused and makes the total a multiple of four.
 const TERMS: usize = 32;
 
 impl From<[f64; TERMS]> for MomentSums {
-    /// Creates the sums from an array in the order of [`row`].
+    /// Makes the sums from an array in the order that `row` uses.
     fn from(all: [f64; TERMS]) -> Self {
         let vector = |first: usize| Vector3::new(all[first], all[first + 1], all[first + 2]);
         let four = |first: usize| std::array::from_fn(|k| all[first + k]);
@@ -112,8 +114,9 @@ impl From<[f64; TERMS]> for MomentSums {
     }
 }
 
-/// Contribution of one particle to the sums at the end of a window. The argument contains the velocity of the particle,
-/// its acceleration by drag, and its velocities before and after the engine has moved the particle.
+/// Contribution of one particle to the sums at the end of a window, the time between two exchanges with the gas. The
+/// argument contains its velocity, its acceleration by drag, and its velocities before and after the engine has moved
+/// it.
 fn row([velocity, acceleration, before, after]: [&Vector3<f64>; 4]) -> [f64; TERMS] {
     let mut row = [1.0; TERMS];
     row[1..4].copy_from_slice(velocity.as_slice());
@@ -150,13 +153,14 @@ impl MomentSums {
         self.velocity / self.count
     }
 
-    /// Moment <v_i″ v_j″> [m²/s²], with ″ the fluctuation about the mean.
+    /// Second moment <v_i″ v_j″> [m²/s²] of the components i and j, with ″ the fluctuation about the mean of the slice.
     fn second(&self, i: usize, j: usize) -> f64 {
         let mean = self.mean();
         self.square[i][j] / self.count - mean[i] * mean[j]
     }
 
-    /// Third moment <v_i″ v_j″ v″> [m³/s³] for one of the four moments, with the wall-normal fluctuation v″.
+    /// Third moment <v_i″ v_j″ v″> [m³/s³], with the components i and j of the moment number `moment` and the
+    /// wall-normal fluctuation v″.
     fn third(&self, moment: usize) -> f64 {
         let (_, i, j) = MOMENTS[moment];
         let (m, raw) = (self.mean(), |a: usize, b: usize| self.square[a][b] / self.count);
@@ -164,8 +168,8 @@ impl MomentSums {
             + 2.0 * m[i] * m[j] * m[1]
     }
 
-    /// Change of <v_i″ v_j″> by a process: sum of the changes `products` of v_i v_j without the part due to changes
-    /// `single` of v, per particle.
+    /// Change of the moment <v_i″ v_j″> number `moment` by one process. It is the sum `products` of the changes of v_i
+    /// v_j without the part due to the changes `single` of v, per particle.
     fn about(&self, moment: usize, products: f64, single: &Vector3<f64>) -> f64 {
         let (_, i, j) = MOMENTS[moment];
         let mean = self.mean();
@@ -173,7 +177,7 @@ impl MomentSums {
     }
 }
 
-/// Sums over one part of the run, with its start.
+/// Sums over one part of the run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct MomentBlock {
     /// [s] start of the part.
@@ -184,7 +188,8 @@ struct MomentBlock {
     walls: [f64; 3],
 }
 
-/// Observer that is called at the end of every window of a run and sums the terms of the budgets.
+/// Observer that sums the terms of the budgets. It is called at the end of every window, the time between two exchanges
+/// with the gas.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SecondMoments {
     slices: usize,
@@ -193,7 +198,8 @@ pub struct SecondMoments {
     height: f64,
     /// [m/s] velocity (u, v, w) that is subtracted from all velocities.
     reference: Vector3<f64>,
-    /// [m/s] velocities (u, v, w) with which the engine begins the next window, by particle id.
+    /// [m/s] velocities (u, v, w), by particle id, with which the engine begins the next window (time between two
+    /// exchanges with the gas).
     given: Vec<Vector3<f64>>,
     walls: [f64; 3],
     parts: Vec<MomentBlock>,
@@ -204,7 +210,8 @@ fn components(vector: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(vector.z, vector.y, vector.x)
 }
 
-/// [m/s²] acceleration of a sphere by drag at a position and velocity.
+/// [m/s²] acceleration of a sphere by the drag of the mean gas flow, at the position `place` [m] and the velocity
+/// `velocity` [m/s].
 fn drag(fluid: &Fluid, sphere: &crate::drag::Sphere, place: &Vector3<f64>, velocity: &Vector3<f64>) -> Vector3<f64> {
     let Some(law) = &fluid.drag else { return Vector3::zeros() };
     let slip = Vector3::new(0.0, 0.0, fluid.profile.velocity_at(place)) - velocity;
@@ -253,7 +260,7 @@ impl SecondMoments {
         })
     }
 
-    /// Budgets computed from the sums of several parts of the run; `None` if a slice contained no particle.
+    /// Budgets of one period, from the sums of several parts of the run; `None` if a slice contained no particle.
     fn terms(&self, parts: &[&MomentBlock]) -> Option<Derived> {
         let mut sums = vec![MomentSums::default(); self.slices];
         let (mut windows, mut walls) = (0, [0.0; 3]);
@@ -302,7 +309,8 @@ impl SecondMoments {
         })
     }
 
-    /// Part of the run that contains the window ending at `time` [s]. A new part begins if the last one is complete.
+    /// Sums of the part of the run that contains the window (time between two exchanges with the gas) ending at `time`
+    /// [s]. A new part begins if the last one is complete.
     fn part(&mut self, time: f64) -> &mut MomentBlock {
         let length = (self.schedule.length() as f64 / PARTS as f64).max(1.0) * self.schedule.window;
         let begins = |part: &MomentBlock| time - part.start > length * (1.0 + 1e-9);
@@ -316,7 +324,7 @@ impl SecondMoments {
     }
 }
 
-/// Terms of the budgets, computed from the sums of some parts of the run.
+/// Budgets computed from the sums of some parts of the run: rates of change [m²/s³].
 struct Derived {
     slices: Vec<[Terms<f64>; 4]>,
     whole: [Terms<f64>; 4],
@@ -324,8 +332,8 @@ struct Derived {
     restitution: f64,
 }
 
-/// Gradient of the mean velocity in units of the slice thickness [m/s]: central differences, and one-sided differences
-/// of second order at the ends.
+/// Gradient of the mean velocity along y times the thickness of a slice [m/s]: central differences, and one-sided
+/// differences of second order at the walls.
 fn gradient(sums: &[MomentSums], slice: usize) -> Vector3<f64> {
     let (last, mean) = (sums.len() - 1, |k: usize| sums[k].mean());
     match slice {

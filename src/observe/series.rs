@@ -12,10 +12,11 @@ use crate::statistics::VelocitySpread;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Largest number of rows of a series, for runs of any duration. A picture cannot show more rows.
+/// Largest number of rows (instants) of a series, for runs of any duration. A picture cannot show more rows.
 const MOST: u64 = 1000;
 
-/// Number of rows, sufficient for a curve, for a scene with few particles and fewer samples than this number.
+/// Smallest number of rows that is sufficient for a curve. A scene with few particles and fewer samples gets so many
+/// rows.
 const CURVE: u64 = 200;
 
 /// Largest number of particles for which rows may be more frequent than samples. A row of so few particles takes little
@@ -25,7 +26,7 @@ const FEW: usize = 10_000;
 /// Averages over all particles at one instant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
-    /// [s] simulated time.
+    /// [s] simulated time of the row.
     pub time: f64,
     /// [m²/s²] parts of the granular temperature T along x, y and z, relative to the mean velocities of slices; T is
     /// the mean of the three. `None` if every slice contains at most one particle.
@@ -81,7 +82,7 @@ pub struct ShearStress {
 }
 
 impl ShearStress {
-    /// Stress at the present instant; `before` is the row before.
+    /// Stress at the present instant; `before` is the row of the series before this one. `None` without shear.
     pub(super) fn of(simulation: &Simulation, before: Option<&Row>) -> Option<Self> {
         let domain = &simulation.scene().domain;
         domain.shear?;
@@ -101,7 +102,7 @@ impl ShearStress {
 /// Energy lost to friction since the start, and energy stored in the springs of contacts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrictionSums {
-    /// [J] lost to sliding.
+    /// [J] energy lost to sliding friction since the start.
     pub sliding: f64,
     /// [J] other losses by friction.
     pub losses: FrictionLosses,
@@ -219,7 +220,8 @@ impl Row {
         self.rotation.map(|rotation| rotation.temperature.sum() / 3.0)
     }
 
-    /// Averages at the present instant; `before` is the row before.
+    /// Averages at the present instant; `before` is the row of the series before this one. `slices` is the number of
+    /// slices along y with whose mean velocities the granular temperature is computed.
     fn of(simulation: &Simulation, slices: usize, before: Option<&Self>) -> Self {
         let (time, sample) = (simulation.time, simulation.sample());
         let touching = simulation.touching();
@@ -300,9 +302,9 @@ impl MassSums {
     }
 }
 
-/// [s] time between rows, for at most `most` rows. It is a whole number of sample intervals, or of windows if there are
-/// fewer than `least` samples. The case may set other instants, which are equal in all variants. They are used if they
-/// are closer in time or sufficient for a curve.
+/// [s] time between rows, for at most `most` rows. It is a whole number of sample intervals, or of windows (times
+/// between two exchanges with the gas) if there are fewer than `least` samples. The case may set other instants, which
+/// are equal in all variants. They are used if they are closer in time or sufficient for a curve.
 pub(super) fn interval(schedule: &Schedule, least: u64, most: u64) -> f64 {
     let between = |all: u64, rows: u64| all.div_ceil(rows.max(1)).max(1) as f64;
     let own = if schedule.samples >= least {
@@ -321,7 +323,7 @@ pub(super) fn interval(schedule: &Schedule, least: u64, most: u64) -> f64 {
 pub struct Series {
     /// Number of slices in which the temperature is computed.
     slices: usize,
-    /// [s] time between rows.
+    /// [s] time between two rows of the series.
     interval: f64,
     /// True if rows contain the coefficients of the velocity distribution.
     has_sonine: bool,

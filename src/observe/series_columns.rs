@@ -89,7 +89,7 @@ pub const SERIES_COLUMNS: [SeriesColumn; 28] = [
     sum("energy_J", "energy", "J", |row| Some(row.energy())).compared(CurveScale::LargestValue),
 ];
 
-/// Energy of friction in a row; `None` if spheres do not rotate.
+/// Number that `energy` takes from the friction energies of a row; `None` if spheres do not rotate.
 fn friction(row: &Row, energy: impl FnOnce(FrictionSums) -> f64) -> Option<f64> {
     row.friction.map(energy)
 }

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// Largest number of used samples; more samples would improve neither averages nor errors.
+/// Largest number of samples (instants of measurement) that are used; more would improve neither averages nor errors.
 const MOST_SAMPLES: u64 = 400;
 
 /// Time averages of the stress in the particles, with components in the order xx, yy, zz, xy, xz, yz. Compression is
@@ -58,7 +58,7 @@ struct StressSample {
 /// Measurement of the stress and the volume fraction at every sample.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Stresses {
-    /// Step n: every n-th sample of the run is used.
+    /// Number n: every n-th sample of the run is used.
     every: u64,
     /// [s] time between the used samples.
     interval: f64,
@@ -146,7 +146,7 @@ impl Observer for Stresses {
     plain_data!();
 }
 
-/// Components xx, yy, zz of a tensor, and the means of xy and yx, xz and zx, yz and zy.
+/// Six components of the symmetric part of a tensor: xx, yy, zz, and the means of xy and yx, xz and zx, yz and zy.
 fn six(m: &Matrix3<f64>) -> [f64; 6] {
     let mean = |i: usize, j: usize| 0.5 * (m[(i, j)] + m[(j, i)]);
     [mean(0, 0), mean(1, 1), mean(2, 2), mean(0, 1), mean(0, 2), mean(1, 2)]

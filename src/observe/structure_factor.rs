@@ -15,15 +15,17 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Largest number of used samples.
+/// Largest number of samples (instants of measurement) that are used; in a longer run the used samples are further
+/// apart.
 const MOST_SAMPLES: u64 = 400;
-/// Largest number of wave vectors of a bin. More vectors of one sample are hardly independent.
+/// Largest number of wave vectors that are used in a bin of the wave number. More vectors of one sample are hardly
+/// independent.
 const MOST_VECTORS: usize = 24;
 
-/// S at one instant, as the mean over the wave vectors of each bin.
+/// Structure factor S at one instant, averaged over the wave vectors of each bin of the wave number.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct StructureSample {
-    /// [s] simulated time.
+    /// [s] simulated time of the sample.
     time: f64,
     bins: Vec<f64>,
 }
@@ -33,13 +35,14 @@ struct StructureSample {
 pub struct StructureFactor {
     /// [s] time between the used samples.
     interval: f64,
-    /// [1/m] wave vectors of each bin; bins without a vector are left out.
+    /// [1/m] wave vectors of each bin of the wave number; bins without a vector are left out.
     vectors: Vec<Vec<Vector3<f64>>>,
     samples: Vec<StructureSample>,
 }
 
-/// Wave vectors [1/m] of each of `bins` bins of equal width up to the wave number `largest` [1/m]. Of k and -k, which have
-/// equal S, one is listed. From a bin with many vectors, some are taken at equal distances in the order of their numbers.
+/// Wave vectors [1/m] of each of `bins` bins of equal width up to the wave number `largest` [1/m]. Vectors k and -k
+/// have equal S, so only one of them is listed. From a bin with many vectors, some are taken at equal distances in the
+/// list.
 fn wave_vectors(domain: &Domain, largest: f64, bins: usize) -> Vec<Vec<Vector3<f64>>> {
     let unit = domain.size.map(|edge| 2.0 * PI / edge);
     let most = unit.map(|unit| (largest / unit).floor() as i32);

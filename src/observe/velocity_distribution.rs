@@ -15,8 +15,9 @@ use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumbe
 use super::{Needs, Observer, plain_data};
 use crate::domain::Domain;
 use crate::experiment::{Experiment, VelocityDistributionSettings};
-use crate::kinetic_theory::cooling_a2;
+use crate::kinetic_theory::{cooling_a2, heated_a2};
 use crate::particles::Sample;
+use crate::scene::Thermostat;
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use crate::statistics::estimate;
@@ -24,7 +25,8 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Largest number of used samples.
+/// Largest number of samples (instants of measurement) that are used; in a longer run the used samples are further
+/// apart.
 const MOST_SAMPLES: u64 = 1000;
 
 /// Coefficients of the distribution of the velocities at one instant.
@@ -39,14 +41,15 @@ pub struct Sonine {
 /// Velocities of all particles at one instant, relative to the mean velocities of slices.
 struct PeculiarVelocities<'a> {
     sample: Sample<'a>,
-    /// [1/m] slices per length along y, and the index of the last slice.
+    /// Number of slices per length along y [1/m], and index of the last slice.
     slices: (f64, f64),
     /// [m/s] mean velocity of each slice, and [-] factor that makes up for the motion of that mean. The factor is 0 for
     /// slices with at most one particle, whose velocities are not used.
     means: Vec<(Vector3<f64>, f64)>,
-    /// [m²/s²] granular temperature of each species.
+    /// [m²/s²] granular temperature of each species; 0 if none of its particles moves.
     temperatures: Vec<f64>,
-    /// Coefficients over all species, weighted by the numbers of their particles; `None` if no particle moves.
+    /// Sonine coefficients, averaged over all species with the numbers of their particles as weights; `None` if no
+    /// particle moves.
     sonine: Option<Sonine>,
 }
 
@@ -98,7 +101,8 @@ impl<'a> PeculiarVelocities<'a> {
         own
     }
 
-    /// [m/s] velocity of the particle at an index relative to its slice; `None` if it is alone in its slice.
+    /// [m/s] velocity of the particle with the index `place` relative to its slice, enlarged to make up for the motion
+    /// of the mean of the slice. `None` if it is alone in its slice.
     fn velocity(&self, place: usize) -> Option<Vector3<f64>> {
         let particles = self.sample.particles;
         let (per_length, last) = self.slices;
@@ -107,8 +111,8 @@ impl<'a> PeculiarVelocities<'a> {
         (factor > 0.0).then(|| (particles.velocity[place] - mean) * factor)
     }
 
-    /// Numbers of particles whose speed c and whose component c_x are in each of `bins` bins up to `largest` [-]. Bins of
-    /// c_x contain both signs. The last entry counts all particles.
+    /// Numbers of particles whose speed c and whose component |c_x| are in each of `bins` bins from 0 to `largest` [-].
+    /// One more entry counts all other particles.
     fn histogram(&self, bins: usize, largest: f64) -> Vec<[f64; 2]> {
         let per_width = bins as f64 / largest;
         let species = &self.sample.particles.species;
@@ -136,10 +140,10 @@ impl Sonine {
     }
 }
 
-/// Distribution of the velocities at one instant.
+/// Histograms of the velocities at one instant, relative to the mean velocities of slices.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct VelocitySample {
-    /// [s] simulated time.
+    /// [s] simulated time of the sample.
     time: f64,
     sonine: Option<Sonine>,
     /// Share of the particles in each bin of the speed c, and of the component c_x.
@@ -153,7 +157,7 @@ pub struct VelocityDistribution {
     interval: f64,
     /// Number of slices whose mean velocities are subtracted.
     slices: usize,
-    /// [-] largest speed of the histogram.
+    /// [-] end of the last bin of the histograms, in units of sqrt(2T).
     largest: f64,
     bins: usize,
     samples: Vec<VelocitySample>,
@@ -172,17 +176,18 @@ impl VelocityDistribution {
     }
 }
 
-/// [-] coefficient a₂ of the gas of an experiment in theory, if it is a homogeneous gas that cools.
+/// [-] coefficient a₂ that theory gives for a homogeneous gas that cools, or that random accelerations heat. It is `None` if a side of the box is not
+/// periodic, or with gas, shear, friction, rotation, several sizes, or a restitution that depends on the speed.
 fn theory(experiment: &Experiment) -> Option<f64> {
     let scene = &experiment.scene;
-    let is_alone = scene.domain.periodic == [true; 3] && scene.domain.shear.is_none() && scene.fluid.is_none();
     let surface = &scene.contact;
     let is_simple = scene.species.len() == 1
         && !scene.has_sizes()
         && scene.rotation.is_none()
         && surface.friction == 0.0
         && surface.by_speed.is_none();
-    (is_alone && is_simple).then(|| cooling_a2(surface.restitution))
+    let law = if matches!(scene.thermostat, Some(Thermostat::Stochastic { .. })) { heated_a2 } else { cooling_a2 };
+    (scene.is_homogeneous() && is_simple).then(|| law(surface.restitution))
 }
 
 impl Measurement for VelocityDistribution {

@@ -301,15 +301,15 @@ pub fn bounces(bounces: &[Bounce]) -> Result<Vec<u8>, OutputError> {
 }
 
 /// Contents of `oblique.csv`: the reduced slip s/(μ u_n) [-] before and after oblique impacts of each variant, then the
-/// measured points.
+/// references.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn oblique(study: &ObliqueStudy) -> Result<Vec<u8>, OutputError> {
     let mut table = CsvTable::new();
     table.head("variant,slip_before,slip_after")?;
-    let curves = study.curves.iter().map(|curve| (curve.name.as_str(), &curve.points));
-    for (name, points) in curves.chain([("measured (Kharaz et al. 2001)", &study.measured)]) {
+    let curves = study.curves.iter().map(|curve| (curve.name.as_str(), curve.points.as_slice()));
+    for (name, points) in curves.chain(study.references()) {
         for (before, after) in points {
             table.row([name.to_owned(), number(*before), number(*after)])?;
         }

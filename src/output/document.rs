@@ -41,7 +41,7 @@ pub(super) struct AnswerCell {
     pub words: String,
 }
 
-/// Part of a document.
+/// Part of a document, such as a heading, a paragraph, a table or a picture.
 #[derive(Clone, Debug)]
 pub(super) enum Block {
     Heading(String),
@@ -62,7 +62,7 @@ pub(super) enum Block {
     Table(Table),
     /// Answers in a compact table.
     Matrix(Matrix),
-    /// Animation of particles.
+    /// Animation of the recorded motion of particles.
     Player(Box<Player>),
     /// Pictures of the document, given by a range of indices.
     Figures(Range<usize>),
@@ -115,12 +115,12 @@ pub(super) struct Document<'a> {
     pub body: Vec<Block>,
     /// Further data needed to reproduce the results.
     pub tail: Vec<Block>,
-    /// Tables of numbers: names of the files and their texts.
+    /// Tables of numbers, each as the name of its file and the text of the file.
     pub tables: Vec<(String, Vec<u8>)>,
     pub figures: Vec<Figure>,
 }
 
-/// State of a finished run in one word.
+/// State of a run as a word for `summary.json`: "failed" if it stopped early, else "complete".
 pub(super) fn status(failed: bool) -> &'static str {
     if failed { "failed" } else { "complete" }
 }

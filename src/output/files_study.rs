@@ -31,7 +31,7 @@ pub struct FilesQuantity {
     pub name: String,
     /// SI unit; empty if the settings give none.
     pub unit: String,
-    /// [-] margin of equivalence, divided by the scale of the quantity.
+    /// [-] margin of equivalence: largest accepted difference, divided by the scale of the quantity.
     pub margin: f64,
     /// Kind of data by which the sides are compared.
     pub basis: Basis,

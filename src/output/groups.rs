@@ -26,7 +26,7 @@ pub fn references(outcomes: &[Outcome]) -> Vec<usize> {
     (0..outcomes.len()).map(of).collect()
 }
 
-/// Variants that are drawn in one panel.
+/// Variants that are drawn together in one panel of a picture.
 pub(super) struct PanelGroup<'a> {
     /// Common beginning of the names of the variants; empty if there is only one group.
     pub title: String,
@@ -57,8 +57,8 @@ pub(super) fn groups(outcomes: &[Outcome]) -> Vec<PanelGroup<'_>> {
     heads.iter().map(group).collect()
 }
 
-/// Splits names at their first comma: "case B, soft" and "case B, hard" give "case B", and "soft", "hard". `None` if
-/// the parts before the comma differ, or a name has no comma.
+/// Splits the names of variants at their first comma: "case B, soft" and "case B, hard" give "case B", and "soft",
+/// "hard". `None` if the parts before the comma differ, or a name has no comma.
 fn split(names: &[String]) -> Option<(String, Vec<String>)> {
     let (title, _) = names.first()?.split_once(", ")?;
     let rest = names.iter().map(|name| Some(name.strip_prefix(title)?.strip_prefix(", ")?.to_owned()));

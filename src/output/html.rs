@@ -15,7 +15,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 const STYLE: &str = include_str!("page/style.css");
 
-/// Heading of the part with remarks and checks.
+/// Heading of the part of a page with remarks and checks of the results.
 pub(super) const TRUST: &str = "How far to trust this";
 
 /// Heading of the part with the data needed to reproduce the results.
@@ -67,7 +67,7 @@ pub(super) fn page(document: &Document) -> String {
     legible::lines(&page.into_string()).into_owned()
 }
 
-/// All parts below headings, in the order of the page.
+/// All parts of the page that have a heading, in the order of the page.
 fn folds<'a>(document: &'a Document, body: &'a [Block]) -> Vec<Fold<'a>> {
     let Document { provenance, notes, figures, .. } = document;
     let mut folds = Vec::new();
@@ -107,7 +107,7 @@ fn again(document: &Document) -> Vec<Markup> {
     inside
 }
 
-/// Links to the parts of the page and to the files with tables of numbers.
+/// Links to the parts of the page, and to the files with tables of numbers.
 fn contents(folds: &[Fold], tables: &[(String, Vec<u8>)]) -> Markup {
     html! {
         nav aria-label="Contents" {
@@ -132,7 +132,8 @@ fn contents(folds: &[Fold], tables: &[(String, Vec<u8>)]) -> Markup {
     }
 }
 
-/// Part of the page with its heading. The target of links is inside the part, so that following a link opens the part.
+/// HTML of a part of the page below its heading. The target of links is inside the part, so that following a link opens
+/// the part.
 fn folded(fold: &Fold) -> Markup {
     html! {
         details.part {
@@ -142,7 +143,7 @@ fn folded(fold: &Fold) -> Markup {
     }
 }
 
-/// Variants that stopped early, each with its failure as in `summary.json`.
+/// List of the variants that stopped early, each with its failure as in `summary.json`.
 fn failed(failures: &[(&str, &Failure)]) -> Markup {
     html! {
         @if !failures.is_empty() {

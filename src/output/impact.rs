@@ -77,11 +77,22 @@ pub struct ObliqueStudy {
     pub curves: Vec<ObliqueCurve>,
     /// Measured points of solid spheres: reduced slip before and after the impact [-]. Empty for other bodies.
     pub measured: Vec<(f64, f64)>,
+    /// Curve of elastic impacts whose contact circle slips only in part: reduced slip before and after the impact [-]
+    /// ([`PartialSlip`](crate::rotation::PartialSlip)). Empty if the contact law has no elastic constants.
+    pub partial_slip: Vec<(f64, f64)>,
     /// [-] largest change of the reduced slip, by the friction impulse of sliding: (1+e) M/M_t.
     pub impulse: f64,
 }
 
 impl ObliqueStudy {
+    /// Curves and points that do not come from this program's engines, with their labels.
+    pub fn references(&self) -> [(&'static str, &[(f64, f64)]); 2] {
+        [
+            ("measured (Kharaz et al. 2001)", &self.measured),
+            ("partial slip, e = 1 (Maw et al. 1976)", &self.partial_slip),
+        ]
+    }
+
     /// Largest difference [-] between the curve with index `curve` and the first curve, in units of
     /// [`impulse`](Self::impulse), and the reduced slip at this difference.
     pub fn difference(&self, curve: usize) -> Option<(f64, f64)> {

@@ -29,7 +29,7 @@ pub struct Map {
     pub columns: Vec<&'static str>,
     /// Points in the order in which they are drawn.
     pub rows: Vec<MapPoint>,
-    /// Picture of the map.
+    /// Picture of the map: cells or curves.
     pub picture: Picture,
     /// Text of the case of the map, for `diptych run`. Each point changes some keys of this case.
     pub case: &'static str,
@@ -53,9 +53,9 @@ pub struct RegimeMap {
     pub y_label: String,
     /// True for a logarithmic axis, in the order horizontal, vertical.
     pub log: [bool; 2],
-    /// Classes of cells.
+    /// Classes of cells, each with its colour.
     pub classes: Vec<Class>,
-    /// Cells of the plane.
+    /// Cells of which the map is made.
     pub cells: Vec<Cell>,
     /// Theoretical lines: a label, and points in the units of the axes.
     pub lines: Vec<(String, Vec<(f64, f64)>)>,

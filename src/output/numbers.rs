@@ -23,7 +23,7 @@ pub fn significant(value: impl Into<Option<f64>>, digits: usize) -> String {
     format!("{} × 10{}", signed(mantissa, digits - 1), superscript(exponent))
 }
 
-/// Value that is finite; `None` if it is missing or not finite.
+/// The value if it is finite; `None` if it is missing or not finite.
 fn finite(value: impl Into<Option<f64>>) -> Option<f64> {
     value.into().filter(|value| value.is_finite())
 }
@@ -85,7 +85,7 @@ pub fn percent(part: f64, whole: f64) -> String {
 pub struct Prefix {
     /// [-] factor by which a value is multiplied to obtain the number before the prefixed unit.
     pub factor: f64,
-    /// Letter of the prefix.
+    /// Letter of the SI prefix, such as `m` for milli.
     pub symbol: &'static str,
 }
 
@@ -102,14 +102,14 @@ impl Prefix {
     }
 }
 
-/// Power of ten of the first digit, after rounding to `digits` significant digits.
+/// Power of ten of the first digit of `value`, after rounding to `digits` significant digits.
 fn exponent(value: f64, digits: usize) -> i32 {
     let text = format!("{:.*e}", digits.max(1) - 1, value.abs());
     text.split_once('e').and_then(|(_, power)| power.parse().ok()).unwrap_or(0)
 }
 
-/// Text with a fixed number of decimal places and a typographic minus sign. A negative number of places rounds digits
-/// before the point.
+/// Text of a number with `places` decimal places and a typographic minus sign. A negative number of places rounds
+/// digits before the point.
 fn signed(value: f64, places: i32) -> String {
     let rounded = if places < 0 {
         let unit = 10f64.powi(-places);
@@ -122,7 +122,7 @@ fn signed(value: f64, places: i32) -> String {
     if rounded < 0.0 && !zero { format!("−{text}") } else { text }
 }
 
-/// Superscript digits of a power of ten.
+/// Digits of `power`, the exponent of a power of ten, as superscript characters.
 pub(crate) fn superscript(power: i32) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     let raise = |c: char| c.to_digit(10).map_or('⁻', |digit| DIGITS[digit as usize]);

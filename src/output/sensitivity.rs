@@ -7,7 +7,7 @@ use serde::Serialize;
 /// Shift of one observable: the change of its value by one factor.
 #[derive(Clone, Debug, Serialize)]
 pub struct Shift {
-    /// Name of the observable.
+    /// Name of the observable that is shifted.
     pub observable: String,
     /// Unit of the observable; empty if it has none.
     pub unit: &'static str,
@@ -27,8 +27,8 @@ pub struct Shift {
     pub time: Option<f64>,
     /// [-] probability of a shift of at least this size between equal systems, for this observable alone.
     pub chance: Option<f64>,
-    /// [-] smallest margin within which the observable is equivalent, divided by the scale. `None` without a standard
-    /// error.
+    /// [-] smallest margin (accepted difference) with which the observable is equivalent, divided by the scale. `None`
+    /// without a standard error.
     pub reached: Option<f64>,
     /// [-] ratio of the necessary to the actual duration of the run; with the necessary duration, equal systems are
     /// found equivalent in 80 % of cases.
@@ -118,7 +118,7 @@ pub struct SensitivityRun {
 pub struct SensitivityStudy<'a> {
     /// Origin of the results: title, case and command.
     pub provenance: &'a Provenance,
-    /// [-] margin of equivalence, divided by the scale of the observable.
+    /// [-] margin of equivalence: largest accepted difference, divided by the scale of the observable.
     pub margin: f64,
     /// Factors in order of importance; the most important is first.
     pub factors: &'a [Factor],

@@ -33,7 +33,7 @@ pub enum Judgement {
 /// Check of the results: one value with a condition.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrustCheck {
-    /// Name of the value.
+    /// Name of the checked value.
     pub name: &'static str,
     /// Unit of the value; empty if it has none.
     pub unit: &'static str,
@@ -42,7 +42,7 @@ pub struct TrustCheck {
     pub found: Option<Estimate>,
     /// Condition on the value.
     pub expected: Expected,
-    /// Judgement of the value.
+    /// Judgement of the value by this condition.
     pub judgement: Judgement,
     /// Reason why the value is missing, or the source of the limit.
     pub remark: String,
@@ -69,16 +69,17 @@ fn value_and_error<S: serde::Serializer>(found: &Option<Estimate>, serializer: S
     numbers.serialize(serializer)
 }
 
-/// Quantity in two short runs: with the step and window of the original run, and with half of both.
+/// Quantity in two short runs: with the time step and window of the original run, and with half of both. A window is
+/// the time between two exchanges with the gas.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Halved {
     /// Name of the quantity.
     pub name: &'static str,
     /// Unit of the quantity; empty if it has none.
     pub unit: &'static str,
-    /// Value with the step and window of the run.
+    /// Value with the time step and the window of the run.
     pub as_run: Estimate,
-    /// Value with half the step and half the window.
+    /// Value with half the time step and half the window.
     pub halved: Estimate,
 }
 
@@ -107,7 +108,7 @@ pub struct Verification {
     pub stretch: f64,
     /// [-] wall-clock time of both continuations over that of the run.
     pub cost: f64,
-    /// [s] window of the run; the second continuation has half this window.
+    /// [s] window of the run (time between two exchanges with the gas); the second continuation has half this window.
     pub window: f64,
     /// [s] time step of the run, `None` for event-driven collisions; the second continuation has half this step.
     pub time_step: Option<f64>,

@@ -15,7 +15,7 @@ pub enum ValidationTier {
     ClosedForms,
     /// Published numbers of other codes and of theories.
     OtherCodes,
-    /// Measurements.
+    /// Published measurements of experiments.
     Experiments,
 }
 
@@ -57,7 +57,7 @@ pub struct ValidationNumber {
     pub ours: Estimate,
     /// [-] degrees of freedom of the standard error of the result.
     pub freedom: f64,
-    /// Tolerance or margin, in the unit of the number.
+    /// Tolerance or margin: largest accepted magnitude of the difference, in the unit of the number.
     pub allowed: f64,
     /// Rule by which the number is judged.
     pub rule: ValidationRule,
@@ -89,7 +89,7 @@ impl ValidationNumber {
     }
 }
 
-/// Number with its unit, if it has one.
+/// Text of a number followed by its unit, if the unit is not empty.
 fn with_unit(number: String, unit: &str) -> String {
     if unit.is_empty() { number } else { format!("{number} {unit}") }
 }
@@ -99,9 +99,9 @@ fn with_unit(number: String, unit: &str) -> String {
 pub struct ValidationRow {
     /// Name of the row, for `--only`.
     pub name: &'static str,
-    /// Kind of the reference.
+    /// Kind of the reference: closed form, other code or experiment.
     pub tier: ValidationTier,
-    /// Description of the scene.
+    /// Description of the scene, in words.
     pub scene: &'static str,
     /// Source of the reference, with the page, figure or table.
     pub source: &'static str,
@@ -134,7 +134,7 @@ impl ValidationRow {
         among.max_by(|a, b| a.share().total_cmp(&b.share()))
     }
 
-    /// Answer in a word: "agrees" if all numbers are within tolerances.
+    /// Answer of the row in a word: "agrees" if all numbers are within tolerances.
     pub fn word(&self) -> &'static str {
         let exact = self.numbers.iter().all(|number| number.rule == ValidationRule::Tolerance);
         match self.answer() {
@@ -148,7 +148,7 @@ impl ValidationRow {
 /// Comparison that the suite does not make.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct NotValidated {
-    /// Name of the comparison.
+    /// Name of the comparison that is not made.
     pub name: &'static str,
     /// Existing reference, with its source.
     pub reference: &'static str,

@@ -20,20 +20,20 @@ pub enum Basis {
 /// Comparison of a variant with its reference.
 #[derive(Clone, Debug, Serialize)]
 pub struct Verdict {
-    /// Name of the variant.
+    /// Name of the variant that is compared.
     pub variant: String,
-    /// Name of the reference.
+    /// Name of the reference with which the variant is compared.
     pub reference: String,
     /// Answer: equivalent, different or unresolved.
     #[serde(rename = "verdict")]
     pub answer: Answer,
     /// Kind of the compared data.
     pub basis: Basis,
-    /// Answer in a sentence.
+    /// Sentence that states the answer.
     pub sentence: String,
     /// Reason for this kind of comparison, in words.
     pub reason: String,
-    /// [-] requested margin of equivalence, divided by the scale of the observable.
+    /// [-] margin of equivalence: largest accepted difference, divided by the scale of the observable.
     pub margin: f64,
     /// Compared observables; `None` for a comparison of paths.
     pub comparison: Option<Comparison>,

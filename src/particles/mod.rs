@@ -25,7 +25,8 @@ columns! {
     /// Moving state of one particle: the quantities that a step, a collision or another process may change.
     pub struct Motion;
 
-    /// Mutable moving state of several consecutive particles of a store.
+    /// Mutable access to the moving state of consecutive particles of a store: one slice per quantity, such as position
+    /// and velocity.
     pub struct MotionChunk;
 
     /// Particle store: spheres as a struct of arrays. All arrays have the same length, with one entry per sphere.
@@ -76,7 +77,8 @@ pub struct SideCrossings {
 }
 
 impl SideCrossings {
-    /// Changes of one particle of `mass` [kg], whose velocity along z is `before` [m/s] and changes by `change` [m/s].
+    /// Changes by the crossing of one particle of `mass` [kg]. Its velocity along z is `before` [m/s] and changes by
+    /// `change` [m/s].
     pub fn of(mass: f64, before: f64, change: f64) -> Self {
         Self { impulse: mass * change, work: mass * change * (before + 0.5 * change) }
     }
@@ -134,8 +136,9 @@ impl Particles {
         fingerprint_of(self, None)
     }
 
-    /// Replaces every position outside a periodic side by the periodic image inside the box. Particles outside a sheared
-    /// side also get the velocity of that image; the result sums these changes.
+    /// Replaces every position outside a periodic side by the periodic image inside the box. Particles outside a
+    /// sheared side also get the velocity of that image. Returns the sum of the changes of momentum and energy at
+    /// sheared sides.
     pub fn wrap(&mut self, domain: &Domain) -> SideCrossings {
         if domain.shear.is_some() {
             return self.cross(domain);
@@ -148,7 +151,7 @@ impl Particles {
         SideCrossings::default()
     }
 
-    /// Wraps all particles into a sheared box.
+    /// Wraps all particles into a sheared box, as [`wrap`](Self::wrap) does.
     fn cross(&mut self, domain: &Domain) -> SideCrossings {
         let (mut impulse, mut work) = (ExactSum::default(), ExactSum::default());
         let motions = self.position.iter_mut().zip(&mut self.velocity);
@@ -164,7 +167,8 @@ impl Particles {
         SideCrossings { impulse: impulse.value(), work: work.value() }
     }
 
-    /// The particles with velocities relative to the mean flow of a sheared box; without shear the particles themselves.
+    /// Particles with velocities relative to the mean flow of a sheared box. Without shear the result is the particles
+    /// themselves, not a copy.
     pub fn relative_to_flow(&self, domain: &Domain) -> Cow<'_, Self> {
         if domain.shear.is_none() {
             return Cow::Borrowed(self);
@@ -270,12 +274,12 @@ impl Particles {
         (squares, largest.sqrt())
     }
 
-    /// Means of r, r² and r³ over all particles, where r is the radius in units of `unit` [m]; 0 without particles.
+    /// [-] means of r, r² and r³ over all particles, where r is the radius in units of `unit` [m]; 0 without particles.
     pub fn mean_radii(&self, unit: f64) -> [f64; 3] {
         exact::values(&self.radius_sums(unit)).map(|sum| sum / self.len().max(1) as f64)
     }
 
-    /// Exact sums of r, r² and r³ over all particles, where r is the radius in units of `unit` [m].
+    /// [-] exact sums of r, r² and r³ over all particles, where r is the radius in units of `unit` [m].
     pub fn radius_sums(&self, unit: f64) -> [ExactSum; 3] {
         let per_unit = 1.0 / unit;
         let four = exact::side_by_side(
@@ -292,7 +296,8 @@ impl Particles {
         sums
     }
 
-    /// [m/s] largest speed as by [`largest_speed`](Self::largest_speed), of velocities less the mean flow of a sheared box.
+    /// [m/s] largest speed of any particle relative to `frame` [m/s] and to the mean flow of a sheared box. It is
+    /// infinite if a velocity is not a number.
     pub fn largest_speed_in(&self, frame: Vector3<f64>, domain: &Domain) -> f64 {
         if domain.shear.is_none() {
             return self.largest_speed(frame);

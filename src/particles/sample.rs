@@ -29,13 +29,13 @@ impl<'a> Sample<'a> {
         Self { particles, communicator }
     }
 
-    /// True if other processes store some of the particles.
+    /// True if the particles of the run are divided between several processes.
     pub fn is_part(&self) -> bool {
         self.communicator.is_some()
     }
 
-    /// Returns a sample of other particles in the same processes. The other particles must be derived from those of
-    /// this sample.
+    /// Returns a sample of particles that every process has computed from its particles in this sample, such as copies
+    /// with other velocities.
     pub fn with<'b>(&self, particles: &'b Particles) -> Sample<'b>
     where
         'a: 'b,
@@ -50,15 +50,16 @@ impl<'a> Sample<'a> {
         }
     }
 
-    /// Sums over all particles. `of` returns the values to be added for the particle at an index.
+    /// Sums of K values over all particles in all processes. `of` returns the values of the particle at an index in
+    /// this process.
     pub fn sums<const K: usize>(&self, of: impl Fn(usize) -> [f64; K] + Sync) -> [f64; K] {
         let mut sums = exact::sums(self.particles.position.len(), of);
         self.total(&mut sums.each_mut());
         exact::values(&sums)
     }
 
-    /// Sums over all particles, per group. For the particle at an index, `of` returns the number of its group and the
-    /// values to be added.
+    /// Sums of K values over all particles in all processes, per group. For the particle at an index in this process,
+    /// `of` returns the number of its group and its values.
     pub fn sums_in_groups<const K: usize>(
         &self,
         groups: usize,
@@ -91,7 +92,7 @@ impl<'a> Sample<'a> {
         (sum.value() / self.count().max(1) as f64).sqrt()
     }
 
-    /// Returns for each value the largest of all processes.
+    /// Returns for each of the K values the largest value of all processes.
     pub fn largest<const K: usize>(&self, mut values: [f64; K]) -> [f64; K] {
         if let Some(communicator) = self.communicator {
             communicator.largest(&mut values);
@@ -99,7 +100,7 @@ impl<'a> Sample<'a> {
         values
     }
 
-    /// Returns for each count the sum over all processes.
+    /// Returns for each of the K counts the sum over all processes. The counts must be whole numbers.
     pub fn added<const K: usize>(&self, counts: [f64; K]) -> [f64; K] {
         let Some(communicator) = self.communicator else { return counts };
         let mut whole = counts.map(|count| count as i64);
@@ -119,7 +120,7 @@ impl<'a> Sample<'a> {
         Vector3::new(x, y, z)
     }
 
-    /// Means of r, r² and r³ over all particles, where r is the radius in units of `unit` [m]; 0 without particles.
+    /// [-] means of r, r² and r³ over all particles, where r is the radius in units of `unit` [m]; 0 without particles.
     pub fn mean_radii(&self, unit: f64) -> [f64; 3] {
         let mut sums = self.particles.radius_sums(unit);
         self.total(&mut sums.each_mut());

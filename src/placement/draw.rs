@@ -10,7 +10,8 @@ use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// Constant that is combined with the seed of a run, so that spins have a seed of their own. The value is arbitrary.
+/// Number that is combined with the seed of a run by XOR, so that spins have random numbers of their own. Its value is
+/// arbitrary.
 const SPINS: u64 = 0x5350_494e_5350_494e;
 
 /// Draws the particles of all populations (groups of particles with common settings) at random, each in its free space.
@@ -66,11 +67,11 @@ pub fn draw(
     particles
 }
 
-/// Diameters of the spheres of a population, returned in turn.
+/// Diameters of the spheres of a population, from which one sphere after the other takes its diameter.
 enum Diameters {
     /// [m] equal diameter of all spheres.
     Same(f64),
-    /// [m] diameters that are left; the last of the list is returned next.
+    /// [m] diameters that are not yet used; the next sphere takes the last of the list.
     Spread(Vec<f64>),
 }
 
@@ -102,9 +103,9 @@ impl Diameters {
 /// The values are drawn three times: for their mean, for their deviation, and for use. Stored values would take more
 /// memory than the particles, if only a part of the particles is kept.
 struct Normals {
-    /// Random generator in the state before the next value.
+    /// Random generator in the state before the next value is drawn.
     random: Xoshiro256PlusPlus,
-    /// [-] mean of all drawn numbers, for each component.
+    /// [-] mean of all drawn numbers, for each component of the vectors.
     drawn: Vector3<f64>,
     /// Required mean, in the unit of the values.
     mean: Vector3<f64>,

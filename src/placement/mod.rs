@@ -35,7 +35,7 @@ const ROUNDS: usize = 5000;
 /// fraction of 0.3, fewer than one in 10⁴ spheres still overlap a larger sphere.
 const ROUNDS_OF_INSERTION: usize = 8;
 
-/// Number of pairs in the neighbour list that costs as much effort of the search as one particle. In a dense start
+/// Number of pairs in the neighbour list that cost as much of the allowed effort as one particle. In a dense start
 /// there are about as many pairs per particle.
 const PER_PARTICLE: u64 = 32;
 
@@ -192,8 +192,8 @@ impl<'a> StartPlan<'a> {
     }
 }
 
-/// Moves the free particles until nothing overlaps. Then sorts all particles by id. `fraction` [-] is the volume
-/// fraction of the particles in the room.
+/// Moves the free particles (those for whose id `is_free` is true) until nothing overlaps, and then sorts all particles
+/// by id. `fraction` [-] is the share of the free volume of `room` that the particles fill.
 fn separate(
     particles: &mut Particles,
     is_free: &[bool],
@@ -252,9 +252,10 @@ fn separate(
     }
 }
 
-/// Particles among which overlaps are searched.
+/// Scope of a search for overlaps: the region, the particles that may be moved, and the positions at which overlaps are
+/// counted.
 struct There<'a> {
-    /// Region that contains the particles.
+    /// Region of the domain that contains all particles of the search.
     region: Region,
     /// Function that returns true for the ids of particles that may be moved.
     may_move: &'a dyn Fn(u32) -> bool,
@@ -344,7 +345,7 @@ fn displaced(particles: &Particles, overlaps: &[(u32, u32)], may_move: &dyn Fn(u
     again
 }
 
-/// Draws a new position for each particle that was pushed out of the walls that enclose its region.
+/// Draws a new position for each free particle that was pushed out of the walls within which it must start.
 fn draw_strays_again(particles: &mut Particles, is_free: &[bool], room: &FreeRoom, random: &mut Xoshiro256PlusPlus) {
     let is_stray = |particles: &Particles, place: usize| {
         is_free[particles.id[place] as usize] && !room.holds(&particles.position[place])

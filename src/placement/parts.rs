@@ -38,7 +38,7 @@ impl From<Particles> for Start {
 }
 
 impl Start {
-    /// Makes the complete start of an experiment. It depends only on the experiment and its seed.
+    /// Makes the complete start of an experiment in one process. It depends only on the experiment and its seed.
     ///
     /// # Errors
     /// Errors of [`initial_state`].
@@ -117,13 +117,14 @@ fn part(experiment: &Experiment, communicator: &dyn Communicator) -> Result<Part
     Err(Crowded { wanted, reached, room: room.volume(), given_up: false, most: None })
 }
 
-/// Removes all particles for which `stays` is false.
+/// Removes all particles for which `stays` is false. Its arguments are the particles and the index of one of them.
 fn keep(particles: &mut Particles, stays: impl Fn(&Particles, usize) -> bool) {
     let places: Vec<u32> = (0..particles.len() as u32).filter(|place| stays(particles, *place as usize)).collect();
     particles.reorder(&places);
 }
 
-/// Copies of the particles at the indices `places` in all processes, each particle once, in the order of their ids.
+/// Returns copies of the particles at the indices `places` of all processes, in the order of their ids. A particle that
+/// several processes have occurs once. All processes must call this function.
 fn gathered(particles: &Particles, places: &[u32], communicator: &dyn Communicator) -> Particles {
     let mut bytes = Vec::new();
     particles.pack(places, &mut bytes);

@@ -56,8 +56,8 @@ pub fn push_placed_apart(particles: &mut Particles, scene: &Scene) -> Result<Mov
     Ok(moved)
 }
 
-/// Moves the free particles, whose velocities must be zero, until nothing overlaps. Returns the number of remaining
-/// overlaps.
+/// Moves the free particles (those for whose id `is_free` is true) until nothing overlaps. Their velocities must be
+/// zero. Returns the number of remaining overlaps.
 ///
 /// The method is FIRE (Bitzek et al. 2006, Phys. Rev. Lett. 97, 170201, with its constants). It solves Newton's
 /// equations for equal springs and masses, and turns the velocities towards the forces. When the forces do negative
@@ -66,8 +66,9 @@ pub fn relax(particles: &mut Particles, is_free: &[bool], room: &FreeRoom) -> us
     settle(particles, is_free, room, MARGIN)
 }
 
-/// Moves free particles as [`relax`] does, with radii enlarged by the fraction `margin` [-]. Overlaps of up to half of
-/// this enlargement may remain. Returns the number of deeper overlaps.
+/// Moves free particles as [`relax`] does, but with any enlargement of the radii. The caller has already enlarged the
+/// radii by the fraction `margin` [-]. Overlaps of up to half of this enlargement may remain. Returns the number of
+/// deeper overlaps.
 fn settle(particles: &mut Particles, is_free: &[bool], room: &FreeRoom, margin: f64) -> usize {
     let scene = &room.scene;
     let (mut list, mut slots) = (NeighbourList::default(), Vec::new());

@@ -80,7 +80,7 @@ impl FreeRoom {
         self.inside.is_empty() && self.scene.walls.iter().all(are_sides)
     }
 
-    /// Returns this space with a limited effort of the search.
+    /// Returns this space with a limit on the effort of the search: the number of positions that may be tried.
     pub fn with_effort(self, effort: u64) -> Self {
         Self { effort: AtomicU64::new(effort), ..self }
     }
@@ -102,8 +102,8 @@ impl FreeRoom {
         gap
     }
 
-    /// Calls `visit` with the nearest points of all walls that a sphere overlaps or is behind. Other walls may be
-    /// visited too.
+    /// Calls `visit` with the nearest point of every wall that a sphere overlaps or is behind. It may also be called
+    /// for other walls near the sphere. `place` [m] is the centre.
     fn for_each_wall(&self, place: &Vector3<f64>, radius: f64, mut visit: impl FnMut(Nearest)) {
         self.near.for_each_nearest(&self.scene.walls, place, radius, |_, nearest| visit(nearest));
     }
@@ -124,7 +124,8 @@ impl FreeRoom {
         (!self.scene.domain.periodic[axis] && high - low < 2.0 * radius).then_some(0.5 * (low + high))
     }
 
-    /// True if along some axis the space is so thin that spheres of `radius` [m] fit only in its middle.
+    /// True if the space is so thin along some axis that spheres of `radius` [m] fit only in the middle between two
+    /// sides.
     pub fn is_slab(&self, radius: f64) -> bool {
         (0..3).any(|axis| self.middle(axis, radius).is_some())
     }
@@ -184,7 +185,7 @@ impl FreeRoom {
     }
 }
 
-/// Different start regions, each with the indices of the populations that start in it.
+/// Returns each different start region once, with the indices of the populations that start in it.
 pub fn regions(populations: &[Population]) -> Vec<(Option<StartRegion>, Vec<usize>)> {
     let mut regions: Vec<(Option<StartRegion>, Vec<usize>)> = Vec::new();
     for (index, population) in populations.iter().enumerate() {

@@ -8,7 +8,7 @@ use crate::fluid::Profile;
 use crate::scene::{Kind, Scene, Surface};
 use nalgebra::Vector3;
 
-/// Smallest number of particles for which a scene is treated as a gas.
+/// Smallest number of particles for which a periodic scene is treated as a cooling gas.
 const FEWEST: usize = 100;
 
 /// A cooling gas of equal spheres. Inelastic collisions remove its energy, and nothing replaces it.
@@ -91,9 +91,9 @@ struct BounceFlight {
 /// One sphere that bounces between a floor and a ceiling perpendicular to gravity, in a vacuum.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bouncing {
-    /// [m/s²] magnitude of gravity.
+    /// [m/s²] magnitude of the acceleration by gravity.
     gravity: f64,
-    /// [-] upward unit vector.
+    /// [-] unit vector upwards, against gravity.
     up: Vector3<f64>,
     flights: Vec<BounceFlight>,
 }
@@ -176,8 +176,8 @@ pub struct Chain {
     diameter: f64,
     /// Position of each sphere in the order along the row; 0 is the first.
     rank: Vec<usize>,
-    /// Coordinate [m] and velocity [m/s] along the row of each flight. From the coordinate, the diameters of the
-    /// preceding spheres are subtracted.
+    /// Coordinate [m] at the start and velocity [m/s] along the row of each straight flight, in the order along the
+    /// row. The diameters of the preceding spheres are subtracted from the coordinate.
     free: Vec<[f64; 2]>,
 }
 
@@ -211,7 +211,7 @@ impl Chain {
     }
 
     /// Position [m] and velocity [m/s] along the row of the sphere with the index `sphere` at `time` [s], both as
-    /// vectors.
+    /// vectors. `None` if there is no such sphere.
     pub fn at(&self, sphere: usize, time: f64) -> Option<[Vector3<f64>; 2]> {
         let rank = *self.rank.get(sphere)?;
         let mut now: Vec<[f64; 2]> = self.free.iter().map(|[x, v]| [x + v * time, *v]).collect();

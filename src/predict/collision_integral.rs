@@ -16,12 +16,13 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
-/// Number of intervals of Simpson's rule along a path. The integrand varies only by a factor of two.
+/// Number of intervals of Simpson's rule along the path of a sphere from the turning point to the end of the contact.
+/// The integrand varies only by a factor of two.
 const PATH: usize = 16;
-/// Number of intervals over the impact parameter. The finest detail is due to grazing contacts, whose impact parameter
-/// differs from the diameter by less than an overlap.
+/// Number of intervals of Simpson's rule over the impact parameter. The finest detail is due to grazing contacts, whose
+/// impact parameter differs from the diameter by less than an overlap.
 const ANGLES: usize = 256;
-/// Number of intervals over the reduced speed, from 0 to `FASTEST`.
+/// Number of intervals of Simpson's rule over the reduced speed, from 0 to `FASTEST`.
 const SPEEDS: usize = 64;
 /// [-] largest reduced speed γ of the quadrature. The part of ∫ γ⁷ exp(-γ²) dγ at higher speeds is less than 1e-12.
 const FASTEST: f64 = 6.5;
@@ -73,7 +74,8 @@ pub fn deflection(impact: f64, depth: f64) -> f64 {
     PI - 2.0 * impact.asin() - 2.0 * simpson(1.0, PATH, path)
 }
 
-/// [-] effective cross-section Q at one speed, over that of hard spheres: 3 ∫ sin²χ b db with b in diameters.
+/// [-] effective cross-section Q at one speed, over that of hard spheres: 3 ∫ sin²χ b db with b in diameters. `depth`
+/// is the largest overlap of a head-on impact at this speed, over the diameter [-].
 fn turned(depth: f64) -> f64 {
     // the substitution b = sin θ resolves grazing impacts
     let of = |theta: f64| {

@@ -136,7 +136,7 @@ impl ImpactSpeeds {
 /// Predictions for one kind of contact, under a contact law.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ContactPrediction {
-    /// Kind of contact.
+    /// Kind of contact: its two bodies and the speeds of its impacts.
     #[serde(flatten)]
     pub contact: ContactKind,
     /// [N/m] stiffness of a linear spring; for Hertz's law the constant k_H [N/m^1.5].
@@ -160,10 +160,10 @@ pub struct ContactPrediction {
     pub realised_mean_square: Option<f64>,
 }
 
-/// Lists all possible kinds of contact of a scene. `pair` returns the distribution of speeds for two species, and
-/// `at_wall` that for a species at a wall. Walls with equal surfaces are one kind. A species with one particle has no
-/// contact with itself. A restitution that depends on the speed
-/// is taken at the mean speed of the impacts.
+/// Lists all possible kinds of contact of a scene whose species have `counts` particles. `pair` returns the
+/// distribution of speeds for two species, and `at_wall` that for a species at a wall, by their indices. Walls with
+/// equal surfaces are one kind. A species with one particle has no contact with itself. A restitution that depends on
+/// the speed is taken at the mean speed of the impacts.
 pub fn contacts(
     scene: &Scene,
     counts: &[usize],
@@ -295,7 +295,7 @@ impl ContactTimes {
         Self { pair: pairs.min_by(f64::total_cmp), wall: walls.min_by(f64::total_cmp) }
     }
 
-    /// [s] the shorter of the two contact times, for pairs and for walls.
+    /// [s] the shorter of the two contact times, for pairs and for walls; `None` if no contact is possible.
     pub fn governing(&self) -> Option<f64> {
         self.pair.into_iter().chain(self.wall).min_by(f64::total_cmp)
     }
@@ -352,7 +352,7 @@ fn fall(scene: &Scene) -> f64 {
     axes.map(|axis| scene.gravity[axis].abs() * scene.domain.size[axis]).sum()
 }
 
-/// [m/s] mean velocity of all particles at the start. It is subtracted from their velocities, because a common motion
+/// [m/s] mean velocity of all particles at the start. Callers subtract it from velocities, because a common motion
 /// along walls causes no impacts.
 fn mean_velocity(start: &[Population]) -> Vector3<f64> {
     let sum = |population: &Population| match &population.amount {

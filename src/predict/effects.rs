@@ -16,7 +16,7 @@ pub const FROZEN: f64 = 1.0;
 /// A physical effect, with its size in the scene.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Effect {
-    /// Name of the effect.
+    /// Name of the physical effect.
     pub name: &'static str,
     /// Description, in words, of the ratio `number` that measures the effect.
     pub measure: &'static str,

@@ -38,7 +38,7 @@ fn contacts(scene: &Scene, particles: usize) -> Vec<PossibleContact> {
     scene.at_extremes().iter().flat_map(|scene| contacts_of(scene, particles)).collect()
 }
 
-/// All kinds of contact of a scene in which every species has one size; `particles` is the number of particles.
+/// All kinds of contact that `particles` particles may have in a scene in which every species has one size.
 fn contacts_of(scene: &Scene, particles: usize) -> Vec<PossibleContact> {
     let pairs = scene.meetings().filter(|_| particles > 1);
     let pairs = pairs.map(|(one, other, _)| PossibleContact { wall: None, bodies: Bodies::between(scene, one, other) });
@@ -49,8 +49,9 @@ fn contacts_of(scene: &Scene, particles: usize) -> Vec<PossibleContact> {
     pairs.chain(walls).collect()
 }
 
-/// Integration schemes that a run with these settings may use. If islands (groups of particles that may meet) become
-/// too large, local stepping is replaced by uniform stepping.
+/// Integration schemes that a run with the settings of `experiment` may use. If groups of particles that may meet
+/// become too large, local stepping (steps only for particles in contact) is replaced by uniform stepping (steps for
+/// all particles).
 fn schemes(experiment: &Experiment) -> Vec<Scheme> {
     let of = |stepping| Scheme::of(experiment.soft.integrator, stepping);
     match experiment.soft.stepping {
@@ -59,9 +60,9 @@ fn schemes(experiment: &Experiment) -> Vec<Scheme> {
     }
 }
 
-/// Error for a time step [s] beyond the stability limit of its scheme, with the contact that exceeds the limit most.
-/// `None` if the step is stable. Heun's method has no stable step at e = 1; it is included to show this, so the error
-/// is then only a warning.
+/// Error for a time step `step` [s] beyond the stability limit of its scheme, with the contact that exceeds the limit
+/// most. `None` if the step is stable. Heun's method has no stable step at e = 1. It is included to show this, so the
+/// error is then only a warning.
 pub fn too_long(experiment: &Experiment, particles: usize, step: f64) -> Option<Failure> {
     let (law, schemes, speed) = (experiment.law()?, schemes(experiment), fastest_impact(experiment));
     // stability limits require a search, so the result is stored for each restitution
@@ -85,15 +86,15 @@ pub fn too_long(experiment: &Experiment, particles: usize, step: f64) -> Option<
     unstable.then_some(Failure::StepTooLong { time: 0.0, wall, step, reduced, limit })
 }
 
-/// Frequency times time step [-] of the fastest spring with a slider (sliding, rolling or twisting), and its damping
-/// ratio [-]. `None` if there is no such spring.
+/// Frequency times time step `step` [s] of the fastest spring with a slider (sliding, rolling or twisting), and its
+/// damping ratio, both [-]. `None` if the two bodies have no such spring.
 fn sliders(experiment: &Experiment, law: &ContactLaw, bodies: &Bodies, step: f64) -> Option<(f64, f64)> {
     let springs = side_springs(experiment, law, bodies).into_iter();
     springs.map(|spring| (spring.frequency * step, spring.damping_ratio)).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// Error for a contact law of the calling program that violates its contract between two bodies of the scene; otherwise
-/// `None`.
+/// Error for a contact law of the calling program that violates its contract between two bodies of the scene; `None` if
+/// it keeps the contract, or if the law is one of this program.
 pub fn broken_contract(experiment: &Experiment, particles: usize) -> Option<Failure> {
     let law = experiment.law().filter(|law| matches!(law, ContactLaw::Other(_)))?;
     let (speed, contacts) = (fastest_impact(experiment), contacts(&experiment.scene, particles));
@@ -128,10 +129,10 @@ pub fn broken_contract(experiment: &Experiment, particles: usize) -> Option<Fail
 ///   0.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Bound {
-    /// [-] largest relative energy gain g of any contact, of pairs or at walls, in local stepping.
+    /// [-] largest relative energy gain g of any contact in local stepping, in which time steps move only particles in
+    /// contact.
     local: f64,
-    /// [-] largest relative energy gain g of any contact, of pairs or at walls, if all particles have been moved in
-    /// time steps.
+    /// [-] largest relative energy gain g of any contact if time steps have moved all particles.
     uniform: f64,
     /// [-] relative energy error s at the wall whose normal jumps most (defined at [`Bound`]).
     seams: f64,
@@ -142,19 +143,20 @@ pub struct Bound {
     /// [m/s] factor by which a contact impulse [kg m/s] is multiplied to give the energy [J] that rounding of
     /// coordinates may add, with one rounding per step.
     rounding: f64,
-    /// [m] the smallest diameter.
+    /// [m] diameter of the smallest particles of the scene.
     smallest: f64,
     /// [J] kinetic and elastic energy at the start.
     start: f64,
     /// [J] elastic energy at the start.
     elastic_at_start: f64,
-    /// Settings that shorten the step.
+    /// Text of the error message: settings that shorten the time step.
     remedy: String,
 }
 
 impl Bound {
-    /// Computes the bound for an experiment with this start. Other processes may store a part of the start if no
-    /// particles overlap. `step` [s] is the longest time step with which contacts are resolved.
+    /// Computes the bound for an experiment with the particles `start`. `step` [s] is the longest time step with which
+    /// contacts are resolved. `start` may be the part of one process only if no particles overlap. `None` without a
+    /// contact law.
     pub fn new(experiment: &Experiment, start: &Sample, step: f64) -> Option<Self> {
         let (law, speed) = (experiment.law()?, fastest_impact(experiment));
         let contacts = contacts(&experiment.scene, start.count());
@@ -192,7 +194,7 @@ impl Bound {
         })
     }
 
-    /// [J] elastic energy of the overlaps at the start.
+    /// [J] elastic energy of the contacts that overlap at the start.
     pub fn elastic_at_start(&self) -> f64 {
         self.elastic_at_start
     }
@@ -222,7 +224,8 @@ impl Bound {
     }
 }
 
-/// Text of settings that at least halve the time step, and choose an integrator that does not increase the energy.
+/// Text for an error message: settings that at least halve the time step `step` [s], with an integrator that does not
+/// increase the energy.
 fn remedy(experiment: &Experiment, contacts: &[PossibleContact], law: &ContactLaw, step: f64) -> String {
     let speed = fastest_impact(experiment);
     let times = contacts.iter().map(|contact| law.contact_time(&law.between(&contact.bodies), speed));
@@ -235,10 +238,10 @@ fn remedy(experiment: &Experiment, contacts: &[PossibleContact], law: &ContactLa
     }
 }
 
-/// [-] largest relative energy gain g (see [`Bound`]) of a scheme, for impacts at a normal speed [m/s] with a time step
-/// [s].
+/// [-] largest relative energy gain g (see [`Bound`]) of a scheme, for impacts at the normal speed `speed` [m/s] with
+/// the time step `step` [s]. It is 0 for steps that do not resolve the contact.
 fn gain(scheme: Scheme, law: &ContactLaw, spring: &Spring, [speed, step]: [f64; 2]) -> f64 {
-    /// Number of step lengths tried between N_c and N_c + 1.
+    /// Number of intervals of step lengths tried between N_c and N_c + 1.
     const LENGTHS: u32 = 8;
     /// Largest number of steps per contact N_c that is simulated. Finer steps gain less energy, and would take long to
     /// simulate.
@@ -263,7 +266,7 @@ fn gain(scheme: Scheme, law: &ContactLaw, spring: &Spring, [speed, step]: [f64; 
     realised.map(|realised| realised.largest * realised.largest - 1.0).fold(0.0, f64::max)
 }
 
-/// [J] energy stored in overlaps.
+/// [J] elastic energy stored in all overlaps of the particles with each other and with walls.
 fn elastic_energy(law: &ContactLaw, scene: &Scene, particles: &Particles) -> f64 {
     let energy = |couple: Couple| {
         let overlap = couple.meet(particles, scene, FrameTime::default()).overlap();

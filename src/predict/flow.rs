@@ -13,9 +13,9 @@ const EDDY_TIME: f64 = 1.5 * 0.09;
 /// Response of one species of particles to the gas.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Flow {
-    /// Name of the species.
+    /// Name of the species of particles.
     pub species: String,
-    /// [s] Stokes response time.
+    /// [s] Stokes response time: time in which drag changes the velocity of a slow particle.
     pub stokes_time: f64,
     /// [m/s] terminal slip speed, at which drag balances the weight; 0 without gravity.
     pub terminal_slip: f64,
@@ -34,7 +34,8 @@ pub struct Flow {
     pub turbulent_variance: Option<f64>,
 }
 
-/// Response to the gas of each species that has particles. `counts` contains the number of particles of each species.
+/// Response to the gas of each species that has particles; empty without gas or drag. `counts` contains the number of
+/// particles of each species.
 pub fn flows(scene: &Scene, counts: &[usize]) -> Vec<Flow> {
     let Some(fluid) = &scene.fluid else { return Vec::new() };
     let (height, volume) = (scene.domain.size.y, scene.domain.volume());

@@ -59,7 +59,7 @@ impl Component {
     }
 }
 
-/// Measurements in a slice of the scene between two distances from a wall.
+/// Measurements in a slice of the scene, the space between two distances from a wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slice {
     /// [-] fraction of all particles that is in the slice.
@@ -229,7 +229,7 @@ pub fn softness(law: &ContactLaw, species: &Species, temperature: f64) -> f64 {
 }
 
 /// [-] factor by which a law must become stiffer, so that the relative decrease of the cross-section is at most `error`
-/// [-].
+/// [-]. The decrease is that of spheres of `species` at the granular temperature `temperature` [m²/s²].
 pub fn stiffening_for(law: &ContactLaw, species: &Species, temperature: f64, error: f64) -> f64 {
     law.stiffening(2.0 * softness(law, species, temperature) / error)
 }

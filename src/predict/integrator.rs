@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 /// to the touch.
 const PHASES: usize = 200;
 
-/// [-] ratio of time to contact time, after which a contact counts as endless.
+/// [-] time since the touch over the contact time, after which a contact counts as one that never ends.
 const ENDLESS: f64 = 20.0;
 
 /// Method that advances a contact by one time step.
@@ -98,7 +98,7 @@ impl GapForce<'_> {
         (elastic + viscous) / self.spring.effective_mass
     }
 
-    /// State of the contact after a step of length `dt`.
+    /// Gap and its rate after a time step of length `dt`, from the state `from` before it.
     fn step(&self, method: Method, from: GapState, dt: f64) -> GapState {
         let GapState { x, v } = from;
         match method {
@@ -204,7 +204,8 @@ pub fn realised_restitution(
 }
 
 /// [-] rebound speed over approach speed in uniform steps. The approach is at `speed` [m/s]. The touch occurs at the
-/// fraction `before` of a step `step` [s] after the end of the previous step.
+/// fraction `before` of a step `step` [s] after the end of the previous step. `None` if the contact lasts longer than
+/// `longest` steps.
 fn on_the_grid(force: &GapForce, speed: f64, method: Method, (step, before): (f64, f64), longest: u64) -> Option<f64> {
     let mut state = GapState { x: before * (speed * step), v: -speed };
     for _ in 0..longest {
@@ -217,7 +218,8 @@ fn on_the_grid(force: &GapForce, speed: f64, method: Method, (step, before): (f6
 }
 
 /// [-] rebound speed over approach speed, with exact instants. The contact begins at the instant of touch, at `speed`
-/// [m/s], and ends at the instant at which the overlap is zero again.
+/// [m/s], and ends at the instant at which the overlap is zero again. `None` if it lasts longer than `longest` steps of
+/// `step` [s].
 fn with_exact_instants(force: &GapForce, speed: f64, method: Method, step: f64, longest: u64) -> Option<f64> {
     let mut state = GapState { x: 0.0, v: -speed };
     for _ in 0..longest {

@@ -91,9 +91,9 @@ pub struct Averaging {
 pub struct RunPrediction {
     /// [-] relative error desired for averages.
     pub target_error: f64,
-    /// Number of particles.
+    /// Number of particles in the run.
     pub particles: usize,
-    /// [s] simulated time.
+    /// [s] simulated time of the whole run.
     pub duration: f64,
     /// [s] window h: time between two exchanges of momentum with the gas.
     pub window: f64,
@@ -112,8 +112,8 @@ pub struct RunPrediction {
     pub gas: Option<gas::Gas>,
     /// [-] mean fraction of the time in which a particle is in contact.
     pub time_in_contact: Option<f64>,
-    /// Number of particles expected in the largest island (group of particles that may meet) of a window. `None` if
-    /// islands unite without bound, or if the theory is not valid.
+    /// Number of particles expected in the largest island of a window: a group of particles that may meet between two
+    /// exchanges with the gas. `None` if islands unite without bound, or if the theory is not valid.
     pub largest_island: Option<usize>,
     /// [-] apparent decrease of the diameter of soft spheres, divided by the diameter.
     pub softness: Option<f64>,

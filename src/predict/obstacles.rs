@@ -95,7 +95,8 @@ pub fn against_soft(experiment: &Experiment) -> Vec<String> {
     list
 }
 
-/// Reasons as lines of text, each preceded by the name of the model that it excludes.
+/// Reasons as lines of text, each preceded by the name of the model that it excludes. `hard` and `soft` hold the
+/// reasons against hard spheres and soft spheres.
 pub fn named(hard: &[String], soft: &[String]) -> Vec<String> {
     let of = |name: &str, list: &[String]| list.iter().map(|why| format!("{name}: {why}")).collect::<Vec<_>>();
     [of("hard spheres", hard), of("soft spheres", soft)].concat()
@@ -109,7 +110,7 @@ pub fn bodies(experiment: &Experiment, start: &Particles, fall: f64) -> Vec<Cont
     contacts(&experiment.scene, &experiment.counts(), pair, |_| ImpactSpeeds::Bodies { speed: fastest.max(fall) })
 }
 
-/// [m/s] upper limit of the relative velocity of two particles, and largest speed of any particle.
+/// [m/s] upper limit of the relative speed of any two particles, and largest speed of any particle.
 fn speeds(particles: &Particles) -> (f64, f64) {
     /// Largest number of particles for which the relative velocities of all pairs are computed.
     const ALL_PAIRS: usize = 2000;

@@ -13,7 +13,8 @@ use crate::contact_law::ContactLaw;
 use crate::experiment::Experiment;
 use serde::Serialize;
 
-/// [-] ratio λ* of mean overlap to diameter up to which the flow in the paper did not change (Eq. 13).
+/// [-] ratio λ* of mean overlap to diameter up to which the flow in the paper did not change (Eq. 13). The
+/// recommendation keeps 99 % of the overlaps below it.
 const DEEPEST: f64 = 0.05;
 
 /// Numbers of steps per contact from which the recommendation chooses one. The paper's range is T_c/50 to T_c/15
@@ -31,10 +32,11 @@ const CROWDED: f64 = 0.06;
 /// about as much as 60 pair checks, like building the neighbour list (see `neighbours`).
 const SEARCH: f64 = 60.0;
 
-/// [-] largest fraction of particles that lie at the start for which hybrid spheres are recommended. The window must
-/// also have at least `LONG_WINDOW` time steps. Otherwise hybrid spheres may cost more than uniform steps of all
-/// particles. Ratios of these costs were measured. In `cases/hybrid/rain-on-a-bed.toml` (fraction 0.024) they were 0.36
-/// at 4300 steps per window and 0.8 at 480. In gas-above-bed.toml (fraction 0.11) the ratio was 1.2 at 200.
+/// [-] largest fraction of particles that lie at the start for which hybrid spheres are recommended. The window (time
+/// between two exchanges with the gas) must also have at least `LONG_WINDOW` time steps. Otherwise hybrid spheres may
+/// cost more than uniform steps of all particles. Ratios of these costs were measured. In
+/// `cases/hybrid/rain-on-a-bed.toml` (fraction 0.024) they were 0.36 at 4300 steps per window and 0.8 at 480. In
+/// gas-above-bed.toml (fraction 0.11) the ratio was 1.2 at 200.
 const FEW_LIE: f64 = 0.05;
 const LONG_WINDOW: f64 = 300.0;
 
@@ -45,7 +47,7 @@ const USUAL_STEPS: f64 = 20.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum EngineChoice {
-    /// Event-driven hard spheres.
+    /// Hard spheres, whose collisions are computed one by one as events.
     Hard,
     /// Soft spheres with local stepping: only particles in contact move in time steps.
     SoftLocal,
@@ -283,8 +285,9 @@ pub fn softest(
     Some((law.stiffened(factor), why))
 }
 
-/// Number of steps per contact at which collisions change the energy of a particle by less than the desired error. The
-/// error is summed over the collisions within half a response time of drag, or over the whole run if this is shorter.
+/// Number of steps per contact at which collisions change the energy of a particle by less than the desired error, a
+/// fraction. The changes are summed over the collisions within half a response time of drag, or over the whole run if
+/// this is shorter. The reason is added to `reasons`.
 fn steps(
     plan: &RunPrediction,
     contacts: &[ContactKind],
@@ -319,8 +322,8 @@ fn steps(
     chosen
 }
 
-/// Number of steps per contact for which half a period of the fastest tangential, rolling or twisting spring also has
-/// at least `steps` steps.
+/// Smallest number of steps per contact, at least `steps`, for which half a period of the fastest tangential, rolling
+/// or twisting spring also has `steps` steps. If this is more than `steps`, the reason is added to `reasons`.
 fn for_springs(
     experiment: &Experiment,
     contacts: &[ContactKind],
@@ -346,7 +349,7 @@ fn for_springs(
     needed
 }
 
-/// Assumptions of the predictions that are doubtful for this scene.
+/// Sentences about assumptions of the predictions that are doubtful for this scene; empty if there are none.
 fn doubts(plan: &RunPrediction) -> Vec<String> {
     let mut list = Vec::new();
     for effect in plan.effects.iter().filter(|effect| !effect.modelled && !effect.negligible()) {

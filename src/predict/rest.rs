@@ -7,9 +7,10 @@ use crate::scene::{Kind, Scene, Surface};
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// [-] gap between neighbours at the start, divided by the overlap of an impact, below which their contacts overlap in
-/// time. The number follows from solutions of the three-sphere equations. Three spheres in a row with gaps of twice u
-/// sqrt(m/k) agree with a sequence of two impacts to 1e-6. With half of these gaps they do not agree to 1e-2.
+/// [-] ratio of the gap between two neighbours at the start to the overlap of an impact. Below this ratio, contacts
+/// with both neighbours overlap in time. The number follows from solutions of the three-sphere equations. Three spheres
+/// in a row with gaps of twice u sqrt(m/k) agree with a sequence of two impacts to 1e-6. With half of these gaps they
+/// do not agree to 1e-2.
 const SEPARATE: f64 = 2.0;
 
 /// Largest number of particles for which all pairs are examined at the start.
@@ -32,9 +33,9 @@ pub struct Rest {
     pub weight: f64,
 }
 
-/// Finds the floor of a scene: the flat wall against which gravity presses most. `None` if there is no such wall, or if
-/// the gas lifts the particles off it, or if a wall moves. `lift` [m/s] is the component of the gas velocity against gravity, minus the
-/// terminal slip speed.
+/// Finds the floor of a scene: the flat wall against which gravity presses most. `None` if there is no such wall, if
+/// the gas lifts the particles off it, or if a wall moves. `lift` [m/s] is the component of the gas velocity against
+/// gravity, minus the terminal slip speed.
 ///
 /// The time until rest is that of a sphere dropped from the height h. Its bounces last (1+e)/(1-e) sqrt(2h/g) in total
 /// (a geometric series); where e depends on the speed, they are added one by one. A bed of N spheres needs less time.
@@ -103,7 +104,8 @@ fn falls(surface: &Surface, speed: f64) -> f64 {
     f64::INFINITY
 }
 
-/// [m] part of the height of a sphere above the floor that other spheres below it occupy: the sum of their diameters.
+/// [m] part of the height of a sphere at `x` above the floor that other spheres below it occupy: the sum of their
+/// diameters. `up` is the unit normal of the floor. It is 0 for scenes with many particles.
 fn stacked(scene: &Scene, particles: &Particles, up: &Vector3<f64>, x: &Vector3<f64>, radius: f64) -> f64 {
     if particles.len() > ALL_PAIRS {
         return 0.0;

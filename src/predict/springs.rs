@@ -14,7 +14,7 @@ pub struct SideSpring {
     pub name: &'static str,
     /// [1/s] angular frequency without damping.
     pub frequency: f64,
-    /// [-] damping ratio.
+    /// [-] damping ratio: damping over critical damping.
     pub damping_ratio: f64,
 }
 
@@ -27,7 +27,8 @@ impl SideSpring {
     }
 }
 
-/// All springs of a contact between two bodies except the normal one. Springs without stiffness are left out.
+/// All springs of a contact between two bodies except the normal one, each at the largest overlap. Springs without
+/// stiffness are left out. Empty for spheres without rotation.
 pub fn side_springs(experiment: &Experiment, law: &ContactLaw, bodies: &Bodies) -> Vec<SideSpring> {
     let scene = &experiment.scene;
     let inertia = scene.species.iter().map(Species::factor_with_added_mass).reduce(f64::min);
@@ -53,7 +54,8 @@ pub fn side_springs(experiment: &Experiment, law: &ContactLaw, bodies: &Bodies) 
     springs.filter(|(_, spring)| spring.stiffness > 0.0).map(of).collect()
 }
 
-/// Limits on the time step: each spring makes half a period in `steps` steps, the number of steps per contact N_c.
+/// Limits on the time step, in which each tangential, rolling or twisting spring makes half a period in `steps` steps.
+/// `steps` is the number of steps per contact N_c.
 pub fn spring_limits(
     experiment: &Experiment,
     law: &ContactLaw,

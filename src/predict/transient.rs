@@ -89,7 +89,7 @@ fn is_stirred(scene: &Scene) -> bool {
         || scene.walls.iter().any(|wall| slides(wall) && wall.surface.friction > 0.0)
 }
 
-/// Weighted mean of numbers, given as pairs of weight and number; 0 for an empty list.
+/// Weighted mean of numbers, given as pairs [weight, number]; 0 for an empty list.
 fn mean(numbers: impl Iterator<Item = [f64; 2]>) -> f64 {
     let [weights, sum] =
         numbers.fold([0.0; 2], |[weights, sum], [weight, number]| [weights + weight, sum + weight * number]);
@@ -177,7 +177,7 @@ fn response(experiment: &Experiment) -> Option<f64> {
     of.reduce(f64::min)
 }
 
-/// [m²/s²] variance of a velocity component of random starts, averaged over all particles.
+/// [m²/s²] variance of a velocity component of random starts, averaged over all particles; listed particles count as 0.
 pub fn variance_at_start(experiment: &Experiment) -> f64 {
     let random = |population: &&crate::experiment::Population| matches!(population.amount, Amount::Count(_));
     let of = experiment.start.iter().filter(random);

@@ -15,11 +15,11 @@ pub struct Histogram {
     pub width: f64,
     /// Number of values in each bin.
     pub counts: Vec<u64>,
-    /// Number of all values.
+    /// Number of values that were counted, over all bins.
     pub total: u64,
     /// Largest value; 0 before the first value.
     pub maximum: f64,
-    /// Sum of all values.
+    /// Exact sum of all values that were counted.
     sum: Box<ExactSum>,
     /// Sum of the squares of all values.
     sum_of_squares: Box<ExactSum>,
@@ -49,7 +49,7 @@ impl Histogram {
 
     /// Counts several values, with the result of [`add`](Self::add) for each value.
     pub fn add_all(&mut self, mut values: impl Iterator<Item = f64>) {
-        /// Number of values that are added to the exact sums in one call.
+        /// Number of values that are collected before one call adds them to the exact sums.
         const ROWS: usize = 32;
         let mut rows = [[0.0; 2]; ROWS];
         loop {
@@ -126,7 +126,7 @@ impl Histogram {
         self.sum_of_squares.value()
     }
 
-    /// Doubles the range by doubling the width of the bins.
+    /// Doubles the range: makes the bins twice as wide and merges neighbouring bins in pairs.
     fn widen(&mut self) {
         for k in 0..BINS / 2 {
             self.counts[k] = self.counts[2 * k] + self.counts[2 * k + 1];

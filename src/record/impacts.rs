@@ -39,12 +39,14 @@ pub struct SlipChange {
     pub slides: bool,
 }
 
-/// [-] ratio of the tangential impulse to Coulomb's limit μ J_n, from which the surfaces count as sliding all the time.
-/// The value was chosen for this program: errors of time steps and of rebound tables are smaller than 0.1 %.
+/// Smallest ratio [-] of the tangential impulse to Coulomb's limit μ J_n for which the surfaces count as sliding all
+/// the time (J_n is the normal impulse). The value was chosen for this program: errors of time steps and of rebound
+/// tables are smaller than 0.1 %.
 const AT_LIMIT: f64 = 0.999;
 
 impl SlipChange {
-    /// Makes the record from the slips [m/s], the tangential impulse [kg m/s] and its `limit` μ J_n [kg m/s].
+    /// Makes the record of one impact from its slips before and after [m/s]. `impulse` is the tangential impulse [kg
+    /// m/s] and `limit` its limit by Coulomb's law, μ J_n [kg m/s].
     pub fn new([before, after]: [f64; 2], impulse: f64, limit: f64) -> Self {
         Self { before, after, slides: impulse >= AT_LIMIT * limit }
     }
@@ -53,7 +55,7 @@ impl SlipChange {
 /// Sums over the impacts of bodies that rotate.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Slips {
-    /// Number of impacts.
+    /// Number of impacts between bodies that rotate.
     pub count: u64,
     /// Number of impacts in which the surfaces slide all the time.
     pub sliding: u64,
@@ -111,7 +113,7 @@ pub struct LeftOut {
 /// Sums over contacts that an engine replaced by instantaneous impacts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct InstantaneousContacts {
-    /// Number of contacts.
+    /// Number of contacts that were replaced.
     pub count: u64,
     /// [-] largest overlap that any of these contacts would have reached, divided by the (smaller) diameter.
     pub largest_overlap: f64,

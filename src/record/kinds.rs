@@ -29,7 +29,7 @@ impl Between {
     }
 }
 
-/// Sums over the impacts between two kinds.
+/// Sums over the impacts between two kinds of bodies, each a species of particles or a wall.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MeetingTotals {
     /// Number of impacts between the two kinds that have ended.
@@ -71,7 +71,7 @@ impl ByKinds {
     }
 }
 
-/// Exact running sums, from which [`MeetingTotals`] are rounded.
+/// Exact running sums over the impacts between two kinds, which [`MeetingTotals`] holds as rounded numbers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct MeetingSums {
     count: u64,
@@ -119,7 +119,7 @@ impl Meetings {
         }
     }
 
-    /// Present values of the sums, rounded.
+    /// Rounded values of the sums over the impacts so far.
     pub fn totals(&self) -> ByKinds {
         let totals = |MeetingSums { count, speed, approach, rebound }: &MeetingSums| MeetingTotals {
             count: *count,

@@ -6,32 +6,32 @@ use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::sync::OnceLock;
 
-/// Number of entries of a ledger: a multiple of four, for vector instructions.
+/// Length of a [`Ledger`] that is written as an array: a multiple of four, for vector instructions.
 pub const ENTRIES: usize = 40;
 
-/// Number of ledger entries to which a contact adds.
+/// Length of the lists [`OF_PAIRS`] and [`AT_WALLS`]: number of ledger entries to which one contact adds.
 pub const SOME: usize = 12;
 
-/// Indices of the entries to which a contact of two particles adds: first column of the virial, loss by restitution,
-/// second column, loss by friction, third column, loss by tangential restitution.
+/// Indices, in [`Ledger::to_array`], of the entries to which a contact of two particles adds. They are first column of
+/// the virial, loss by restitution, second column, loss by friction, third column, loss by tangential restitution.
 pub const OF_PAIRS: [usize; SOME] = [18, 19, 20, 3, 21, 22, 23, 4, 24, 25, 26, 27];
 
-/// Indices of the entries to which a contact with a wall adds: impulse (three), loss by restitution, work of the wall,
-/// impulse along the normal, work of gravity, loss by friction, loss by tangential restitution. The last index is
-/// repeated, with amounts of 0, to fill the array.
+/// Indices, in [`Ledger::to_array`], of the entries to which a contact with a wall adds. They are impulse (three), loss
+/// by restitution, work of the wall, impulse along the normal, work of gravity, loss by friction, loss by tangential
+/// restitution. The last index is repeated, with amounts of 0, to fill the array.
 pub const AT_WALLS: [usize; SOME] = [15, 16, 17, 5, 2, 8, 1, 6, 27, 27, 27, 27];
 
-/// Indices of the entries to which only few contacts add: [`FrictionLosses`] without the loss by tangential
-/// restitution.
+/// Indices, in [`Ledger::to_array`], of the entries to which only contacts with tangential, rolling or twisting springs
+/// add: [`FrictionLosses`] without the loss by tangential restitution.
 pub const OF_SPRINGS: [usize; 4] = [28, 29, 30, 31];
 
-/// Index of the first entry of the impulse that walls give to particles.
+/// Index, in the array of a ledger, of the x component of the impulse that walls give to particles.
 const BY_WALLS: usize = 15;
 
-/// Entries of the work and the impulse of shear.
+/// Indices, in [`Ledger::to_array`], of the work of a sheared box and of the three components of its impulse.
 pub const BY_SHEAR: [usize; 4] = [32, 33, 34, 35];
 
-/// Index of the entry of the work of a thermostat, which the three entries of its impulse follow.
+/// Index, in the array of a ledger, of the work of a thermostat. The three components of its impulse follow.
 const BY_THERMOSTAT: usize = 36;
 
 /// Totals of energy and momentum of an island (a group of particles that may meet), a window (the time between two
@@ -121,7 +121,7 @@ pub struct FrictionLosses {
 }
 
 impl FrictionLosses {
-    /// Energies lost to springs, in the order of [`OF_SPRINGS`].
+    /// Energies lost in tangential, rolling and twisting springs, in the order of [`OF_SPRINGS`].
     pub fn of_springs(&self) -> [f64; 4] {
         [self.separation, self.rescaling, self.rolling, self.twisting]
     }
@@ -132,7 +132,7 @@ impl FrictionLosses {
         Self { tangential_restitution, separation, rescaling, rolling, twisting }
     }
 
-    /// Sum of all parts.
+    /// Sum of all five losses [J], or of their powers [W].
     pub fn sum(&self) -> f64 {
         self.tangential_restitution + self.of_springs().iter().sum::<f64>()
     }
@@ -186,7 +186,8 @@ impl Ledger {
 }
 
 impl Ledger {
-    /// All numbers of the ledger, in the order of the entry indices.
+    /// All numbers of the ledger as an array; [`OF_PAIRS`], [`AT_WALLS`] and similar constants are indices into this
+    /// array.
     pub fn to_array(&self) -> [f64; ENTRIES] {
         let (drag, weight, walls) = (&self.drag_impulse, &self.gravity_impulse, &self.wall_impulse);
         let [[xx, yx, zx], [xy, yy, zy], [xz, yz, zz]] = self.pair_virial.data.0;
@@ -235,14 +236,14 @@ impl Ledger {
         ]
     }
 
-    /// Adds amounts to the entries with the given indices.
+    /// Adds `amounts` to the numbers whose indices in [`Self::to_array`] are `entries`.
     pub(crate) fn add_to<const K: usize>(&mut self, entries: &[usize; K], amounts: [f64; K]) {
         let mut all = self.to_array();
         entries.iter().zip(amounts).for_each(|(&entry, amount)| all[entry] += amount);
         *self = Self::from_array(all);
     }
 
-    /// Makes a ledger from its entries, in the order of `to_array`.
+    /// Makes a ledger from its numbers, in the order of `to_array`.
     fn from_array(all: [f64; ENTRIES]) -> Self {
         let vector = |first: usize| Vector3::new(all[first], all[first + 1], all[first + 2]);
         Self {
@@ -314,7 +315,7 @@ impl<'de> Deserialize<'de> for Books {
 }
 
 impl Books {
-    /// Adds several amounts, each with the entries of [`Ledger::to_array`].
+    /// Adds several ledgers, each as an array in the order of [`Ledger::to_array`].
     pub fn add(&mut self, amounts: &[[f64; ENTRIES]]) {
         add_rows(self.sums.each_mut(), amounts);
         self.rounded.take();

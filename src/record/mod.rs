@@ -27,8 +27,8 @@ pub struct Log {
     pub islands: Vec<[f64; ENTRIES]>,
 }
 
-/// Number of impacts in one task of a thread. For fewer impacts, merging the counts of two threads would take longer
-/// than counting.
+/// Number of impacts that one thread counts at a time. For fewer impacts, merging the counts of two threads would take
+/// longer than counting.
 const TOGETHER: usize = 4096;
 
 impl Record {
@@ -40,7 +40,7 @@ impl Record {
         log.islands.clear();
     }
 
-    /// Counts impacts that have ended, in any order, and empties the list.
+    /// Counts impacts that have ended, in any order, and empties `impacts`.
     pub fn count(&mut self, impacts: &mut Vec<(Between, Impact)>) {
         if impacts.len() <= TOGETHER {
             self.count_some(impacts);
@@ -81,7 +81,7 @@ impl Record {
 /// All records that an engine makes during a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Record {
-    /// Impacts between particles.
+    /// Sums and histograms over the impacts between particles.
     pub pairs: Impacts,
     /// Impacts of particles on walls.
     pub walls: Impacts,

@@ -23,16 +23,16 @@ use viscoelastic::damping_for;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RestitutionBySpeed {
-    /// e = min(1, (u/u_c)^-p) (Bridges, Hatzes and Lin 1984, Nature 309, 333, for ice).
+    /// Restitution e = min(1, (u/u_c)^-p), measured for ice (Bridges, Hatzes and Lin 1984, Nature 309, 333).
     Bridges {
         /// [m/s] speed u_c > 0 up to which impacts are elastic.
         speed: f64,
         /// [-] exponent p >= 0.
         exponent: f64,
     },
-    /// e = max(e_min, 1 - (1 - e_1) (u/u_1)^q). The form 1 - B u^q has q = 1/5 as the first term of viscoelastic spheres
-    /// (Kuwabara and Kono 1987, Jpn. J. Appl. Phys. 26, 1230) and q = 3/4 with e_min = e_1 in simulations of shaken beds
-    /// (Bizon et al. 1998, Phys. Rev. Lett. 80, 57).
+    /// Restitution e = max(e_min, 1 - (1 - e_1) (u/u_1)^q). The form 1 - B u^q has q = 1/5 as the first term of
+    /// viscoelastic spheres (Kuwabara and Kono 1987, Jpn. J. Appl. Phys. 26, 1230). It has q = 3/4 with e_min = e_1 in
+    /// simulations of shaken beds (Bizon et al. 1998, Phys. Rev. Lett. 80, 57).
     Power {
         /// [-] restitution e_1 at the speed u_1.
         restitution: f64,
@@ -52,7 +52,8 @@ pub enum RestitutionBySpeed {
         restitution: f64,
         /// [m/s] speed u_1 > 0.
         speed: f64,
-        /// [(s/m)^(1/5)] β/u^(1/5), as [`RestitutionBySpeed::viscoelastic`] computes it.
+        /// [(s/m)^(1/5)] constant β/u^(1/5) of the two bodies, as [`RestitutionBySpeed::viscoelastic`] computes it from
+        /// e_1 and u_1.
         damping: f64,
     },
 }

@@ -25,18 +25,19 @@ pub struct ViscoelasticImpact {
     pub depth: f64,
 }
 
-/// State of an impact.
+/// State of an impact at one instant, in units of the mass M, the speed of approach u and Hertz's constant k.
 #[derive(Clone, Copy)]
 struct ImpactState {
-    /// Root of the overlap.
+    /// Square root of the overlap.
     root: f64,
-    /// Rate of the overlap.
+    /// Rate of change of the overlap.
     rate: f64,
     time: f64,
 }
 
 impl ImpactState {
-    /// State after a step `h` of the independent variable, by the classical Runge-Kutta method.
+    /// State after a step `h` of the independent variable, by the classical Runge-Kutta method. `slope` returns the
+    /// derivatives of a state with respect to this variable.
     fn step(&self, h: f64, slope: impl Fn(&Self) -> Self) -> Self {
         let along = |slope: &Self, h: f64| Self {
             root: self.root + h * slope.root,
@@ -52,7 +53,7 @@ impl ImpactState {
     }
 }
 
-/// Integrates an impact with the damping β.
+/// Integrates the equation of motion of an impact with the damping β = `damping` [-].
 fn integrate(damping: f64) -> ViscoelasticImpact {
     let slope = |s: &ImpactState| {
         let overlap = s.root * s.root;
@@ -87,15 +88,15 @@ fn integrate(damping: f64) -> ViscoelasticImpact {
     }
 }
 
-/// Values of a table at β/(1 + β): (1 + β) e^(1/5), the duration and the depth times (1 + β)^(2/5). They are smooth and
-/// bounded, or grow slowly.
+/// Values of the table at β/(1 + β): (1 + β) e^(1/5), the duration, and the largest overlap times (1 + β)^(2/5). They
+/// are smooth functions of β/(1 + β), so that they can be interpolated.
 fn smooth(damping: f64) -> [f64; 3] {
     let ViscoelasticImpact { restitution, duration, depth } = integrate(damping);
     let stretched = 1.0 + damping;
     [restitution.powf(0.2) * stretched, duration, depth * stretched.powf(0.4)]
 }
 
-/// Table over equal intervals of β/(1 + β), made at first use.
+/// Table of the values of `smooth` at equal intervals of β/(1 + β) from 0 to `LARGEST`, made at first use.
 static TABLE: LazyLock<Vec<[f64; 3]>> = LazyLock::new(|| {
     let share = |k: usize| LARGEST * k as f64 / INTERVALS as f64;
     let mut table: Vec<[f64; 3]> = (0..=INTERVALS).map(|k| smooth(share(k) / (1.0 - share(k)))).collect();

@@ -32,7 +32,7 @@ pub struct ImpactKind {
 }
 
 impl ImpactKind {
-    /// True if both kinds have equal restitution and, up to rounding, equal ratios.
+    /// True if both kinds have equal restitution, and mass ratios and shear ratios that are equal up to rounding.
     pub fn is_like(&self, other: &Self) -> bool {
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs();
         self.has_table_of(other) && near(self.shear_ratio, other.shear_ratio)
@@ -75,7 +75,7 @@ impl ImpactRule {
         Self::OfSpring(impacts.iter().map(table).collect())
     }
 
-    /// [kg m/s] magnitude of the tangential impulse, which acts against the slip.
+    /// [kg m/s] magnitude of the tangential impulse of an impact. The impulse acts against the slip of the particle.
     #[inline]
     pub fn impulse(&self, approach: &ObliqueApproach) -> f64 {
         let ObliqueApproach { friction, slip, mass, .. } = *approach;

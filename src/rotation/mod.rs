@@ -9,12 +9,14 @@
 //! This module has only parameters and formulas. The engines apply them.
 
 mod impact;
+mod partial_slip;
 mod rebound;
 mod rolling;
 mod slider;
 mod tangential;
 
 pub use impact::{ImpactKind, ImpactRule, ObliqueApproach};
+pub use partial_slip::PartialSlip;
 pub use rebound::{ObliqueImpact, ReboundTable};
 pub use rolling::{Resistance, ResistanceFriction, RollingBodies, RollingLaw, TwistingLaw};
 pub use slider::{SpringDashpotSlider, SpringHistory, SpringRates, turned};

@@ -33,22 +33,22 @@ pub struct ObliqueImpact {
     pub mass: f64,
 }
 
-/// Instant of an impact: limit of the tangential force, and tangential spring at the current overlap. All values are in
-/// the units of [`ObliqueImpact`].
+/// Quantities of an impact at one instant, from which the rates of slip and shear follow. All values are in the units
+/// of [`ObliqueImpact`].
 #[derive(Clone, Copy, Debug)]
 struct ImpactInstant {
-    /// Largest tangential force max(f, 0), followed by its time derivative.
+    /// Largest tangential force max(f, 0). The next field is its time derivative.
     limit: f64,
     limit_rate: f64,
     spring: SpringDashpotSlider,
     /// Relative rate δ'/δ of the overlap, by which the spring changes.
     rate: f64,
-    /// Time per unit of the integration variable.
+    /// Time per unit of the variable over which the impact is integrated.
     pace: f64,
 }
 
-/// State of an impact: the integration variable, the slip (positive in the direction of the initial slip), and the
-/// shear.
+/// State of the tangential motion: the variable over which the impact is integrated, the slip (positive in its initial
+/// direction), and the shear of the tangential spring.
 #[derive(Clone, Copy, Debug)]
 struct State {
     at: f64,
@@ -97,9 +97,10 @@ impl ObliqueImpact {
         PI / self.damped()
     }
 
-    /// Values of the integration variable that no step may cross. From the largest overlap on (ω_d t = arccos ζ), the
-    /// spring may be rescaled. At twice this phase f = 0: damping makes the normal force attractive from then on, and
-    /// the limit is 0. The third value is the end of the contact.
+    /// Values of the integration variable that no step may cross, because the equations change there. For Hertz's law
+    /// the first is at the largest overlap (phase arccos ζ), from which on the spring may be rescaled. At twice this
+    /// phase damping makes the normal force attractive, so that the limit of friction is 0 from then on. The third
+    /// value is the end of the contact.
     fn stops(&self) -> [f64; 3] {
         let phase = self.damping_ratio.acos();
         if self.is_hertzian() {
@@ -110,7 +111,8 @@ impl ObliqueImpact {
         }
     }
 
-    /// Integration variable (0 to 1, Hertz's law) at which the oscillator has a phase [rad].
+    /// Integration variable (0 to 1) of an impact with Hertz's law at which the normal oscillation has the phase
+    /// `phase` [rad].
     fn share_of(&self, phase: f64) -> f64 {
         let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..60 {
@@ -136,8 +138,8 @@ impl ObliqueImpact {
         ImpactInstant { limit, limit_rate, spring: self.tangential, rate: 0.0, pace: 1.0 }
     }
 
-    /// Instant of an impact with Hertz's law, in units of M, u_n and k_H. `share` is the integration variable, 0 to 1;
-    /// its steps are short in time at both ends.
+    /// Quantities of an impact with Hertz's law at one instant, in units of M, u_n and k_H. `share` is the integration
+    /// variable, 0 to 1. Equal steps of this variable are short in time at both ends of the contact.
     fn hertzian(&self, share: f64) -> ImpactInstant {
         let (ratio, frequency) = (self.damping_ratio, 0.8f64.sqrt()); // ω_0² = 4 k_H/(5 M), Antypov and Elliott
         let damped = frequency * self.damped();
@@ -187,8 +189,9 @@ impl ObliqueImpact {
         State { at, slip, shear }
     }
 
-    /// Number that is positive while a phase lasts. For sticking it is the distance of the force from the limit. For
-    /// sliding it is the rate at which the force of a sticking contact would exceed the limit.
+    /// Number that is positive as long as a phase lasts, and 0 when the next one begins. For sticking it is the limit
+    /// minus the force. For sliding it is the rate at which the force of a sticking contact would grow beyond the
+    /// limit.
     fn goes_on(&self, phase: SlipPhase, state: &State) -> f64 {
         let ImpactInstant { limit, limit_rate, spring, rate, .. } = self.instant(state.at);
         match phase {
@@ -205,7 +208,8 @@ impl ObliqueImpact {
         }
     }
 
-    /// Next phase of a state whose force is at the limit.
+    /// Phase that follows a state whose tangential force is at the limit: sliding, if the force of a sticking contact
+    /// would exceed the limit.
     fn next_phase(&self, state: &State) -> SlipPhase {
         let spring = self.instant(state.at).spring;
         let force = spring.stiffness * state.shear + spring.dashpot * state.slip;
@@ -213,7 +217,7 @@ impl ObliqueImpact {
         if self.goes_on(SlipPhase::Slide(sign), state) > 0.0 { SlipPhase::Slide(sign) } else { SlipPhase::Stick }
     }
 
-    /// First phase of an impact with the slip of `state`.
+    /// First phase of an impact, whose initial slip is that of `state`.
     fn first_phase(&self, state: &State) -> SlipPhase {
         if !self.is_hertzian() {
             let on_limit = self.instant(0.0).limit <= self.tangential.dashpot * state.slip;
@@ -290,7 +294,8 @@ struct ReboundPoints {
     far: Vec<f64>,
 }
 
-/// Linear interpolation at `place` >= 0, in units of the distance between points.
+/// Linear interpolation between points at equal distances. `place` >= 0 is the position in units of this distance,
+/// counted from the first point.
 #[inline]
 fn interpolate(points: &[f64], place: f64) -> f64 {
     let k = (place as usize).min(points.len() - 2);
@@ -322,7 +327,8 @@ impl ReboundTable {
         Self { restitution, impact, points: OnceLock::new() }
     }
 
-    /// [-] difference between this table and the given restitution and mass ratio M_t/M.
+    /// [-] measure of the difference between this table and the wanted restitution and mass ratio M_t/M. The table with
+    /// the smallest measure is used.
     #[inline]
     pub fn distance(&self, restitution: f64, mass: f64) -> f64 {
         2.0 * (self.restitution - restitution).abs() + (self.impact.mass - mass).abs()

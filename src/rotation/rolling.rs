@@ -57,7 +57,7 @@ pub struct ResistanceFriction {
 }
 
 impl ResistanceFriction {
-    /// True if the surface has no coefficients of its own.
+    /// True if the surface has no coefficients of its own, so that both are those of the law.
     pub fn is_of_law(&self) -> bool {
         *self == Self::default()
     }
@@ -74,7 +74,7 @@ pub struct Resistance {
     /// Spring [N/m] and dashpot [N s/m] against the motion of the surfaces; the stiffness is 0 for a law without
     /// memory.
     pub spring: SpringDashpotSlider,
-    /// [-] limit of the resistance force over max(f_n, 0).
+    /// [-] ratio of the largest force of the resistance to max(f_n, 0).
     pub friction: f64,
     /// [s/m] friction divided by the speed, for a viscous law; otherwise 0.
     pub viscosity: f64,
@@ -104,15 +104,15 @@ impl RollingBodies {
     }
 }
 
-/// Constants of a spring with the given stiffness [N/m] and fraction of critical damping. `mass` [kg] is the effective
-/// mass of the motion, and `own_mass` [kg] is the mass for which the critical damping is computed.
+/// Constants of a spring with the given stiffness [N/m] and a fraction `damping` [-] of critical damping. `mass` [kg]
+/// is the effective mass of the motion. The critical damping is that of the mass `own_mass` [kg].
 fn damped(stiffness: f64, half_powers: u8, damping: f64, mass: f64, own_mass: f64) -> SpringDashpotSlider {
     let dashpot = 2.0 * damping * (stiffness * own_mass).sqrt();
     SpringDashpotSlider { stiffness, dashpot, half_powers, ..SpringDashpotSlider::without_memory(mass) }
 }
 
 impl RollingLaw {
-    /// Resistance between two bodies with the given normal spring.
+    /// Rolling resistance between two bodies whose normal contact has the spring `normal`.
     pub fn between(&self, normal: &NormalSpring, bodies: &RollingBodies) -> Resistance {
         let without = SpringDashpotSlider::without_memory(bodies.mass);
         match *self {
@@ -147,8 +147,8 @@ impl RollingLaw {
 }
 
 impl TwistingLaw {
-    /// Resistance between two bodies at the overlap δ [m], from their tangential spring and their sliding friction μ
-    /// [-].
+    /// Twisting resistance between two bodies at the overlap [m]. It is computed from their tangential spring and their
+    /// coefficient of sliding friction [-].
     pub fn between(
         &self,
         tangential: &SpringDashpotSlider,

@@ -18,8 +18,8 @@ pub enum SpringHistory {
     Displacement,
 }
 
-/// Constants of a spring parallel to a dashpot, with a slider that limits their force, between two given bodies. A
-/// stiffness of 0 means friction without memory.
+/// Constants of a spring parallel to a dashpot, with a slider that limits their total force, between two given bodies.
+/// It models friction with memory; a stiffness of 0 means friction without memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SpringDashpotSlider {
     /// [kg] effective mass of the relative motion that stretches the spring; M_t for a slip, 0 for spheres that do not
@@ -29,14 +29,15 @@ pub struct SpringDashpotSlider {
     pub stiffness: f64,
     /// [N s/m] dashpot constant c at an overlap of 1 m.
     pub dashpot: f64,
-    /// [-] 2n, where k is proportional to δ^n and c to the square root of k; 0 for constants that do not depend on the
-    /// overlap.
+    /// [-] 2n, where the stiffness k is proportional to δ^n, with the overlap δ, and c to the square root of k. It is 0
+    /// if k and c do not depend on the overlap.
     pub half_powers: u8,
     /// Quantity that the contact stores while the stiffness changes.
     pub history: SpringHistory,
 }
 
-/// Rates [1/s] at which a changing overlap changes a spring without slip.
+/// Relative rates [1/s] at which a changing overlap changes the spring and the dashpot of a contact while its surfaces
+/// do not slip.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SpringRates {
     /// [1/s] -ξ'/ξ: relative rate at which the shear decreases so that the force stays constant.
@@ -54,12 +55,12 @@ impl SpringDashpotSlider {
         friction * normal_force.max(0.0)
     }
 
-    /// Friction without memory, for a relative motion with the effective mass `mass` [kg].
+    /// Constants of friction without memory. `mass` [kg] is the effective mass of the relative motion of the surfaces.
     pub fn without_memory(mass: f64) -> Self {
         Self { mass, ..Self::default() }
     }
 
-    /// Constants at the overlap δ [m].
+    /// Returns the constants at the overlap `overlap` [m], in which stiffness and dashpot are those of this overlap.
     #[inline(always)]
     pub fn at(&self, overlap: f64) -> Self {
         if self.half_powers == 0 {
@@ -90,7 +91,8 @@ impl SpringDashpotSlider {
         (ratio.powi(powers), 2.0 * sum / (f64::from(powers + 2) * (1.0 + ratio)))
     }
 
-    /// Rates of the spring while the overlap changes at the relative rate `rate` = δ'/δ [1/s].
+    /// Relative rates of the spring and the dashpot, while the overlap δ changes at the relative rate `rate` = δ'/δ
+    /// [1/s].
     #[inline(always)]
     pub fn rates(&self, rate: f64) -> SpringRates {
         if self.half_powers == 0 {
@@ -118,15 +120,16 @@ impl SpringDashpotSlider {
     }
 
     /// [m] length of the spring of a contact that slides in the direction of the unit vector e. `limit` [N] is the
-    /// limit of the force, and `along` is s·e [m/s]. Spring and dashpot together give the limit. The spring is never
-    /// stretched against the force (Luding 2008, Granular Matter 10, 235).
+    /// largest total force, and `along` [m/s] the component s·e of the slip. Spring and dashpot together then have this
+    /// force. The spring is never stretched against it (Luding 2008, Granular Matter 10, 235).
     #[inline(always)]
     pub fn sliding_length(&self, limit: f64, along: f64) -> f64 {
         let force = (limit - self.dashpot * along).max(0.0);
         if force > 0.0 { force / self.stiffness } else { 0.0 }
     }
 
-    /// Limited force F [N] at the end of a step, and the shear ξ [m] that remains in the spring.
+    /// Force F [N] of spring and dashpot at the end of a step, at most `limit` [N], and the shear [m] that remains in
+    /// the spring. `shear` [m] is the shear before the limit is applied, and `slip` [m/s] the slip.
     #[inline(always)]
     pub fn limited(&self, shear: Vector3<f64>, slip: &Vector3<f64>, limit: f64) -> (Vector3<f64>, Vector3<f64>) {
         let force = self.force(&shear, slip);
@@ -139,8 +142,8 @@ impl SpringDashpotSlider {
     }
 }
 
-/// [m] shear ξ, turned into the plane perpendicular to `normal` without a change of length. It is also turned about the
-/// normal by the small `angle` [rad] of a step.
+/// [m] shear of a spring after a contact has turned. The shear is first turned into the plane perpendicular to
+/// `normal`, with its length unchanged, and then about the normal by the small `angle` [rad] of a step.
 #[inline(always)]
 pub fn turned(shear: &Vector3<f64>, normal: &Vector3<f64>, angle: f64) -> Vector3<f64> {
     let square = shear.norm_squared();

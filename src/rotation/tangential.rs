@@ -66,7 +66,8 @@ impl NormalSpring {
 }
 
 impl TangentialLaw {
-    /// Constants of the tangential law between two bodies. `mass` is the effective mass M_t [kg] of their slip.
+    /// Constants of the tangential spring and dashpot between two bodies. `normal` returns the constants of their
+    /// normal contact, and `mass` is the effective mass M_t [kg] of their slip.
     pub fn between(&self, normal: impl FnOnce() -> NormalSpring, mass: f64) -> SpringDashpotSlider {
         match self {
             Self::Coulomb => SpringDashpotSlider::without_memory(mass),
@@ -89,7 +90,7 @@ impl TangentialLaw {
         }
     }
 
-    /// True if contacts store a shear.
+    /// True if contacts store the shear of a tangential spring from step to step.
     pub fn has_memory(&self) -> bool {
         !matches!(self, Self::Coulomb)
     }

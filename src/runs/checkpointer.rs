@@ -21,27 +21,28 @@ pub struct Checkpointer {
     /// Store for checkpoints; `None` if the command writes no checkpoints.
     store: Option<Store>,
     every: Option<Duration>,
-    /// Time of the last checkpoint, or of the start of the command.
+    /// Instant of the last checkpoint or, before the first one, of the start of the command.
     last: Instant,
-    /// Stored state of the run that was in progress when the command was stopped.
+    /// Run that was in progress when the earlier command stopped, with its stored state; `None` if there is no such
+    /// state, or after its use.
     under_way: Option<(RunIdentity, StoredRun)>,
-    /// [s] simulated time of the last stored state of the run in progress; `None` if no state is stored.
+    /// [s] simulated time of the last stored state of the run in progress; `None` without one.
     stored: Option<f64>,
     /// True if other runs or a report remain to be done after the run in progress.
     more: bool,
     /// True if a run was stopped before its end, by the user or because its results cannot be written.
     stopped: bool,
-    /// Reason why the results of the run cannot be written.
+    /// Reason why the results of the run cannot be written; `None` if they can.
     unwritten: Option<String>,
     quiet: bool,
     resumed: bool,
     /// Command that resumes the stopped command, for messages.
     remedy: String,
-    /// Form in which the end of a run is stored or sent; it depends on the processes that do the runs.
+    /// Form in which the final state of a run and the data of its observers are stored or sent.
     ends: Ends,
 }
 
-/// Treatment of the end of a run: its final state and the data of its observers.
+/// Treatment of the end of a run, which means its final state and the data of its observers.
 #[derive(Clone, Default)]
 enum Ends {
     /// The end of the run is stored in a file, if other work remains or if a state of the run was stored before.
@@ -141,8 +142,8 @@ impl Checkpointer {
         &self.signals
     }
 
-    /// Creates a checkpointer with separate files for one of several concurrent runs. It prints no message about the
-    /// stored states that it finds.
+    /// Creates a checkpointer with files of its own for one of several concurrent runs. If the command is resumed, the
+    /// stored state of this run is read. No progress messages are printed.
     pub fn for_run(&self, run: &RunIdentity) -> Self {
         let store = self.store.as_ref().map(|store| store.for_run(run));
         let mut one = Self {
@@ -159,18 +160,19 @@ impl Checkpointer {
         one
     }
 
-    /// True if the user wants the command to stop, so that no new run should begin.
+    /// True if the user has asked the command to stop, so that no new run should begin.
     pub fn is_stopping(&self) -> bool {
         self.signals.say_stop()
     }
 
-    /// Records that concurrent runs have been stopped. A resumed command continues all of them.
+    /// Records that concurrent runs were stopped before their end. A resumed command continues all of them.
     pub fn stop(&mut self) {
         self.stopped = true;
         self.stored = None;
     }
 
-    /// Stores the command line. The command can then be begun again if it is killed before a state is stored.
+    /// Stores the command line, so that the command can be resumed even if it is killed before the first checkpoint.
+    /// Without a store, files of an earlier command are removed.
     fn begin(&mut self, command: &StoredCommand, folder: &Path) -> Result<(), OutputError> {
         match &self.store {
             Some(store) => store.begin(command),
@@ -179,7 +181,8 @@ impl Checkpointer {
         }
     }
 
-    /// Finds the stored state of the run that was in progress when the command was stopped.
+    /// Reads the newest stored state of the run that was in progress when the command stopped. A state that cannot be
+    /// used gives a warning.
     fn find_stored(&mut self) {
         self.resumed = true;
         let Some(store) = &mut self.store else { return };
@@ -194,8 +197,8 @@ impl Checkpointer {
         self.under_way = newest.found;
     }
 
-    /// Stored state of a run: its final state with the data of its observers, or a state before its end. `None` if no
-    /// state is stored.
+    /// Stored state from which a run continues: the end of the run or a state before it. `None` if the run must begin
+    /// at its start.
     pub fn earlier(&mut self, run: &RunIdentity) -> Option<StoredRun> {
         self.stored = None;
         if let Ends::Received(bytes) = &self.ends {
@@ -228,7 +231,7 @@ impl Checkpointer {
         }
     }
 
-    /// Records whether work remains after the next run.
+    /// Records whether other runs or a report remain to be done after the next run.
     pub fn set_more(&mut self, more: bool) {
         self.more = more;
     }
@@ -239,8 +242,8 @@ impl Checkpointer {
         self.signals.say_stop() || self.every.is_some_and(|every| self.last.elapsed() >= every)
     }
 
-    /// Stores one part of the state of a run that several processes share. If `over` is true, the state is the end of
-    /// the run. The rest of the state is stored after its parts.
+    /// Stores the part with the index `number` of the state of a run that several processes share. If `over` is true,
+    /// the state is the end of the run. The data common to all parts are stored afterwards.
     ///
     /// # Errors
     /// The part cannot be written.
@@ -248,13 +251,13 @@ impl Checkpointer {
         self.store.as_ref().map_or(Ok(()), |store| store.keep_part(run, over, number, part))
     }
 
-    /// Stored part of the state of a run, as bytes; empty if the file cannot be used.
+    /// Stored part with the index `number` of the state of a run, as bytes; empty if there is no usable file.
     pub fn part(&self, run: &RunIdentity, over: bool, number: usize) -> Vec<u8> {
         self.store.as_ref().and_then(|store| store.part(run, over, number).ok()).unwrap_or_default()
     }
 
-    /// Stores the state of a run that is not over, after its `parts` were written. Returns true if the user has stopped
-    /// the command. If the state cannot be stored, the run continues, and the state stored before remains.
+    /// Stores the state of a run that is not over; `parts` is the result of storing the parts of this state. Returns
+    /// true if the command is to stop. If storing fails, the run continues, and the state stored before remains.
     pub fn keep(&mut self, run: &RunIdentity, kept: &StoredRun, parts: Result<(), OutputError>) -> bool {
         if let Some(store) = &mut self.store {
             match parts.and_then(|()| store.keep(run, kept)) {
@@ -306,7 +309,8 @@ impl Checkpointer {
         Ok(())
     }
 
-    /// Final state of the run and data of its observers as bytes, for another process.
+    /// Final state of the run and data of its observers as bytes, to be sent to another process; empty if they were not
+    /// kept.
     pub fn into_end(self) -> Vec<u8> {
         match self.ends {
             Ends::Caught(bytes) | Ends::Received(bytes) => bytes,
@@ -407,7 +411,7 @@ impl Checkpointer {
     }
 }
 
-/// [s] simulated time of a stored state, in words.
+/// Simulated time [s] of a stored state as text, with six digits or fewer.
 fn time(kept: &StoredRun) -> String {
     numbers::significant(kept.pause.snapshot.time, 6)
 }

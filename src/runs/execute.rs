@@ -21,8 +21,8 @@ use crate::stored::StoreError;
 use crate::work_sharing::keep_workers_spinning;
 use std::sync::Arc;
 
-/// Runs a variant from `start` to its end, or to a failure, which is part of the outcome. `others` are observers in
-/// addition to the standard ones. Returns the outcome and the final state in the order of ids.
+/// Runs a variant from the particles `start` to its end or to a failure, which is part of the outcome. `others` are
+/// observers in addition to the standard ones. Returns the outcome and the final state in the order of ids.
 pub fn execute(experiment: &Experiment, start: Particles, others: &mut [&mut dyn Observer]) -> (Outcome, Particles) {
     // the whole loop runs on a thread of the pool, because any other thread would sleep and be woken at every parallel
     // loop
@@ -82,7 +82,7 @@ pub fn execute_together(
 /// A run that all processes share.
 #[derive(Clone, Copy)]
 pub struct SharedRun<'a> {
-    /// Index of the run in the list.
+    /// Index of the run in the list that every process has made.
     pub index: usize,
     /// Processes that share the run.
     pub ranks: &'a Ranks,
@@ -195,8 +195,8 @@ fn simulate_with_checkpoints(
     Ok((seen.outcome(&simulation, failure, hash), particles))
 }
 
-/// Stores the parts of a state, one for each process. If the state is not divided into parts, all particles are
-/// gathered in this process instead.
+/// Stores the parts of a state, one for each process; `over` is true at the end of the run. If the state is not divided
+/// into parts, all particles are gathered in this process and nothing is stored here.
 fn store_parts(
     simulation: &mut Simulation,
     (run, checkpointer): (&RunIdentity, &Checkpointer),
@@ -216,20 +216,20 @@ fn store_parts(
     written
 }
 
-/// Distribution of the particles over the processes at the beginning of a shared run.
+/// Place of the particles at the beginning of a run that several processes share.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Beginning {
     /// The lead process has all particles.
     Whole,
-    /// Each process has a part of the particles of the start.
+    /// Each process has made its part of the initial state.
     Parts,
-    /// The lead process sends each process its part of a stored state.
+    /// The lead process has a stored state, and sends each process its part.
     Dealt,
 }
 
 impl Beginning {
-    /// Distribution for a run. `is_part` is true if each process has made a part of the start. `stored` is the number
-    /// of parts of the stored state, if there is such a state.
+    /// Place of the particles for a run. `is_part` is true if each process has made a part of the initial state.
+    /// `stored` is the number of parts of the stored state; `None` without a stored state.
     fn of(is_part: bool, stored: Option<usize>) -> Self {
         match stored {
             None if is_part => Self::Parts,
@@ -238,7 +238,7 @@ impl Beginning {
         }
     }
 
-    /// Message that tells the other processes the distribution of the particles.
+    /// Message by which the lead process sends this value to the other processes.
     fn told(self) -> Vec<u8> {
         vec![self as u8]
     }
@@ -251,14 +251,15 @@ impl From<Vec<u8>> for Beginning {
     }
 }
 
-/// Ends this process, and with it all other processes. Otherwise the state of this process would differ from those of
-/// the others.
+/// Ends this process with an error message, and with it all others. Without its message, the state of this process
+/// would differ from those of the others.
 fn leave(why: &StoreError) -> ! {
     tell(format!("error: the processes cannot go on together: {why}"));
     std::process::exit(1);
 }
 
-/// Makes the simulation at the start of a run; other processes may hold a part of the particles.
+/// Makes the simulation of a run from its start, which may be one of several parts of the particles. `None` for
+/// `communicator` means that the run is not shared.
 fn begin(experiment: &Experiment, start: Start, communicator: Option<&dyn Communicator>) -> Simulation {
     match communicator.filter(|_| start.is_part) {
         Some(communicator) => Simulation::part(experiment, start.particles, communicator),
@@ -266,13 +267,13 @@ fn begin(experiment: &Experiment, start: Start, communicator: Option<&dyn Commun
     }
 }
 
-/// Shares the simulation with all processes. Either each process continues with its part, or the lead has all
-/// particles.
+/// Shares the simulation with all processes. If `in_parts` is true each process continues with its part of the
+/// particles, else the lead process has all of them. `observers` is their number.
 fn share(simulation: Simulation, with: Arc<dyn Communicator>, observers: usize, in_parts: bool) -> Simulation {
     if in_parts { simulation.shared_in_parts(with, observers) } else { simulation.shared(with, observers) }
 }
 
-/// Error for a state that cannot be stored, or that belongs to another run.
+/// Error of a run whose state cannot be stored, or whose stored state belongs to another run; `why` is the reason.
 fn unfit(why: impl std::fmt::Display) -> StudyError {
     StudyError::Failed(format!("error: cannot store this run or go on with it: {why}"))
 }

@@ -22,7 +22,7 @@ use std::marker::PhantomData;
 use std::path::Path;
 use std::rc::Rc;
 
-/// Result that a command computes from one run.
+/// Result that a command computes from a run, such as an outcome or a row of a table.
 pub trait RunResult: Send + Sized {
     /// Computes the result of a run that is over, or that could not begin.
     ///
@@ -34,8 +34,8 @@ pub trait RunResult: Send + Sized {
     /// observers are to be sent instead.
     fn to_bytes(&self) -> Option<Vec<u8>>;
 
-    /// Result from bytes that another process has sent. `None` if the bytes contain the final state of the run and the
-    /// data of its observers instead.
+    /// Result from the bytes that another process has sent; `None` if the process has sent the final state and the data
+    /// of the observers instead.
     fn from_bytes(bytes: &[u8]) -> Option<Self>;
 }
 
@@ -59,7 +59,7 @@ pub struct Executor<'a> {
     pub folder: Rc<Folder>,
     /// Checkpointer that stores the runs.
     pub checkpointer: Checkpointer,
-    /// Runs of the command.
+    /// Runs of the command, in the order of their indices.
     pub runs: Vec<ResumableRun>,
     progress: Progress,
     threads: ThreadBudget,
@@ -209,7 +209,7 @@ impl<'a> Executor<'a> {
     }
 }
 
-/// Runs of a command as a list that several processes can divide among themselves.
+/// Runs of a command in the form in which several processes share them.
 struct ResumableRuns<'a, R> {
     runs: &'a [ResumableRun],
     folder: &'a Folder,
@@ -219,7 +219,7 @@ struct ResumableRuns<'a, R> {
 }
 
 impl<R: RunResult> ResumableRuns<'_, R> {
-    /// Does one run with a separate checkpointer; `None` if the run was stopped.
+    /// Does one run with the checkpointer `own`; `None` if the run was stopped before its end.
     fn run_with(&self, index: usize, own: &mut Checkpointer) -> Result<Option<R>, StudyError> {
         if own.is_stopping() {
             return Ok(None);

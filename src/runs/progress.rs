@@ -25,7 +25,7 @@ pub const INTERVAL: Duration = Duration::from_secs(10);
 /// Time between two updates of the display.
 const REFRESH: Duration = Duration::from_millis(200);
 
-/// Number of positions of the progress bar.
+/// Number of positions of the progress bar from empty to full.
 const TICKS: u64 = 10_000;
 
 /// [-] fraction of the wall time of a run over which the present speed is measured. The speed may change: a settling
@@ -42,7 +42,7 @@ pub struct Progress {
     show: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
-/// Present state of all runs of a command.
+/// Progress of all runs of a command, and the form in which it is displayed.
 struct Board {
     runs: Vec<RunProgress>,
     display: ProgressDisplay,
@@ -80,7 +80,7 @@ impl RunProgress {
 enum RunStage {
     Waiting,
     Running(Track),
-    /// The run is over, with its simulated and wall time [s].
+    /// The run is over. The numbers are its simulated time and its wall time [s].
     Over([f64; 2]),
 }
 
@@ -88,13 +88,14 @@ enum RunStage {
 struct Track {
     began: Instant,
     reached: ProgressSource,
-    /// [s] pairs of wall time and simulated time, the latest last.
+    /// [s] points (wall time since the begin, simulated time) from which the present speed is computed, the latest
+    /// last.
     points: Vec<[f64; 2]>,
 }
 
-/// Source of the simulated time that a run has reached.
+/// Source from which the display takes the simulated time that a run has reached.
 enum ProgressSource {
-    /// The run is in this process and stores the time in its clock, if it has one.
+    /// The run is in this process; the value reads the clock of the run. `None` if the run has no clock.
     Here(Option<Reached>),
     /// The run is in another process, whose last message contained this time [s].
     Told(f64),
@@ -111,7 +112,8 @@ impl ProgressSource {
 }
 
 impl Track {
-    /// [s] present simulated time, and recent simulated time per wall time [s/s] if it is known.
+    /// [s] simulated time that the run has reached, and its present speed [s/s]: simulated time per wall time. `None`
+    /// as long as the speed is not known.
     fn now(&mut self) -> (f64, Option<f64>) {
         let wall = self.began.elapsed().as_secs_f64();
         let time = self.reached.time();
@@ -154,7 +156,7 @@ impl Progress {
         Self { board, show }
     }
 
-    /// Creates an observer for the run at this index among the experiments.
+    /// Creates an observer that reports the progress of the run with this index among the experiments.
     pub fn watch(&self, run: usize) -> Watch {
         Watch { board: Arc::clone(&self.board), run }
     }
@@ -166,7 +168,8 @@ impl Progress {
         lock(&self.board).runs.push(RunProgress::of(experiment));
     }
 
-    /// Records that another process has begun the run at this index, or has reached `time` [s] in it.
+    /// Records that the run at this index is done by another process, and has reached the simulated time `time` [s]
+    /// there.
     pub fn is_elsewhere(&self, run: usize, time: f64) {
         let stage = &mut lock(&self.board).runs[run].stage;
         if matches!(stage, RunStage::Waiting) {
@@ -180,14 +183,14 @@ impl Progress {
         }
     }
 
-    /// Records that the run at this index is over in another process.
+    /// Records that another process has ended the run at this index.
     pub fn ended_elsewhere(&self, run: usize) {
         let mut board = lock(&self.board);
         let duration = board.runs[run].duration;
         board.end(run, duration);
     }
 
-    /// Indices of the runs in progress, and the time [s] that each has reached.
+    /// Indices of the runs in progress, each with the simulated time [s] that it has reached.
     pub fn under_way(&self) -> Vec<(usize, f64)> {
         let board = lock(&self.board);
         let one = |(place, run): (usize, &RunProgress)| match &run.stage {
@@ -242,7 +245,7 @@ impl Observer for Watch {
 }
 
 impl Board {
-    /// Displays the progress of the run that began last.
+    /// Displays the progress if it is time to do so. The display shows the running run with the highest index.
     fn show(&mut self) {
         let due = match &self.display {
             ProgressDisplay::Silent => false,
@@ -267,7 +270,8 @@ impl Board {
         }
     }
 
-    /// Records that a run is over at `time` [s]. For a complete run a permanent line is printed.
+    /// Records that the run at this index ended at the simulated time `time` [s]. A line is printed if it reached its
+    /// full duration.
     fn end(&mut self, run: usize, time: f64) {
         let wall = match &self.runs[run].stage {
             RunStage::Running(track) => track.began.elapsed().as_secs_f64(),
@@ -284,7 +288,8 @@ impl Board {
         }
     }
 
-    /// Simulated time [s] and, if known, speed [s/s] of every run.
+    /// Simulated time [s] that every run has reached, and its speed [s/s] (simulated time per wall time) if it is
+    /// known.
     fn rates(&mut self) -> Vec<(f64, Option<f64>)> {
         let one = |run: &mut RunProgress| match &mut run.stage {
             RunStage::Waiting => (0.0, None),
@@ -295,7 +300,7 @@ impl Board {
         self.runs.iter_mut().map(one).collect()
     }
 
-    /// Completed share of all runs [-], and a line on the progress of the run at index `k`.
+    /// Completed share of all runs [-], and a line of text on all runs and on the run at index `k`.
     fn line(&mut self, k: usize) -> (f64, String) {
         let rates = self.rates();
         let (time, rate) = rates[k];
@@ -316,9 +321,9 @@ impl Board {
         (simulated / count as f64, text)
     }
 
-    /// [s] remaining wall time for all runs: the sum of the times of the single runs over the number of concurrent
-    /// runs. Runs that have not begun are assumed to be as fast as earlier runs of their model or, if there are none,
-    /// as all earlier runs.
+    /// [s] remaining wall time of all runs: the sum over the runs, divided by the number of running ones. Runs that
+    /// have not begun count as fast as those of their model or, without such, as the mean of all. `None` if no speed is
+    /// known.
     fn left(&self, rates: &[(f64, Option<f64>)]) -> Option<f64> {
         let mean = |model: Option<Model>| {
             let known = self.runs.iter().zip(rates).filter(|(run, _)| model.is_none_or(|model| run.model == model));
@@ -336,12 +341,12 @@ impl Board {
     }
 }
 
-/// Time left [s] in words.
+/// Text on the remaining wall time [s]; `None` means that it is not known yet.
 fn remaining(left: Option<f64>) -> String {
     left.map_or("estimating the time left".to_owned(), |left| format!("{} left", span(left)))
 }
 
-/// Span of time [s] in words.
+/// Time span [s] as text, such as "3 minutes".
 pub fn span(seconds: f64) -> String {
     /// [s] longest span that is written: a thousand years, which is within the range of a duration.
     const LONGEST: f64 = 3.2e10;

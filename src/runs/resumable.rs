@@ -12,14 +12,14 @@ use std::sync::{Mutex, PoisonError};
 pub struct ResumableRun {
     /// Experiment to be run.
     pub experiment: Experiment,
-    /// Identity of the run.
+    /// Name and checksum of the run, by which its stored state is found.
     pub identity: RunIdentity,
     /// True if no other run is done at the same time, so that the wall time of this run can be measured. If this is
     /// true for all runs of the command, all processes share each run.
     pub is_lone: bool,
     /// Trajectory to be written, with the name of its files; only a run that is done alone has one.
     pub trajectory: Option<(String, Trajectories)>,
-    /// Initial state; `None` before it is made, and after the run has begun.
+    /// Initial state, if it was made beforehand; `None` after the run has begun.
     start: Mutex<Option<Start>>,
 }
 

@@ -143,7 +143,7 @@ pub fn help<R: RunList>(runs: &R, share: ThreadBudget, ranks: &Ranks, signals: &
     Ok(())
 }
 
-/// Thread pools, one for each concurrent run.
+/// Thread pools, one for each of the runs that this process does at the same time. `count` is the number of all runs.
 fn pools(share: ThreadBudget, count: usize) -> Result<Vec<ThreadPool>, StudyError> {
     let (at_once, threads) = share.of(count);
     let build = |_| ThreadPoolBuilder::new().num_threads(threads).build();
@@ -153,7 +153,7 @@ fn pools(share: ThreadBudget, count: usize) -> Result<Vec<ThreadPool>, StudyErro
 }
 
 /// Starts a worker thread for each pool. The threads do the runs whose indices are sent through the returned sender,
-/// and end when this sender is dropped.
+/// and end when it is dropped. The receiver gets the index and the result of each run.
 fn crew<'scope, 'env, A: Send + 'scope>(
     scope: &'scope std::thread::Scope<'scope, 'env>,
     pools: &'env [ThreadPool],
@@ -182,14 +182,14 @@ fn crew<'scope, 'env, A: Send + 'scope>(
 enum Heard<A> {
     /// A run is over in this process.
     Here(usize, A),
-    /// A message has arrived from another process.
+    /// A message from another process has arrived.
     There(Message),
-    /// Nothing has happened for a while.
+    /// Nothing has happened during the longest wait.
     Nothing,
 }
 
-/// Waits for the next event. If there are other processes, the wait is at most [`REPORT_INTERVAL`]. `None` if no event
-/// can follow.
+/// Waits for the end of a run in this process or for a message. With other processes, the wait is at most
+/// [`REPORT_INTERVAL`]. `None` if all workers have ended.
 fn wait<A>(answers: &Receiver<(usize, A)>, ranks: &Ranks) -> Option<Heard<A>> {
     if ranks.count() == 1 {
         return answers.recv().ok().map(|(index, answer)| Heard::Here(index, answer));

@@ -66,7 +66,7 @@ impl CommandSettings {
         }
     }
 
-    /// Marks a typed command as one that continues an earlier command.
+    /// Marks a command that the user typed again for existing results as one that continues the earlier command.
     pub fn goes_on(&mut self) {
         if let CommandOrigin::Typed = self.origin {
             self.origin = CommandOrigin::TypedAgain;
@@ -119,7 +119,7 @@ fn place(output: &Output, case: &Path, command: &str) -> PathBuf {
     })
 }
 
-/// Makes a folder for results.
+/// Creates a folder for results; an error counts as bad input. Without `overwrite` it must not contain results.
 fn make(path: PathBuf, overwrite: bool) -> Result<Folder, StudyError> {
     Folder::create(path, overwrite).map_err(|error| StudyError::Input(format!("error: {error}")))
 }

@@ -122,7 +122,7 @@ impl<'a> StandardObservers<'a> {
     }
 }
 
-/// Wall times of the parts of a run [s].
+/// Wall times [s] of the parts of a run, such as engine and sampling, and the number of threads.
 fn timing(simulation: &Simulation) -> Timing {
     let (spent, parts) = (simulation.spent, simulation.engine_spent());
     Timing {
@@ -136,7 +136,8 @@ fn timing(simulation: &Simulation) -> Timing {
     }
 }
 
-/// [s] time step that resolves contacts, or time between tests for collisions; `None` for an event queue.
+/// [s] time step of soft contacts, or time between two searches for collisions. `None` if collisions are computed at
+/// their instants. `window` [s] is the largest step.
 fn time_step(experiment: &Experiment, simulation: &Simulation, window: f64) -> Option<f64> {
     let steps = simulation.counters().steps;
     match (experiment.model(), experiment.soft.stepping) {

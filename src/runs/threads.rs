@@ -43,7 +43,7 @@ pub struct ThreadBudget {
 }
 
 impl ThreadBudget {
-    /// Number of the `count` runs that are done concurrently, and number of threads of each.
+    /// Number of runs that are done at the same time, of `count` runs, and number of threads of each.
     pub fn of(self, count: usize) -> (usize, usize) {
         let at_once = if self.in_turn { 1 } else { self.threads.min(count).max(1) };
         (at_once, (self.threads / at_once).max(1))

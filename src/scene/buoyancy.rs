@@ -63,11 +63,11 @@ impl Scene {
         buoyancy.map_or(&[], |buoyancy| &buoyancy.differences)
     }
 
-    /// True if kicks change the velocities of particles between two windows. Kicks come from drag, from lift, or from
-    /// the buoyancy of species of different densities.
+    /// True if kicks change the velocities of particles between two windows. Kicks come from drag, lift, a
+    /// thermostat, or the buoyancy of species of different densities.
     pub fn is_kicked(&self) -> bool {
         let dragged = self.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some() || fluid.lift.is_some());
-        dragged || !self.differences_in_gravity().is_empty()
+        dragged || self.thermostat.is_some() || !self.differences_in_gravity().is_empty()
     }
 
     /// [m/s²] acceleration of the particles of a species by weight and buoyancy.

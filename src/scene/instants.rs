@@ -5,8 +5,8 @@ use crate::walls::Wall;
 use std::borrow::Cow;
 
 impl Scene {
-    /// The scene with the images of a sheared box, and the walls that move, at the places of a time [s]. Without shear
-    /// and moving walls it is the scene itself.
+    /// Returns the scene at the simulated time `time` [s]: moving walls, and periodic images of a sheared box, are at
+    /// their places of this time. A scene without moving walls and shear is returned itself, not as a copy.
     pub fn at(&self, time: f64) -> Cow<'_, Self> {
         if !self.changes() {
             return Cow::Borrowed(self);
@@ -16,7 +16,8 @@ impl Scene {
         Cow::Owned(scene)
     }
 
-    /// Puts the images of a sheared box, and the walls that move, at their places at a time [s].
+    /// Moves the walls that move, and the periodic images of a sheared box, to their places at the simulated time
+    /// `time` [s].
     pub fn move_to(&mut self, time: f64) {
         if let Cow::Owned(domain) = self.domain.at(time) {
             self.domain = domain;
@@ -24,7 +25,7 @@ impl Scene {
         self.walls.iter_mut().for_each(|wall| wall.move_to(time));
     }
 
-    /// True if the scene of one instant differs from that of another: the box is sheared, or a wall moves.
+    /// True if the scene changes with time: the box is sheared, or a wall moves.
     pub fn changes(&self) -> bool {
         self.domain.shear.is_some() || self.has_moving_walls()
     }
@@ -40,12 +41,12 @@ impl Scene {
     }
 }
 
-/// A scene whose images and walls are put at their places of one instant after the other. A scene that does not change
-/// is neither copied nor tested again.
+/// Scene for code that needs it at one instant after the other. A scene that changes is copied once, and the copy is
+/// changed for each instant. A scene that does not change is not copied.
 pub enum SceneInTime<'a> {
     /// A scene that does not change.
     Fixed(&'a Scene),
-    /// The scene at the last instant.
+    /// Copy of a scene that changes, with walls and images at their places of the last instant.
     Changing(Box<Scene>),
 }
 
@@ -55,7 +56,7 @@ impl<'a> SceneInTime<'a> {
         if scene.changes() { Self::Changing(Box::new(scene.clone())) } else { Self::Fixed(scene) }
     }
 
-    /// The scene at a time [s].
+    /// Returns the scene at the simulated time `time` [s].
     #[inline]
     pub fn at(&mut self, time: f64) -> &Scene {
         match self {

@@ -3,7 +3,7 @@
 use crate::restitution::RestitutionBySpeed;
 use serde::Serialize;
 
-/// Response of two surfaces to an impact: one source for both engines.
+/// Restitution and friction of an impact of two surfaces, which all engines use.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Surface {
     /// [-] normal restitution e, 0 ..= 1: ratio of normal speeds after and before an isolated impact. If it depends on
@@ -28,18 +28,20 @@ impl Surface {
         self.by_speed.map_or(self.restitution, |law| law.at(speed))
     }
 
-    /// The surface in an impact at the normal speed `speed` [m/s]: its restitution there, as a constant.
+    /// Returns this surface with a constant restitution: the restitution of an impact at the normal speed `speed`
+    /// [m/s].
     #[inline]
     pub fn at_speed(&self, speed: f64) -> Self {
         Self::new(self.restitution_at(speed), self.friction)
     }
 
-    /// True if no impact has the restitution 0.
+    /// True if the restitution is above 0 for impacts at all speeds.
     pub fn always_rebounds(&self) -> bool {
         self.by_speed.map_or(self.restitution > 0.0, |law| law.always_rebounds())
     }
 
-    /// Sets the restitution that predictions use to that at the normal speed `speed` [m/s]. A constant one stays.
+    /// Sets the restitution that predictions use to the restitution at the normal speed `speed` [m/s]. A restitution
+    /// that does not depend on the speed stays unchanged.
     pub fn represent(&mut self, speed: f64) {
         self.restitution = self.restitution_at(speed);
     }

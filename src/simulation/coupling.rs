@@ -7,7 +7,8 @@ use crate::engine::Failure;
 use crate::fluid::{Fluid, LoadedFlow, LocalFractions, Modulation, Profile, SliceSums, TurbulenceStatistics};
 use std::f64::consts::PI;
 
-/// Gas that feels the particles, at the start; `None` if the gas of the scene is frozen.
+/// Makes the gas flow that feels the particles, as it is at the start; `None` if the particles do not change the gas of
+/// the scene.
 pub(super) fn flow_at_start(fluid: &Fluid, domain: &Domain) -> Option<LoadedFlow> {
     let (coupling, flow) = (fluid.coupling?, fluid.profile.channel_flow()?);
     let wall_area = match &fluid.profile {
@@ -20,13 +21,14 @@ pub(super) fn flow_at_start(fluid: &Fluid, domain: &Domain) -> Option<LoadedFlow
 }
 
 impl Simulation {
-    /// Gas that feels the particles; `None` if the gas of the scene is frozen.
+    /// Gas flow that feels the particles; `None` if the particles do not change the gas of the scene.
     pub fn loaded_flow(&self) -> Option<&LoadedFlow> {
         self.loaded_flow.as_deref()
     }
 
-    /// Sums over the particles in each slice of a gas that feels them; `None` in a frozen gas. The impulse is the momentum
-    /// of the particles. The exchange rates are those of a kick; without a kick they are 0.
+    /// Sums over the particles in each slice of the gas, before or after a kick. The field `impulse` of each is the
+    /// momentum [kg m/s] of the particles along z. The exchange rates are those of `kick`, or 0 without it. `None` if
+    /// the particles do not change the gas.
     pub(super) fn slice_sums(&self, kick: Option<(&Kick, Option<&LocalFractions>)>) -> Option<Vec<SliceSums>> {
         let (flow, fluid) = (self.loaded_flow()?, self.scene.fluid.as_ref()?);
         let kick = kick.filter(|_| flow.coupling().modulation != Modulation::None);
@@ -53,7 +55,8 @@ impl Simulation {
         Some(sums.into_iter().map(slice).collect())
     }
 
-    /// Advances the gas by the `duration` [s] of a kick. `before` are the [`slice_sums`](Self::slice_sums) before the kick.
+    /// Takes from the gas the momentum that a kick has given to the particles, and advances the gas by the `duration`
+    /// [s] of the kick. `before` are the [`slice_sums`](Self::slice_sums) before the kick.
     pub(super) fn advance_gas(&mut self, before: Option<Vec<SliceSums>>, duration: f64) {
         let Some((before, after)) = before.zip(self.slice_sums(None)) else { return };
         let given = before.iter().zip(&after).map(|(before, after)| after.impulse - before.impulse);
@@ -64,8 +67,8 @@ impl Simulation {
         self.renew_profile();
     }
 
-    /// Books the momentum that lift has given to the particles since `before`, the [`slice_sums`](Self::slice_sums). The gas
-    /// loses it in the next kick.
+    /// Books the momentum along z that lift has given to the particles, which the gas loses in the next drag kick.
+    /// `before` are the [`slice_sums`](Self::slice_sums) before the kick of lift.
     pub(super) fn owe_lift(&mut self, before: Option<Vec<SliceSums>>) {
         let Some((before, after)) = before.zip(self.slice_sums(None)) else { return };
         if let Some(flow) = &mut self.loaded_flow {
@@ -73,7 +76,7 @@ impl Simulation {
         }
     }
 
-    /// Replaces the gas that feels the particles, and its profile.
+    /// Replaces the gas that feels the particles by `flow`, and makes the velocity profile from it.
     pub(super) fn take_gas(&mut self, flow: Option<Box<LoadedFlow>>) {
         if flow.is_some() && flow != self.loaded_flow {
             self.loaded_flow = flow;
@@ -81,8 +84,8 @@ impl Simulation {
         }
     }
 
-    /// Makes the velocity profile of the gas, and its turbulence, from the present flow. A flow that is not finite stops the
-    /// run.
+    /// Makes the velocity profile and the turbulence of the gas from the present flow. If the flow is not finite, the
+    /// next window returns a failure.
     pub(super) fn renew_profile(&mut self) {
         let (Some(flow), Some(fluid)) = (&self.loaded_flow, &mut self.scene.fluid) else { return };
         let renewed = flow.flow().and_then(|flow| {

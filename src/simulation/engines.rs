@@ -20,7 +20,7 @@ pub enum SimulationEngine {
 }
 
 impl SimulationEngine {
-    /// Engine whose run several processes can share; `None` if the engine is of another kind.
+    /// Engine whose run several processes can share; `None` for an engine that runs in one process.
     pub fn distributed(&self) -> Option<&dyn Distributed> {
         match self {
             Self::Single(_) => None,
@@ -28,7 +28,7 @@ impl SimulationEngine {
         }
     }
 
-    /// Mutable engine whose run several processes can share; `None` if the engine is of another kind.
+    /// Mutable engine whose run several processes can share; `None` for an engine that runs in one process.
     pub fn distributed_mut(&mut self) -> Option<&mut dyn Distributed> {
         match self {
             Self::Single(_) => None,
@@ -36,7 +36,8 @@ impl SimulationEngine {
         }
     }
 
-    /// True if the particles are divided between processes. Each process then has only the particles of its block.
+    /// True if the particles are at present divided between processes. Each process then has only the particles in its
+    /// own block of the domain.
     pub fn is_cut(&self) -> bool {
         self.distributed().is_some_and(Distributed::is_cut)
     }
@@ -100,6 +101,6 @@ pub fn engine(experiment: &Experiment, particles: usize) -> SimulationEngine {
             Box::new(Hybrid::new(law, settings.integrator, step, experiment.hybrid.clearance))
         }
     };
-    // blocks of the domain know neither images that slide nor walls that move
+    // a domain that is cut into blocks supports neither images that slide nor walls that move
     if changes { SimulationEngine::Single(engine) } else { SimulationEngine::Distributed(engine) }
 }

@@ -17,13 +17,12 @@ use nalgebra::Vector3;
 const TABULATE: usize = 1000;
 
 impl Simulation {
-    /// True if the gas exerts drag.
     pub(super) fn is_dragged(&self) -> bool {
         self.scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some())
     }
 
-    /// Applies drag and a thermostat alone for `duration` [s]; `number` is the number of the kick, which determines its
-    /// random numbers.
+    /// Applies drag and a thermostat to all particles for `duration` [s], without any motion. The random numbers of the
+    /// kick are drawn from its `number`.
     pub(super) fn kick(&mut self, duration: f64, number: u64) {
         let (dragged, heated) = (self.is_dragged(), self.scene.thermostat.is_some());
         if (dragged || heated) && self.engine.is_cut() {
@@ -38,7 +37,8 @@ impl Simulation {
         }
     }
 
-    /// Applies drag alone for `duration` [s], as the kick with a number.
+    /// Applies drag alone to all particles for `duration` [s]. The random numbers of turbulence are drawn from
+    /// `number`.
     fn drag(&mut self, duration: f64, number: u64) {
         let Some(fluid) = &self.scene.fluid else { return };
         let Some(law) = &fluid.drag else { return };
@@ -78,9 +78,9 @@ impl Simulation {
         LocalFractions::of(&self.particles, &self.scene.domain, cells, self.parts())
     }
 
-    /// Adds a kick to the ledger and to the total momentum. `sums` contains the impulse [kg m/s] along x, y and z and
-    /// the work [J] of the particles of this process. `entry` makes the entry of the ledger from the totals over all
-    /// processes.
+    /// Adds the impulse and the work of a kick to the ledger, and the impulse to the total momentum. `sums` contains
+    /// the impulse [kg m/s] along x, y and z and the work [J] for the particles of this process. `entry` makes the
+    /// entry of the ledger from the totals over all processes.
     pub(super) fn book_kick(&mut self, mut sums: [ExactSum; 4], entry: fn(Vector3<f64>, f64) -> Ledger) {
         self.sample().total(&mut sums.each_mut());
         if self.is_follower() {
@@ -99,7 +99,8 @@ pub fn kick(particles: &mut Particles, profile: &Profile, kick: &Kick) -> [Exact
     kick_among(particles, profile, kick, None)
 }
 
-/// Applies [`kick`]. With `fractions`, the drag depends on the local volume fractions of the particles.
+/// Applies drag alone to all particles, as [`kick`] does. With `fractions`, the drag depends on the local volume
+/// fractions of the particles.
 pub(super) fn kick_among(
     particles: &mut Particles,
     profile: &Profile,
@@ -118,8 +119,8 @@ pub(super) fn kick_among(
 /// Positions [m], masses [kg], species and radii [m] of the particles of one chunk.
 type Dragged<'a> = (&'a [Vector3<f64>], (&'a [f64], (&'a [u16], &'a [f64])));
 
-/// Applies [`kick`] on one thread, in three short loops over one block of particles at a time. The short loops let the
-/// processor compute several particles at once.
+/// Applies drag alone to the particles of one chunk, as [`kick`] does, on one thread. Three short loops treat one block
+/// of particles at a time, so that the processor computes several particles at once.
 fn kick_chunk(
     velocity: &mut [Vector3<f64>],
     (position, (mass, (species, radius))): Dragged,

@@ -8,20 +8,21 @@ use crate::record::Ledger;
 use crate::work_sharing;
 use nalgebra::Vector3;
 
-/// Place of a kick of lift: before or after a window. Before a window the torque acts first, after a window the force
-/// acts first, so that both kicks together have an error of second order in the window.
+/// Kick of lift before or after a window. Before a window the torque acts first, after a window the force acts first.
+/// Both kicks together then have an error of second order in the window.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum LiftKick {
     BeforeWindow,
     AfterWindow,
 }
 
-/// New velocity [m/s] of a particle, and new spin [rad/s] if it rotates. The numbers are the impulse [kg m/s] along x,
-/// y and z and the work [J] of lift.
+/// Result of a kick of lift for one particle: new velocity [m/s], new spin [rad/s] if it rotates, and four numbers.
+/// These are the impulse [kg m/s] along x, y and z and the work [J].
 type Lifted = (Vector3<f64>, Option<Vector3<f64>>, [f64; 4]);
 
 impl Simulation {
-    /// Applies lift alone to all particles for `duration` [s].
+    /// Applies a kick of lift to all particles for `duration` [s], without any motion. `kick` is its place: before or
+    /// after a window.
     pub(super) fn lift(&mut self, duration: f64, kick: LiftKick) {
         let Some((fluid, lift)) = self.scene.fluid.as_ref().and_then(|fluid| Some((fluid, fluid.lift?))) else {
             return;
@@ -35,7 +36,8 @@ impl Simulation {
     }
 }
 
-/// Applies lift to all particles. Returns sums over all particles: impulse [kg m/s] along x, y and z, and work [J].
+/// Applies a kick of lift over `duration` [s] to all particles. Returns sums over all particles: impulse [kg m/s] along
+/// x, y and z, and work [J].
 fn apply(particles: &mut Particles, gas: (&Fluid, Lift), duration: f64, kick: LiftKick) -> [ExactSum; 4] {
     let places: Vec<usize> = (0..particles.len()).collect();
     let one = |places: &[usize]| -> Vec<Lifted> {
@@ -52,7 +54,7 @@ fn apply(particles: &mut Particles, gas: (&Fluid, Lift), duration: f64, kick: Li
     exact::sums(all.len(), |place| all[place].2)
 }
 
-/// Effect of lift on one particle.
+/// Computes a kick of lift over `duration` [s] for the particle at index `place`, which itself is not changed.
 fn lifted(particles: &Particles, place: usize, (fluid, lift): (&Fluid, Lift), duration: f64, kick: LiftKick) -> Lifted {
     let (position, velocity) = (&particles.position[place], particles.velocity[place]);
     let (mass, inertia) = (particles.mass[place], particles.inertia.as_ref().map_or(0.0, |inertia| inertia[place]));

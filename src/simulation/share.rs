@@ -17,40 +17,42 @@ use std::sync::Arc;
 /// Connection of a simulation to the other processes that share its run.
 pub struct SharedSimulation {
     communicator: Arc<dyn Communicator>,
-    /// One entry for each shared observer: true if the other processes have received the data that the observer has
-    /// collected in the lead process.
+    /// One entry for each observer that exists in all processes. It is true if the other processes have received the
+    /// data that the observer has collected in the lead process so far.
     informed: Vec<bool>,
 }
 
-/// Description of the particles gathered from all processes, which temporarily replace those of the lead process.
+/// Description of the particles gathered from all processes. They replace the particles of the lead process for a
+/// while.
 pub struct GatheredParticles {
-    /// Step in the ids: 1 for all particles, 2 for every second particle, and so on.
+    /// Step in the ids of the gathered particles: 1 for all particles, 2 for every second particle, and so on.
     every: u32,
     /// [m/s] root mean square of the velocities of all particles about their mean velocity. `None` if all particles are
     /// gathered.
     pub agitation: Option<f64>,
 }
 
-/// Order from the lead process. The lead does the same work on its own particles.
+/// Order from the lead process to the other processes. The lead also does the ordered work itself, on its own
+/// particles.
 #[derive(Clone, Serialize, Deserialize)]
 pub enum Order {
-    /// Apply drag alone for a duration [s], as the kick with a number.
+    /// Apply drag and heat without motion for a duration [s]. The second value is the number of the kick, from which
+    /// its random numbers are drawn.
     Kick(f64, u64),
-    /// Advance the engine from a start time through a window [s].
-    ///
-    /// A gas that feels the particles is sent too, since processes without particles have not followed it.
+    /// Advance the engine from a start time [s] through a window [s]. If particles change the gas, the gas is sent too,
+    /// since processes without particles have not followed it.
     Advance(f64, f64, Option<Box<LoadedFlow>>),
-    /// Store the velocities, before a half-kick for observers.
+    /// Store the velocities and the state of the gas, before a half-kick for observers.
     Keep,
-    /// Restore the stored velocities.
+    /// Restore the velocities and the state of the gas that the order `Keep` has stored.
     TakeBack,
-    /// Send the lead every n-th particle by id, where n is the number given.
+    /// Send particles to the lead: every n-th particle by id, where n is the given number.
     Show(u32),
     /// Check that the particles of the process are inside the domain.
     Check,
     /// Compute the checksum of the state of all processes.
     Fingerprint,
-    /// Send all records to the lead, and then each part of the state in turn.
+    /// Send the records of this process to the lead, and then the particles of each process in turn.
     Give,
     /// Call the observers at these indices for the particles of the process. The first two values are the time [s] and
     /// the momentum [kg m/s] of all particles.
@@ -66,7 +68,7 @@ impl SharedSimulation {
         self.communicator.broadcast(postcard::to_stdvec(order).unwrap_or_default());
     }
 
-    /// Receives the next order of the lead process.
+    /// Waits for the next order of the lead process. An order that cannot be read ends the run.
     fn told(&self) -> Order {
         postcard::from_bytes(&self.communicator.broadcast(Vec::new())).unwrap_or(Order::End)
     }
@@ -191,7 +193,7 @@ impl Simulation {
         self.share.as_ref().is_none_or(|share| place < share.informed.len())
     }
 
-    /// Makes the other processes call the observers at these indices with their parts of the particles. The lead must
+    /// Makes the other processes call the observers at the indices `places`, each for its own particles. The lead must
     /// call this method before its own observers. `kept` returns the stored data of the observer at an index.
     pub(crate) fn show_parts(&mut self, places: &[usize], kept: impl Fn(usize) -> Stored) {
         if self.shown.as_ref().is_some_and(|shown| shown.every > 1) {
@@ -214,7 +216,7 @@ impl Simulation {
         known.unwrap_or_else(|| Sample::from(&self.particles).agitation())
     }
 
-    /// Replaces gathered particles by the particles that belong to this process.
+    /// Replaces the particles gathered from all processes by the particles that this process moves.
     pub(super) fn hide(&mut self) {
         self.shown = None;
         if let Some(engine) = self.engine.distributed_mut() {
@@ -222,7 +224,8 @@ impl Simulation {
         }
     }
 
-    /// Adds up the records of all processes in the lead process.
+    /// Adds the records (impacts, energies and momenta) of all processes to those of the lead process. The records of
+    /// the other processes are empty afterwards.
     pub(super) fn collect_records(&mut self) {
         let Some(share) = &self.share else { return };
         let own = if self.is_follower() { std::mem::take(&mut self.record) } else { Record::default() };

@@ -30,12 +30,12 @@ pub struct Snapshot {
     pub spent: SimulationTimes,
     /// Sums over all particles.
     totals: SimulationTotals,
-    /// True if the drag of the last window has been applied completely. Velocities and positions then belong to one
-    /// time.
+    /// True if the kick after the last window has been applied completely, so that velocities and positions belong to
+    /// one time. False if velocities still lack a half-kick.
     half_kicked: bool,
     /// Limit of the growth of the energy by errors of the soft scheme. It depends on the initial state.
     bound: Option<Bound>,
-    /// [J] elastic energy of the initial overlaps, until the engine has processed the start (soft).
+    /// [J] elastic energy of the overlaps at the start; `None` after the first window.
     unseen: Option<f64>,
     /// Gas that feels the particles; `None` if the gas is frozen.
     loaded_flow: Option<Box<LoadedFlow>>,
@@ -57,8 +57,8 @@ impl Snapshot {
 
 impl Simulation {
     /// Creates a snapshot from which a simulation of an equal experiment can continue. If each process has a part of
-    /// the particles, the snapshot does not contain the particles. Call [`give_parts`](Self::give_parts) before this
-    /// method then.
+    /// the particles, the snapshot does not contain the particles. In this case call [`give_parts`](Self::give_parts)
+    /// first.
     ///
     /// # Errors
     /// An engine of the calling program cannot store its state.

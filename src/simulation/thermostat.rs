@@ -47,7 +47,7 @@ impl Simulation {
         work_sharing::map(self.particles.id.chunks(CHUNK), draw).concat()
     }
 
-    /// [m/s] velocities relative to the mean flow of a sheared box, times `growth` [-].
+    /// [m/s] changes of velocity: the velocities relative to the mean flow of a sheared box, times `growth` [-].
     fn grown_changes(&self, growth: f64) -> Vec<Vector3<f64>> {
         self.relative_to_flow().velocity.iter().map(|velocity| velocity * growth).collect()
     }

@@ -13,20 +13,21 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 
 impl Simulation {
-    /// Number of the kick at the end of the last window. A whole kick and the half-kick for observers have one number,
-    /// because the half-kick is undone before the whole kick.
+    /// Number of the kick at the end of the last window, from which its random numbers are drawn. The half-kick for
+    /// observers has an equal number, because it is undone before the whole kick.
     pub(super) fn number_of_kick(&self) -> u64 {
         2 * self.windows
     }
 
-    /// Number of the half-kick before the next window, for a run whose last window ended with a half-kick.
+    /// Number of the half-kick before the next window, from which its random numbers are drawn. It is for a run whose
+    /// last window ended with a half-kick.
     pub(super) fn number_of_first_half(&self) -> u64 {
         2 * self.windows + 1
     }
 }
 
-/// Draws the initial eddies of particles that have none: Gaussian numbers with the variance 1, which is that of the
-/// fluctuation of the gas over its standard deviation. A discrete random walk holds the fluctuation itself.
+/// Draws the fluctuation of the gas velocity that each particle sees at the start, unless particles have one already.
+/// The Langevin equation stores it over its standard deviation [-], the discrete random walk as a velocity [m/s].
 pub(super) fn draw_first_eddies(particles: &mut Particles, (fluid, turbulence): (&Fluid, &Turbulence), seed: u64) {
     let Particles { eddies, id, position, .. } = particles;
     eddies.get_or_insert_with(|| {
@@ -42,8 +43,9 @@ pub(super) fn draw_first_eddies(particles: &mut Particles, (fluid, turbulence): 
     });
 }
 
-/// Mirrors the eddies of particles that a wall has reflected within the last `window` [s]: the component along the
-/// normal changes its sign. Such a particle has a positive gap, but its free flight back in time leads into the wall.
+/// Mirrors the fluctuations of the gas velocity that particles see, for particles that a wall has reflected within the
+/// last `window` [s]. The component along the normal of the wall changes its sign. Such a particle has a positive gap,
+/// but its free flight back in time leads into the wall.
 pub(super) fn mirror_at_walls(particles: &mut Particles, scene: &Scene, window: f64) {
     let Some(mut eddies) = particles.eddies.take() else { return };
     let all = &*particles;
@@ -83,7 +85,7 @@ pub(super) struct TurbulentKick<'a> {
     pub seed_and_number: (u64, u64),
 }
 
-/// Velocities [m/s] and eddies [-] of the particles of one chunk.
+/// Velocities [m/s] and seen fluctuations of the gas velocity, of the particles of one chunk.
 type Moving<'a> = (&'a mut [Vector3<f64>], &'a mut [Vector3<f64>]);
 
 impl TurbulentKick<'_> {
@@ -100,7 +102,8 @@ impl TurbulentKick<'_> {
         sums
     }
 
-    /// Applies the kick to consecutive particles, the first of which has the index `first`.
+    /// Applies the kick to consecutive particles, the first of which has the index `first`. Returns the sums of `apply`
+    /// over these particles.
     fn apply_to(&self, all: &Particles, first: usize, (velocity, eddies): Moving) -> [ExactSum; 4] {
         let (mut sums, mut rows) = (exact::none(), [[0.0; 4]; BLOCK]);
         let (seed, number) = self.seed_and_number;
@@ -119,8 +122,8 @@ impl TurbulentKick<'_> {
         sums
     }
 
-    /// [m/s] change of the velocity `v` [m/s] of the particle at an index. The method also advances the eddy of this
-    /// particle.
+    /// [m/s] change of the velocity `v` [m/s] of the particle at index `place` in this kick. Also advances `eddy`, the
+    /// fluctuation of the gas velocity that the particle sees.
     #[inline]
     fn change(
         &self,

@@ -8,7 +8,7 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 
 impl Simulation {
-    /// [N] weight of all particles of all processes, less their buoyancy.
+    /// [N] weight of all particles in all processes minus their buoyancy.
     pub fn weight(&self) -> Vector3<f64> {
         if self.scene.differences_in_gravity().is_empty() || self.time == 0.0 {
             return self.total_mass() * self.scene.gravity;
@@ -17,8 +17,9 @@ impl Simulation {
         self.record.ledger.gravity_impulse / self.time
     }
 
-    /// Adds the work and the impulse of gravity to the ledger, for the time `reached` [s] of a window of length
-    /// `window` [s]. `by_walls` [kg m/s] is the momentum that walls have given to the particles in this time.
+    /// Adds the work and the impulse of gravity in a window of `window` [s] to the ledger. `reached` [s] is the part of
+    /// the window before a failure, or the whole window. `by_walls` [kg m/s] is the momentum that walls have given to
+    /// the particles in this time.
     pub(super) fn book_gravity(&mut self, by_walls: Vector3<f64>, [window, reached]: [f64; 2]) {
         let g = self.scene.gravity;
         // The work of gravity is computed from the momentum of all particles. Momentum exchanged between particles
@@ -34,8 +35,8 @@ impl Simulation {
         self.totals.momentum += weight + by_walls;
     }
 
-    /// Accelerates each particle for `duration` [s] by the difference between its species and the densest species in
-    /// weight and buoyancy. The engine applies the acceleration of the densest species.
+    /// Accelerates particles for `duration` [s] by the differences between the weights, less buoyancy, of their species
+    /// and of the densest species. The engine itself applies the acceleration of the densest species to all particles.
     pub(super) fn add_differences_in_gravity(&mut self, duration: f64) {
         let differences = self.scene.differences_in_gravity();
         if differences.is_empty() {
@@ -55,8 +56,8 @@ impl Simulation {
     }
 }
 
-/// Adds to the velocity of each particle the change [m/s] for its index. Returns sums over all particles: the impulse
-/// [kg m/s] along x, y and z, and the work [J].
+/// Adds to the velocity of each particle a change [m/s], which `change` returns for the index of the particle. Returns
+/// sums over all particles: the impulse [kg m/s] along x, y and z, and the work [J].
 pub(super) fn accelerate(particles: &mut Particles, change: impl Fn(usize) -> Vector3<f64> + Sync) -> [ExactSum; 4] {
     let Particles { velocity, mass, .. } = particles;
     let chunks = velocity.chunks_mut(CHUNK).zip(mass.chunks(CHUNK)).enumerate();

@@ -200,7 +200,7 @@ impl Batches {
         self.length * self.count() as f64
     }
 
-    /// Deviations of the blocks from their mean, with one row per block.
+    /// Deviation of each block from the mean of all blocks, with one row per block and one column per component.
     fn deviations(&self) -> DMatrix<f64> {
         let centres: Vec<f64> = self.blocks.iter().map(|blocks| mean(blocks)).collect();
         DMatrix::from_fn(self.count(), self.values.len(), |block, k| self.blocks[k][block] - centres[k])
@@ -227,7 +227,7 @@ pub enum Correlation {
     Common,
 }
 
-/// Distribution of the correlations between neighbouring blocks in many components: their mean and their true spread.
+/// Distribution of the correlations between neighbouring blocks of time, over many components: mean and true spread.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Prior {
     /// [-] mean of the correlations.
@@ -237,7 +237,7 @@ pub struct Prior {
 }
 
 impl Prior {
-    /// Distribution computed from measured correlations, each with its sampling variance.
+    /// Distribution computed from pairs: a measured correlation and the variance [-] that chance alone gives to it.
     pub fn of(measured: &[(f64, f64)]) -> Self {
         let count = measured.len() as f64;
         if count < 2.0 {
@@ -252,8 +252,9 @@ impl Prior {
     }
 
     /// Best estimate of a correlation that was measured with the sampling variance `chance`, and the variance of this
-    /// estimate. The measured value is moved towards the mean of all components (James and Stein). It is moved by at
-    /// most one standard error, so that a component with a high correlation remains high (Efron and Morris 1972).
+    /// estimate, both [-]. The measured value is moved towards the mean of all components (James and Stein). It is
+    /// moved by at most one standard error, so that a component with a high correlation remains high (Efron and Morris
+    /// 1972).
     fn guess(&self, measured: f64, chance: f64) -> (f64, f64) {
         let weight = self.between / (self.between + chance);
         let width = chance.sqrt();
@@ -302,23 +303,23 @@ impl Contrast {
         Some(Self { difference, covariances, freedoms, unsure })
     }
 
-    /// Covariance of the difference.
+    /// Covariance matrix of the difference, with one row and one column per component.
     pub fn covariance(&self) -> DMatrix<f64> {
         &self.covariances[0] + &self.covariances[1]
     }
 
-    /// Standard error of one component of the difference.
+    /// Standard error of one component of the difference, in the unit of the component.
     pub fn error(&self, component: usize) -> f64 {
         self.covariances.iter().map(|covariance| covariance[(component, component)]).sum::<f64>().sqrt()
     }
 
-    /// Standard error of a linear combination of the components.
+    /// Standard error of a linear combination of the components; `direction` holds the factor of each component.
     pub fn error_along(&self, direction: &DVector<f64>) -> f64 {
         (direction.transpose() * self.covariance() * direction)[0].max(0.0).sqrt()
     }
 
-    /// Degrees of freedom of the variance of a linear combination (Welch and Satterthwaite; Yao 1965 for several
-    /// components).
+    /// Degrees of freedom [-] of the estimated variance of a linear combination (Welch and Satterthwaite; Yao 1965 for
+    /// several components). `direction` holds the factor of each component.
     pub fn freedom(&self, direction: &DVector<f64>) -> f64 {
         let parts: Vec<f64> =
             self.covariances.iter().map(|covariance| (direction.transpose() * covariance * direction)[0]).collect();
@@ -349,7 +350,8 @@ pub fn measured(a: &Batches, b: &Batches) -> Vec<(f64, f64)> {
     both.into_iter().filter(|one| one.1 > 0.0).collect()
 }
 
-/// Correlation to be used for each component, with its variance.
+/// Correlation to be used for each component, and the variance of this correlation, both [-]. `measured` holds the same
+/// two numbers as measured for each component.
 fn guesses(measured: &[(f64, f64)], correlation: Correlation) -> Vec<(f64, f64)> {
     match correlation {
         Correlation::Each(prior) => measured.iter().map(|&(rho, chance)| prior.guess(rho, chance)).collect(),
@@ -362,7 +364,8 @@ fn guesses(measured: &[(f64, f64)], correlation: Correlation) -> Vec<(f64, f64)>
     }
 }
 
-/// Covariance of the averages of a run, computed from the scatter of its blocks and their correlation.
+/// Covariance matrix of the averages of a run, from the scatter of its blocks. `guesses` holds the correlation of
+/// neighbouring blocks and its variance for each component.
 fn covariance(run: &Batches, deviations: &DMatrix<f64>, guesses: &[(f64, f64)]) -> DMatrix<f64> {
     let count = run.count() as f64;
     // factor: variance of the mean, times the number of blocks, over the variance of a block. The mean follows slow
@@ -376,7 +379,7 @@ fn covariance(run: &Batches, deviations: &DMatrix<f64>, guesses: &[(f64, f64)]) 
     scatter.component_mul(&(&widths * widths.transpose()))
 }
 
-/// Measured correlation between neighbouring blocks of every component of one run, and its sampling variance.
+/// Measured correlation between neighbouring blocks of each component of one run, with its sampling variance, both [-].
 fn own_correlations(run: &Batches, deviations: &DMatrix<f64>) -> Vec<(f64, f64)> {
     let count = run.count() as f64;
     let one = |component: usize| {
@@ -392,7 +395,8 @@ fn own_correlations(run: &Batches, deviations: &DMatrix<f64>) -> Vec<(f64, f64)>
     (0..run.values.len()).map(one).collect()
 }
 
-/// Measured correlation between neighbouring blocks of every component of two runs, and its sampling variance.
+/// Measured correlations between neighbouring blocks for each of two runs: one pair per component, the correlation and
+/// its sampling variance [-]. If the runs have nearly equal block lengths, both get the averages over the two runs.
 fn correlations(runs: [&Batches; 2], deviations: &[DMatrix<f64>; 2]) -> [Vec<(f64, f64)>; 2] {
     let ratio = runs[0].length / runs[1].length;
     let alike = (1.0 / SAME_LENGTH..SAME_LENGTH).contains(&ratio) && runs.iter().all(|run| run.per_run > 1);

@@ -13,7 +13,8 @@ pub const LEVEL: f64 = 0.01;
 pub struct ErrorLevels {
     /// [-] probability that a difference in any observable is found although the two systems are equal.
     pub difference: f64,
-    /// [-] probability that two systems are called equivalent although they differ by the margin at one position.
+    /// [-] probability that two systems are called equivalent although they differ at one position by the margin, the
+    /// largest accepted difference.
     pub equivalence: f64,
 }
 
@@ -41,12 +42,13 @@ impl Default for ErrorLevels {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Answer {
-    /// At every position the difference is smaller than the margin, at the level of 5 % (two one-sided tests).
+    /// At every position the difference is shown to be smaller than the margin (the largest accepted difference), at
+    /// the level of 5 % (two one-sided tests).
     Equivalent,
     /// Neither equivalence nor a difference is shown by the tests.
     Unresolved,
-    /// A difference is found, at the level of 1 % for all observables together, and it is not shown to be within the
-    /// margin.
+    /// A difference is found, at the level of 1 % for all observables together. It is not shown to be within the
+    /// margin, the largest accepted difference.
     Different,
 }
 
@@ -61,7 +63,7 @@ impl Answer {
     }
 }
 
-/// One observable of two runs, with its tests and its answer.
+/// One observable of two runs, with the results of its tests and the answer that follows from them.
 #[derive(Clone, Debug, Serialize)]
 pub struct Judged {
     /// Results of the tests of this observable.
@@ -69,17 +71,19 @@ pub struct Judged {
     pub tested: Tested,
     /// True if a difference is found, at the level of 1 % for all observables together (Holm 1979).
     pub detected: bool,
-    /// Answer for this observable.
+    /// Answer for this observable: equivalent, unresolved or different.
     pub answer: Answer,
-    /// [-] smallest margin, relative to the scale, within which the observable would be equivalent.
+    /// [-] smallest margin (accepted difference), over the scale of the observable, with which the answer would be
+    /// "equivalent".
     pub reached: f64,
-    /// [-] smallest margin, relative to the scale, within which the observable would be equivalent if the difference is
-    /// smooth.
+    /// [-] smallest margin (accepted difference), over the scale of the observable, with which the answer would be
+    /// "equivalent" if the difference is smooth across the profile.
     pub reached_smooth: f64,
-    /// [-] interval, relative to the scale, that contains the differences at all positions. If both its ends are within
-    /// the margin, the observable is equivalent.
+    /// [-] interval, over the scale of the observable, that contains the differences at all positions. If both its ends
+    /// are within the margin, the largest accepted difference, the observable is equivalent.
     pub interval: [f64; 2],
-    /// True if the difference that a report names first is shown to exceed the margin, by a one-sided test.
+    /// True if a one-sided test shows that the difference named first by a report exceeds the margin, the largest
+    /// accepted difference.
     pub beyond: bool,
     /// [-] smallest smooth difference, relative to the scale, that would be found in 80 % of cases.
     pub detectable: f64,
@@ -93,7 +97,7 @@ pub struct Judged {
 pub struct Comparison {
     /// Answer for all observables together: the worst of their answers, where "different" is the worst.
     pub answer: Answer,
-    /// [-] requested margin, relative to the scale of each observable.
+    /// [-] requested margin: largest difference that is accepted, over the scale of each observable.
     pub margin: f64,
     /// Observables with error bars, each with its answer.
     pub judged: Vec<Judged>,
@@ -102,7 +106,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Observables with a difference, the most significant first.
+    /// Observables in which the tests find a difference between the two runs, the most significant first.
     pub fn detected(&self) -> Vec<&Judged> {
         let mut found: Vec<&Judged> = self.judged.iter().filter(|one| one.detected).collect();
         found.sort_by(|a, b| a.tested.chance.total_cmp(&b.tested.chance));
@@ -110,8 +114,8 @@ impl Comparison {
     }
 }
 
-/// Compares two runs in a list of observables, which has the same order for both runs. `margin` [-] is relative to the
-/// scale of each observable.
+/// Compares two runs in a list of observables, which has the same order for both runs. `margin` [-] is the largest
+/// accepted difference, over the scale of each observable.
 pub fn compare(a: &[Observable], b: &[Observable], margin: f64, levels: ErrorLevels) -> Comparison {
     let folded: Vec<Option<Folded>> = a.iter().zip(b).map(|(a, b)| Folded::new(a, b)).collect();
     let prior = Prior::of(&folded.iter().flatten().flat_map(Folded::correlations).collect::<Vec<_>>());
@@ -138,7 +142,7 @@ pub fn compare(a: &[Observable], b: &[Observable], margin: f64, levels: ErrorLev
     Comparison { answer, margin, judged, unknown }
 }
 
-/// Margin and error levels for the test of one observable among several.
+/// Margin and error levels with which each of several observables is tested for equivalence.
 struct EquivalenceTest {
     margin: f64,
     /// [-] level of the test for a difference in one observable.
@@ -172,9 +176,9 @@ impl EquivalenceTest {
     }
 }
 
-/// Significance of each of several tests, by Holm's procedure (1979). The probability of any false result is `level`
-/// [-]. The smallest of m probabilities must be below level/m, the next one below level/(m - 1), and so on. The
-/// procedure ends at the first probability that is too large.
+/// Significance of several tests with the probabilities `chances` [-], by Holm's procedure (1979): true for each
+/// significant one. The probability of any false result is `level` [-]. The smallest of m probabilities must be below
+/// level/m, the next one below level/(m - 1), and so on. The procedure ends at the first probability that is too large.
 pub fn holm(chances: &[f64], level: f64) -> Vec<bool> {
     let mut order: Vec<usize> = (0..chances.len()).collect();
     order.sort_by(|&a, &b| chances[a].total_cmp(&chances[b]));

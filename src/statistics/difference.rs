@@ -16,14 +16,15 @@ use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 use std::borrow::Cow;
 
-/// [-] probability of a false answer "equivalent" if the true difference is as large as the margin. This is the usual
-/// value for two one-sided tests.
+/// [-] probability of a false answer "equivalent" if the true difference equals the margin, the largest difference that
+/// is accepted. This is the usual value for two one-sided tests.
 pub const EQUIVALENCE_LEVEL: f64 = 0.05;
-/// [-] accepted probability that equal systems are not shown equivalent after a run of the recommended length.
+/// [-] accepted probability that a run of the recommended length fails to show equal systems equivalent.
 const FAILED: f64 = 0.2;
-/// [-] 80 % quantile of the standard normal distribution.
+/// Number of standard deviations [-] below which a normally distributed number lies with a probability of 80 %.
 const POWER: f64 = 0.8416;
-/// [-] scatter relative to the scale up to which it is attributed to rounding; a difference may be ten times as large.
+/// [-] scatter, relative to the scale of the observable, up to which it is attributed to rounding. A difference up to
+/// ten times as large then counts as zero.
 const ROUNDING: f64 = 1e-12;
 /// Smallest number of degrees of freedom for each tested shape. With fewer degrees of freedom, Hotelling's distribution
 /// has such long tails that one more shape reduces the power of the test.
@@ -56,7 +57,7 @@ pub struct Observable {
 pub struct Deviation {
     /// Centre of the slice [m] or time [s]; `None` for the mean over all positions, or for a single number.
     pub place: Option<f64>,
-    /// Difference at `place`.
+    /// Difference between the two runs at `place`, in the unit of the observable.
     pub difference: f64,
     /// Standard error of the difference; 0 if neither run scatters.
     pub error: f64,
@@ -89,7 +90,7 @@ impl Deviation {
 /// probabilities [-].
 #[derive(Clone, Debug, Serialize)]
 pub struct Tested {
-    /// Name of the observable.
+    /// Name of the observable that was tested.
     pub name: Cow<'static, str>,
     /// Unit of the observable; empty if it has none.
     pub unit: &'static str,
@@ -102,7 +103,8 @@ pub struct Tested {
     pub mean: Option<Deviation>,
     /// Deviation at the position where it is largest in units of its standard error; `None` for a single number.
     pub largest: Option<Deviation>,
-    /// [-] probability that equal systems show a difference of at least this size in the smooth shapes.
+    /// [-] probability that equal systems show at least this difference in the smooth shapes (polynomials across the
+    /// profile).
     pub smooth_chance: f64,
     /// [-] probability that equal systems show at least the largest difference found at one position; `None` for a
     /// single number.
@@ -112,18 +114,18 @@ pub struct Tested {
     /// Upper bound of the difference at any position, from two one-sided tests at every position. Their level is 5 %
     /// unless there are several interim tests.
     pub bound: f64,
-    /// Upper bound of a difference that is a sum of the smooth shapes, at the same level as `bound`.
+    /// Upper bound of the difference if it is a sum of the smooth shapes, at the same level as `bound`.
     pub smooth_bound: f64,
     /// Differences at all positions; a single number has one position.
     #[serde(skip)]
     places: Vec<Deviation>,
-    /// Standard error of the coefficient of the first shape, times the largest value of this shape.
+    /// Standard error of the coefficient of the first smooth shape, times the largest value of this shape.
     #[serde(skip)]
     first_error: f64,
     /// [-] degrees of freedom of `first_error`.
     #[serde(skip)]
     first_freedom: f64,
-    /// Number of shapes that are tested together.
+    /// Number of smooth shapes that are tested together by Hotelling's test.
     #[serde(skip)]
     shapes: usize,
 }
@@ -152,7 +154,8 @@ impl Tested {
         self.first_error * (bound + POWER)
     }
 
-    /// Number of tests of the observable.
+    /// Number of tests of the observable, by which the smallest probability is multiplied: 1 for a single number, 3 for
+    /// a profile, 2 for a profile whose mean is known to vanish.
     fn tests(&self) -> f64 {
         match (self.mean, self.largest) {
             (_, None) => 1.0,
@@ -190,12 +193,12 @@ pub struct Folded {
     unit: &'static str,
     scale: f64,
     scale_is: &'static str,
-    /// Positions of the slices after folding.
+    /// Centres of the slices [m], or times [s], that remain after folding; empty for a single number.
     places: Vec<f64>,
     batches: [Batches; 2],
-    /// Values of each smooth shape at the folded positions.
+    /// Value of each smooth shape (a polynomial across the profile) at each folded position.
     shapes: Vec<Vec<f64>>,
-    /// True if the first shape is the mean.
+    /// True if the first shape is uniform, so that its coefficient is the mean difference.
     has_mean: bool,
 }
 
@@ -231,13 +234,14 @@ impl Folded {
         Some(Self { name, unit, scale, scale_is, places, batches, shapes, has_mean })
     }
 
-    /// Measured correlations between neighbouring blocks of the shapes, with their variances.
+    /// Correlations between neighbouring blocks of time, measured for the coefficient of each shape, with their
+    /// variances [-].
     pub fn correlations(&self) -> Vec<(f64, f64)> {
         let [a, b] = self.projected(&self.shapes);
         measured(&a, &b)
     }
 
-    /// Coefficients of the shapes in both runs, with their values in each block.
+    /// Coefficients of `shapes` in each of the two runs, averaged over the run and in each block of time.
     fn projected(&self, shapes: &[Vec<f64>]) -> [Batches; 2] {
         let count = self.batches[0].values.len() as f64;
         let weights: Vec<Vec<f64>> =
@@ -245,8 +249,8 @@ impl Folded {
         [0, 1].map(|k| self.batches[k].project(&weights))
     }
 
-    /// Makes the tests. `prior` is the distribution of the correlations in all observables, and `level` [-] the level
-    /// of each one-sided test of equivalence.
+    /// Tests this observable. `prior` is the distribution of the correlations in all observables, and `level` [-] the
+    /// level of each one-sided test of equivalence. `None` if a run has too few blocks.
     pub fn test(&self, prior: Prior, level: f64) -> Option<Tested> {
         let rounding = ROUNDING * self.scale.abs();
         let [a, b] = &self.batches;
@@ -285,19 +289,20 @@ impl Folded {
     }
 }
 
-/// Positions `kept`, scaled so that the positions `all` extend from -1 to 1.
+/// Positions `kept`, shifted and scaled so that the positions `all` would extend from -1 to 1.
 fn places_across(all: &[f64], kept: &[f64]) -> Vec<f64> {
     let (Some(first), Some(last)) = (all.first(), all.last()) else { return vec![0.0] };
     let (middle, half) = (0.5 * (first + last), 0.5 * (last - first));
     kept.iter().map(|place| if half > 0.0 { (place - middle) / half } else { 0.0 }).collect()
 }
 
-/// Difference at every position.
+/// Difference between the two runs at each of the `places`, which are the components of `contrast`.
 fn at_places(contrast: &Contrast, places: &[f64], rounding: f64) -> Vec<Deviation> {
     places.iter().enumerate().map(|(k, &place)| deviation(contrast, k, Some(place), rounding)).collect()
 }
 
-/// Difference of one component of `contrast`; a difference below `rounding` counts as zero.
+/// Difference in one component of `contrast`, at `place`. If its error is not above `rounding`, the error counts as 0,
+/// and so does a difference up to ten times `rounding`.
 fn deviation(contrast: &Contrast, component: usize, place: Option<f64>, rounding: f64) -> Deviation {
     let (difference, error) = (contrast.difference[component], contrast.error(component));
     if error > rounding {
@@ -307,9 +312,10 @@ fn deviation(contrast: &Contrast, component: usize, place: Option<f64>, rounding
     Deviation { place, difference, error: 0.0, freedom: 1.0 }
 }
 
-/// Difference of two runs in a few smooth shapes, with its covariance.
+/// Difference between two runs as coefficients of a few smooth shapes (polynomials across the profile), with its
+/// covariance.
 struct Smooth {
-    /// Values of each shape at every position.
+    /// Value of each shape at each position.
     shapes: Vec<Vec<f64>>,
     contrast: Contrast,
     /// Indices of the shapes whose coefficients scatter; other coefficients are known exactly.
@@ -332,12 +338,12 @@ impl Smooth {
         }
     }
 
-    /// Difference of the mean over the positions; the mean is the first shape.
+    /// Difference of the mean over all positions. The first shape must be uniform. `None` without shapes.
     fn mean(&self, rounding: f64) -> Option<Deviation> {
         (!self.shapes.is_empty()).then(|| deviation(&self.contrast, 0, None, rounding))
     }
 
-    /// [-] probability that equal systems show a difference of at least this size, by Hotelling's distribution.
+    /// [-] probability that equal systems show at least this difference in the shapes, by Hotelling's distribution.
     fn chance(&self, rounding: f64) -> f64 {
         let exact = (0..self.shapes.len()).filter(|k| !self.scattering.contains(k));
         if exact.into_iter().any(|k| self.contrast.difference[k].abs() > 10.0 * rounding) {
@@ -354,8 +360,8 @@ impl Smooth {
         if square > 0.0 { hotelling(square, self.scattering.len(), self.contrast.freedom(&direction)) } else { 1.0 }
     }
 
-    /// Upper bound of the difference at the position where it is largest. `level` [-] is the level of each one-sided
-    /// test.
+    /// Upper bound of the difference at the position where this bound is largest. `level` [-] is the level of each
+    /// one-sided test.
     fn bound(&self, level: f64) -> f64 {
         let places = self.shapes.first().map_or(0, Vec::len);
         let at = |place: usize| {
@@ -367,8 +373,8 @@ impl Smooth {
         (0..places).map(at).fold(0.0, f64::max)
     }
 
-    /// Standard error of the coefficient of the first shape, times the largest value of this shape, and its degrees of
-    /// freedom.
+    /// Standard error of the coefficient of the first shape, times the largest value of this shape, and the degrees of
+    /// freedom of this error.
     fn first(&self) -> (f64, f64) {
         let Some(shape) = self.shapes.first() else { return (0.0, 1.0) };
         let largest = shape.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
@@ -398,7 +404,8 @@ fn hotelling(square: f64, shapes: usize, freedom: f64) -> f64 {
     FisherSnedecor::new(count, rest).map_or(1.0, |law| law.sf(square * rest / (freedom * count)))
 }
 
-/// [-] value that T² exceeds with the probability `level` [-].
+/// Value [-] that Hotelling's T² of `shapes` components exceeds with the probability `level` [-] if there is no
+/// difference.
 fn hotelling_bound(level: f64, shapes: usize, freedom: f64) -> f64 {
     let count = shapes as f64;
     let rest = (freedom - count + 1.0).max(1.0);

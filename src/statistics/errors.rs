@@ -23,7 +23,7 @@ pub(super) const LARGEST_CORRELATION: f64 = 0.9;
 /// Without a sample there is no estimate: functions return `Option<Estimate>`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
-    /// Estimated value.
+    /// Estimated value of the quantity.
     pub value: f64,
     /// Standard error of the value; `None` if it is unknown, for example with fewer than 8 blocks.
     pub error: Option<f64>,
@@ -98,10 +98,10 @@ pub(super) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Fit that was subtracted from a series before its scatter is measured.
+/// Fit that was subtracted from a series of values before its scatter is measured.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Removed {
-    /// The mean is subtracted.
+    /// The mean of the series is subtracted.
     Mean,
     /// A fitted parabola is subtracted, so that drift does not count as noise in the test for drift.
     Parabola,
@@ -124,13 +124,15 @@ pub(super) fn standard_error(values: &[f64], removed: Removed) -> Option<f64> {
     Some(variance.sqrt())
 }
 
-/// Variance of the mean of uncorrelated blocks.
+/// Variance of the mean of all blocks, if the blocks are uncorrelated; `blocks` are the means of successive pieces of a
+/// series.
 fn plain_variance(blocks: &[f64]) -> f64 {
     let (count, centre) = (blocks.len() as f64, mean(blocks));
     blocks.iter().map(|b| (b - centre).powi(2)).sum::<f64>() / (count - 1.0) / count
 }
 
-/// Variance of the mean of blocks whose correlation decays exponentially.
+/// Variance of the mean of all blocks, if their correlation decays exponentially; `removed` tells what was subtracted
+/// before.
 fn corrected_variance(blocks: &[f64], removed: Removed) -> f64 {
     let (count, centre) = (blocks.len() as f64, mean(blocks));
     let scatter: f64 = blocks.iter().map(|b| (b - centre).powi(2)).sum();

@@ -11,7 +11,7 @@ pub enum Parity {
     Neither,
 }
 
-/// Largest number of shapes of one parity: enough for smooth differences, and few enough for one test.
+/// Largest number of smooth shapes of one parity: enough for smooth differences, and few enough for one test.
 const SHAPES: usize = 3;
 
 /// Indices of the slices that remain after `count` slices are folded about the mid-plane, and for each of these a row

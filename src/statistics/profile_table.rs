@@ -40,7 +40,8 @@ pub struct ProfileTable {
 }
 
 impl ProfileTable {
-    /// Blocks of time of one average in one slice.
+    /// Averages of one quantity in one slice over successive blocks of time; `None` if the value or its error is
+    /// unknown.
     pub fn batches(&self, slice: usize, column: SliceColumn) -> Option<&Batches> {
         self.batches.get(slice)?.get(column.index)?.as_ref()
     }

@@ -14,11 +14,11 @@ use serde::{Deserialize, Serialize};
 /// Number of sums over velocities per slice: the count, then the products of one, two and three velocity components.
 /// For spheres that rotate, the [`SPIN_SUMS`] sums over spins follow.
 const SUMS: usize = VELOCITY_QUANTITIES;
-/// Components of each second moment.
+/// Indices of the two velocity components (0 is u, 1 is v, 2 is w) in each second moment.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
-/// Index in [`PAIRS`] of each pair of components.
+/// Index in [`PAIRS`] of the moment of the components i and j.
 const PAIR_OF: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
-/// Indices of the velocity components in each third moment.
+/// Indices of the three velocity components (0 is u, 1 is v, 2 is w) in each third moment.
 const TRIPLES: [[usize; 3]; 10] =
     [[0, 0, 0], [0, 0, 1], [0, 0, 2], [0, 1, 1], [0, 1, 2], [0, 2, 2], [1, 1, 1], [1, 1, 2], [1, 2, 2], [2, 2, 2]];
 /// Largest number of blocks of time. When it is reached, blocks are merged two by two, so that memory stays bounded for
@@ -34,7 +34,8 @@ struct SampleBlock {
     end: f64,
     /// Number of samples in the block.
     samples: usize,
-    /// Sums, one row per slice; velocities are relative to the reference.
+    /// Sums over the particles of all slices, `width` numbers per slice. Velocities are relative to the reference
+    /// velocity.
     sums: Vec<f64>,
 }
 
@@ -47,13 +48,14 @@ impl SampleBlock {
     }
 }
 
-/// Sums of all slices, with the total number of counted particles, to which the density of each slice is related.
+/// Sums of all slices, with the number of particles counted in all slices and samples. The density of a slice is its
+/// share of this number.
 struct Counted {
     sums: Vec<f64>,
     samples: f64,
 }
 
-/// Sums per slice and per block of time, from which averages and their errors are computed.
+/// Sums per slice and per block of time, from which profiles and their errors are computed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Accumulator {
     slices: usize,
@@ -61,7 +63,7 @@ pub struct Accumulator {
     /// [m/s] velocity (u, v, w) that is subtracted from velocities before they are multiplied. Without the subtraction,
     /// moments would be differences of large numbers.
     reference: Option<Vector3<f64>>,
-    /// Number of sums per slice.
+    /// Number of sums per slice: `SUMS`, and more for spheres that rotate.
     width: usize,
     /// Number of samples in a full block; only the last block may have fewer.
     block_samples: usize,
@@ -110,7 +112,7 @@ impl Accumulator {
         self.block_samples *= 2;
     }
 
-    /// Sums of all slices for one sample.
+    /// Sums of all slices for one sample, one slice after the other. Velocities are relative to `reference` [m/s].
     fn sum(&self, sample: Sample, reference: Vector3<f64>) -> Vec<f64> {
         let particles = sample.particles;
         let scale = self.slices as f64 / self.height;
@@ -179,8 +181,8 @@ impl Accumulator {
         ProfileTable { slices, blocks: groups.len(), from, until, batches }
     }
 
-    /// One row of the table, computed from the sums of all slices, both in total and per group of blocks. Also returns
-    /// the jackknife pseudo-values of the groups for each estimate. `frame` contains the times of the groups.
+    /// One row of the table: averages in one slice, from the sums over all samples and over each group of blocks. Also
+    /// returns the jackknife pseudo-values of the groups for each average. `frame` contains the times of the groups.
     fn row(
         &self,
         slice: usize,
@@ -227,23 +229,24 @@ fn components(velocity: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(velocity.z, velocity.y, velocity.x)
 }
 
-/// Mean velocity as (u, v, w), which serves as reference velocity. Any finite reference would be valid; the mean keeps
-/// the sums small.
+/// Mean velocity of the particles as (u, v, w) [m/s], which later sums subtract from velocities. Any finite reference
+/// would be valid; the mean keeps the sums small.
 fn reference(sample: Sample) -> Vector3<f64> {
     let mean = components(&sample.mean_velocity());
     if mean.iter().all(|c| c.is_finite()) { mean } else { Vector3::zeros() }
 }
 
-/// Adds the numbers `sums` to the numbers `total`, one by one.
+/// Adds each number of `sums` to the number of `total` with the same index.
 fn add(total: &mut [f64], sums: &[f64]) {
     for (t, s) in total.iter_mut().zip(sums) {
         *t += s;
     }
 }
 
-/// Averages of a slice: density ratio, means, central second and third moments, and those of spins. `average` is the mean
-/// count of all slices. The density is `None` if no particle was counted in any slice, and moments are `None` if none
-/// was counted in this slice.
+/// Averages in one slice from its sums: density ratio, means, central second and third moments, and those of spins, in
+/// SI units. `average` is the mean count of all slices, and `reference` [m/s] the velocity that was subtracted. The
+/// density is `None` if no particle was counted in any slice. Other values are `None` if none was counted in this
+/// slice.
 fn derive(sums: &[f64], average: f64, reference: Vector3<f64>) -> [Option<f64>; SLICE_QUANTITIES] {
     let count = sums[0];
     let mut values = [None; SLICE_QUANTITIES];

@@ -19,7 +19,7 @@ pub struct SliceColumn {
     pub unit: &'static str,
     /// Symmetry of the quantity under a mirror at the mid-plane, if the scene has this symmetry.
     pub parity: Parity,
-    /// Index among the quantities of a slice.
+    /// Index in [`SLICE_COLUMNS`].
     pub index: usize,
 }
 

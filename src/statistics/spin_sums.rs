@@ -2,13 +2,14 @@
 
 use crate::particles::Sample;
 
-/// Number of sums per slice: Σ m, Σ I, then Σ I ω and Σ I ω² along x, y and z.
+/// Number of sums over the particles of a slice: Σ m, Σ I, then Σ I ω and Σ I ω² along x, y and z (mass, inertia,
+/// spin).
 pub const SPIN_SUMS: usize = 8;
 /// Number of averages: mean spin along x, y and z, T_r, and its parts along x, y and z.
 pub const SPIN_QUANTITIES: usize = 7;
 
-/// Sums of one sample in `slices` slices. `slice_of` returns the slice of the particle at an index. `None` for spheres
-/// without rotation.
+/// Sums over the spins of one sample, one row for each of `slices` slices. `slice_of` returns the slice of the particle
+/// at an index. `None` for spheres without rotation.
 pub fn sums(sample: Sample, slices: usize, slice_of: impl Fn(usize) -> usize + Sync) -> Option<Vec<[f64; SPIN_SUMS]>> {
     let particles = sample.particles;
     let (spins, inertia) = (particles.spin.as_ref()?, particles.inertia.as_ref()?);

@@ -3,15 +3,15 @@
 use super::errors::{FEWEST_BLOCKS, Removed, mean, standard_error};
 use serde::Serialize;
 
-/// Number of samples per batch in the marginal standard error rule. Averaging in batches reduces the influence of
-/// chance.
+/// Number of successive samples that are averaged before the start of the steady part is sought. Averaging reduces the
+/// influence of chance.
 const BATCH: usize = 5;
 /// [-] number of standard errors beyond which a difference counts as drift. About a dozen series are tested, and their
 /// errors have about ten degrees of freedom. The number was found from 400 steady channels and gases:
 /// docs/theory/statistics.md, "Steady or not".
 pub const LARGEST_DRIFT: f64 = 4.0;
-/// [-] drift, in standard errors, beyond which a start of averaging is rejected if it lies at its limit, half of the
-/// run. Chance alone seldom gives such a start, and even more seldom together with such a drift.
+/// [-] drift, in standard errors, beyond which an automatic start of averaging at its limit, half of the run, is
+/// rejected. Chance alone seldom gives such a start, and even more seldom together with such a drift.
 const SUSPECT: f64 = 2.0;
 /// [-] smallest relative decrease of the variance of the mean for which samples at the start are dropped. Noise alone
 /// gives a decrease of a few per cent.
@@ -58,7 +58,8 @@ impl SteadySeries<'_> {
         if all_finite && most - least <= ROUNDING * self.scale { vec![0.0; count] } else { values.to_vec() }
     }
 
-    /// Drift in standard errors [-], by [`drift_of_any_shape`]; zero if the halves differ by less than `step`.
+    /// Drift over the given `values` of this series, in standard errors [-], by [`drift_of_any_shape`]. It is 0 if the
+    /// means of the two halves differ by at most `step`, and `None` for too few values.
     fn drift(&self, values: &[f64]) -> Option<f64> {
         let drift = drift_of_any_shape(values, 1e-3 * self.scale)?;
         let half = values.len() / 2;
@@ -90,17 +91,17 @@ pub fn judge(times: &[f64], series: &[SteadySeries], from: Option<f64>) -> Stead
     }
 }
 
-/// Number of samples to drop at the start, and true if the initial relaxation lasts longer than half of the run. This
-/// is so if the number is at its limit and the values still drift after half of these samples are dropped.
+/// Number of samples to drop at the start, and true if the initial relaxation lasts longer than half of the run. It
+/// does if the number is at its limit and the values still drift after half this number is dropped.
 fn start(values: &[f64], series: &SteadySeries) -> (usize, bool) {
     let (start, at_limit) = truncation(values);
     let drifts = || series.drift(&values[start / 2..]).is_some_and(|drift| drift > SUSPECT);
     (start, at_limit && drifts())
 }
 
-/// Number of samples to drop at the start, and true if this number is at its limit, half of the run. With this number,
-/// the squared standard error of the remaining samples, taken as independent, is smallest (MSER-5; White 1997). No
-/// sample is dropped if the square would decrease by less than a tenth.
+/// Number of samples to drop at the start, and true if this number is at its limit, half of the run. The number
+/// minimizes the squared standard error of the mean of the remaining samples, as if they were independent (MSER-5;
+/// White 1997). No sample is dropped if the square would decrease by less than a tenth.
 fn truncation(values: &[f64]) -> (usize, bool) {
     let batches: Vec<f64> = values.chunks_exact(BATCH).map(mean).collect();
     let count = batches.len();
@@ -129,10 +130,10 @@ fn truncation(values: &[f64]) -> (usize, bool) {
     (best.1 * BATCH, 10 * best.1 >= 9 * (count / 2))
 }
 
-/// Drift of the values or drift of their ranks, whichever is larger [-]. A decay that no parabola fits, such as that of
-/// a cooling gas, would be taken for noise, but its ranks decrease along a straight line. Ranks of a steady series are
-/// steady too. Ranks do not depend on the size of changes, so values within one `step` count as equal. Energy lost by
-/// rounding or by an integrator then does not count as decay.
+/// Drift of the values or drift of their ranks, in standard errors [-], whichever is larger. A decay that no parabola
+/// fits, such as that of a cooling gas, would be taken for noise, but its ranks decrease along a straight line. Ranks
+/// of a steady series are steady too. Ranks do not depend on the size of changes, so values within one `step` count as
+/// equal. Energy lost by rounding or by an integrator then does not count as decay.
 fn drift_of_any_shape(values: &[f64], step: f64) -> Option<f64> {
     Some(drift(values)?.max(drift(&ranks(values, step))?))
 }
@@ -151,8 +152,8 @@ fn ranks(values: &[f64], step: f64) -> Vec<f64> {
     values.iter().map(rank).collect()
 }
 
-/// Absolute difference of the means of the two halves, in units of its standard error [-]. The noise is the residual of
-/// a parabola, because otherwise a drift would add to the scatter with which it is compared.
+/// Absolute difference of the means of the two halves, in units of its standard error [-]. The noise is the scatter
+/// about a fitted parabola, because otherwise a drift would add to it. `None` for fewer than 16 values.
 fn drift(values: &[f64]) -> Option<f64> {
     let count = values.len();
     if count < 2 * FEWEST_BLOCKS || values.iter().any(|v| !v.is_finite()) {
@@ -178,7 +179,7 @@ fn drift(values: &[f64]) -> Option<f64> {
     Some(if error <= 1e-12 * largest { f64::INFINITY } else { difference / error })
 }
 
-/// Subtracts the multiple of `shape` that fits the values best by least squares.
+/// Subtracts from `values` the multiple of `shape` that fits them best by least squares.
 fn take_off(values: &mut [f64], shape: &[f64]) {
     let overlap: f64 = values.iter().zip(shape).map(|(v, s)| v * s).sum();
     let factor = overlap / shape.iter().map(|s| s * s).sum::<f64>();

@@ -9,7 +9,7 @@ pub struct PowerLaw {
     pub exponent: f64,
     /// [-] standard error of the exponent, from the scatter of the logarithms about the fitted line.
     pub error: f64,
-    /// Number of fitted points.
+    /// Number of points to which the power law was fitted.
     pub points: usize,
 }
 

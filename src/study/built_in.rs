@@ -7,7 +7,8 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// [characters] width of the column of case names; the questions of the cases are printed to its right.
+/// [characters] width of the column of case names in the list; each name is followed by the question that the case
+/// answers.
 const NAMES: usize = 30;
 
 /// Prints the built-in cases with their questions, and the built-in sets of values.
@@ -29,8 +30,8 @@ pub fn cases() -> Result<(), StudyError> {
     answer(&text)
 }
 
-/// Question in the heading of a case: the text after "Question:", up to the next heading word or the end of the
-/// paragraph.
+/// Question that a case answers, from the comment at the top of its file: the text after "Question:", up to the next
+/// heading word or the end of the paragraph. `None` without such text.
 fn question(heading: &str) -> Option<String> {
     let after = heading.split_once("Question:")?.1;
     let end = after.find("\n\n").into_iter().chain(after.find("\nSource:")).min().unwrap_or(after.len());

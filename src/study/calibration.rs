@@ -23,47 +23,52 @@ use nalgebra::Vector3;
 use std::f64::consts::PI;
 use std::time::Instant;
 
-/// Approximate number of particles in the smaller box, enough for a velocity distribution.
+/// Approximate number of particles in the short run that measures the agitation. The number is enough for a velocity
+/// distribution.
 const PARTICLES: f64 = 500.0;
 
-/// Number of windows times number of particles in the short run; such a run takes some seconds.
+/// Largest length of the short run that measures the agitation, as number of particles times number of windows (times
+/// between two kicks of drag). The run takes some seconds.
 const PARTICLE_WINDOWS: f64 = 4e6;
 
-/// Number of collisions in the short run, computed by kinetic theory from the start; such a run takes some seconds.
+/// Largest number of collisions in the short run that measures the agitation, estimated by kinetic theory from the
+/// initial velocities. The run takes some seconds.
 const COLLISIONS: f64 = 5e5;
 
-/// [-] smallest width of the smaller box divided by the particle diameter.
+/// [-] smallest width of a shortened periodic side of the box in the short run, divided by the largest particle
+/// diameter.
 const NARROWEST: f64 = 10.0;
 
 /// Smallest number of impacts from which the distribution of their speeds is computed: ten impacts then lie beyond the
 /// 99 % quantile.
 const IMPACTS: u64 = 1000;
 
-/// [s] wall time that is spent on timing the windows of one collision model.
+/// [s] wall time after which the timing of windows of one collision model ends.
 const PATIENCE: f64 = 0.4;
 
 /// Number of steps times number of particles in a timed piece of uniform time steps; such a piece takes some tenths of
 /// a second.
 const STEPS: f64 = 2e7;
 
-/// Results of the short run in the smaller box.
+/// Agitation and impact speeds of the particles of a case, measured in a short run in a smaller periodic box.
 pub struct Physics {
-    /// Results in the form that the plan uses.
+    /// Length of the short run, and the collision rates and errors that the plan computes from it.
     pub calibration: Calibration,
     /// [m²/s²] granular temperature of all particles.
     pub variance: f64,
     /// [m²/s²] granular temperature of each species.
     pub temperatures: Vec<f64>,
-    /// Variation of the agitation with the position and the direction.
+    /// Variation of the agitation with the height between the walls and with the direction of the velocity.
     pub spread: AgitationSpread,
-    /// [m/s] normal speeds of the collisions of pairs; `None` if there were too few, or if the temperature does not
-    /// change during the run. With a changing temperature, the speeds cannot be computed from the mean temperature.
+    /// [m/s] normal speeds of the collisions of pairs, if neither a gas flow nor heating nor lossless impacts keep the
+    /// temperature constant: its mean then does not give the speeds. `None` otherwise, or with too few collisions.
     pub pair_speeds: Option<Histogram>,
-    /// [m/s] normal speeds of the wall impacts; `None` if there were too few.
+    /// [m/s] normal speeds of the wall impacts; `None` with too few impacts.
     pub wall_speeds: Option<Histogram>,
 }
 
-/// True if all particles start at random positions with some agitation. They then form a gas, at least for a while.
+/// True if all particles start at random positions, some of them with random velocities, and there are at least 100.
+/// They then form a gas, at least for a while.
 pub fn is_gas(experiment: &Experiment) -> bool {
     /// Smallest number of particles of a gas. With fewer, the collision rate has a statistical error of 1/sqrt(N), more
     /// than 10 %.
@@ -74,7 +79,7 @@ pub fn is_gas(experiment: &Experiment) -> bool {
         && experiment.count() >= FEWEST
 }
 
-/// [m²/s²] variance of a velocity component at the start, for each species.
+/// [m²/s²] variance of a velocity component at the start, by species index; 0 for a species without random velocities.
 pub fn start_variances(experiment: &Experiment) -> Vec<f64> {
     let mut variances = vec![0.0; experiment.scene.species.len()];
     for population in &experiment.start {
@@ -83,8 +88,8 @@ pub fn start_variances(experiment: &Experiment) -> Vec<f64> {
     variances
 }
 
-/// Runs the case in a smaller periodic box. `None` if the particles do not form a gas, or if the case does not fit into
-/// a smaller box.
+/// Measures the agitation and the impact speeds in a short run of the case in a smaller periodic box. `None` if the
+/// particles do not form a gas, or if the smaller box cannot be filled.
 pub fn physics(experiment: &Experiment) -> Option<Physics> {
     if !is_gas(experiment) {
         return None;
@@ -126,8 +131,8 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
     Some(Physics { calibration, variance, temperatures, spread, pair_speeds, wall_speeds })
 }
 
-/// Slices of a run between flat walls, from which the spread of the agitation is computed. Particle centres keep half a
-/// diameter from both walls.
+/// Slices between two flat walls with their shares of the particles and their velocity variances. The spread of the
+/// agitation is computed from these slices. Particle centres keep half a diameter from both walls.
 fn slices(outcome: &Outcome) -> Vec<Slice> {
     let scene = &outcome.experiment.scene;
     let height = scene.domain.size.y;
@@ -146,20 +151,22 @@ fn slices(outcome: &Outcome) -> Vec<Slice> {
     outcome.profiles.slices.iter().filter_map(one).collect()
 }
 
-/// [m²/s²] variance of a velocity component about the mean velocity, averaged over the three components.
+/// [m²/s²] granular temperature: variance of the velocities about their mean, averaged over the three components.
 pub fn variance_of(particles: &Particles) -> f64 {
     let count = particles.len().max(1) as f64;
     let mean = particles.velocity.iter().sum::<Vector3<f64>>() / count;
     particles.velocity.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / (3.0 * count)
 }
 
-/// True if a gas, a shear of the box, a thermostat or thermal walls drive the particles.
+/// True if a gas, a shear of the box, a thermostat, thermal walls or moving walls drive the particles.
 fn is_driven(experiment: &Experiment) -> bool {
     let scene = &experiment.scene;
-    scene.fluid.is_some() || scene.domain.shear.is_some() || scene.is_heated()
+    let moves = scene.walls.iter().any(|wall| wall.moving.is_some());
+    scene.fluid.is_some() || scene.domain.shear.is_some() || scene.is_heated() || moves
 }
 
-/// True if nothing drives the particles, neither shear nor heat, and no impact dissipates energy. The state is then steady from the start.
+/// True if no gas, gravity, shear, heat or moving wall acts on the particles, and all impacts are elastic and frictionless. The
+/// kinetic energy then stays constant from the start.
 fn conserves(experiment: &Experiment) -> bool {
     let scene = &experiment.scene;
     let surfaces = scene.surfaces(2);
@@ -169,7 +176,7 @@ fn conserves(experiment: &Experiment) -> bool {
 }
 
 /// Case with shorter periodic sides of its box, so with fewer particles at equal number density. The spheres are hard,
-/// and the duration is so short that the run takes little wall time.
+/// and the duration is so short that the run takes some seconds.
 fn smaller(experiment: &Experiment) -> Experiment {
     let mut small = experiment.clone();
     let count: usize = experiment.count();
@@ -209,8 +216,8 @@ fn smaller(experiment: &Experiment) -> Experiment {
     small
 }
 
-/// [m²/s²] granular temperature of each species. Their mean is `variance`, and their ratios are those of the final
-/// state `end`.
+/// [m²/s²] granular temperature of each species, by species index. `variance` is the mean over all particles; the
+/// ratios between species are those of the state `end`.
 fn by_species(end: &Particles, variance: f64, species: usize) -> Vec<f64> {
     let mean = end.velocity.iter().sum::<Vector3<f64>>() / end.len().max(1) as f64;
     let mut sums = vec![(0.0, 0.0); species];
@@ -226,7 +233,8 @@ fn by_species(end: &Particles, variance: f64, species: usize) -> Vec<f64> {
     sums.iter().map(|sums| variance * share(sums)).collect()
 }
 
-/// [-] relative standard error of the granular temperature of a slice, as the median over slices.
+/// [-] relative standard error of the granular temperature in a slice, as the median over all slices; `None` if no
+/// slice has an error.
 fn temperature_error(outcome: &Outcome) -> Option<f64> {
     let relative = |row: &SliceRow| {
         let parts: Vec<Estimate> = [UU, VV, WW].into_iter().map(|column| row.of(column)).collect::<Option<_>>()?;
@@ -240,8 +248,8 @@ fn temperature_error(outcome: &Outcome) -> Option<f64> {
     errors.get(errors.len() / 2).copied()
 }
 
-/// Experiment with the engine settings of `choice`. A soft engine gets the contact law `law` or, if that is `None`, the
-/// law of the case; without any law the result is `None`.
+/// Copy of the experiment with the collision model and the time stepping of `choice`. Soft and hybrid spheres get the
+/// contact law `law`, else that of the case. `None` if they need a law and there is none.
 pub fn with_choice(experiment: &Experiment, choice: EngineChoice, law: Option<ContactLaw>) -> Option<Experiment> {
     let mut chosen = experiment.clone();
     chosen.soft.law = law.or(experiment.soft.law);
@@ -265,7 +273,7 @@ pub fn with_choice(experiment: &Experiment, choice: EngineChoice, law: Option<Co
 pub struct Timed {
     /// [s] extrapolated wall time of the whole run; if the run failed, wall time until the failure.
     pub seconds: f64,
-    /// Number of whole windows that were timed.
+    /// Number of timed windows (times between two kicks of drag), counting a window that was timed in part.
     pub windows: u64,
     /// [byte] memory of this process at the end of the timed windows; `None` if the system does not report it.
     pub memory: Option<f64>,
@@ -273,8 +281,8 @@ pub struct Timed {
     pub failure: Option<Failure>,
 }
 
-/// Cost of every collision model, from the timing of some windows with all particles of the case. The particles `start`
-/// have the agitation of the calibration, if there was one.
+/// Predicted wall time and memory of each collision model. Each is computed from the timing of some windows (times
+/// between two kicks of drag) that begin with the particles `start`. Soft spheres have the law `law`.
 pub fn costs(experiment: &Experiment, start: &Particles, law: Option<ContactLaw>) -> Vec<PredictedCost> {
     EngineChoice::ALL
         .into_iter()
@@ -291,15 +299,15 @@ pub fn costs(experiment: &Experiment, start: &Particles, law: Option<ContactLaw>
         .collect()
 }
 
-/// Times windows of a run from `start`, up to the share `most` [-] of the run. At least two windows after the first one
-/// are timed, or as many as the wall time `PATIENCE` allows. If other programs use the machine too, they slow down the
-/// timed windows as much as they would the whole run.
+/// Times some windows (times between two kicks of drag) of a run from `start`, and extrapolates to the whole run. The
+/// timing covers at most the share `most` [-] of the run, or ends after `PATIENCE`. Other programs on the machine slow
+/// it down as they would the run.
 pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
     let schedule = Schedule::new(experiment);
     let windows = schedule.windows_per_sample as f64 * schedule.samples as f64;
     let mut simulation = Simulation::new(experiment, start.clone());
     let parts = match (experiment.model(), experiment.soft.stepping) {
-        // uniform steps cost equally much throughout the window, so a part of the window is enough
+        // uniform steps cost equally much throughout a window, so a part of the window is enough
         (Model::Soft, SoftStepping::Uniform) => {
             let steps = (schedule.window / soft_step(experiment, start.len())).max(1.0);
             (steps * start.len() as f64 / STEPS).ceil().clamp(1.0, steps)
@@ -340,9 +348,9 @@ pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
     }
 }
 
-/// [s] `window`, or a shorter time that takes little wall time, since a window of a long run may contain any number of
-/// impacts. The first trial is ten times the time in which the fastest particle moves by the largest diameter. Each
-/// further trial is twice as long.
+/// [s] `window`, or a shorter time that costs little wall time, since a long window may contain any number of impacts.
+/// The trials begin with ten times the time in which the fastest particle moves by the largest diameter. Each further
+/// trial is twice as long.
 fn short_enough(experiment: &Experiment, start: &Particles, window: f64) -> f64 {
     let diameter = 2.0 * start.radius.iter().copied().fold(0.0, f64::max);
     let speed = start.largest_speed(Vector3::zeros()) + (experiment.scene.gravity.norm() * diameter).sqrt();
@@ -368,7 +376,7 @@ const REPORT: f64 = 0.5e6;
 /// [byte] memory of one particle in the store: position, velocity, radius, mass, species, id.
 const BYTES: f64 = 8.0 * 8.0 + 2.0 + 4.0;
 
-/// [s] wall time of one sample.
+/// [s] wall time for adding the velocities of all particles to the averages over slices once.
 fn sampling(experiment: &Experiment, particles: &Particles) -> f64 {
     let mut accumulator = Accumulator::new(experiment.statistics.slices, experiment.scene.domain.size.y);
     let clock = Instant::now();
@@ -385,8 +393,8 @@ fn resident() -> Option<f64> {
     Some(1024.0 * kibibytes)
 }
 
-/// Case with windows of equal length. If a gas drives the particles, each species starts with its granular temperature
-/// in `temperatures` [m²/s²]; otherwise the particles start as in the case.
+/// Copy of the experiment whose windows (times between two kicks of drag) all have one length. In a gas each species
+/// starts with its granular temperature in `temperatures` [m²/s²], by species index.
 pub fn agitated(experiment: &Experiment, temperatures: &[f64]) -> Experiment {
     let mut moved = experiment.clone();
     for population in moved.start.iter_mut().filter(|_| experiment.scene.fluid.is_some()) {

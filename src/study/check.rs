@@ -15,19 +15,20 @@ use serde::Serialize;
 use std::collections::HashSet;
 use std::fmt::Write;
 
-/// Largest number of particles for which `check` makes a start, to find reasons that would prevent a run. A start with
-/// more particles takes seconds, and only `plan` makes it.
+/// Largest number of particles for which `check` tries to place them, to find scenes that are too crowded. More
+/// particles take seconds; only `plan` places them.
 const MOST: usize = 1_000_000;
 
-/// Limit of the effort for making a start, some 5 s of wall time. Each tried position counts as 1, and each round over
-/// all particles counts as the number of particles.
+/// Limit of the effort for placing the particles, about 5 s of wall time. Each tried position counts as 1, and each
+/// round over all particles counts as the number of particles.
 const EFFORT: u64 = 5_000_000;
 
-/// Smallest limit of the number of rounds over all particles. Ten rounds are enough where insertion is quick.
+/// Smallest limit on the number of rounds over all particles while they are placed. Ten rounds are enough where
+/// insertion is quick.
 const ROUNDS: u64 = 20;
 
-/// Largest number of kinds of contact in the list. The list contains the kinds with the shortest contacts, on which the
-/// time step depends.
+/// Largest number of kinds of contact in the list, such as pairs of two species. The list contains the kinds with the
+/// shortest contacts, on which the time step depends.
 const LISTED: usize = 20;
 
 /// Checks a case and prints the runs that it defines.
@@ -59,7 +60,6 @@ pub fn check_text(case: &Case) -> Result<String, Diagnostic> {
     Ok(CheckReport::of(case)?.text())
 }
 
-/// Results of `check` for a case.
 #[derive(Serialize)]
 struct CheckReport {
     case: String,
@@ -104,17 +104,20 @@ struct CheckedVariant {
     /// Kinds of contact with their names and durations [s]. Empty unless there are several kinds of pairs or several at
     /// walls. At most 20 are listed, the shortest ones.
     contacts: Vec<(String, f64)>,
-    /// [s] window h; if windows grow, the shortest one.
+    /// [s] length of a window, the time between two exchanges of momentum with the gas; the shortest one if windows
+    /// grow during the run.
     window: f64,
-    /// [s] longest window, which is the time between two exchanges of momentum with the gas.
+    /// [s] length of the longest window, the time between two exchanges of momentum with the gas.
     longest: f64,
-    /// [-] number of windows of the whole run. A case may have more windows than a 64-bit integer can count.
+    /// [-] number of windows of the whole run, as a float because a case may have more windows than a 64-bit integer
+    /// can count.
     windows: f64,
     samples: u64,
 }
 
 impl CheckReport {
-    /// Checks a case. If one model cannot run a case that `run` accepts, the report gives the reason.
+    /// Examines a case: its scene, its variants and what they need. If one model cannot run a case that `run` accepts,
+    /// the report gives the reason.
     fn of(case: &Case) -> Result<Self, Diagnostic> {
         let sweep = varied(case)?;
         let (run, variants) = (case.experiment(None, None), case.variants(None));
@@ -180,7 +183,8 @@ impl CheckReport {
     }
 }
 
-/// Keys that the case varies in a sweep. Every value is tried, with the other keys at their first values.
+/// Keys that the case varies in a sweep. Every value is tried, with the other keys at their first values; a value that
+/// cannot run is an error.
 fn varied(case: &Case) -> Result<Vec<Varied>, Diagnostic> {
     let axes = case.own_axes()?;
     for (k, axis) in axes.iter().enumerate() {
@@ -222,7 +226,7 @@ impl CheckedVariant {
         }
     }
 
-    /// Report as text: the scene, and for each variant time step, contact times and windows.
+    /// Report as text for the terminal: the scene, and for each variant time step, contact times and windows.
     fn text(&self) -> String {
         let mut text = String::new();
         if let (Some(law), Some(step), Some(steps)) = (&self.contact_law, self.time_step, self.steps) {
@@ -249,8 +253,8 @@ impl CheckedVariant {
     }
 }
 
-/// Kinds of contact with their durations [s] at the fastest impacts; empty unless there are several kinds of pairs or
-/// several at walls.
+/// Kinds of contact, such as two species, with the durations [s] of their contacts at the fastest impacts. Empty unless
+/// there are several kinds of pairs or several at walls.
 fn contacts(experiment: &Experiment, law: &ContactLaw) -> Vec<(String, f64)> {
     let kinds = at_fastest_impacts(experiment);
     let several = |wall: bool| kinds.iter().filter(|kind| kind.wall == wall).count() > 1;
@@ -266,9 +270,9 @@ fn contacts(experiment: &Experiment, law: &ContactLaw) -> Vec<(String, f64)> {
     times
 }
 
-/// Reasons against running an experiment, found without running it. If there is too little memory, this is the only
-/// reason. Otherwise the reasons are those of `plan` against hard spheres. Limits of soft spheres are checked when a
-/// case is read; hard spheres in time steps are not checked.
+/// Reasons that would prevent a run, found without running it. If there is too little memory, this is the only reason.
+/// Otherwise the reasons are those of `plan` against hard spheres. Limits of soft spheres are checked when a case is
+/// read; hard spheres in time steps are not checked.
 ///
 /// # Errors
 /// The scene is too crowded to start, so that `run` refuses it.

@@ -13,11 +13,11 @@ use crate::runs::{CommandOrigin, CommandSettings, Ranks, StudyError, read, share
 use crate::statistics::{Answer, ErrorLevels};
 use std::ops::Range;
 
-/// Number of replicas between two interim tests of `--until-decided`. Curves have errors from three replicas on. With
-/// four replicas of each variant Student's t has 6 degrees of freedom.
+/// Number of further replicas of each variant after which `--until-decided` tests again whether the comparison is
+/// decided. Four replicas of each variant give Student's t 6 degrees of freedom.
 const PIECE: usize = 4;
 
-/// Largest number of replicas of each variant for `--until-decided` without `--replicas`: sixteen interim tests.
+/// Largest number of replicas of each variant with `--until-decided` but without `--replicas`: sixteen interim tests.
 const MOST: usize = 64;
 
 /// Runs all variants of a case and writes their results to one folder. Returns the answer of all comparisons together;
@@ -60,12 +60,13 @@ pub(super) fn compare_on(args: &Compare, origin: CommandOrigin, ranks: &Ranks) -
     Ok(overall(&judged.comparisons))
 }
 
-/// Schedule of the interim tests, each of which is a "look" at the results so far.
+/// Numbers of replicas after which a comparison is tested before its end. Each such interim test is a "look" at the
+/// results so far.
 #[derive(Clone, Copy, Debug)]
 struct Looks {
-    /// Number of replicas of each variant between two interim tests.
+    /// Number of further replicas of each variant from one interim test to the next.
     piece: usize,
-    /// Largest number of replicas of each variant.
+    /// Largest number of replicas of each variant, reached at the last test.
     most: usize,
 }
 
@@ -83,13 +84,13 @@ impl Looks {
         self.most.div_ceil(self.piece)
     }
 
-    /// Number of replicas of each variant that are complete at the interim test with the number `look`.
+    /// Number of replicas of each variant that are complete at the interim test with number `look`, counted from 1.
     fn replicas(self, look: usize) -> usize {
         (look * self.piece).min(self.most)
     }
 
-    /// Indices of the replicas of each variant that are run between the previous interim test and the test `look`. The
-    /// first run of each variant is not included.
+    /// Indices of the replicas of each variant that are added for the interim test `look` (from 1). Index 0 is the
+    /// first run of the variant, which is done before and left out.
     fn range(self, look: usize) -> Range<usize> {
         self.replicas(look - 1).max(1)..self.replicas(look)
     }
@@ -105,8 +106,8 @@ struct VariantComparison<'a> {
 }
 
 impl VariantComparison<'_> {
-    /// Runs the replicas of a variant that are required for an interim test. If the user stops the command, the results
-    /// so far are written.
+    /// Runs the replicas of a variant that the interim test with number `look` requires. If the user stops the command,
+    /// the results so far are written, and the error says so.
     fn run_replicas(&mut self, variant: usize, look: usize) -> Result<(), StudyError> {
         if self.results.run_replicas(variant, self.looks.range(look))? {
             return Ok(());
@@ -115,13 +116,14 @@ impl VariantComparison<'_> {
         Err(self.results.stopped(variant))
     }
 
-    /// Writes the results after every variant and every interim test, so that they remain if a long comparison is
-    /// stopped.
+    /// Writes the results so far, judged with the error levels of the interim test `look`. Called after every variant
+    /// and every test, so that results remain if the command is stopped.
     fn write_part(&self, look: usize) -> Result<(), StudyError> {
         self.results.write(&self.judged(look), false).map(drop)
     }
 
-    /// Judges the results so far. The answers of the comparisons come first, then further sentences.
+    /// Judges the results so far with the error levels of the interim test `look`. The answers of the comparisons come
+    /// first, then further sentences.
     fn judged(&self, look: usize) -> VariantFindings {
         let pooled = self.results.runs.iter().map(|runs| pool(runs[0].clone(), runs[1..].to_vec()));
         let (outcomes, others): (Vec<Outcome>, Vec<Vec<Outcome>>) = pooled.unzip();
@@ -152,7 +154,6 @@ fn is_decided(findings: &VariantFindings) -> bool {
     stopped || findings.comparisons.iter().all(|one| one.answer != Answer::Unresolved)
 }
 
-/// Reads the variants of a comparison from a case.
 fn variants(args: &Compare, looks: Looks, ranks: &Ranks) -> Result<Variants, StudyError> {
     let case = read(&args.case, &args.input.with_every(args.every.as_ref()))?;
     let checked = case.variants(args.effort.seed)?;

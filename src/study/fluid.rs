@@ -7,7 +7,7 @@ use crate::output::{FIGURES, Folder, OutputError, SUMMARY, figures};
 use crate::runs::{StudyError, conclude, folder, read};
 use serde::Serialize;
 
-/// Number of rows of `profile.csv` for a profile that was not computed on a grid.
+/// Number of equally spaced rows in `profile.csv` for a profile that was not computed on a grid.
 const ROWS: usize = 401;
 
 /// Summary of a gas profile.
@@ -28,7 +28,7 @@ pub struct FluidSummary {
     pub channel: Option<ChannelSummary>,
 }
 
-/// Summary of a k-epsilon channel flow.
+/// Summary of a channel flow computed with a k-epsilon model of turbulence.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChannelSummary {
     /// Name of the turbulence model.
@@ -41,16 +41,16 @@ pub struct ChannelSummary {
     pub cells: usize,
     /// [-] distance of the first node from the wall, in wall units (y⁺).
     pub first_node: f64,
-    /// Number of iterations of the equations of k and ε.
+    /// Number of iterations of the equations of k and ε until they converged.
     pub iterations: usize,
-    /// [-] largest relative change in the last iteration.
+    /// [-] largest relative change of a variable in the last iteration.
     pub residual: f64,
     /// [-] imbalance of the k equation, integrated over the half channel: (production - dissipation - wall
     /// flux)/production.
     pub k_imbalance: f64,
 }
 
-/// One row of `profile.csv`; fields are empty if the profile gives no value.
+/// One row of `profile.csv`: the gas at one height. Cells are empty if the profile gives no value.
 #[derive(Serialize)]
 struct FluidProfileRow {
     y_m: f64,
@@ -115,8 +115,8 @@ pub fn fluid(args: &Args) -> Result<(), StudyError> {
 }
 
 /// Writes the profile of the gas between walls at y = 0 and y = `height` [m]. A k-epsilon profile is written at its
-/// nodes in both halves, together with points of the law of the wall (without k, ε, ν_t). Any other profile is written
-/// at equal distances.
+/// nodes in both halves, with points of the law of the wall near the walls (without k, ε, ν_t). Any other profile is
+/// written at equal distances.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -216,7 +216,7 @@ fn gases(case: &Case) -> Vec<(String, Profile)> {
     if gases.len() < 2 { Vec::new() } else { gases }
 }
 
-/// [m] distance between the walls of the gas, or the diameter of its pipe.
+/// [m] length of the Reynolds number: distance between the walls of the gas, or diameter of its pipe.
 fn width(profile: &Profile, height: f64) -> f64 {
     let [low, high] = profile.between(height);
     high - low

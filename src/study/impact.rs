@@ -25,10 +25,10 @@ const DEFAULT_CASE: &str = "impact";
 /// megabytes.
 const MOST_POINTS: f64 = 1e7;
 
-/// Number of points of a path, unless time steps give the number.
+/// Number of points of the path of a body, except for soft spheres, whose path has a point per time step.
 const POINTS: f64 = 400.0;
 
-/// The two bodies that collide, and the surface properties of their contact.
+/// The two bodies of the case that collide, and the surface properties of their contact.
 #[derive(Clone, Copy)]
 pub(super) struct ImpactPair {
     pub partner: Partner,
@@ -87,7 +87,7 @@ pub fn impact(args: &ImpactArguments) -> Result<(), StudyError> {
     failures_of(bounces.iter().map(|bounce| (bounce.name.as_str(), bounce.failure.as_ref())))
 }
 
-/// Notes on effects that the pictures and the closed form leave out.
+/// Notes for the reader on effects that neither the pictures nor the closed form include.
 fn notes(surface: &Surface) -> Vec<String> {
     let mut notes = vec![
         "The closed form of a soft contact (the paper's Eq. 6) leaves out gravity and any other contact while it lasts."
@@ -99,7 +99,7 @@ fn notes(surface: &Surface) -> Vec<String> {
     notes
 }
 
-/// Sentences on the differences between oblique impacts of each variant and those of the first variant.
+/// Sentences on the differences in rebound between oblique impacts of each variant and those of the first variant.
 fn differences(study: &ObliqueStudy) -> Vec<String> {
     let first = &study.curves[0].name;
     let sentence = |k: usize| {
@@ -199,7 +199,8 @@ fn two_bodies(scene: &Scene, particles: &Particles, case: &Path) -> Result<Impac
     }
 }
 
-/// Gap and normal velocity of the two bodies at a time [s].
+/// Gap [m] and normal velocity [m/s] of the two bodies at the simulated time `time` [s]. The gap is negative while they
+/// overlap, and the velocity is positive while they separate.
 pub(super) fn point(scene: &Scene, particles: &Particles, meeting: &ImpactPair, time: f64) -> PathPoint {
     let place = |id: u32| particles.id.iter().position(|&other| other == id).unwrap_or_default();
     let i = place(0);
@@ -219,7 +220,8 @@ pub(super) fn point(scene: &Scene, particles: &Particles, meeting: &ImpactPair, 
     PathPoint { time, gap, normal_velocity }
 }
 
-/// Runs one variant and stores a point of its path after every window. In a soft run a window is one time step.
+/// Runs the impact under one variant, and stores gap and normal velocity after every window. In a soft run a window is
+/// one time step, else a 400th of the run.
 fn bounce(experiment: &Experiment, particles: Particles, meeting: &ImpactPair) -> Bounce {
     let scene = &experiment.scene;
     let duration = experiment.run.duration;

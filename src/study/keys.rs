@@ -52,7 +52,7 @@ pub fn markdown() -> String {
     page(&tables().iter().collect::<Vec<_>>())
 }
 
-/// A table of a case as lines for a terminal.
+/// One table of a case as lines for a terminal: each key with its properties and its meaning.
 fn text(table: &KeyTable) -> String {
     let mut text = format!("{}{}\n  {}\n", table.heading(), required(table.required.as_ref()), table.about);
     for key in &table.keys {
@@ -68,7 +68,7 @@ fn text(table: &KeyTable) -> String {
     text + "\n"
 }
 
-/// Condition under which a key is required, in words.
+/// Remark in brackets that a key is required under the condition `when`; empty if `when` is `None`.
 fn required(when: Option<&String>) -> String {
     when.map_or(String::new(), |when| format!(" (required {when})").replace(" always", ""))
 }

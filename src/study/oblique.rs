@@ -6,20 +6,31 @@ use crate::engine::Partner;
 use crate::experiment::Experiment;
 use crate::output::{ObliqueCurve, ObliqueStudy};
 use crate::particles::Particles;
-use crate::rotation::slip;
+use crate::rotation::{PartialSlip, slip};
 use crate::simulation::Simulation;
 use nalgebra::Vector3;
 
 /// Number of points of a curve.
 const POINTS: usize = 28;
 
-/// [-] largest reduced slip of a curve, divided by the reduced slip at which sticking ends under Walton's rule with β_0
-/// = 0.
+/// [-] largest reduced slip s/(μ u_n) of a curve, divided by that at which sticking ends under Walton's rule with β_0 =
+/// 0.
 const REACH: f64 = 2.0;
 
-/// Number of windows per contact time in the simulation of an impact. `LONGEST` is the largest number of contact times.
+/// Number of windows (pieces of the run) per contact time in the simulation of an impact. `LONGEST` is the largest
+/// number of contact times.
 const WINDOWS: f64 = 10.0;
 const LONGEST: u64 = 60;
+
+/// [-] Mindlin's ratio k_t/k_n = 4 G*/E* of the two bodies, under the first variant whose contact law has elastic
+/// constants.
+fn compliance_ratio(variants: &[(&Experiment, &Particles)], meeting: &ImpactPair) -> Option<f64> {
+    let ratio = |(experiment, _): &(&Experiment, &Particles)| {
+        // the law's ratio is that of 8 G* a to the factor 4/3 E* of Hertz's force, whose derivative is 2 E* a
+        Some(experiment.law()?.shear_ratio(meeting.bodies.elasticity) / 1.5)
+    };
+    variants.iter().filter_map(ratio).find(|ratio| *ratio > 0.0)
+}
 
 /// [-] ratio M_t/M of solid spheres (docs/rotation.md), for which the measured points are valid.
 const SOLID: f64 = 2.0 / 7.0;
@@ -41,8 +52,8 @@ const MEASURED: [(f64, f64); 8] = [
 /// [-] coefficient of friction of these surfaces (MFIX DEM05).
 const MEASURED_FRICTION: f64 = 0.092;
 
-/// Oblique impacts under each variant at the normal speed [m/s] of the case. `None` if spheres do not rotate, or if
-/// there is no friction.
+/// Oblique impacts under each variant, with the normal speed `speed` [m/s] of the case. `None` without rotation,
+/// friction or approach.
 pub(super) fn oblique(
     variants: &[(&Experiment, &Particles)],
     meeting: &ImpactPair,
@@ -56,9 +67,9 @@ pub(super) fn oblique(
     let mass_ratio = mass_ratio(particles, meeting)?;
     let restitution = meeting.surface.restitution;
     let most = REACH * (1.0 + restitution) / mass_ratio;
+    let slips = (1..=POINTS).map(|k| most * k as f64 / POINTS as f64);
     let curve = |(experiment, particles): &(&Experiment, &Particles)| {
-        let slips = (1..=POINTS).map(|k| most * k as f64 / POINTS as f64);
-        let points = slips.filter_map(|reduced| {
+        let points = slips.clone().filter_map(|reduced| {
             let after = thrown(experiment, particles, meeting, (speed, reduced * friction * speed))?;
             Some((reduced, after / (friction * speed)))
         });
@@ -73,10 +84,17 @@ pub(super) fn oblique(
     let solid = (mass_ratio - SOLID).abs() < 1e-6;
     let measured = if solid { measured.filter(|(reduced, _)| *reduced <= most).collect() } else { Vec::new() };
     let impulse = (1.0 + restitution) / mass_ratio;
-    Some(ObliqueStudy { curves, measured, impulse })
+    let partial_slip = match compliance_ratio(variants, meeting) {
+        Some(ratio) => {
+            let impact = PartialSlip::new(ratio, mass_ratio);
+            slips.map(|reduced| (reduced, impact.rebound(reduced))).collect()
+        }
+        None => Vec::new(),
+    };
+    Some(ObliqueStudy { curves, measured, partial_slip, impulse })
 }
 
-/// [-] ratio M_t/M of the effective mass of the slip to that of the normal motion.
+/// [-] ratio M_t/M of the effective mass of the slip to that of the normal motion of the two bodies.
 fn mass_ratio(particles: &Particles, meeting: &ImpactPair) -> Option<f64> {
     let inertia = particles.inertia.as_ref()?;
     let others = if matches!(meeting.partner, Partner::Particle(_)) { 2 } else { 1 };
@@ -84,15 +102,15 @@ fn mass_ratio(particles: &Particles, meeting: &ImpactPair) -> Option<f64> {
     Some(crate::rotation::tangential_mass((0..others).map(body)) / meeting.bodies.effective_mass)
 }
 
-/// [m/s] slip after an impact with a given normal speed [m/s] and slip [m/s], without gas and gravity. `None` if the
-/// impact does not end.
+/// [m/s] slip of the surfaces after an impact without gas and gravity. The last argument has the normal speed and the
+/// slip before the impact [m/s]. `None` if the impact does not end.
 fn thrown(
     experiment: &Experiment,
     particles: &Particles,
     meeting: &ImpactPair,
     (normal_speed, slip_before): (f64, f64),
 ) -> Option<f64> {
-    /// [-] ratio of the gap before the impact to the radius.
+    /// [-] gap before the impact, divided by the radius.
     const GAP: f64 = 1e-6;
     let mut experiment = experiment.clone();
     experiment.scene.gravity = Vector3::zeros();

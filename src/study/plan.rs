@@ -29,7 +29,7 @@ use crate::simulation::soft_step;
 /// [-] default of the desired relative error, `--target-error`.
 pub const USUAL_TARGET: f64 = 0.01;
 
-/// A plan, its recommendation, and the case with the recommended settings.
+/// Plan of a case, its recommendation, and the case with the recommended settings.
 pub struct PlannedExperiment {
     /// Predictions and measurements.
     pub plan: RunPrediction,
@@ -53,8 +53,8 @@ pub fn plan(args: &Arguments) -> Result<(), StudyError> {
     if args.json { answer_json(&document) } else { answer(&document) }
 }
 
-/// Experiment of the case with its own model or, if that model cannot run the case, with any model that can. The choice
-/// of a model is the purpose of a plan.
+/// Experiment of the case with its own model or, if that model cannot run the case, with soft or else hard spheres. A
+/// plan chooses the model itself.
 pub fn any_model(case: &Case, seed: Option<u64>) -> Result<Checked, Diagnostic> {
     case.experiment(None, seed).or_else(|why| {
         let other = |model| case.experiment(Some(model), seed).ok();
@@ -79,8 +79,8 @@ fn document(
     if json { Ok(plan_json(&document)?) } else { Ok(plan_text(&document)) }
 }
 
-/// Plans an experiment for the relative error `target` [-]. With `timed`, windows of every model are timed too. The
-/// recommendation does not depend on the timing.
+/// Plans an experiment whose averages should have the relative error `target` [-]. If `timed` is true, runs of every
+/// model are timed for some windows too. The recommendation does not depend on the timing.
 ///
 /// # Errors
 /// The scene is too crowded to start.
@@ -119,7 +119,7 @@ pub fn plan_of(experiment: &Experiment, target: f64, timed: bool) -> Result<Plan
     Ok(PlannedExperiment { plan, recommendation, experiment })
 }
 
-/// Predictions that do not depend on the contact law.
+/// Predictions that do not depend on the contact law, such as collision rates, mean free path and cost.
 fn without_contacts(
     experiment: &Experiment,
     target: f64,
@@ -233,7 +233,8 @@ fn with_contacts(
     }
 }
 
-/// All kinds of contact, with the impact speeds of a gas or of a few bodies.
+/// Kinds of contact of the case, such as a pair of species, with their impact speeds. The speeds are those of a gas or,
+/// in scenes of few bodies, of these bodies.
 fn kinds(
     experiment: &Experiment,
     plan: &RunPrediction,
@@ -260,11 +261,12 @@ fn kinds(
     bodies(experiment, particles, plan.rest.as_ref().map_or(0.0, |rest| rest.speed))
 }
 
-/// Smallest averaging time, in mean free times. Only beyond several free times do errors fall with the root of the
-/// time.
+/// [-] smallest averaging time, divided by the mean time between two collisions of a particle. Only beyond several such
+/// times do errors fall with the root of the averaging time.
 const FREE_TIMES: f64 = 10.0;
 
 /// Number of particles and averaging time for the desired error. Errors fall with the root of particles times time.
+/// `None` without a gas, or if the short run was not steady or gave no error.
 fn averaging(experiment: &Experiment, plan: &RunPrediction) -> Option<Averaging> {
     let (gas, run) = (plan.gas.as_ref()?, plan.calibration.as_ref().filter(|run| run.steady)?);
     let needed = run.particles as f64 * run.averaged * (run.temperature_error? / plan.target_error).powi(2);
@@ -284,7 +286,8 @@ fn averaging(experiment: &Experiment, plan: &RunPrediction) -> Option<Averaging>
     })
 }
 
-/// The case with the recommended settings. A contact law that is stiff enough is not changed.
+/// Copy of the case with the recommended settings; unchanged if no engine is adequate. A contact law that is stiff
+/// enough is kept.
 fn follow(experiment: &Experiment, recommendation: &Recommendation) -> Experiment {
     let Some(engine) = recommendation.engine else { return experiment.clone() };
     let Some(mut chosen) = with_choice(experiment, engine, recommendation.law) else { return experiment.clone() };

@@ -6,8 +6,8 @@ use rayon::prelude::*;
 use std::io::{IsTerminal, stderr};
 use std::time::Instant;
 
-/// Runs all points, several at once, and returns their results in the order of the points. The results do not depend on
-/// the threads. `name` is printed beside the progress, which is hidden if `quiet` is true.
+/// Runs `one` on all points of a study, several at once, and returns the results in the order of the points. The
+/// results do not depend on the threads. `name` stands beside the progress, which is hidden if `quiet` is true.
 ///
 /// # Errors
 /// The first error of a point.

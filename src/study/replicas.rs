@@ -26,10 +26,10 @@ pub fn replicas(experiment: &Experiment, count: u16) -> Result<Vec<Experiment>, 
     Ok((0..count).map(one).collect())
 }
 
-/// Pools the replicas of a variant into one outcome. Returns this outcome, and all its replicas except the first.
-/// Profiles, temperature, rates, averages of each species and measurements are averages over all replicas. All other results, such as
-/// times, counts and energy balances, are those of the first replica. Failed replicas are left out unless all have
-/// failed; the failure remains in the outcome.
+/// Pools the replicas of a variant into one outcome; returns it, and all replicas but the first. Profiles, temperature,
+/// rates, averages of species and measurements are averages over the replicas. Steadiness is that of most replicas.
+/// Other results, such as times and energy balances, are those of the first one. Failed replicas are left out unless
+/// all have failed; the failure remains in the outcome.
 pub fn pool(first: Outcome, others: Vec<Outcome>) -> (Outcome, Vec<Outcome>) {
     let failure = std::iter::once(&first).chain(&others).find_map(|run| run.failure.clone());
     let (mut rest, failed): (Vec<Outcome>, Vec<Outcome>) = others.into_iter().partition(|run| run.failure.is_none());
@@ -42,8 +42,8 @@ pub fn pool(first: Outcome, others: Vec<Outcome>) -> (Outcome, Vec<Outcome>) {
     (outcome, rest)
 }
 
-/// [-] share of particles that keep their positions, above which averages of one run are not valid for other runs. The
-/// share has an uncertainty of about 0.05.
+/// [-] share of particles that keep their positions above which the averages of one run are not valid for other runs.
+/// The share has an uncertainty of about 0.05.
 pub const FROZEN: f64 = 0.2;
 
 fn merge(first: &Outcome, others: &[Outcome]) -> Outcome {
@@ -86,7 +86,8 @@ fn merge(first: &Outcome, others: &[Outcome]) -> Outcome {
     outcome
 }
 
-/// [-] root mean square ratio of the scatter between runs to the standard errors estimated within each run.
+/// [-] scatter of averages between runs over their standard errors estimated within each run, as root mean square over
+/// the averages that are known.
 fn scatter_over_errors(runs: &[&Outcome]) -> Option<f64> {
     let of = |run: &Outcome| -> [Option<Estimate>; 4] {
         let count = run.profiles.slices.len() as f64;

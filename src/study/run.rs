@@ -61,7 +61,7 @@ pub(super) fn run_on(args: &Run, origin: CommandOrigin, ranks: &Ranks) -> Result
     results.finish(&findings, &[findings.verdicts.clone(), balance].concat(), &report)
 }
 
-/// Variant that the command runs. If the program chose its model, also the reason for this choice.
+/// Variant that the command runs. The text is the reason for its model, if the program chose the model.
 fn variant(args: &Run, ranks: &Ranks) -> Result<(Variants, Option<String>), StudyError> {
     let case = read(&args.case, &args.input.with_every(args.every.as_ref()))?;
     let auto = args.model == Some(ModelChoice::Auto);

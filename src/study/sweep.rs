@@ -85,13 +85,13 @@ pub(super) fn sweep_on(args: &Sweep, origin: CommandOrigin, ranks: &Ranks) -> Re
     failures(&rows, &variants, &axes)
 }
 
-/// True if a folder contains runs of a sweep.
+/// True if a folder contains the stored command of an earlier sweep.
 fn is_begun(folder: &Path) -> bool {
     let command = Store::of(folder).command().ok().and_then(|command| Cli::try_parse_from(command.arguments).ok());
     command.is_some_and(|cli| matches!(cli.command, Command::Sweep(_)))
 }
 
-/// The case of a sweep, its axes, and the plan of its runs.
+/// Reads the case of a sweep with its axes (keys and values), and plans the runs.
 fn planned(args: &Sweep) -> Result<(Case, Vec<SweepAxis>, SweepPlan), StudyError> {
     let mut case = read(&args.case, &args.input)?;
     let axes = case.axes(&args.sweep)?;
@@ -100,7 +100,7 @@ fn planned(args: &Sweep) -> Result<(Case, Vec<SweepAxis>, SweepPlan), StudyError
 }
 
 impl RunResult for SweepRun {
-    /// Measured values of a run. If the scene is too crowded to start, this error is the result.
+    /// Measured values of a run that is over. If the scene is too crowded to start, the result contains this error.
     fn of(run: &ResumableRun, outcome: Result<Outcome, StudyError>) -> Result<Self, StudyError> {
         let mut result = Self { identity: run.identity.name.clone(), ..Self::default() };
         let outcome = match outcome {
@@ -152,8 +152,8 @@ fn failures(rows: &[SweepRow], variants: &[String], axes: &[SweepAxis]) -> Resul
     if failed.is_empty() { Ok(()) } else { Err(StudyError::Failed(failed.join("\n"))) }
 }
 
-/// Adds the result of a run to every row to which the run belongs. The results in a row are sorted in the order of the
-/// replicas, because averages depend on the order of their terms.
+/// Adds the result of a run to every row of the table to which the run belongs. The results of a row are in the order
+/// of its replicas, because averages depend on the order of their terms.
 fn give(rows: &mut [SweepRow], run: &SweepRun) {
     for row in rows {
         let times = row.identities.iter().filter(|identity| **identity == run.identity).count();
@@ -162,7 +162,7 @@ fn give(rows: &mut [SweepRow], run: &SweepRun) {
     }
 }
 
-/// Rows and runs of a sweep.
+/// Rows of the table of a sweep, and the runs that it needs.
 #[derive(Default)]
 struct SweepPlan {
     variants: Vec<String>,
@@ -171,11 +171,11 @@ struct SweepPlan {
     checked: Vec<Checked>,
     /// Runs of the sweep, each once.
     runs: Vec<ResumableRun>,
-    /// Names of the runs for messages.
+    /// Names of the runs for messages, in the order of `runs`.
     names: Vec<String>,
-    /// Identities of the runs, by which equal runs are found.
+    /// Hashes of the cases of all runs, by which equal runs are found.
     known: HashSet<String>,
-    /// Index of the first variant with hard spheres, with which the others are compared.
+    /// Index of the first variant with hard spheres, with which the other variants are compared; `None` without one.
     reference: Option<usize>,
     /// True if the case requests trajectories, which a sweep does not write.
     has_trajectories: bool,
@@ -234,7 +234,7 @@ impl SweepPlan {
     }
 }
 
-/// Indices of the values on all axes, for the point with the number `index`. The value of the last axis changes
+/// Index of the value on each axis, for the point with the number `index` (from 0). The value of the last axis changes
 /// fastest.
 fn at(axes: &[SweepAxis], mut index: usize) -> Vec<usize> {
     let mut at: Vec<usize> = Vec::new();

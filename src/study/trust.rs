@@ -52,7 +52,7 @@ pub fn softness(outcome: &Outcome) -> Option<f64> {
     shrink.is_finite().then_some(shrink)
 }
 
-/// Limits of the reliability of each outcome, a sentence each.
+/// Sentences on effects that limit the reliability of each outcome, such as a run that is not steady.
 pub fn notes(outcomes: &[Outcome]) -> Vec<String> {
     let mut notes = Vec::new();
     for outcome in outcomes {
@@ -96,7 +96,7 @@ pub fn notes(outcomes: &[Outcome]) -> Vec<String> {
     notes
 }
 
-/// Adds a note if the realised restitution differs from the given one.
+/// Adds a note if the realised restitution of an outcome differs from the given one by more than 0.005.
 fn restitution(outcome: &Outcome, note: &mut impl FnMut(String)) {
     let scene = &outcome.experiment.scene;
     if let Some(asked) = scene.restitution_of_pairs()

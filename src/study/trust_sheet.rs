@@ -7,7 +7,7 @@ use crate::outcome::Outcome;
 use crate::output::{Expected, HalvedStep, Judgement, TrustCheck, TrustSheet};
 use crate::statistics::Estimate;
 
-/// Number of standard errors beyond which a difference is not attributed to chance.
+/// Number of standard errors beyond which a difference from the expected value is not attributed to chance.
 const SUSPECT: f64 = 3.0;
 /// [-] largest share of the energy that may remain unexplained in the energy balance. The error of the integrator at 20
 /// steps per contact is much smaller.

@@ -59,12 +59,14 @@ impl Variants {
         )))
     }
 
-    /// Checksum of the variants, which all processes compare before they make initial states.
+    /// Checksum of the variants. All processes compare it before they make initial states, so that all have equal
+    /// variants.
     pub fn mark(&self) -> u32 {
         mark_of_experiments(self.experiments())
     }
 
-    /// Makes the list of runs, variant by variant. The first run of a variant is done alone, then its replicas.
+    /// List of the runs, variant by variant. The first run of a variant is done alone, so that its wall time is
+    /// measured; its replicas follow.
     fn runs(&self, ranks: &Ranks) -> Result<Vec<ResumableRun>, StudyError> {
         let names = file_names(self.experiments().map(|experiment| experiment.name.as_str()));
         let mut runs = Vec::new();
@@ -79,8 +81,8 @@ impl Variants {
         Ok(runs)
     }
 
-    /// Initial states of the variants. If all processes share the runs, each process makes a part of each initial
-    /// state.
+    /// Initial states of the variants, one each. If all processes share the runs, each process makes only its part of
+    /// the particles.
     fn starts(&self, ranks: &Ranks) -> Result<Vec<Start>, StudyError> {
         if ranks.count() == 1 {
             self.experiments().try_for_each(refuse_too_large)?;
@@ -97,7 +99,7 @@ impl Variants {
     }
 }
 
-/// Results of the variants so far, and the executor of their runs, which has the folder of results.
+/// Results of the variants so far, and the executor that does their runs.
 pub struct VariantResults<'a> {
     variants: &'a Variants,
     executor: Executor<'a>,
@@ -109,7 +111,7 @@ pub struct VariantResults<'a> {
     frames: Vec<Frames>,
 }
 
-/// Results of the variants, prepared for a document.
+/// Results of the variants in the form in which they are written to a document.
 #[derive(Default)]
 pub struct VariantFindings {
     /// Outcome of each variant, averaged over its replicas.
@@ -118,7 +120,7 @@ pub struct VariantFindings {
     pub comparisons: Vec<Verdict>,
     /// Answers in sentences, the shortest first.
     pub verdicts: Vec<String>,
-    /// Settings of each variant, as typed in the case.
+    /// Settings in which each variant differs, as typed in the case.
     pub overrides: Vec<String>,
     /// Limits of the reliability of the numbers, a sentence each.
     pub notes: Vec<String>,
@@ -154,7 +156,7 @@ impl<'a> VariantResults<'a> {
         Rc::clone(&self.executor.folder)
     }
 
-    /// Does the first run of the next variant, with observers in addition to the standard ones. Returns the final
+    /// Does the first run of the next variant, with the `observers` in addition to the standard ones. Returns the final
     /// state, which is the argument of [`check`](Self::check).
     ///
     /// # Errors
@@ -246,7 +248,7 @@ impl<'a> VariantResults<'a> {
     }
 }
 
-/// File names for the variants: their names in letters that any system accepts. All file names are different.
+/// File names for the variants: their names in letters that any system accepts. No two file names are equal.
 fn file_names<'a>(variants: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for variant in variants {

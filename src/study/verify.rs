@@ -9,8 +9,8 @@ use crate::schedule::Schedule;
 use crate::statistics::Estimate;
 use std::convert::Infallible;
 
-/// Ratio of the length of the run to that of the test. The test is done with the original settings and with half the
-/// step, which costs up to twice as much. Together this is up to three fifteenths of the cost of the run.
+/// Length of the run divided by that of the test of the step. The test runs with the original settings and with half
+/// the step, which costs up to twice as much. Together this is up to three fifteenths of the cost of the run.
 const PARTS: f64 = 15.0;
 
 /// Number of samples in the test, which is enough for the blocks of a standard error.
@@ -28,7 +28,7 @@ pub fn verify(outcome: &Outcome, end: &Particles, quiet: bool) -> HalvedStep {
     halved
 }
 
-/// Tests a run like [`verify`], with a checkpointer that may stop the test.
+/// Tests a run as [`verify`] does, with a checkpointer that stores the test and may stop it.
 ///
 /// # Errors
 /// The stored state belongs to another run.
@@ -45,7 +45,7 @@ pub(super) fn verify_with_checkpoints(
     })
 }
 
-/// Does the test with the original settings and with half the step; `run` does one run.
+/// Does the test of the step: one run with the original settings and one with half the step. `run` does a run.
 fn halve<E>(outcome: &Outcome, mut run: impl FnMut(&Experiment) -> Result<Outcome, E>) -> Result<HalvedStep, E> {
     if let Some(why) = &outcome.failure {
         return Ok(HalvedStep::Unknown(format!("the run itself stopped early: {why}")));
@@ -77,7 +77,8 @@ fn halve<E>(outcome: &Outcome, mut run: impl FnMut(&Experiment) -> Result<Outcom
     }))
 }
 
-/// Experiment of the test with the duration `stretch` [s], with half the step and window if `halved` is true.
+/// Experiment of the test, `stretch` [s] long. Step and window (time between two kicks of drag) are halved if `halved`
+/// is true.
 fn stretched(outcome: &Outcome, stretch: f64, halved: bool) -> Experiment {
     let mut experiment = outcome.experiment.clone();
     let factor = if halved { 0.5 } else { 1.0 };

@@ -100,7 +100,8 @@ impl TriangleFile {
         self
     }
 
-    /// Merges corners that differ only by rounding. The coordinates have at most `digits` [-] significant digits.
+    /// Makes the result of reading a file. Corners that differ only by rounding are merged. The coordinates have at
+    /// most `digits` [-] significant digits.
     fn new(mut heap: Heap, digits: usize, notes: Vec<String>) -> Self {
         let welded = weld::weld(&mut heap, digits);
         Self { heap, welded, notes }
@@ -112,7 +113,6 @@ fn wrong(format: &str, line: usize, what: impl std::fmt::Display) -> String {
     format!("is no {format} that can be read: line {line}: {what}")
 }
 
-/// Message about a file with too many triangles.
 fn too_many(given: usize) -> String {
     format!("has {given} triangles or more; allowed: up to {MOST_TRIANGLES}")
 }

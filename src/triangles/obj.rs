@@ -33,8 +33,8 @@ const LEFT_ASIDE: [&str; 20] = [
     "trace_obj",
     "vc",
 ];
-/// [-] distance of a corner from the plane of its polygon, over the length of the polygon, above which a warning is
-/// given.
+/// [-] a warning is given if a corner is farther from the plane of its polygon than this share of the length of the
+/// polygon.
 const FLAT: f64 = 0.01;
 
 /// Polygon of the file: its line, and the range of its corners in `Reading::named`.
@@ -104,7 +104,7 @@ fn statement<'a>(words: &mut Words<'a>) -> Vec<Word<'a>> {
 }
 
 impl Reading {
-    /// Reads one statement; `first` is its first word.
+    /// Reads one statement of the file. `first` is its first word, and `rest` are the other words.
     fn statement(&mut self, first: Word, rest: &[Word]) -> Result<(), String> {
         if first.is("v") {
             let [x, y, z, ..] = rest else {

@@ -11,7 +11,7 @@ const TURN: f64 = 1e-6;
 /// [-] relative error of an area that counts as rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Triangles into which a polygon was divided.
+/// Result of the division of a polygon into triangles.
 #[derive(Debug)]
 pub struct Cut {
     /// Triangles as indices of corners of the polygon, in the sense of rotation of the polygon.
@@ -59,7 +59,7 @@ pub fn cut(corners: &[Vector3<f64>]) -> Result<Cut, &'static str> {
 
 const CROSSES: &str = "the polygon crosses itself";
 
-/// Twice the area of a triangle, positive if its corners run anticlockwise.
+/// Twice the area of a triangle with the corners a, b and c; positive if they run anticlockwise, else negative.
 fn twice([a, b, c]: [[f64; 2]; 3]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }

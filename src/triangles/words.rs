@@ -54,7 +54,7 @@ pub struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
-    /// Starts before the first word of a text; a byte order mark is skipped.
+    /// Creates an iterator before the first word of a text; a byte order mark at the beginning is skipped.
     pub fn of(bytes: &'a [u8]) -> Self {
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         Self { bytes, at: 0, line: 1 }
@@ -84,7 +84,7 @@ impl<'a> Words<'a> {
         (length > 0).then_some(Word { bytes: &rest[..length], line: self.line })
     }
 
-    /// Moves from the end of the last word of a line to the beginning of the next line.
+    /// Moves to the beginning of the next line. It is called after the last word of a line has been read.
     pub fn next_line(&mut self) {
         self.skip_blanks(false);
         let rest = &self.bytes[self.at..];

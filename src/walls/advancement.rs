@@ -20,8 +20,8 @@ pub(super) fn touch_time<G: Geometry + ?Sized>(shape: &G, flight: &Flight, radiu
     within(shape, flight, radius, (until, STEPS)).flatten()
 }
 
-/// Time of touch as [`touch_time`] returns it, but with at most `steps` steps. The outer `None` means: more steps are
-/// needed.
+/// [s] time of touch as [`touch_time`] returns it, but with at most `steps` steps. The outer `None` means that more steps
+/// are needed, the inner `None` that the sphere does not touch until `until` [s].
 pub(super) fn within<G: Geometry + ?Sized>(
     shape: &G,
     flight: &Flight,

@@ -46,7 +46,7 @@ impl Repeated {
         self.periods[axis].map_or(0.0, |period| ((place - center) / period).round())
     }
 
-    /// [m] the point, shifted by whole periods so that its nearest image of the body becomes the body itself.
+    /// [m] the point, shifted by whole periods. The image of the body that was nearest to it is then the body itself.
     pub(super) fn near(&self, point: &Vector3<f64>) -> Vector3<f64> {
         Vector3::from_fn(|axis, _| {
             point[axis] - self.periods[axis].map_or(0.0, |period| period * self.image(axis, point[axis]))

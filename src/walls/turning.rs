@@ -37,7 +37,7 @@ impl Turning {
 }
 
 impl Wall {
-    /// [m/s] velocity of the surface at `point` [m], `ahead` [s] of the instant of the wall.
+    /// [m/s] velocity of the surface at `point` [m], at the time `ahead` [s] after the instant of the wall's scene.
     #[inline(always)]
     pub fn surface_velocity(&self, point: &Vector3<f64>, ahead: f64) -> Vector3<f64> {
         match &self.moving {

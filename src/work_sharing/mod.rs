@@ -30,7 +30,8 @@ pub fn for_each<T: Send>(
     for_each_with(pieces, || (), |(), piece| work(piece));
 }
 
-/// Calls `work` on every piece. Each thread has its own scratch memory, which `own` makes.
+/// Calls `work` on every piece, on several threads of the pool. Each thread has its own scratch memory, which `own`
+/// makes.
 pub fn for_each_with<T: Send, M>(
     pieces: impl DoubleEndedIterator<Item = T> + ExactSizeIterator + Send,
     own: impl Fn() -> M + Sync,
@@ -109,7 +110,7 @@ fn wait_for(busy: &AtomicUsize) {
     }
 }
 
-/// Thread without work: counts its searches for work.
+/// Counter of the searches of a thread that has no work.
 #[derive(Default)]
 struct IdleThread {
     /// Number of searches since the thread last had work.
@@ -117,8 +118,8 @@ struct IdleThread {
 }
 
 impl IdleThread {
-    /// Waits before the next search. The wait lets other programs use the processor. It is short, and a rest of
-    /// [`RESTS`] after [`LOOKS`] searches without work.
+    /// Waits before the next search for work, so that other programs can use the processor. After [`LOOKS`] searches
+    /// without work, the thread rests for [`RESTS`].
     fn look_again(&mut self) {
         self.looks = self.looks.saturating_add(1);
         if self.looks < LOOKS { std::thread::yield_now() } else { std::thread::sleep(RESTS) }

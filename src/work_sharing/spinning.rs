@@ -40,7 +40,7 @@ impl Drop for Over<'_> {
 struct SpinningGuard;
 
 impl SpinningGuard {
-    /// Marks the current thread; `None` if it is marked already.
+    /// Marks the current thread as part of the work. `None` if it is marked already.
     fn taken() -> Option<Self> {
         (!TAKES_PART.replace(true)).then_some(Self)
     }
@@ -64,7 +64,7 @@ fn keep_awake<'scope>(scope: &Scope<'scope>, over: &'scope AtomicBool) {
     }
 }
 
-/// Does available work of the pool until `over` is set.
+/// Makes this thread do pieces of work of the pool until the flag `over` is set.
 fn look_for_work(over: &AtomicBool) {
     let mut idle = IdleThread::default();
     while !over.load(Ordering::Relaxed) {

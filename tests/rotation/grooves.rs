@@ -4,9 +4,9 @@
 use super::*;
 use diptych::walls::{Mesh, Sides, Wall, WallGeometry};
 
-/// [N/m]
+/// [N/m] normal stiffness of the contacts.
 const STIFFNESS: f64 = 1e4;
-/// [m]
+/// [m] radius of the ball.
 const RADIUS: f64 = 1e-3;
 /// [m] distance of the ball from the middle at the start, so that it touches the faces one after the other.
 const ASIDE: f64 = 1e-6;

@@ -11,7 +11,7 @@ struct Pair {
     normal: [f64; 3],
     /// [m/s] velocity of p relative to q.
     velocity: [f64; 3],
-    /// [rad/s]
+    /// [rad/s] spins of p and of q.
     spins: [[f64; 3]; 2],
 }
 

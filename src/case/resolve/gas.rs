@@ -10,11 +10,12 @@ use crate::experiment::{Amount, Experiment, Population};
 use crate::fluid::{Fluid, LogConstants, LogLaw, Profile};
 use crate::predict::flow::terminal_slip;
 
-/// Number of positions across the channel at which the velocity of the gas is compared with that of the particles.
+/// Number of positions across the channel at which the slip velocity, gas minus particles, is computed before the run.
 const PLACES: usize = 101;
 
 impl Resolver {
-    /// Checks that a channel flow has walls at y = 0 and y = L_y. `typed` is the value by which the flow was chosen.
+    /// Checks that the scene has walls at y = 0 and y = L_y, as a channel flow requires. `typed` is the value in the
+    /// case by which the flow was chosen, for the message.
     pub(super) fn between_walls<const M: i8, const K: i8, const S: i8>(
         &self,
         typed: &Located<Quantity<M, K, S>>,
@@ -63,7 +64,7 @@ impl Resolver {
             .map_err(|why| self.refuse(number, format!("gives no k-ε solution: {why}")).help(help))
     }
 
-    /// Constants κ and B of the logarithmic law.
+    /// Constants κ and B of the logarithmic law, from the two keys of the case or, without a key, the default.
     pub(super) fn log_constants(
         &self,
         von_karman: Option<&Located<Ratio>>,
@@ -141,7 +142,7 @@ impl Resolver {
         Ok(())
     }
 
-    /// Warns if Reynolds numbers of particles exceed the range of the drag law.
+    /// Warns if the Reynolds numbers of particles are far outside the range of the drag law.
     pub(super) fn check_drag(&mut self, file: &CaseFile, experiment: &Experiment) {
         let Some(fluid) = &experiment.scene.fluid else { return };
         let far = fluid.drag.as_ref().and_then(|drag| drag.law().far());

@@ -12,11 +12,11 @@ use crate::schedule::Schedule;
 use crate::simulation::soft_step;
 
 /// Largest number of windows, or of time steps of all particles, unless the case allows more. It is about a hundred
-/// times that of the paper's longest run (6.5e6). With this number, a run of a single particle takes minutes to hours.
+/// times that of the paper's longest run (6.5e6). A run of a single particle with this number takes minutes to hours.
 pub const MOST: f64 = 1e9;
 
 /// Largest number of time steps if only particles in contact are moved by time steps. With more steps, a step would be
-/// shorter than the rounding error of the time, which is 1e-16 of the time.
+/// shorter than the rounding error of the simulated time, which is 1e-16 of it.
 const MOST_LOCAL: f64 = 1e15;
 
 impl Resolver {

@@ -23,7 +23,8 @@ const MARGIN: f64 = 2.0;
 const TRIANGLE: f64 = 2000.0;
 
 impl Resolver {
-    /// Surface described by a `mesh` table of the case.
+    /// Makes the surface that a `mesh` table of the case describes. `largest` [m] is the largest diameter of the
+    /// particles.
     pub(super) fn mesh(&mut self, mesh: &Located<MeshFile>, domain: &Domain, largest: f64) -> Result<Mesh, Diagnostic> {
         let name = self.need(&mesh.value.file, "mesh.file")?;
         let scale = self.scale(mesh)?;
@@ -41,7 +42,7 @@ impl Resolver {
         Ok(made)
     }
 
-    /// Adds copies of the triangles beyond those periodic sides that the surface crosses.
+    /// Adds copies of the triangles beyond those periodic sides of the box that the surface crosses.
     fn through_the_sides(
         &self,
         mesh: &Located<MeshFile>,
@@ -79,7 +80,7 @@ impl Resolver {
         Ok(file)
     }
 
-    /// [m] length of one unit of the mesh file.
+    /// [m] length of one unit of the mesh file, from the keys `unit` and `scale`.
     fn scale(&self, mesh: &Located<MeshFile>) -> Result<f64, Diagnostic> {
         let unit = self.need(&mesh.value.unit, "mesh.unit")?;
         let help = "files of triangles mostly are in \"1 mm\"";
@@ -112,7 +113,7 @@ impl Resolver {
         Ok(heap)
     }
 
-    /// Warns about parts of a file that are ignored, and about corners that were merged.
+    /// Warns about parts of the file that are ignored, and about `welded` corners that were merged with others.
     fn warn_of_file(&mut self, name: &Located<String>, welded: usize, notes: Vec<String>) {
         let typed = self.as_typed(name);
         if !notes.is_empty() {
@@ -127,7 +128,8 @@ impl Resolver {
         }
     }
 
-    /// Warns about repairs of a surface, and about an open surface.
+    /// Warns about the repairs of a surface that `findings` counts, such as removed triangles, and about an open
+    /// surface.
     fn warn_of_findings(&mut self, name: &Located<String>, findings: &Findings, sides: Sides) {
         let typed = self.as_typed(name);
         let mut told = Vec::new();
@@ -159,7 +161,7 @@ impl Resolver {
         }
     }
 
-    /// Warns about closed parts within other closed parts, and explains their treatment.
+    /// Warns about closed parts of a surface within other closed parts, and explains how they are treated.
     fn warn_of_nesting(&mut self, name: &Located<String>, nested: &Nested) {
         let Nested { cavities, turned, skins, bodies, crossing } = *nested;
         let typed = self.as_typed(name);

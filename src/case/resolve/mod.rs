@@ -47,7 +47,7 @@ pub(super) use table::leads_out;
 pub(crate) use table::read_text;
 use table::{read_bytes, text_of};
 
-/// Choices for a variant that are made on the command line or in `[[compare]]`.
+/// Model, seed, name and reference of one variant, as given on the command line or in `[[compare]]`.
 #[derive(Clone, Debug, Default)]
 pub struct VariantChoice {
     /// Collision model, if the command line or the variant gives one.
@@ -60,7 +60,7 @@ pub struct VariantChoice {
     pub against: Option<Located<AgainstFile>>,
 }
 
-/// State of the conversion of a case: its texts, its warnings and its model.
+/// State of the conversion of a case to an experiment: its texts, its warnings and its model.
 pub(super) struct Resolver {
     /// All source texts, used in messages. Texts of data tables are added when they are read.
     pub sources: Sources,
@@ -146,7 +146,7 @@ pub(super) fn model_name(model: Model) -> &'static str {
     model.name()
 }
 
-/// Number as a user would type it: with a power of ten if the number is very small or large.
+/// Text of a number as a user would type it: with a power of ten if the number is very small or large.
 fn short(number: f64) -> String {
     let plain = (1e-6..1e9).contains(&number.abs()) || number == 0.0;
     if plain { number.to_string() } else { format!("{number:e}") }
@@ -158,12 +158,13 @@ fn vector<const M: i8, const K: i8, const S: i8>(three: &Three<Quantity<M, K, S>
 }
 
 impl Resolver {
-    /// Returns the value of a required key. Missing keys have been refused before, all in one message.
+    /// Returns the value of a required key. Missing keys have been refused before, all in one message, so this function
+    /// hardly ever fails.
     fn need<'a, T>(&self, value: &'a Option<T>, key: &str) -> Result<&'a T, Diagnostic> {
         value.as_ref().ok_or_else(|| Diagnostic::about("the case", format!("the required key `{key}` is missing")))
     }
 
-    /// Text `key = value` of a value as typed, for messages.
+    /// Text `key = value` with the value as the user typed it, for messages.
     fn as_typed<T>(&self, value: &Located<T>) -> String {
         format!("`{}` = {}", value.path, self.sources.typed(&value.origin))
     }

@@ -9,12 +9,12 @@ use crate::experiment::{Experiment, Model};
 use crate::walls::{MovingShape, PiecewisePath, PrescribedMotion, Turning, Wall};
 use nalgebra::Vector3;
 
-/// [-] cosine of the angle between opposite planes, above which they count as parallel, and the share of a length that
-/// counts as rounding.
+/// [-] share of a length that counts as rounding. It is also the allowed difference of a cosine from 1 for planes that
+/// count as parallel.
 const ROUNDING: f64 = 1e-9;
 
 impl Resolver {
-    /// The wall with the motion of its shape that the case gives.
+    /// Adds to a wall the motion of its shape that the case gives. Without a motion the wall is returned unchanged.
     ///
     /// # Errors
     /// A motion that is out of range, moves nothing, or that the wall, the box or the model cannot have.
@@ -115,7 +115,8 @@ impl Resolver {
         self.sources.error(&typed.origin, format!("`{}` {what}", typed.path))
     }
 
-    /// Warns about planes and vessels that leave the box during the run, and about planes that come too near each other.
+    /// Warns about planes and vessels that leave the box during the run, and about planes between which particles no
+    /// longer fit.
     pub(super) fn check_motion(&mut self, file: &CaseFile, experiment: &Experiment) {
         let duration = experiment.run.duration;
         let (walls, domain) = (&experiment.scene.walls, &experiment.scene.domain);
@@ -131,7 +132,7 @@ impl Resolver {
             for (other, room) in
                 walls.iter().enumerate().filter_map(|(k, other)| Some((k, room(wall, other, duration)?)))
             {
-                // of two moving walls the first one tells
+                // if both walls move, only the warning for the first one is given
                 let told = other < index && walls[other].moving.is_some();
                 if room < largest && !told {
                     let message = format!(
@@ -145,8 +146,8 @@ impl Resolver {
     }
 }
 
-/// Axis and coordinate [m] at which a moving plane or vessel is out of the box within `duration` [s]; `None` if it stays
-/// in the box.
+/// Axis and coordinate [m] at which a moving plane or vessel gets out of the box within `duration` [s]; `None` if it
+/// stays in the box.
 fn leaves(moving: &MovingShape, domain: &Domain, duration: f64) -> Option<(&'static str, f64)> {
     let corners = moving.shape().law().room_corners()?;
     (0..3).filter(|axis| !domain.periodic[*axis]).find_map(|axis| {
@@ -161,7 +162,8 @@ fn leaves(moving: &MovingShape, domain: &Domain, duration: f64) -> Option<(&'sta
     })
 }
 
-/// [m] least distance between a moving plane and an opposite plane that `duration` [s] allows; `None` for other walls.
+/// [m] smallest distance between a moving plane and an opposite plane within the first `duration` [s]; `None` for other
+/// walls.
 fn room(wall: &Wall, other: &Wall, duration: f64) -> Option<f64> {
     let moving = wall.moving.as_ref()?;
     let still = |wall: &Wall| {

@@ -20,7 +20,7 @@ const MOST_BINS: i64 = 10_000;
 const MOST_WAVES: f64 = 100.0;
 /// Largest number of cells of a grid of fields. Each takes 2.5 KB, for 20 blocks of time.
 const MOST_CELLS: i64 = 50_000;
-/// Fewest samples in the longest time of the mean squared displacement.
+/// Smallest number of samples in the longest time of the mean squared displacement.
 const FEWEST_SAMPLES: f64 = 10.0;
 
 impl Resolver {
@@ -47,7 +47,7 @@ impl Resolver {
         })
     }
 
-    /// Refuses a measurement that needs a box without walls.
+    /// Refuses a measurement that needs a box that is periodic along all axes, if the box is not.
     fn refuse_sides<T>(&self, typed: &Located<T>, scene: &Scene) -> Result<(), Diagnostic> {
         if scene.domain.periodic == [true; 3] {
             return Ok(());
@@ -57,7 +57,7 @@ impl Resolver {
         Err(self.sources.error(&typed.origin, message).help(help))
     }
 
-    /// Refuses a measurement that needs images at rest.
+    /// Refuses a measurement that needs periodic images at rest, if the box is sheared.
     fn refuse_shear_of<T>(&self, typed: &Located<T>, scene: &Scene) -> Result<(), Diagnostic> {
         if scene.domain.shear.is_none() {
             return Ok(());

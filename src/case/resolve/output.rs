@@ -27,7 +27,7 @@ impl Resolver {
         Ok(Some(Trajectories { every, format }))
     }
 
-    /// Warns about very large trajectory files.
+    /// Warns if the trajectory files that the case requests would be very large.
     pub(super) fn check_trajectories(&mut self, file: &CaseFile, experiment: &Experiment) -> Result<(), Diagnostic> {
         let asked = self.trajectories(file)?;
         let typed = file.output.as_ref().and_then(|output| output.value.every.as_ref());

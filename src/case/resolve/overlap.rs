@@ -33,7 +33,7 @@ pub(super) enum Rule {
     PushedApart,
 }
 
-/// Overlap of the placed particle `i` with another particle or a wall, in the initial state.
+/// Overlap of a placed particle with another particle or a wall, in the initial state.
 struct InitialOverlap {
     i: usize,
     with: OverlappedBody,
@@ -132,7 +132,8 @@ impl Resolver {
         }
     }
 
-    /// Refuses the start because of the largest of `count` overlaps, or warns about it if the model can start with it.
+    /// Refuses the start because of its largest overlap, or only warns if the model can start with it. `count` is the
+    /// number of overlaps.
     fn judge_overlap(
         &mut self,
         worst: &InitialOverlap,

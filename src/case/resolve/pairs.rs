@@ -10,20 +10,21 @@ use crate::experiment::SoftSettings;
 use crate::scene::{Kind, Meeting, Pairs, Scene, Surface};
 use std::f64::consts::PI;
 
-/// Contact stiffness computed from one key of a pair's table in the case file.
+/// Contact stiffness that one key in the table of a pair asks for.
 struct Wanted<'a> {
     /// [N/m] stiffness that follows from the key.
     stiffness: f64,
     /// [kg] effective mass for which the stiffness was computed. `None` if the stiffness does not depend on the masses
     /// of the two bodies.
     at_mass: Option<f64>,
-    /// Source position and path of the key.
+    /// Source position and path of the key, for messages.
     key: (&'a crate::case::source::Origin, &'a str),
 }
 
 impl Resolver {
     /// Contact properties of all pairs listed in a case. The pairs of `scene` are still empty when this function is
-    /// called. A usual impact has the normal speed `usual` [m/s].
+    /// called. `usual` [m/s] is the normal speed at which restitutions that depend on the speed are evaluated for
+    /// predictions.
     pub(super) fn pairs(
         &mut self,
         file: &CaseFile,
@@ -65,7 +66,7 @@ impl Resolver {
         Ok(())
     }
 
-    /// Species of a pair with its partners: another species, or all walls with the given name.
+    /// Species of a pair, and its partners: another species, or all walls with the given name.
     fn between(
         &self,
         file: &CaseFile,
@@ -83,7 +84,7 @@ impl Resolver {
         }
     }
 
-    /// Species, or all walls, with the given name.
+    /// Kinds of bodies with the given name: one species, or all walls with this name.
     fn kinds(&self, file: &CaseFile, scene: &Scene, name: &Located<String>) -> Result<Vec<Kind>, Diagnostic> {
         if let Some(species) = scene.species.iter().position(|species| species.name == name.value) {
             return Ok(vec![Kind::Species(species as u16)]);

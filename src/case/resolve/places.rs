@@ -15,7 +15,7 @@ use crate::triangles::digits;
 use nalgebra::Vector3;
 use rustc_hash::FxHashSet;
 
-/// Indices of the optional columns in [`COLUMNS`].
+/// Indices in [`COLUMNS`] of columns that a file may lack. `OF_SPIN` is the first of three columns.
 const OF_DIAMETER: usize = 6;
 const OF_SPECIES: usize = 7;
 const OF_ID: usize = 8;
@@ -30,7 +30,7 @@ const SINGLE: f64 = f32::EPSILON as f64;
 /// taken as exact, up to single precision.
 const ROUNDED: usize = 6;
 
-/// [-] relative error of a number, estimated from the number of digits in its text.
+/// [-] relative error of a number, estimated from the number of significant digits of its text.
 fn precision(text: &str) -> f64 {
     let digits = digits(text);
     if digits < ROUNDED { SINGLE } else { SINGLE.max(10f64.powi(1 - digits as i32)) }
@@ -138,7 +138,8 @@ impl Resolver {
         Ok(true)
     }
 
-    /// [m] diameter of a row, from the column of the diameter or of the radius, and the index of this column.
+    /// [m] diameter of the particle in a row, and the index of the column from which it comes: that of the diameter or
+    /// that of the radius. `None` if the row has neither.
     fn size(&self, row: TableRow<'_>) -> Result<Option<(f64, usize)>, Diagnostic> {
         let has = |column: usize| row.text(column).is_some_and(|text| !text.is_empty());
         let radius = if has(OF_RADIUS) { Some(2.0 * self.number(row, OF_RADIUS, "radius")?) } else { None };
@@ -184,7 +185,8 @@ impl Resolver {
         Err(self.sources.error(row.origin, message).help("those are the smallest and the largest of `sizes`"))
     }
 
-    /// Adds the particle of a row to the store and returns its index.
+    /// Appends the particle in a row to the store, as a particle of the species with the given `index`. Returns its
+    /// index in the store.
     fn push_row(
         &self,
         row: TableRow<'_>,

@@ -10,13 +10,13 @@ use crate::experiment::SoftSettings;
 use crate::restitution::RestitutionBySpeed;
 use crate::scene::{Scene, Surface};
 
-/// Range error of a restitution.
+/// Explanation of the restitution in the message about a value out of range.
 const RATIO: &str =
     "restitution is the ratio of normal speeds after and before an impact: 1 elastic, 0 without rebound";
 
 impl Resolver {
-    /// Restitution and friction of a surface. A restitution that depends on the speed is evaluated at 1 m/s so far; the
-    /// start of the case gives a better speed ([`Surface::represent`]).
+    /// Restitution and friction of a surface. The value that predictions use for a restitution by speed is that at 1
+    /// m/s here. It is replaced when the speeds at the start are known ([`Surface::represent`]).
     pub(super) fn surface(
         &self,
         restitution: &Option<Located<RestitutionFile>>,
@@ -75,7 +75,7 @@ impl Resolver {
         }
     }
 
-    /// Refuses surfaces that the damping of Kuwabara and Kono's law cannot give.
+    /// Refuses surfaces whose restitution the damping of Kuwabara and Kono's contact law cannot give.
     pub(super) fn check_restitution(
         &self,
         file: &CaseFile,

@@ -12,8 +12,8 @@ use crate::fluid::{Fluid, Lift, Profile};
 use crate::scene::{ADDED_MASS, Scene, Species};
 use nalgebra::Vector3;
 
-/// [-] ratio of a force of the displaced gas to the weight, below which no warning is given if the case leaves out the
-/// force. It equals the usual margin of comparisons.
+/// [-] ratio of a force of the displaced gas (buoyancy or added mass) to the weight. Below this ratio no warning is
+/// given if the case leaves out the force. It equals the usual margin of comparisons.
 const SMALL: f64 = 0.01;
 
 impl Resolver {
@@ -212,7 +212,8 @@ impl Resolver {
         Ok(cells)
     }
 
-    /// Velocity profile of the gas. For a table with turbulence, also returns its rows: y [m], k [m²/s²] and ε [m²/s³].
+    /// Velocity profile of the gas. If the profile is a table with turbulence, also returns the rows of the table: y
+    /// [m], k [m²/s²] and ε [m²/s³]. Otherwise the list is empty.
     fn profile(
         &mut self,
         fluid: &Located<FluidFile>,
@@ -265,7 +266,7 @@ impl Resolver {
     }
 }
 
-/// Remedy for a length out of range, which was probably meant in a different unit.
+/// Remedy for a length [m] out of range, which was probably meant in µm or mm.
 pub(super) fn unit_slip(length: f64) -> String {
     if length > 1.0 {
         let number = short(length);

@@ -168,7 +168,6 @@ impl Resolver {
         Err(self.sources.error(origin, failure.to_string()).help(help))
     }
 
-    /// Settings of the hard engine.
     pub(super) fn hard(&mut self, file: &CaseFile) -> Result<HardSettings, Diagnostic> {
         let events = HardSettings::default();
         let Some(hard) = file.hard.as_ref().map(|hard| &hard.value) else { return Ok(events) };
@@ -214,7 +213,6 @@ impl Resolver {
         Ok(Some(time))
     }
 
-    /// Settings of the hybrid engine.
     pub(super) fn hybrid(&mut self, file: &CaseFile) -> Result<HybridSettings, Diagnostic> {
         let mut settings = HybridSettings::default();
         let Some(typed) = file.hybrid.as_ref().and_then(|hybrid| hybrid.value.clearance.as_ref()) else {
@@ -247,7 +245,7 @@ impl Resolver {
         }
     }
 
-    /// Settings of collisions by chance for this number of `particles`.
+    /// Settings of collisions by chance, for a start with this number of `particles`.
     fn dsmc_settings(&mut self, dsmc: &DsmcFile, scene: &Scene, particles: usize) -> Result<DsmcSettings, Diagnostic> {
         let mut settings = DsmcSettings::default();
         if let Some(enskog) = &dsmc.enskog {
@@ -334,7 +332,6 @@ impl Resolver {
         Ok(RunSettings { instants, spheres, duration, average_from, window, seed })
     }
 
-    /// Settings of the statistics.
     pub(super) fn statistics(&mut self, file: &CaseFile) -> Result<StatisticsSettings, Diagnostic> {
         let mut settings = StatisticsSettings::default();
         let Some(statistics) = file.statistics.as_ref().map(|statistics| &statistics.value) else {

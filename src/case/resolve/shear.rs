@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 const SMALLEST_EDGE: f64 = 4.0;
 
 impl Resolver {
-    /// The box with the shear that the case gives.
+    /// Adds the shear that the case gives to the box. A box without shear is returned unchanged.
     ///
     /// # Errors
     /// A rate of zero or out of range, or a box that is not periodic along all axes.
@@ -35,7 +35,7 @@ impl Resolver {
         Ok(domain.sheared(rate, offset))
     }
 
-    /// Refuses what a sheared box cannot have.
+    /// Refuses a sheared scene that has parts which cannot be sheared.
     ///
     /// # Errors
     /// Walls, a gas, gravity, or a box of few diameters.

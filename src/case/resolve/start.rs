@@ -28,7 +28,7 @@ const BYTES: f64 = 300.0;
 /// [m/s] largest allowed component of a velocity; particles in a gas are slower.
 pub(super) const FASTEST: f64 = 1e5;
 
-/// Text with a number of particles, the memory that they require, and the allowed number.
+/// Text for messages: a number of particles, the memory that they require, and the allowed number.
 fn too_many(count: f64) -> String {
     let gigabytes = count * BYTES / 1e9;
     format!("{count:.3e} particles, which take about {gigabytes:.3e} GB of memory; allowed: up to {MOST_PARTICLES}")

@@ -107,7 +107,7 @@ pub struct TableRow<'a> {
 }
 
 impl DataTable {
-    /// True if the table has the wanted column with this index.
+    /// True if the table has the column of the wanted name with this index.
     pub fn has(&self, wanted: usize) -> bool {
         self.columns.get(wanted).is_some_and(Option::is_some)
     }
@@ -119,7 +119,7 @@ impl DataTable {
 }
 
 impl<'a> TableRow<'a> {
-    /// Text of a wanted column in this row, if the table has the column.
+    /// Text in the column of the wanted name with this index; `None` if the table has no such column.
     pub fn text(&self, wanted: usize) -> Option<&'a str> {
         let column = (*self.table.columns.get(wanted)?)?;
         self.record.get(column).map(of_cell)
@@ -137,7 +137,8 @@ fn with_unit<'a>(column: &'a str, wanted: &[&str]) -> (&'a str, Option<String>) 
     split.and_then(unit).unwrap_or((column, None))
 }
 
-/// Exponents of m, kg and s for a column of initial states: names of velocities begin with v, all others are lengths.
+/// Exponents of m, kg and s in the dimension of a column of initial states. Columns whose name begins with v are
+/// velocities, all others are lengths.
 fn dimension(column: &str) -> [i8; 3] {
     if column.starts_with('v') { [1, 0, -1] } else { [1, 0, 0] }
 }
@@ -236,7 +237,7 @@ impl Resolver {
         Origin { source, span: start..end.max(start) }
     }
 
-    /// [SI] number in the column of index `wanted` of a row; `column` is its name in messages.
+    /// [SI] number of a row in the column of the wanted name with the index `wanted`. `column` is the name in messages.
     pub(super) fn number(&self, row: TableRow<'_>, wanted: usize, column: &str) -> Result<f64, Diagnostic> {
         let text = row.text(wanted).unwrap_or("");
         let number = match row.table.units.get(wanted).and_then(Option::as_deref) {

@@ -8,7 +8,7 @@ use crate::scene::Thermostat;
 use crate::schedule::longest_for_thermostat;
 
 impl Resolver {
-    /// The thermostat that the case gives; `None` if it gives none.
+    /// Thermostat that the case gives; `None` if it gives none.
     ///
     /// # Errors
     /// A rate out of range.
@@ -27,7 +27,8 @@ impl Resolver {
         }))
     }
 
-    /// Warns of a thermostat whose heat nothing takes away, and of a window that is too long for it.
+    /// Warns if nothing takes the heat of a thermostat away, and if the window that the case gives is too long for the
+    /// thermostat.
     pub(super) fn check_thermostat(&mut self, file: &CaseFile, experiment: &Experiment) {
         let Some(typed) = &file.thermostat else { return };
         let scene = &experiment.scene;

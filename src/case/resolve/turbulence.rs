@@ -9,8 +9,9 @@ use crate::fluid::{EddyLaw, Langevin, Profile, Turbulence, TurbulenceStatistics}
 use crate::schedule::longest_for_eddies;
 
 impl Resolver {
-    /// Turbulence that particles see in a gas of kinematic viscosity `nu` [m²/s] with this profile; `None` if the case
-    /// has none. `table` contains y [m], k [m²/s²] and ε [m²/s³] of a tabulated profile, if its file has them.
+    /// Turbulence that particles see in a gas with this velocity profile; `None` if the case has none. `nu` [m²/s] is
+    /// the kinematic viscosity. `table` contains rows of y [m], k [m²/s²] and ε [m²/s³], if the profile is a table with
+    /// these columns.
     pub(super) fn turbulence(
         &mut self,
         file: &CaseFile,
@@ -34,7 +35,8 @@ impl Resolver {
         Ok(Some(Turbulence { statistics, law, langevin }))
     }
 
-    /// Warns if the case gives a window that is longer than [`longest_for_eddies`] allows.
+    /// Warns if the window that the case gives is longer than [`longest_for_eddies`] allows. A window is the time
+    /// between two drag kicks.
     pub(super) fn check_eddies(&mut self, file: &CaseFile, experiment: &Experiment) {
         let Some(typed) = file.run.as_ref().and_then(|run| run.value.window.as_ref()) else { return };
         let Some(window) = experiment.run.window else { return };

@@ -44,7 +44,7 @@ pub(super) fn too_near_its_image(domain: &Domain, axis: usize, [low, high]: [f64
     })
 }
 
-/// True if the key is present and `true`.
+/// True if the case gives the key, with the value `true`.
 fn says(key: &Option<Located<bool>>) -> bool {
     key.as_ref().is_some_and(|key| key.value)
 }
@@ -90,7 +90,7 @@ impl Resolver {
         Ok(walls)
     }
 
-    /// Roughness of a wall; `None` if it is smooth. `moves` tells that the surface moves.
+    /// Roughness of a wall; `None` if the wall is smooth. `moves` is true if its surface or its shape moves.
     fn roughness(&self, wall: &WallFile, surface: &Surface, moves: bool) -> Result<Option<WallRoughness>, Diagnostic> {
         let Some(typed) = &wall.roughness else { return Ok(None) };
         let number = self.need(&typed.value.deviation, "walls.roughness.deviation")?;
@@ -111,13 +111,14 @@ impl Resolver {
             true if !surface.always_rebounds() => {
                 refuse("needs a rebound: with restitution 0 a sphere stays on a facet", "use a restitution of 0.01")
             }
-            // the run has the seed
+            // the seed is set when a run starts
             true => Ok(Some(WallRoughness { deviation, seed: 0 })),
             false => Ok(None),
         }
     }
 
-    /// Temperature of a thermal wall; `None` if rebounds are those of the surface.
+    /// Temperature of a thermal wall; `None` if the wall has no temperature. `rough` is true if the wall has a
+    /// roughness.
     fn thermal(&self, wall: &WallFile, surface: &Surface, rough: bool) -> Result<Option<ThermalWall>, Diagnostic> {
         let Some(typed) = &wall.temperature else { return Ok(None) };
         let temperature = self.in_range(typed, "for a wall without a temperature leave it out")?;
@@ -131,11 +132,11 @@ impl Resolver {
             let what = "gives every sphere a new velocity, which replaces restitution, friction and roughness";
             return Err(self.refuse(typed, what).help("write `restitution = 1`, and leave out friction and roughness"));
         }
-        // the run has the seed
+        // the seed is set when a run starts
         Ok(Some(ThermalWall { temperature, seed: 0 }))
     }
 
-    /// [m/s] velocity of a wall's surface, which must be parallel to the surface.
+    /// [m/s] velocity of the surface of a wall. It must be parallel to the surface, because the shape stays in place.
     fn wall_velocity(&self, wall: &WallFile, geometry: &WallGeometry) -> Result<Vector3<f64>, Diagnostic> {
         let Some(typed) = &wall.velocity else { return Ok(Vector3::zeros()) };
         for component in &typed.value {
@@ -150,7 +151,7 @@ impl Resolver {
         Ok(velocity)
     }
 
-    /// Rotation of a wall's surface, which must leave the shape in its place.
+    /// Rotation of the surface of a wall. It must turn the shape into itself, because the shape stays in place.
     fn wall_turning(
         &self,
         wall: &WallFile,

@@ -7,39 +7,41 @@ use super::ghost_islands::{HotParticleDigest, agree_with, tell};
 use super::packing::{packed, unpacked};
 use crate::engine::islands::{IslandFinder, Reach};
 
-/// [-] safety factor on the distance from which particles are borrowed, relative to the distance needed in the previous
-/// part. Repeating a part costs more than borrowing a few particles too many.
+/// [-] safety factor on the distance from which particles are borrowed (copied from other processes), relative to the
+/// distance needed in the last part. Repeating a part costs more than borrowing a few particles too many.
 const SPARE: f64 = 1.25;
 
-/// Decision of all processes about a part of a time window, after each has tried to solve its islands (groups of
-/// particles that may meet).
+/// Joint decision of all processes, after each has tried to solve its islands (groups of particles that may meet) in a
+/// part, a piece of the time between two exchanges with the gas.
 pub enum PartDecision {
-    /// The results of the part of the time window are valid.
+    /// The results of all processes for the part are valid.
     Done,
-    /// The part of the time window must be repeated, with particles borrowed from farther away.
+    /// The part must be repeated, with particles borrowed (copied from other processes) from farther away.
     Again,
-    /// An island (group of particles that may meet) is too large or an engine failed, so islands are not solved in this
-    /// part.
+    /// Islands are not used in this part: one is too large, reaches beyond half a period of the box, or an engine
+    /// failed.
     Failed,
 }
 
-/// Result of one process for a part of a time window, on which the joint decision is based.
+/// Result of one process for a part (piece of the time between two exchanges with the gas), on which the joint decision
+/// is based.
 struct LocalStatus {
     /// Largest distances [m] that particles reach in flights and in islands (groups of particles that may meet).
     reach: Reach,
     /// Smallest distance [m] from the islands (groups of particles that may meet) of own particles to the border of the
-    /// region whose particles this process stores.
+    /// region whose particles this process stores. It is negative if an island reaches beyond.
     room: f64,
     /// True if an island (group of particles that may meet) is too large, or the engine failed.
     failed: bool,
-    /// True if other processes have obtained equal results for the islands (groups of particles that may meet) of this
-    /// process.
+    /// True if other processes have obtained equal results for the islands (groups of particles that may meet) with
+    /// particles of this process.
     agrees: bool,
 }
 
 impl<C> Domains<C> {
-    /// Returns the joint decision of all processes about a part that they have tried. `failed` is true if, in this
-    /// process, an island (group of particles that may meet) is too large or the engine failed.
+    /// Returns the joint decision of all processes about a part, a piece of the time between two exchanges with the
+    /// gas, that they have tried. `failed` is true if, in this process, an island (group of particles that may meet) is
+    /// too large or the engine failed. All processes must call this function.
     pub fn decide<'a>(
         &mut self,
         islands: &impl IslandFinder<'a>,
@@ -52,9 +54,9 @@ impl<C> Domains<C> {
         self.vote(&status, islands.half_period(), islands.domain().size.amax())
     }
 
-    /// True if other processes have obtained equal results for the islands (groups of particles that may meet) of this
-    /// process. All processes must call this function at the same time; a process for which `failed` is true sends no
-    /// results.
+    /// True if other processes have obtained equal results for the islands (groups of particles that may meet) with
+    /// particles of this process. All processes must call this function at the same time; a process for which `failed`
+    /// is true sends no results.
     fn compare<'a>(&self, islands: &impl IslandFinder<'a>, view: &LocalParticles<C>, failed: bool) -> bool {
         let mut told: Vec<Vec<HotParticleDigest>> = vec![Vec::new(); self.communicator.size()];
         if !failed {
@@ -73,8 +75,9 @@ impl<C> Domains<C> {
         !failed && agree_with(islands, |place| view.is_mine(place), &heard)
     }
 
-    /// Returns the joint decision of all processes about a part, in a box whose longest edge is `size` [m].
-    /// `half_period` [m] is half the shortest period of the box.
+    /// Derives the joint decision from the results `opinion` of all processes, and adapts the distance from which
+    /// particles are borrowed. `half_period` [m] is half the shortest period of the box, and `size` [m] its longest
+    /// edge.
     fn vote(&mut self, opinion: &LocalStatus, half_period: f64, size: f64) -> PartDecision {
         let LocalStatus { reach, room, failed, agrees } = *opinion;
         let flag = |set: bool| if set { 1.0 } else { 0.0 };

@@ -25,49 +25,52 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::sync::Arc;
 
-/// [-] smallest distance from the block within which particles are borrowed, divided by the largest reach of a flight.
+/// [-] smallest distance from the block of a process within which it borrows (copies) particles of other processes,
+/// over the largest distance that a flying particle reaches from the middle of its flight.
 const SEEN: f64 = 4.0;
 
-/// [-] smallest distance from the block within which particles are borrowed in the first part of a run, divided by the
-/// largest reach of a flight. Case D with 10⁶ particles needs 8, and a repeated part costs as much as a time window.
+/// [-] like `SEEN`, but for the first part of a run, when the distance that islands need is not yet known. Case D
+/// with 10⁶ particles needs 8, and a repeated part costs as much as a whole window.
 const SEEN_AT_FIRST: f64 = 10.0;
 
 /// Number of particles per process below which processes do not share uniform steps, because most particles would be
-/// ghost particles.
+/// ghosts, copies of particles of other processes.
 const FEWEST: usize = 200;
 
-/// Division of a run among several processes.
+/// Division of a run among several processes; `C` is the type of contacts carried from one interval of time to the
+/// next.
 pub struct Domains<C> {
     pub(super) communicator: Arc<dyn Communicator>,
     /// Blocks of the box, one per process.
     pub(super) blocks: Blocks,
-    /// Distance [m] from the block within which particles of other processes are borrowed.
+    /// Distance [m] from the block within which this process borrows (copies) particles of other processes.
     pub(super) width: f64,
     /// True if each process stores only the particles of its block; false if the lead process stores the particles of
     /// all blocks.
     pub is_cut: bool,
-    /// Carried state (such as a contact) between a particle of this process and one of another process.
+    /// Contacts in progress (or other carried state) between a particle of this process and one of another process.
     pub abroad: Vec<CrossRankContact<C>>,
-    /// Own particles of the lead process, set aside while copies of the particles of all processes replace them.
+    /// Own data of the lead process, set aside while copies of the particles of all processes replace them.
     pub(super) gathered: Option<GatheredPart<C>>,
     /// Summary of the sizes of all particles of the run.
     pub population: Arc<PopulationSummary>,
 }
 
-/// Particles that a process stores in a part of a time window: its own and the borrowed ones.
+/// Particles that a process stores in a part (piece of the time between two exchanges with the gas): its own, and
+/// copies of particles of other processes.
 pub struct LocalParticles<C> {
-    /// For each particle, true if this process owns it; empty if this process owns all particles.
+    /// For each particle in the store, true if this process owns it; empty if this process owns all particles.
     pub(super) mine: Vec<bool>,
-    /// Number of particles in the store when the part of the time window began, before others were borrowed.
+    /// Number of particles in the store at the start of the part, before those of other processes were copied.
     pub(super) count: usize,
-    /// Carried state, such as contacts, when the part of the time window began. The first list is that among own
-    /// particles, the second that between an own particle and one of another process.
+    /// Carried contacts at the start of the part: those among own particles, and those between an own particle and one
+    /// of another process.
     pub(super) lasting: (Vec<C>, Vec<CrossRankContact<C>>),
-    /// Index of each borrowed particle, by its id.
+    /// Index in the store of each copied particle, by its id.
     pub(super) strangers: FxHashMap<u32, u32>,
-    /// True if all particles to which carried state (such as contacts) belongs are stored.
+    /// True if all particles that have a carried contact with an own particle are in the store.
     pub complete: bool,
-    /// Region that contains all stored particles.
+    /// Region of the box in which this process knows all particles.
     pub region: Region,
 }
 
@@ -87,7 +90,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         }
     }
 
-    /// Returns in all processes the value that the lead process has passed.
+    /// Sends a value from the lead process to all others. Returns the value of the lead process everywhere; all
+    /// processes must call this function.
     pub fn of_lead<T: Serialize + DeserializeOwned>(&self, value: T) -> T {
         unpacked(&self.communicator.broadcast(packed(&value))).unwrap_or(value)
     }
@@ -97,28 +101,30 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         self.communicator.is_lead()
     }
 
-    /// Replaces each sum by its total over all processes, if each process stores only its own particles.
+    /// Replaces each sum by its total over all processes while each process stores only its own particles; otherwise
+    /// the sums stay.
     pub fn total(&self, sums: &mut [&mut ExactSum]) {
         if self.is_cut {
             self.communicator.total(sums);
         }
     }
 
-    /// Replaces each count by its sum over all processes.
+    /// Replaces each count by its sum over all processes, which must all call this function.
     pub fn count(&self, counts: &mut [i64]) {
         self.communicator.sum(counts);
     }
 
-    /// Replaces each value by its largest value in any process, if each process stores only its own particles.
+    /// Replaces each value by its largest value in any process while each process stores only its own particles;
+    /// otherwise the values stay.
     pub fn largest(&self, values: &mut [f64]) {
         if self.is_cut {
             self.communicator.largest(values);
         }
     }
 
-    /// Sends particles that have left the block to the processes that now own them, and borrows particles whose flights
-    /// come near the block. Flights last `part` [s] and are measured relative to a frame with the velocity `frame`
-    /// [m/s]. `flight` [m] is the largest reach of a flight.
+    /// Sends particles that have left the block to the processes that now own them, and copies from other processes
+    /// those particles whose flights come near the block. Flights last `part` [s], in a frame with the velocity `frame`
+    /// [m/s]. `flight` [m] is the largest distance of a flying particle from the middle of its flight.
     pub fn trade<S: Solve<Carried = C>>(
         &mut self,
         work: &mut Work<C>,
@@ -162,8 +168,9 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         LocalParticles { mine, count, lasting: before, strangers, complete: agrees, region }
     }
 
-    /// Returns, for each particle, true if this process owns it. Also returns, for each process, the indices of the
-    /// particles to be sent there: those that the process now owns, and those that it borrows.
+    /// Decides where the particles of this process belong. The first result is, for each particle, true if this process
+    /// owns it. The second result is, for each process, the indices of the particles to be sent there: those that it
+    /// now owns, and those of which it needs copies.
     fn sort_out(&self, work: &Work<C>, (frame, part): (Vector3<f64>, f64), flight: f64) -> (Vec<bool>, Vec<Vec<u32>>) {
         let domain = &work.scene.domain;
         let block = self.block(domain);
@@ -192,8 +199,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         (mine, places)
     }
 
-    /// Packs the particles with the given indices, and all carried state (such as contacts) that involves them, into
-    /// bytes.
+    /// Packs the particles with the indices `places`, and all their carried contacts, into bytes for another process.
     fn cargo<S: Solve<Carried = C>>(&self, work: &Work<C>, places: &[u32]) -> Vec<u8> {
         if places.is_empty() {
             return Vec::new();
@@ -206,10 +212,10 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         pack(work.particles, places, &lasting)
     }
 
-    /// Sends particles that have left the block to the processes that now own them, and borrows all particles within
-    /// `width` [m] of the block. Returns, for each particle, true if this process owns it. Also returns, for each
-    /// process, the indices of the particles of this process that it borrows. That process may have stored these
-    /// particles already.
+    /// Sends particles that have left the block to the processes that now own them, and copies all particles of other
+    /// processes within `width` [m] of the block. The first result is, for each particle, true if this process owns it.
+    /// The second result is, for each process, the indices of the own particles of which it has copies now. It may have
+    /// stored these particles already.
     pub fn borrow<S: Solve<Carried = C>>(&mut self, work: &mut Work<C>, width: f64) -> (Vec<bool>, Vec<Vec<u32>>) {
         let before = std::mem::replace(&mut self.width, width);
         let LocalParticles { mine, .. } = self.trade::<S>(work, (Vector3::zeros(), 0.0), 0.0);
@@ -222,20 +228,20 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         (mine, lent)
     }
 
-    /// True if there are enough particles for sharing uniform steps among the processes.
+    /// True if there are enough particles to share uniform time steps among the processes.
     pub fn is_worth_it(&self) -> bool {
         let size = self.communicator.size();
         size > 1 && self.population.count >= FEWEST * size
     }
 
-    /// Connection between the processes.
+    /// Connection by which the processes exchange messages.
     pub fn communicator(&self) -> Arc<dyn Communicator> {
         self.communicator.clone()
     }
 }
 
 impl<C> Domains<C> {
-    /// Region of the box that contains the particles owned by this process.
+    /// The block of this process, the region of the box that contains its own particles.
     pub fn region(&self, domain: &Domain) -> Region {
         Region::around(domain, self.block(domain), 0.0)
     }
@@ -249,14 +255,14 @@ impl<C> Domains<C> {
         self.blocks.corners(self.communicator.rank(), domain)
     }
 
-    /// Distance [m] from another block within which own particles are sent to the process of that block. It is slightly
-    /// larger than required.
+    /// Distance [m] from the block of another process within which own particles are copied to that process. It is
+    /// slightly larger than required.
     pub(super) fn lent(&self) -> f64 {
         self.width * (1.0 + 1e-9)
     }
 
-    /// Calls `visit` with the number of every other process that borrows a particle. `x` is the middle of the
-    /// particle's flight, and `block` contains the two corners of the block of this process.
+    /// Calls `visit` with the number of every other process that needs a copy of an own particle. `x` [m] is the middle
+    /// of the particle's flight, and `block` contains the lowest and highest corner of the block of this process.
     pub(super) fn for_each_borrower(
         &self,
         x: &Vector3<f64>,
@@ -288,7 +294,7 @@ impl<C> LocalParticles<C> {
         }
     }
 
-    /// True if this process owns the particle at an index.
+    /// True if this process owns the particle at index `place` in the store.
     pub fn is_mine(&self, place: u32) -> bool {
         self.mine.get(place as usize).is_none_or(|mine| *mine)
     }

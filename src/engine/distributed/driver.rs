@@ -13,8 +13,8 @@ use crate::scene::Scene;
 use std::sync::Arc;
 
 impl<S: DistributedSolver> Driver<S> {
-    /// Returns in all processes two values of the lead process: the cost of the classical algorithm (all particles at
-    /// once), and the summary of speeds.
+    /// Returns in all processes the values of the lead process for the cost [ns/s] of the classical algorithm (all
+    /// particles at once, per particle and simulated time), and for the speeds of the particles.
     pub(in crate::engine) fn of_lead(
         &mut self,
         fallback_cost: Option<f64>,
@@ -29,9 +29,9 @@ impl<S: DistributedSolver> Driver<S> {
         (fallback_cost, speeds)
     }
 
-    /// Moves all particles through the time window by the classical algorithm (all particles at once). If several
-    /// processes share the run and sharing pays, they move the particles together. Otherwise the lead process receives
-    /// all particles and moves them.
+    /// Moves all particles through the window (time between two exchanges with the gas) by the classical algorithm,
+    /// which moves all at once. If sharing pays, the processes move the particles together. Otherwise the lead process
+    /// receives all particles and moves them.
     pub(in crate::engine) fn by_all(&mut self, work: &mut Work<Lasting<S>>, window: Window) -> Result<(), Failure> {
         if let Some(domains) = self.islands.processes.domains() {
             if domains.is_worth_it() && self.solver.shares_steps() {
@@ -49,7 +49,8 @@ impl<S: DistributedSolver> Driver<S> {
         self.solver.everyone(work, window)
     }
 
-    /// Calls `change` with this engine and its carried state (such as contacts), between two time windows.
+    /// Calls `change` with this engine and its data in the form used during a window. Impacts and energies that
+    /// `change` records are discarded.
     fn between_windows(
         &mut self,
         (particles, scene): (&mut Particles, &Scene),

@@ -12,8 +12,8 @@ use nalgebra::Vector3;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// [-] ratio of the largest number of particles of a process to the mean number, above which new blocks are made. The
-/// other processes must wait for the process with most particles.
+/// [-] ratio of the largest number of particles of a process to the mean number, above which the borders of the blocks
+/// are moved. The other processes must wait for the process with most particles.
 const FULLEST: f64 = 1.1;
 
 /// Approximate number of particles whose positions determine new borders of the blocks.
@@ -22,22 +22,22 @@ const ASKED: usize = 1 << 16;
 /// Number of particles that a process sends at a time, which limits the memory of messages for any number of particles.
 const SLICE: usize = 1 << 17;
 
-/// Own particles and state of the lead process, set aside while copies of the particles of all processes replace them.
+/// Own data of the lead process, set aside while copies of the particles of all processes replace them.
 pub struct GatheredPart<C> {
     /// Own particles of the lead process.
     pub particles: Particles,
-    /// Carried state, such as contacts, among the own particles of the lead process.
+    /// Contacts in progress (or other carried state) among the own particles of the lead process.
     pub lasting: Vec<C>,
-    /// Carried state (such as contacts) between an own particle of the lead process and a particle of another process.
+    /// Contacts in progress (or other carried state) between an own particle of the lead process and a particle of
+    /// another process.
     pub abroad: Vec<CrossRankContact<C>>,
-    /// Indices of the own particles that were members of islands (groups of particles that may meet) in the last part
-    /// of a time window.
+    /// Indices of the own particles that were last members of islands, groups of particles that may meet.
     pub members: Vec<u32>,
 }
 
 impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
-    /// Distributes all particles and their carried state (such as contacts) from the lead process to the processes that
-    /// own their blocks.
+    /// Distributes all particles and their contacts in progress from the lead process to the processes that own the
+    /// blocks. New blocks with about equal numbers of particles are made first.
     pub fn cut<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>) {
         let (domain, size) = (&work.scene.domain, self.communicator.size());
         work.particles.wrap(domain);
@@ -69,8 +69,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         self.abroad = settle::<S>(lasting, work);
     }
 
-    /// Gathers all particles in the lead process, so that the other processes have none. Updates the indices in
-    /// `members`.
+    /// Moves all particles to the lead process, so that the other processes have none. Members of islands in `members`
+    /// get their new indices.
     pub fn assemble<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, members: &mut Vec<u32>) {
         drop(self.bring_together(solver, work, members, 1));
         if !self.is_lead() {
@@ -84,13 +84,13 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
 
     /// Replaces the particles of the lead process by copies of particles of all processes, until [`hide`](Self::hide)
     /// is called. Copies are made of all particles whose id is divisible by `every`, and of those that are in contact
-    /// with them.
+    /// with them. All processes must call this function.
     pub fn show<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, members: &mut Vec<u32>, every: u32) {
         self.gathered = self.bring_together(solver, work, members, every);
     }
 
-    /// Restores the own particles of the lead process and their carried state (such as contacts). Returns false if they
-    /// had not been replaced by copies.
+    /// Restores the own particles of the lead process and their contacts in progress. Returns false if they had not
+    /// been replaced by copies.
     pub fn hide(&mut self, particles: &mut Particles, lasting: &mut Vec<C>, members: &mut Vec<u32>) -> bool {
         let Some(part) = self.gathered.take() else { return false };
         (*particles, *lasting, self.abroad, *members) = (part.particles, part.lasting, part.abroad, part.members);
@@ -104,7 +104,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     }
 
     /// Moves the borders of the blocks if one process has many more particles than the mean. Particles whose block
-    /// changes in this way are sent to the process of their new block in the next part of a time window.
+    /// changes in this way are sent to their new process later, when the processes next exchange particles.
     pub fn balance(&mut self, particles: &Particles, domain: &Domain) {
         let (mut most, count) = ([particles.len() as f64], self.population.count);
         self.communicator.largest(&mut most);
@@ -126,8 +126,9 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         self.blocks = self.of_lead(Blocks::of(&all.position, self.communicator.size(), domain));
     }
 
-    /// Replaces the particles of the lead process by copies of particles of all processes, as [`show`](Self::show)
-    /// requires. In the lead process, returns its own particles and state; in other processes, returns `None`.
+    /// Fills the store of the lead process with copies of particles of all processes: those with an id divisible by
+    /// `every`, and those in contact with them. Returns, in the lead process, its own data that were in the store; in
+    /// other processes, `None`.
     fn bring_together<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,
@@ -182,7 +183,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
 }
 
 /// Indices, in ascending order, of the particles whose id is divisible by `every`, and of those in contact with them.
-/// Also returns the carried state (such as contacts) of these particles, with ids instead of indices.
+/// Also returns the contacts of the former particles, with ids instead of indices. `abroad` contains the contacts with
+/// particles of other processes.
 fn chosen<S: Solve>(
     work: &Work<S::Carried>,
     abroad: &[CrossRankContact<S::Carried>],

@@ -1,12 +1,12 @@
-//! Operations with which several processes share uniform time steps. For a single process the operations are trivial.
+//! Operations with which several processes share uniform time steps. With a single process they exchange nothing.
 
 use crate::engine::soft::{ContactSums, SoftSolver};
 use crate::engine::{Failure, not_a_number};
 use crate::particles::Particles;
 use crate::scene::Scene;
 
-/// Operations of uniform steps that involve other processes. The default methods are for a single process, which stores
-/// all particles.
+/// Operations within uniform time steps that involve other processes. The default methods are for a single process,
+/// which stores all particles.
 pub trait GhostExchange {
     /// True if this process is the lead process, or the only one.
     fn is_lead(&self) -> bool {
@@ -16,32 +16,33 @@ pub trait GhostExchange {
     /// Replaces each value by its largest value in any process.
     fn largest(&self, _values: &mut [f64]) {}
 
-    /// Replaces the sums over the contacts of this process by the totals over all processes.
+    /// Replaces the sums over the contacts of this process by the sums over the contacts of all processes.
     fn gather(&self, _sums: &mut ContactSums) {}
 
-    /// Returns the joint result of all processes: a failure if any process has failed.
+    /// Combines the results of all processes: the result is a failure if any process has failed.
     fn agree(&self, result: Result<(), Failure>) -> Result<(), Failure> {
         result
     }
 
-    /// Makes the failure at `time` [s] for the particle, in any process, whose velocity is not a finite number.
+    /// Makes the failure at `time` [s] that names a particle whose velocity is not a finite number, in whichever
+    /// process the particle is.
     fn not_a_number(&self, _solver: &SoftSolver, particles: &Particles, time: f64) -> Failure {
         not_a_number(particles, time)
     }
 
-    /// Rebuilds the neighbour list, for uses that are `times[0]` [s] apart. First, forces that are not yet applied act
-    /// for the remaining time `times[1]` [s]. Then particles that have left their block are sent to the process that
-    /// owns their new block.
+    /// Builds the neighbour list again, for uses that are `times[0]` [s] apart. Forces that are not yet applied first
+    /// act for the remaining time `times[1]` [s]. Several processes also exchange the particles that have left their
+    /// blocks.
     fn rebuild(&mut self, solver: &mut SoftSolver, particles: &mut Particles, scene: &Scene, times: [f64; 2]) {
         solver.rebuild(particles, scene, times[0]);
     }
 
-    /// Stores the velocities before a kick (change of velocities by forces), since the kick is undone if another
+    /// Stores the velocities before a kick (change of velocities by forces), so that the kick can be undone if another
     /// process fails.
     fn before_kick(&mut self, _particles: &Particles) {}
 
-    /// Sends the velocities after a kick to the processes that borrow these particles. If any process failed to compute
-    /// its `forces`, the kick is undone.
+    /// Completes a kick (change of velocities by forces): sends the new velocities to the processes that have copies of
+    /// these particles. If any process failed to compute its `forces`, the kick is undone.
     ///
     /// # Errors
     /// The first failure of any process.
@@ -55,7 +56,7 @@ pub trait GhostExchange {
     }
 }
 
-/// The operations for a single process, which exchanges no data.
+/// Operations for a single process, which exchanges no data.
 pub struct SingleProcess;
 
 impl GhostExchange for SingleProcess {}

@@ -7,22 +7,22 @@ use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 use std::hash::Hasher;
 
-/// Result of one process for one of its hot particles (members of islands), sent to other processes for comparison.
+/// Result of one process for one member of an island, sent to other processes for comparison.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct HotParticleDigest {
     /// Id of the hot particle (member of an island).
     pub id: u32,
-    /// Checksum of the data of the island (group of particles that may meet) to which the particle belongs.
+    /// Checksum of the members of the particle's island and of the bounds on their motion.
     mark: u64,
-    /// The ball that contains the particle during the part of the time window, after the first touch in its island
-    /// (group of particles that may meet).
+    /// Ball that contains the particle after the first touch in its island, until the end of the part (piece of the
+    /// time between two exchanges with the gas).
     ball: BoundingSphere,
-    /// Velocity changes of the particle; `None` if the engine does not report them.
+    /// Velocity changes of the particle in the part, in the order of time; `None` if the engine does not report them.
     turns: Option<Vec<VelocityChange>>,
 }
 
-/// Calls `tell` with the result for each hot particle (member of an island) for which `chosen` is true, and with the
-/// middle of its flight. Particles for whose middle `near` is false are omitted.
+/// Calls `tell` with the result for each member of an island for which `chosen` is true, by particle index, and with
+/// the middle [m] of its flight. Members for whose middle `near` is false are left out.
 pub fn tell<'a>(
     islands: &impl IslandFinder<'a>,
     chosen: impl Fn(u32) -> bool,
@@ -41,9 +41,9 @@ pub fn tell<'a>(
     }
 }
 
-/// True if the results of other processes equal those of this process, for the islands that contain a particle for
-/// which `chosen` is true. The checksums of these islands must be equal, and no other particle in the messages may meet
-/// these islands. `told` contains the messages, each with the index of its particle.
+/// True if other processes have equal results for own islands: those with a particle for which `chosen` is true, by its
+/// index. The checksums of these islands must be equal, and no further particle in the messages may meet them. `told`
+/// contains the messages, each with the index of its particle in this process.
 pub fn agree_with<'a>(
     islands: &impl IslandFinder<'a>,
     chosen: impl Fn(u32) -> bool,
@@ -78,8 +78,9 @@ pub fn agree_with<'a>(
     alike && told.iter().all(|(place, told)| is_known(*place) || !meets(*place, told))
 }
 
-/// Members of own islands that are not sorted into cells and may meet a particle of the messages. Members deep inside
-/// the block are excluded. No ball reaches farther than `widest` [m].
+/// Members of own islands that are not sorted into cells and may meet a particle in the messages `told`. Members too
+/// deep inside the region to meet such a particle are left out. No member or ball reaches farther than `widest` [m]
+/// from its middle.
 fn late_near<'i, 'a: 'i>(
     islands: &'i impl IslandFinder<'a>,
     own: &[bool],
@@ -95,8 +96,8 @@ fn late_near<'i, 'a: 'i>(
     islands.late().iter().filter(|member| own[member.cluster as usize]).filter(is_near).collect()
 }
 
-/// Checksum of all data that determine the result of an island (group of particles that may meet), except the state of
-/// its particles.
+/// Checksum of the ids of the particles in an island and of the bounds on their motion. Two processes with equal
+/// checksums solve the same island.
 fn mark(islands: &Clusters, which: usize) -> u64 {
     let cluster = &islands.list[which];
     let id = |place: u32| u64::from(islands.particles.id[place as usize]);

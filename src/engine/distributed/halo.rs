@@ -1,5 +1,5 @@
-//! Own and borrowed particles of a process while processes share uniform steps. A borrowed particle, or ghost, is a
-//! copy of a particle that another process owns.
+//! Own and borrowed particles of a process while processes share uniform time steps. A borrowed particle, or ghost, is
+//! a copy of a particle that another process owns.
 
 use super::CrossRankContact;
 use super::domains::Domains;
@@ -14,54 +14,56 @@ use nalgebra::Vector3;
 use rustc_hash::{FxHashMap, FxHashSet};
 use serde::{Deserialize, Serialize};
 
-/// Type that solves the islands (groups of particles that may meet) of soft spheres, whose contacts are exchanged.
+/// Solver of soft spheres, which knows the particles of a contact.
 type Solving = SoftIslands;
 
-/// Own and borrowed particles (ghosts) of a process while processes share uniform steps.
+/// Own particles of a process and its ghosts (copies of particles of other processes), while processes share uniform
+/// time steps.
 #[derive(Default)]
 pub struct Halo {
     /// For each particle, in the order of the neighbour list, true if this process owns it.
     pub mine: Vec<bool>,
-    /// Indices of the particles that this process owns.
+    /// Indices of the particles that this process owns, in the order of the neighbour list.
     pub own: Vec<u32>,
     /// For each process, the indices of the own particles of which that process has copies, in the order of ids.
     pub lent: Vec<Vec<u32>>,
-    /// For each process, the indices of the particles borrowed from that process, in the order of ids.
+    /// For each process, the indices of the particles that this process has copied from it, in the order of ids.
     pub borrowed: Vec<Vec<u32>>,
     /// [m] positions of the particles at the time when the neighbour list was built.
     pub built_at: Vec<Vector3<f64>>,
-    /// Own and borrowed particles at the end of the last time window.
+    /// Own particles and copies at the end of the last window, the time between two exchanges with the gas.
     pub seen: Particles,
     /// Scratch memory: for each particle, true if a force acted on it. Between uses all entries are false.
     pushed: Vec<bool>,
 }
 
-/// Ids of the particles of which processes have exchanged copies.
+/// Ids of the particles of which processes have exchanged copies. They replace indices while the order of the particles
+/// changes.
 pub struct Names {
     lent: Vec<Vec<u32>>,
     borrowed: Vec<Vec<u32>>,
-    /// Id of each particle, by its index before the list was built.
+    /// Id of each particle, by its index before the neighbour list was built.
     id: Vec<u32>,
 }
 
-/// Data about its share of the neighbour list that a process sends to the lead process.
+/// Share of one process in the neighbour list and in the forces not yet applied, sent to the lead process.
 #[derive(Serialize, Deserialize)]
 struct ListSummary {
     id: Vec<u32>,
     built_at: Vec<Vector3<f64>>,
-    /// Ids of particles, each with the force [N] and the torque that are not yet applied to the particle.
+    /// Ids of particles, each with a force [N] and a torque that have been computed but not yet applied.
     due: Vec<(u32, Vector3<f64>, Option<ContactTorque>)>,
 }
 
 impl Halo {
-    /// Halo of a process that owns all `count` particles of its store, so none are borrowed.
+    /// Makes the data of a process that owns all `count` particles of its store and has no copies.
     pub fn of_all(count: usize) -> Self {
         Self { mine: vec![true; count], own: (0..count as u32).collect(), ..Self::default() }
     }
 
-    /// Sends particles that have left the block to the processes that own their new blocks, and borrows all particles
-    /// within `width` [m] of the block. Afterwards the particle store contains own and borrowed particles, and
-    /// `lasting` contains their contacts.
+    /// Sends particles that have left the block to the processes that own their new blocks, and copies all particles of
+    /// other processes within `width` [m] of the block. Afterwards the store contains own particles and copies, and
+    /// `work.lasting` their contacts. The lists `own`, `lent` and `borrowed` are filled later, by `follow`.
     pub fn borrow(domains: &mut Domains<Contact>, work: &mut Work<Contact>, width: f64) -> (Self, Names) {
         let (mine, places) = domains.borrow::<SoftIslands>(work, width);
         let id = &work.particles.id;
@@ -96,7 +98,8 @@ impl Halo {
         (Self { mine, ..Self::default() }, Names { lent, borrowed, id: work.particles.id.clone() })
     }
 
-    /// Applies the new order of the neighbour list: the particle that was at index `p` is now at `place_of[p]`.
+    /// Adopts the order of particles in a new neighbour list: the particle that was at index `p` is now at
+    /// `place_of[p]`. Fills the lists of indices by the ids in `names`.
     pub fn follow(&mut self, place_of: &[u32], names: Names) {
         let mut mine = vec![false; place_of.len()];
         self.mine.iter().zip(place_of).for_each(|(is_mine, &place)| mine[place as usize] = *is_mine);
@@ -108,13 +111,13 @@ impl Halo {
         self.borrowed = names.borrowed.into_iter().map(places).collect();
     }
 
-    /// Marks the particles on which forces acted.
+    /// Marks the particles on which the given forces act, as preparation for `pack`.
     pub fn mark(&mut self, pushes: &[ForceBuffer]) {
         self.pushed.resize(self.mine.len(), false);
         self.set_pushed(pushes, true);
     }
 
-    /// Removes the marks of the particles on which forces acted.
+    /// Removes the marks of the particles on which the given forces act.
     pub fn unmark(&mut self, pushes: &[ForceBuffer]) {
         self.set_pushed(pushes, false);
     }
@@ -128,8 +131,8 @@ impl Halo {
         }
     }
 
-    /// Packs, into bytes, the velocities of those particles in `lent` on which forces acted. Each velocity is preceded
-    /// by the number of its particle in `lent`.
+    /// Packs into bytes the velocities of those particles in `lent` on which forces acted, for the process that has
+    /// copies of them. Each velocity is preceded by the number of its particle in `lent`.
     pub fn pack(&self, lent: &[u32], particles: &Particles) -> Vec<u8> {
         let mut bytes = Vec::new();
         for (k, &place) in (0u32..).zip(lent) {
@@ -141,9 +144,9 @@ impl Halo {
         bytes
     }
 
-    /// Returns own and borrowed particles at the beginning of a time window. Velocities of own particles may have
-    /// changed since the last window, for instance by drag. Therefore their new values are sent to the processes that
-    /// borrow these particles.
+    /// Returns own particles and copies at the start of a window, the time between two exchanges with the gas. Drag,
+    /// for instance, may have changed the velocities of own particles; the new ones are sent to the processes that have
+    /// copies of them.
     pub fn look(&mut self, own: &Particles, domains: &Domains<Contact>) -> Particles {
         let mut seen = std::mem::take(&mut self.seen);
         for (k, &place) in self.own.iter().enumerate() {
@@ -170,8 +173,8 @@ impl Halo {
         seen
     }
 
-    /// Writes the own particles and their contacts into `work` at the end of a time window. Returns the contacts
-    /// between an own particle and a particle of another process.
+    /// Writes the own particles and the contacts among them into `work` at the end of a window. `seen` contains own
+    /// particles and copies. Returns the contacts between an own particle and one of another process.
     pub fn leave(
         &self,
         seen: &Particles,
@@ -207,8 +210,8 @@ impl Halo {
         abroad
     }
 
-    /// Packs data for the lead process: the own particles in the neighbour list, and the forces that are not yet
-    /// applied.
+    /// Packs data for the lead process: ids and positions of the own particles when the neighbour list was built, and
+    /// the forces that are not yet applied.
     pub fn packed(&self, pushes: &[ForceBuffer]) -> Vec<u8> {
         let mut due = Vec::new();
         let id = |place: u32| self.seen.id[place as usize];
@@ -225,8 +228,8 @@ impl Halo {
     }
 }
 
-/// Makes, in the lead process, the neighbour list of all particles and the list of forces that are not yet applied.
-/// Sorts the particles and the contacts of `work` in the order of the neighbour list.
+/// Makes, in the lead process, the neighbour list of all particles and the list of forces that are not yet applied,
+/// from the data `parts` of all processes. Sorts the particles and contacts of `work` in the order of that list.
 pub fn list_of_all(parts: &[Vec<u8>], own: &NeighbourList, work: &mut Work<Contact>) -> (NeighbourList, ForceBuffer) {
     let place: FxHashMap<u32, u32> = work.particles.id.iter().copied().zip(0..).collect();
     let mut then = work.particles.clone();
@@ -261,13 +264,13 @@ pub fn list_of_all(parts: &[Vec<u8>], own: &NeighbourList, work: &mut Work<Conta
     (list, pending)
 }
 
-/// Converts a failure, or `None`, to bytes for sending.
+/// Converts a failure, or `None`, to bytes for sending to other processes.
 pub fn to_bytes(failure: &Option<Failure>) -> Vec<u8> {
     postcard::to_stdvec(failure).unwrap_or_default()
 }
 
-/// Reads the velocities after a kick, which another process has sent for particles borrowed from it. `borrowed`
-/// contains the indices of these particles in this process.
+/// Adopts the velocities after a kick (change of velocities by forces), which another process has sent for particles
+/// copied from it. `borrowed` contains the indices of these copies in this process.
 pub fn take_kicks(mut bytes: &[u8], borrowed: &[u32], particles: &mut Particles) {
     while let Some((number, rest)) = bytes.split_first_chunk() {
         let index = borrowed.get(u32::from_le_bytes(*number) as usize);

@@ -42,33 +42,33 @@ pub trait Distributed: Engine {
     /// Particles of other processes are then ignored until the run is first cut.
     fn share(&mut self, communicator: Arc<dyn Communicator>, sample: &Sample, scene: &Scene);
 
-    /// True if the run is cut: each process stores only the particles of its domain.
+    /// True if each process stores only the particles of its domain; false if the lead process stores all particles.
     fn is_cut(&self) -> bool;
 
-    /// Changes the domains from the next time window on, if one process owns many more particles than others. All
-    /// processes must call this function, between two windows.
+    /// Moves the borders of the domains if one process owns many more particles than others. All processes must call
+    /// this function, between two windows (times between two exchanges with the gas).
     fn balance(&mut self, particles: &Particles, scene: &Scene);
 
     /// Replaces the particles of the lead process by copies of particles of all processes: those with an id divisible
-    /// by `every` (1: all), and those in contact with them. All processes must call this function, between two time
-    /// windows.
+    /// by `every` (1: all), and those in contact with them. [`hide`](Self::hide) undoes this. All processes must call
+    /// this function, between two windows.
     fn show(&mut self, particles: &mut Particles, scene: &Scene, every: u32);
 
-    /// Restores the own particles of the lead process, which [`show`](Self::show) has replaced. The run then continues
-    /// with them.
+    /// Restores the own particles of the lead process, which [`show`](Self::show) has replaced by copies. Does nothing
+    /// if they have not been replaced.
     fn hide(&mut self, particles: &mut Particles);
 
-    /// True if each process can now store its carried state (such as contacts) by [`packed`](Self::packed). Otherwise
-    /// all particles must first be copied to the lead process, which then stores the state.
+    /// True if each process can store its own part of the state of the run by [`packed`](Self::packed). Otherwise all
+    /// particles must first be copied to the lead process, which then stores the state.
     fn gives_parts(&self) -> bool;
 
-    /// Packs the particles of this process and their carried state (such as contacts) into bytes for
-    /// [`take_parts`](Self::take_parts), while the run is cut.
+    /// Packs the particles of this process and their contacts in progress into bytes, which
+    /// [`take_parts`](Self::take_parts) reads. Used while each process stores only its own particles.
     fn packed(&self, particles: &Particles) -> Vec<u8>;
 
-    /// Replaces all particles and carried state (such as contacts) by `count` parts of a stored run, which processes
-    /// have packed by [`packed`](Self::packed). `next` returns the parts one by one to the lead process, or to the only
-    /// process. All processes must call this function.
+    /// Replaces all particles and contacts in progress by those of a stored run, which consists of `count` parts packed
+    /// by [`packed`](Self::packed). In the lead process, or the only one, `next` returns the part with a given number.
+    /// All processes must call this function.
     fn take_parts(
         &mut self,
         particles: &mut Particles,
@@ -77,26 +77,27 @@ pub trait Distributed: Engine {
         next: &mut dyn FnMut(usize) -> Vec<u8>,
     );
 
-    /// Contacts in progress between a particle of this process, given by index in the particle store, and a particle of
-    /// another process. Each of the two processes returns the contact.
+    /// Contacts in progress between a particle of this process and one of another process, each with the index of the
+    /// own particle. Both processes return the contact.
     fn touching_abroad(&self) -> Vec<(u32, Overlap)>;
 }
 
 /// A solver whose run several processes can share. By default processes share only the islands (groups of particles
 /// that may meet), and the lead process alone moves all particles by the classical algorithm.
 pub trait DistributedSolver: Solver {
-    /// Limit of the cost of one island (group of particles that may meet) [ns/s], if it changes from window to window.
-    /// All processes use the value of the lead process.
+    /// Limit of the cost [ns/s] of a single island (group of particles that may meet), if the solver adapts it from
+    /// window to window; otherwise `None`. All processes adopt the value of the lead process.
     fn allowance(&mut self) -> Option<&mut f64> {
         None
     }
 
-    /// True if several processes can share the classical algorithm (all particles at once).
+    /// True if several processes can share the classical algorithm, which moves all particles at once.
     fn shares_steps(&self) -> bool {
         false
     }
 
-    /// Moves all particles through the window by the classical algorithm, which all processes of the run share.
+    /// Moves all particles at once through the window, the time between two exchanges with the gas, by the classical
+    /// algorithm. All processes of the run share the work.
     ///
     /// # Errors
     /// Errors of the classical algorithm, equal in all processes.
@@ -109,26 +110,27 @@ pub trait DistributedSolver: Solver {
         self.everyone(work, window)
     }
 
-    /// True if the processes shared the last uniform steps, and will continue to share them.
+    /// True if the processes shared the last uniform time steps and still have the data with which they can continue.
     fn steps_together(&self) -> bool {
         false
     }
 
-    /// Stores in the lead process, which has copies of all particles, the joint state with which the processes
-    /// continue.
+    /// Stores in the lead process, which has copies of all particles, the joint neighbour list and forces of all
+    /// processes. They become part of a stored run.
     fn show(&mut self, _work: &mut Work<Lasting<Self>>, _domains: &Domains<Lasting<Self>>) {}
 
-    /// Removes the joint state from the lead process, before each process continues with its own particles.
+    /// Removes the joint data that [`show`](Self::show) has stored in the lead process.
     fn hide(&mut self) {}
 }
 
-/// Carried state (such as a contact) between a particle of this process and one of another process.
+/// A contact in progress (or other carried state) between a particle of this process and one of another process.
 #[derive(Clone)]
 pub struct CrossRankContact<C> {
-    /// The carried state (such as contacts), which contains ids of particles instead of indices.
+    /// The contact, with ids of particles instead of indices, since this process need not store the other particle.
     pub carried: C,
-    /// Index in the particle store of the particle of this process.
+    /// Index in the store of the particle of this process.
     pub own: u32,
-    /// Overlap of the two bodies at the end of the last part of a time window; `None` if they are not in contact.
+    /// Overlap of the two bodies at the end of the last interval of motion; it may be negative. `None` if the carried
+    /// state is no contact, or if it was received since and the overlap is not yet computed.
     pub overlap: Option<Overlap>,
 }

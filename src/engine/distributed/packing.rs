@@ -11,11 +11,11 @@ use rustc_hash::FxHashMap;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// [bytes] size of a stored length.
+/// [bytes] size of the stored length of the particles' data.
 const LENGTH: usize = 8;
 
-/// Packs the particles of this process and their carried state (such as contacts) into bytes. In the packed state, ids
-/// of particles replace indices.
+/// Packs all particles of this process and their contacts in progress into bytes. `home` are the contacts among them,
+/// `abroad` those with particles of other processes. In the bytes, ids of particles replace indices.
 pub fn packed_part<S: Solve>(
     particles: &Particles,
     home: &[S::Carried],
@@ -26,8 +26,8 @@ pub fn packed_part<S: Solve>(
     pack(particles, &(0..particles.len() as u32).collect::<Vec<u32>>(), &lasting)
 }
 
-/// Replaces ids by indices in carried state (such as contacts), in the process that stores its particles. Returns the
-/// state between a particle of this process and one of another process.
+/// Adds received contacts to `work`, in the process that stores their particles, and replaces ids by indices. Contacts
+/// with a particle of another process are not added but returned.
 pub fn settle<S: Solve>(lasting: Vec<S::Carried>, work: &mut Work<S::Carried>) -> Vec<CrossRankContact<S::Carried>> {
     let mut abroad = Vec::new();
     let places: FxHashMap<u32, u32> = work.particles.id.iter().copied().zip(0..).collect();
@@ -46,8 +46,9 @@ pub fn settle<S: Solve>(lasting: Vec<S::Carried>, work: &mut Work<S::Carried>) -
 }
 
 impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
-    /// Distributes a part of a stored run that the lead process has read. Each process receives its particles and their
-    /// carried state (such as contacts) as bytes. The other processes call this function with empty `bytes`.
+    /// Distributes a part of a stored run, which the lead process has read as `bytes`, to the processes that own the
+    /// blocks. Returns to each process the bytes with its particles and their contacts. All processes must call this
+    /// function, the others with empty `bytes`.
     pub fn deal<S: Solve<Carried = C>>(&self, bytes: &[u8], domain: &Domain) -> Vec<u8> {
         let mut outgoing = vec![Vec::new(); self.communicator.size()];
         let mut part = Particles::default();
@@ -68,8 +69,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     }
 }
 
-/// Packs particles and carried state (such as contacts) into bytes for sending. The bytes contain the length of the
-/// particles' data, these data, then the carried state.
+/// Packs the particles with the indices `places`, and the contacts `lasting`, into bytes for sending. The bytes contain
+/// the length of the particles' data, these data, then the contacts.
 pub fn pack<C: Serialize>(particles: &Particles, places: &[u32], lasting: &[C]) -> Vec<u8> {
     let mut bytes = vec![0; LENGTH];
     particles.pack(places, &mut bytes);
@@ -81,9 +82,8 @@ pub fn pack<C: Serialize>(particles: &Particles, places: &[u32], lasting: &[C]) 
     bytes
 }
 
-/// Appends packed particles to `particles`, and returns their carried state (such as contacts). If the particles cannot
-/// be unpacked, none is appended. The result is `None` if the bytes are too short, or if the carried state cannot be
-/// unpacked.
+/// Appends packed particles to `particles`, and returns the contacts that were packed with them. `None` if the bytes
+/// are too short or the contacts cannot be read. If the particles cannot be read, none is appended.
 pub fn take_aboard<C: DeserializeOwned>(bytes: &[u8], particles: &mut Particles) -> Option<Vec<C>> {
     let (length, rest) = bytes.split_first_chunk::<LENGTH>()?;
     let (of_particles, rest) = rest.split_at_checked(u64::from_le_bytes(*length) as usize)?;
@@ -94,7 +94,7 @@ pub fn take_aboard<C: DeserializeOwned>(bytes: &[u8], particles: &mut Particles)
     Some(lasting)
 }
 
-/// Copies carried state (such as contacts) with ids of particles instead of indices.
+/// Copies contacts in progress (or other carried state), with ids of particles instead of indices.
 pub fn ids_of<'a, S: Solve>(particles: &Particles, lasting: impl Iterator<Item = &'a S::Carried>) -> Vec<S::Carried>
 where
     S::Carried: 'a,

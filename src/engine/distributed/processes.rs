@@ -30,8 +30,9 @@ impl<C> Default for Processes<C> {
 }
 
 impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
-    /// Shares the run among processes. If each process already stores the particles of its block, `cut` is the box.
-    /// With `None` particles are distributed when islands (groups of particles that may meet) are next tried.
+    /// Shares the run among processes; `population` summarises the sizes of all particles. If each process already
+    /// stores the particles of its block, `cut` is the box. With `None` the lead process stores all particles, which
+    /// are distributed when islands (groups of particles that may meet) are next tried.
     pub fn share(&mut self, communicator: Arc<dyn Communicator>, population: PopulationSummary, cut: Option<&Domain>) {
         let domains = self.domains.insert(Domains::new(communicator, population));
         cut.into_iter().for_each(|domain| domains.begin_cut(domain));
@@ -42,17 +43,19 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         self.domains.as_mut()
     }
 
-    /// Division of the run, if each process stores only the particles of its domain; otherwise `None`.
+    /// Division of the run among processes while each process stores only the particles of its domain; otherwise
+    /// `None`.
     fn cut_domains(&self) -> Option<&Domains<C>> {
         self.domains.as_ref().filter(|domains| domains.is_cut)
     }
 
-    /// True if the particle store contains only the particles of one domain.
+    /// True if each process stores only the particles of its domain, a block of the box.
     pub fn is_cut(&self) -> bool {
         self.cut_domains().is_some()
     }
 
-    /// True if this process is the lead process, and copies of particles of all processes replace its own particles.
+    /// True if this process is the lead process, and its store contains copies of particles of all processes in place
+    /// of its own.
     pub fn is_shown(&self) -> bool {
         self.domains.as_ref().is_some_and(|domains| domains.gathered.is_some())
     }
@@ -62,7 +65,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         self.domains.as_ref().is_none_or(Domains::is_lead)
     }
 
-    /// Carried state, such as contacts, between a particle of this process and one of another process.
+    /// Contacts in progress (or other carried state) between a particle of this process and one of another process.
     pub fn abroad(&self) -> &[CrossRankContact<C>] {
         self.domains.as_ref().map_or(&[], |domains| &domains.abroad)
     }
@@ -72,18 +75,18 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         self.domains.as_ref().map(|domains| domains.population.clone())
     }
 
-    /// Replaces each sum by its total over all processes.
+    /// Replaces each sum by its total over all processes, while each process stores only its own particles.
     pub fn total(&self, sums: &mut [&mut ExactSum]) {
         self.domains.iter().for_each(|domains| domains.total(sums));
     }
 
-    /// Replaces each value by its largest value in any process.
+    /// Replaces each value by its largest value in any process, while each process stores only its own particles.
     pub fn largest(&self, values: &mut [f64]) {
         self.domains.iter().for_each(|domains| domains.largest(values));
     }
 
-    /// Adds to `sum` the energy [J] of carried state (such as contacts) between processes, and then adds up the sums of
-    /// all processes. `energy` returns the energy of an item of carried state.
+    /// Completes the sum of the energies [J] of contacts: `sum` contains those among own particles before, and those of
+    /// all processes afterwards. `energy` returns the energy of a contact. Does nothing for a single process.
     pub fn add_energy(&self, sum: &mut ExactSum, energy: impl Fn(&C) -> f64) {
         if let Some(domains) = self.cut_domains().filter(|_| !self.is_shown()) {
             // half, since both processes count it
@@ -92,7 +95,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         }
     }
 
-    /// Number of contacts in progress in all processes; `own` is the number of contacts among own particles of this
+    /// Number of contacts in progress in all processes. `own` is the number of contacts among the particles of this
     /// process.
     pub fn held(&self, own: usize) -> usize {
         let Some(domains) = self.cut_domains() else { return own };
@@ -102,7 +105,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         (twice[0] / 2) as usize
     }
 
-    /// Replaces the counts added since `before` by their sums over all processes.
+    /// Replaces the increase of each count since `before` by its sum over all processes, and the size of the largest
+    /// island by the largest in any process.
     pub fn share_counts(&self, counters: &mut IslandCounters, before: &IslandCounters) {
         let Some(domains) = self.cut_domains() else { return };
         let mut past = *before;
@@ -117,35 +121,37 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         counters.largest = largest[0] as u64;
     }
 
-    /// Region of the box that contains the particles of this process.
+    /// Region of the box that contains the particles of this process; for a single process the whole box.
     pub fn region(&self, domain: &Domain) -> Region {
         self.domains.as_ref().map_or_else(|| Region::from(domain), |domains| domains.region(domain))
     }
 
-    /// Applies a new order of the particle store: the particle that was at index `p` is now at `place_of[p]`.
+    /// Adapts stored indices to a new order of the particle store: the particle that was at index `p` is now at
+    /// `place_of[p]`.
     pub fn reorder(&mut self, place_of: &[u32]) {
         for abroad in self.domains.iter_mut().flat_map(|domains| &mut domains.abroad) {
             abroad.own = place_of[abroad.own as usize];
         }
     }
 
-    /// Distributes the particles from the lead process to the owners of their domains, if this has not been done.
+    /// Distributes the particles from the lead process to the owners of their domains, if the lead process still stores
+    /// all.
     pub fn cut<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>) {
         if let Some(domains) = self.domains.as_mut().filter(|domains| !domains.is_cut) {
             domains.cut(solver, work);
         }
     }
 
-    /// Gathers all particles in the lead process.
+    /// Moves all particles to the lead process. Members of islands in `members` get their new indices.
     pub fn assemble<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, members: &mut Vec<u32>) {
         if let Some(domains) = self.domains.as_mut().filter(|domains| domains.is_cut) {
             domains.assemble(solver, work, members);
         }
     }
 
-    /// Replaces all particles and all carried state (such as contacts) by `count` parts of a stored run, which
-    /// processes have packed. `next` returns the parts one by one to the lead process. Each process keeps the particles
-    /// in its block, among blocks of equal size. A single process keeps all particles.
+    /// Replaces all particles and contacts in progress by those of a stored run, which consists of `count` packed
+    /// parts. In the lead process, `next` returns the part with a given number. Each process keeps the particles in its
+    /// block, among blocks of equal size; a single process keeps all.
     pub fn take_parts<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,
@@ -170,9 +176,9 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         in_order(solver, work);
     }
 
-    /// Borrows the particles of other processes that may take part in islands (groups of particles that may meet) of
-    /// own particles. Flights last `part` [s] and are measured relative to a frame with the velocity `frame` [m/s];
-    /// `flight` [m] is the largest reach of a flight.
+    /// Copies from other processes the particles that may belong to islands (groups of particles that may meet) of own
+    /// particles. Flights last `part` [s], in a frame with the velocity `frame` [m/s]. `flight` [m] is the largest
+    /// distance of a flying particle from the middle of its flight.
     pub fn borrow<S: Solve<Carried = C>>(
         &mut self,
         work: &mut Work<C>,
@@ -185,8 +191,9 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         }
     }
 
-    /// Returns the joint decision of all processes about a part of a time window that they have tried. `failed` is true
-    /// if, in this process, an island (group of particles that may meet) is too large or the engine failed.
+    /// Returns the joint decision of all processes about a part, a piece of the time between two exchanges with the
+    /// gas, that they have tried. `failed` is true if, in this process, an island (group of particles that may meet) is
+    /// too large or the engine failed.
     pub fn decide<'a>(
         &mut self,
         islands: &impl IslandFinder<'a>,
@@ -200,8 +207,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         }
     }
 
-    /// Removes the borrowed particles and their carried state (such as contacts) after a successful part of a time
-    /// window. Updates the indices in `members`.
+    /// Removes the copies of particles of other processes, and contacts without own particles, after all processes have
+    /// found a part valid. Indices in `members` are adapted.
     pub fn keep<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,
@@ -212,8 +219,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         self.domains.iter_mut().for_each(|domains| domains.keep(solver, work, view, members));
     }
 
-    /// Removes the borrowed particles after a failed part. Restores the particle store and the carried state (such as
-    /// contacts) from before they were borrowed.
+    /// Removes the copies of particles of other processes after a part that is not valid. Restores the store and the
+    /// contacts from before the copies were made.
     pub fn give_back(&mut self, work: &mut Work<C>, view: LocalParticles<C>) {
         if let Some(domains) = &mut self.domains {
             domains.give_back(work, view);

@@ -1,4 +1,5 @@
-//! Removal of borrowed particles (ghosts) after a part of a window. Own particles stay with their process.
+//! Removal of the copies of particles of other processes (ghosts) after a part, a piece of the time between two
+//! exchanges with the gas. Own particles stay with their process.
 
 use super::CrossRankContact;
 use super::domains::{Domains, LocalParticles};
@@ -7,14 +8,14 @@ use crate::engine::Overlap;
 use crate::engine::driver::Work;
 use crate::engine::islands::Solve;
 
-/// New indices of the particles that stay in the particle store when others are removed.
+/// New indices of the particles that stay in the store when others are removed.
 pub struct Stay<'a> {
     /// For each particle, by old index, true if it stays.
     mine: &'a [bool],
-    /// Number of particles that stay in the particle store.
+    /// Number of particles that stay; their new indices are below this number.
     count: u32,
-    /// Old and new indices of the particles that move from the end of the particle store to the places of removed ones.
-    /// They are in ascending order.
+    /// Old and new indices of the particles that move from the end of the store to the places of removed ones, in
+    /// ascending order.
     moves: Vec<(u32, u32)>,
 }
 
@@ -41,15 +42,15 @@ impl<'a> Stay<'a> {
 }
 
 impl<C: Copy> Domains<C> {
-    /// Removes the borrowed particles after a failed part. Restores the particle store and the carried state (such as
-    /// contacts) from before they were borrowed.
+    /// Removes the copies of particles of other processes after a part that is not valid. Restores the store and the
+    /// contacts from before the copies were made.
     pub fn give_back(&mut self, work: &mut Work<C>, view: LocalParticles<C>) {
         work.particles.truncate(view.count);
         (*work.lasting, self.abroad) = view.lasting;
     }
 
-    /// Removes the borrowed particles and their carried state (such as contacts) after a successful part of a time
-    /// window. Updates the indices in `members`.
+    /// Removes the copies of particles of other processes, and contacts without own particles, after all processes have
+    /// found a part valid. Indices in `members` are adapted.
     pub fn keep<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,
@@ -61,14 +62,14 @@ impl<C: Copy> Domains<C> {
         *members = members.iter().filter_map(|&place| stay.place(place)).collect();
     }
 
-    /// Keeps only the particles for which `mine` (by index) is true, and the carried state (such as contacts) that
-    /// involves one of them.
+    /// Removes all particles for which `mine` (by index) is false, and contacts that involve only such particles.
+    /// Contacts with one such particle are moved to `abroad`.
     pub fn keep_own<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, mine: &[bool]) {
         drop(self.keep_some(solver, work, mine));
     }
 
-    /// Keeps only the particles for which `mine` (by index) is true, and the carried state (such as contacts) that
-    /// involves one of them. Returns the new indices.
+    /// Removes all particles for which `mine` (by index) is false, and contacts that involve only such particles.
+    /// Contacts with one such particle are moved to `abroad`. Returns the new indices.
     pub(super) fn keep_some<'a, S: Solve<Carried = C>>(
         &mut self,
         solver: &S,

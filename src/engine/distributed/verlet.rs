@@ -27,16 +27,16 @@ use crate::record::{Log, Record};
 use crate::scene::Scene;
 use std::sync::Arc;
 
-/// Data of a process while several processes share uniform steps.
+/// Data of a process for uniform time steps that several processes share.
 #[derive(Default)]
 pub struct SharedSteps {
-    /// Own and borrowed particles of this process; `None` if processes do not share the steps.
+    /// Own particles of this process and its copies of others; `None` if processes do not share the steps.
     pub halo: Option<Halo>,
-    /// Total number of candidates (slots) in the neighbour lists of all processes, if the processes have shared steps
-    /// since the list was built.
+    /// Number of candidates for contacts in the neighbour lists of all processes together; `None` if the processes have
+    /// not shared the building of a list.
     pub slots: Option<usize>,
-    /// Neighbour list of all particles and the forces that are not yet applied. They are stored only while the lead
-    /// process has copies of all particles.
+    /// Neighbour list of all particles and forces that are not yet applied. They are stored only while the lead process
+    /// has copies of all particles.
     pub shown: Option<(NeighbourList, ForceBuffer)>,
 }
 
@@ -47,13 +47,15 @@ impl SharedSteps {
     }
 }
 
-/// Exchange of data on borrowed particles with other processes, during one time window.
+/// Exchange of data with other processes within the uniform time steps of one window, the time between two exchanges
+/// with the gas.
 pub struct OtherProcesses<'a> {
     /// Division of the run among processes.
     domains: &'a mut Domains<Contact>,
-    /// Contacts among the particles of this process.
+    /// Contacts in progress among the particles of this process.
     lasting: &'a mut Vec<Contact>,
-    /// Particles before the last kick, with the values of all quantities that a kick changes.
+    /// Velocities before the last kick (change of velocities by forces), and all other quantities that a kick changes,
+    /// for undoing it.
     before: Particles,
     communicator: Arc<dyn Communicator>,
 }
@@ -64,8 +66,9 @@ impl<'a> OtherProcesses<'a> {
         Self { domains, lasting, before: Particles::default(), communicator }
     }
 
-    /// Sends the new velocities of own particles to the processes that borrow them, unless any process has failed.
-    /// Returns the first failure of any process.
+    /// Sends the new velocities of own particles to the processes that have copies of them, unless a process has
+    /// failed. Also shares the largest speed. `failure` is that of this process; returns the first failure of any
+    /// process.
     fn tell(&self, solver: &mut SoftSolver, particles: &mut Particles, failure: Option<Failure>) -> Option<Failure> {
         let mut largest = [solver.speed.all, f64::from(u8::from(failure.is_some()))];
         self.communicator.largest(&mut largest);
@@ -84,21 +87,23 @@ impl<'a> OtherProcesses<'a> {
         None
     }
 
-    /// Returns the first failure of any process, in the order of particle ids.
+    /// Collects the failures of all processes; returns the one that comes first in the order of particle ids, or `None`
+    /// if no process has failed.
     fn first(&self, failure: Option<Failure>) -> Option<Failure> {
         let all = self.communicator.exchange(vec![to_bytes(&failure); self.communicator.size()]);
         let all = all.iter().filter_map(|bytes| postcard::from_bytes::<Option<Failure>>(bytes).ok().flatten());
         all.fold(None, |first, failure| Some(first_named(first, failure)))
     }
 
-    /// Settings of the neighbour list, equal in all processes, for uses of the list that are `between_uses` [s] apart.
+    /// Chooses the settings of the neighbour list, equal in all processes. The list will be used every `between_uses`
+    /// [s]; `own` contains the particles of this process.
     fn agreed(&self, own: &Particles, scene: &Scene, between_uses: f64) -> ListSettings {
         let sizes = (self.domains.population.count, self.domains.population.mean_radius[0]);
         ListSettings::together(own, sizes, scene, between_uses, &*self.communicator)
     }
 
-    /// Rebuilds the neighbour list with the settings `plan`; each process builds its share. Particles that have left a
-    /// block are first sent to the process that owns their new block.
+    /// Builds the neighbour list again with the settings `plan`; each process builds its share. Particles that have
+    /// left a block are first sent to the process that owns their new block.
     fn rebuild_by(&mut self, plan: &ListSettings, solver: &mut SoftSolver, particles: &mut Particles, scene: &Scene) {
         let (mut log, mut record) = (Log::default(), Record::default());
         let mut work = Work { particles, scene, lasting: &mut *self.lasting, log: &mut log, record: &mut record };
@@ -134,7 +139,7 @@ impl<'a> OtherProcesses<'a> {
     }
 }
 
-/// Own particles of this process, in the order of the neighbour list.
+/// Copies the own particles of this process, in the order of the neighbour list.
 fn own_of(solver: &SoftSolver, particles: &Particles) -> Particles {
     let mut own = Particles::default();
     match &solver.shared.halo {
@@ -202,7 +207,8 @@ impl GhostExchange for OtherProcesses<'_> {
 }
 
 impl SoftSolver {
-    /// Moves all particles through the time window in uniform steps that all processes share.
+    /// Moves all particles through the window (time between two exchanges with the gas) in uniform time steps that all
+    /// processes share.
     fn uniform_together(
         &mut self,
         work: &mut Work<Contact>,
@@ -278,8 +284,8 @@ impl SoftSolver {
         }
     }
 
-    /// Stores in the lead process, which has copies of all particles, the neighbour list of all particles and the
-    /// forces that are not yet applied. The lead process writes both into a stored run.
+    /// Makes, in the lead process, which has copies of all particles, the joint neighbour list and the forces that are
+    /// not yet applied. The lead process writes both into a stored run.
     fn show_all(&mut self, work: &mut Work<Contact>, domains: &Domains<Contact>) {
         let Some(halo) = &self.shared.halo else { return };
         let parts = domains.communicator().collect(halo.packed(&self.pushes));

@@ -33,13 +33,13 @@ const LATTICE: usize = 6;
 /// Largest number of cells along an axis that is chosen; it limits the memory in a nearly empty box.
 const MOST_CELLS: f64 = 1024.0;
 
-/// Number of cells in a piece of parallel work.
+/// Number of cells that a thread treats as one piece of work.
 pub const PIECE: usize = 256;
 
 /// Sizes of all particles of a run, which do not change.
 #[derive(Clone, Copy, Debug)]
 pub struct RadiusSummary {
-    /// [m] smallest and largest radius.
+    /// [m] smallest and largest radius of any particle.
     pub range: [f64; 2],
     /// [m] mean radius, and [m²] mean square of the radii.
     mean: [f64; 2],
@@ -50,7 +50,7 @@ pub struct RadiusSummary {
 }
 
 impl RadiusSummary {
-    /// Summary of the sizes of the given particles.
+    /// Computes the summary of the radii of the given particles.
     pub fn of(particles: &Particles) -> Self {
         let radius = &particles.radius;
         let [mean, square, cube] = particles.mean_radii(1.0);
@@ -67,8 +67,9 @@ impl RadiusSummary {
         self.range[0] < self.range[1]
     }
 
-    /// [m] mean free path 1/(√2 n σ χ) in a volume [m³], where n is the number density and σ the mean cross-section of
-    /// two particles. χ is 1 if `enskog` is false. The path is infinite for a single particle.
+    /// [m] mean free path 1/(√2 n σ χ) of all particles in a volume [m³], where n is the number density and σ the mean
+    /// cross-section of two particles. χ is the Enskog factor, or 1 if `enskog` is false. The path is infinite for a
+    /// single particle.
     pub fn mean_free_path(&self, volume: f64, enskog: bool) -> f64 {
         let [mean, square] = self.mean;
         let filled = (self.volume / volume).min(DENSEST);
@@ -80,42 +81,43 @@ impl RadiusSummary {
     }
 }
 
-/// Volume fraction around a pair, from which the contact value of the pair follows.
+/// Local crowding of particles around a pair, from which the contact value (Enskog factor) of the pair follows.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Crowding {
     /// [-] volume fraction φ.
     pub fraction: f64,
-    /// [1/m] ξ_2 = π/6 Σ n_i d_i².
+    /// [1/m] ξ_2 = π/6 Σ n_i d_i², where n_i is the number density of particles with diameter d_i.
     pub second_moment: f64,
 }
 
 impl Crowding {
-    /// [-] contact value of two spheres with these radii [m].
+    /// [-] contact value of the pair distribution (Enskog factor) of two spheres with the radii `one` and `other` [m].
     #[inline]
     pub fn contact_value(&self, [one, other]: [f64; 2]) -> f64 {
         contact_value(2.0 * one, 2.0 * other, self.fraction, self.second_moment)
     }
 }
 
-/// Cells in which pairs collide, and the particles in each.
+/// Cells that divide the places that centres of particles can reach, with the particles in each cell.
 #[derive(Debug)]
 pub struct CollisionCells {
     grid: CellGrid,
     region: Region,
     /// Number of cells along each axis.
     pub count: [usize; 3],
-    /// Indices of the particles in the store, cell by cell; in a cell they are in the order of the store.
+    /// Indices in the store of all particles, cell by cell. Within a cell they are in the order of the store.
     pub order: Vec<u32>,
-    /// [m³] volume of each cell in which centres of particles can be.
+    /// [m³] part of each cell's volume in which centres of particles can be.
     pub open: Vec<f64>,
-    /// Number of blocks of cells along each axis; the cells of a block have one volume fraction.
+    /// Number of blocks of cells along each axis. A volume fraction is computed for each block.
     blocks: [usize; 3],
-    /// [-] volume open to spheres divided by the volume open to their centres.
+    /// [-] volume open to whole spheres divided by the smaller volume open to their centres.
     shell: f64,
 }
 
 impl CollisionCells {
-    /// Makes the cells for particles of these sizes.
+    /// Makes the cells for particles of these sizes, still without particles. The settings may give the numbers of
+    /// cells.
     pub fn new(scene: &Scene, sizes: &RadiusSummary, settings: &DsmcSettings) -> Self {
         let [low, high] = corners(scene, 0.0);
         // limits the radius, so that a box narrower than its particles keeps some width
@@ -139,13 +141,13 @@ impl CollisionCells {
         self.grid.sort_among(&particles.position, |x| *x, &self.region, self.count, &mut self.order);
     }
 
-    /// Indices of the particles of a cell in the store.
+    /// Indices in the store of the particles in a cell, given by its number.
     #[inline]
     pub fn members(&self, cell: usize) -> &[u32] {
         &self.order[self.grid.items_of(cell)]
     }
 
-    /// Volume fraction and ξ_2 in each block of cells.
+    /// Computes the local volume fraction in each block of cells; `block_of` gives the number of a cell's block.
     pub fn crowding(&self, particles: &Particles, sizes: &RadiusSummary) -> Vec<Crowding> {
         let cells = self.open.len();
         let pieces = (0..cells.div_ceil(PIECE)).map(|piece| piece * PIECE..cells.min((piece + 1) * PIECE));
@@ -176,7 +178,7 @@ impl CollisionCells {
         of_blocks.into_iter().map(crowding).collect()
     }
 
-    /// Number of the block to which a cell belongs.
+    /// Number of the block of cells to which a cell, given by its number, belongs.
     pub fn block_of(&self, cell: usize) -> usize {
         let [nx, ny, _] = self.count;
         let place = [cell % nx, cell / nx % ny, cell / (nx * ny)];
@@ -185,8 +187,8 @@ impl CollisionCells {
     }
 }
 
-/// [m] lowest and highest corner of the part of the box in which points are at least `inwards` [m] away from flat walls
-/// and vessels.
+/// [m] lowest and highest corner of the part of the box inside all flat walls and vessels. The corners have the
+/// additional distance `inwards` [m] from these walls.
 fn corners(scene: &Scene, inwards: f64) -> [Vector3<f64>; 2] {
     let inwards = Vector3::repeat(inwards);
     let rooms = scene.walls.iter().filter_map(|wall| wall.geometry.law().room_corners());
@@ -195,7 +197,8 @@ fn corners(scene: &Scene, inwards: f64) -> [Vector3<f64>; 2] {
     })
 }
 
-/// Numbers of cells along the three axes, chosen as docs/design/dsmc.md explains.
+/// Numbers of cells along the three axes, for cells small compared with the mean free path that still contain enough
+/// particles (docs/design/dsmc.md).
 fn numbers(scene: &Scene, region: &Region, sizes: &RadiusSummary, enskog: bool) -> [usize; 3] {
     let (size, periodic) = (region.size(), scene.domain.periodic);
     if sizes.count < 2 {
@@ -215,8 +218,8 @@ fn numbers(scene: &Scene, region: &Region, sizes: &RadiusSummary, enskog: bool) 
     std::array::from_fn(|axis| (size[axis] / edges[axis]).round().clamp(1.0, MOST_CELLS) as usize)
 }
 
-/// Numbers of blocks along the three axes. Blocks are enlarged along their shortest edge until they contain enough
-/// particles.
+/// Numbers of blocks of cells along the three axes. Blocks are enlarged along their shortest edge until the mean number
+/// of particles in a block is large enough.
 fn blocks(region: &Region, count: [usize; 3], particles: usize) -> [usize; 3] {
     let mut blocks = count;
     let edge = |blocks: &[usize; 3], axis: usize| region.size()[axis] / blocks[axis] as f64;
@@ -229,8 +232,8 @@ fn blocks(region: &Region, count: [usize; 3], particles: usize) -> [usize; 3] {
     blocks
 }
 
-/// [m³] volume of each cell in which the centre of a sphere of `radius` [m] can be. The cells divide a box, given by its
-/// lowest corner and its edges [m].
+/// [m³] part of each cell's volume in which the centre of a sphere of `radius` [m] can be. The cells divide a box,
+/// given by its lowest corner `low` and its edges `size` [m], into `count` parts along each axis.
 fn open_volumes(scene: &Scene, [low, size]: [Vector3<f64>; 2], count: [usize; 3], radius: f64) -> Vec<f64> {
     let cells = count.iter().product::<usize>();
     let edges = Vector3::from_fn(|axis, _| size[axis] / count[axis] as f64);

@@ -13,50 +13,51 @@ use rand::rngs::ChaCha8Rng;
 use rand_distr::{Distribution, Exp1, UnitDisc};
 use std::f64::consts::PI;
 
-/// Data on which the collisions in a cell depend.
+/// Data on which the collisions in one cell depend.
 #[derive(Clone, Copy)]
 pub struct CellState<'a> {
     /// Particles of the run.
     pub particles: &'a Particles,
     /// Scene of the run.
     pub scene: &'a Scene,
-    /// Indices of the particles in the cell.
+    /// Indices in the store of the particles in the cell.
     pub members: &'a [u32],
-    /// Volume [m³] of the cell in which centres of particles can be.
+    /// Part [m³] of the cell's volume in which centres of particles can be.
     pub open: f64,
-    /// Volume fraction for the Enskog factor; `None` without this factor.
+    /// Local volume fraction, from which the Enskog factor follows; `None` if that factor is left out.
     pub crowding: Option<Crowding>,
-    /// Radius [m] of all particles if they are equal; `None` if they differ.
+    /// Radius [m] of all particles of the run if they are equal; `None` if they differ.
     pub radius: Option<f64>,
 }
 
-/// Results of the collisions in several cells.
+/// Results of the collisions in several cells, before they are written to the store.
 #[derive(Default)]
 pub struct CellCollisions {
-    /// Index of each particle that collided, with its velocity [m/s] and spin [rad/s] afterwards. A later entry
-    /// replaces an earlier one.
+    /// Index in the store, new velocity [m/s] and new spin [rad/s] of each particle that collided. If a particle is
+    /// listed twice, the later entry is valid.
     pub changed: Vec<(u32, Vector3<f64>, Vector3<f64>)>,
-    /// Records of the collisions.
+    /// Impacts and energies of the collisions, for the record of the run.
     pub log: Log,
-    /// Number of pairs that were drawn as candidates for a collision.
+    /// Number of pairs that were drawn as candidates for a collision; not all of them collide.
     pub drawn: u64,
-    /// [1/s] twice the expected number of collisions per time, which is the sum of the collision rates of all
-    /// particles.
+    /// [1/s] sum of the expected collision rates of all particles in the cells, which is twice the expected number of
+    /// collisions per time.
     pub rate: f64,
-    /// True if a velocity is not a number.
+    /// True if a velocity is not a finite number.
     pub broken: bool,
 }
 
-/// Working memory of a thread for one cell.
+/// Scratch memory of a thread, used for one cell after the other.
 #[derive(Default)]
 pub struct CellMemory {
     velocity: Vec<Vector3<f64>>,
     spin: Vec<Vector3<f64>>,
-    /// The two particles of a collision.
+    /// Store with copies of the two particles of a collision.
     pair: Particles,
 }
 
-/// Makes the particles of a cell collide for a time of `duration` [s].
+/// Makes the particles of a cell collide at random for a time of `duration` [s], and adds the results to `into`; the
+/// positions do not change. `noise` draws the pairs and their impact parameters.
 pub fn collide(
     cell: &CellState,
     duration: f64,
@@ -130,7 +131,8 @@ pub fn collide(
     }
 }
 
-/// Copies two members of a cell into the store `pair`, with their present velocities [m/s] and spins [rad/s].
+/// Copies two members of a cell, given by their numbers in the cell, into the store `pair`. Their velocities [m/s] and
+/// spins [rad/s] are taken from `velocity` and `spin`, which earlier collisions of this step have changed.
 fn take_pair(
     cell: &CellState,
     members: [usize; 2],
@@ -147,8 +149,9 @@ fn take_pair(
     }
 }
 
-/// Collision of the two particles of a store, given their relative velocity [m/s] and its magnitude `speed` [m/s]. The
-/// impact parameter is distributed uniformly over the disc that is the cross-section of the pair.
+/// Draws the geometry of a collision of the two particles in the store `pair`, given the velocity [m/s] of the first
+/// relative to the second and its magnitude `speed` [m/s]. The impact parameter is uniform over the cross-section of
+/// the pair.
 fn by_chance(pair: &Particles, relative: Vector3<f64>, speed: f64, noise: &mut ChaCha8Rng) -> Collision {
     let along = relative / speed;
     let (aside, across) = perpendicular(&along);

@@ -1,4 +1,4 @@
-//! Free flight of all particles, with the impacts on walls at their exact times.
+//! Free flight of all particles for collisions by chance, with the impacts on walls at their exact times.
 
 use crate::encounter::{AtWall, Couple, FrameTime};
 use crate::engine::hard::{Collision, LastCollision};
@@ -10,17 +10,17 @@ use crate::walls::{Flight, Geometry, NearWalls, Plane, Touch, Wall};
 use crate::work_sharing;
 use nalgebra::Vector3;
 
-/// Number of particles that a thread moves at a time.
+/// Number of particles that a thread moves as one piece of work.
 const PART: usize = CHUNK / 4;
 
-/// Number of particles near walls that a thread moves at a time. One of them costs as much as dozens of other
-/// particles.
+/// Number of particles near walls that a thread moves as one piece of work. One of them costs as much as dozens of
+/// other particles.
 const FEW: usize = 128;
 
-/// A part of a window in which particles fly.
+/// Interval of time in which particles fly, within a window (time between two exchanges with the gas).
 #[derive(Clone, Copy, Debug)]
 pub struct FlightTime {
-    /// The whole window.
+    /// The window to which the flight belongs.
     pub window: Window,
     /// [s] start of the flight, since the start of the window.
     pub start: f64,
@@ -31,21 +31,21 @@ pub struct FlightTime {
 /// Walls of a scene, prepared for the flight of particles.
 pub struct FlightWalls {
     near: NearWalls,
-    /// All flat walls.
+    /// All flat walls of the scene.
     planes: Vec<Plane>,
     /// True if all walls are flat.
     are_flat: bool,
 }
 
 impl FlightWalls {
-    /// Prepares the walls of a scene.
+    /// Sorts the walls of a scene into flat walls and others.
     pub fn of(walls: &[Wall]) -> Self {
         let planes: Vec<Plane> = walls.iter().filter_map(|wall| wall.geometry.plane()).copied().collect();
         Self { near: NearWalls::of(walls), are_flat: planes.len() == walls.len(), planes }
     }
 
-    /// True if a sphere may touch a wall on its path between two points [m]. The path is at most `reach` [m] minus the
-    /// radius away from the straight line between the points.
+    /// True if a sphere may touch a wall while its centre flies from one point [m] to another. `reach` [m] is the
+    /// radius plus the largest distance of the curved path from the straight line between the points.
     #[inline]
     fn may_be_touched(&self, scene: &Scene, [from, to]: [&Vector3<f64>; 2], reach: f64) -> bool {
         // the distance from a plane is least at an end of the line
@@ -64,13 +64,16 @@ impl FlightWalls {
     }
 }
 
-/// Result of the flight of one particle near walls: its index, its new state, and the failure that stopped it, if any.
+/// Result of the flight of one particle near walls: its index in the store, its state at the end, and the failure that
+/// stopped it, if any.
 type FlownParticle = (u32, Motion, Option<Failure>);
 
-/// Moves all particles along their parabolas, and resolves their impacts on walls. Returns the number of impacts.
+/// Moves all particles along their parabolas through an interval of time, with their impacts on walls. Returns the
+/// number of impacts.
 ///
 /// # Errors
-/// A particle has infinitely many impacts on a wall. All other particles are then at the end of the flight.
+/// A particle has infinitely many impacts on a wall, because it comes to rest there. All other particles are then at
+/// the end of the flight.
 pub fn fly(
     particles: &mut Particles,
     scene: &Scene,
@@ -110,7 +113,8 @@ pub fn fly(
     failed.map_or(Ok(impacts), Err)
 }
 
-/// Moves the particles that cannot touch a wall within `duration` [s], and returns the indices of all others.
+/// Moves all particles that cannot touch a wall within `duration` [s]. Returns the indices of the others, which have
+/// not moved.
 fn fly_freely(particles: &mut Particles, scene: &Scene, walls: &FlightWalls, duration: f64) -> Vec<u32> {
     let fall = scene.gravity * duration;
     let sag = 0.125 * scene.gravity.norm() * duration * duration;
@@ -133,8 +137,9 @@ fn fly_freely(particles: &mut Particles, scene: &Scene, walls: &FlightWalls, dur
     near.concat()
 }
 
-/// Moves the single particle of the store `one` through a flight, with all its impacts on walls. `found` is scratch
-/// memory.
+/// Moves a particle through an interval of time, with all its impacts on walls. The particle is the only one in the
+/// store `one`. `found` is scratch memory for the numbers of near walls. Returns an error if the particle comes to rest
+/// on a wall.
 fn fly_among_walls(
     one: &mut Particles,
     scene: &Scene,
@@ -176,7 +181,8 @@ fn fly_among_walls(
     }
 }
 
-/// First touch of the single particle of the store `one` with one of the given walls within `until` [s].
+/// First touch of the single particle in the store `one` with one of the given walls within `until` [s] from now;
+/// `None` without a touch.
 fn first_touch(one: &Particles, scene: &Scene, walls: &[u32], until: f64) -> Option<(Couple, Touch)> {
     let contacts = walls.iter().flat_map(|&wall| {
         (0..scene.walls[wall as usize].geometry.contacts()).map(move |which| Couple::at_wall(0, AtWall { wall, which }))

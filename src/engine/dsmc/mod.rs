@@ -41,17 +41,19 @@ pub struct Dsmc {
 #[derive(Clone, Copy, Default, Serialize, Deserialize)]
 struct DsmcState {
     counters: Counters,
-    /// [1/s] collision rate of a particle, from the velocities at the last collisions; `None` before the first step.
+    /// [1/s] mean collision rate of a particle, expected at the velocities before the last collisions; `None` before
+    /// the first step.
     rate: Option<f64>,
-    /// [s] time of flight minus time of collisions so far; negative if collisions are ahead of the flight.
+    /// [s] time for which particles have flown minus time for which they have collided so far; negative if collisions
+    /// are ahead of the flight.
     owed: f64,
 }
 
-/// Largest number of windows between two collision steps. The collision rate is known only from the last collision
-/// step, and may have changed since.
+/// Largest number of windows (times between two exchanges with the gas) that share one collision step. The collision
+/// rate is known only from the last step, and may have changed since.
 const MOST_WINDOWS: f64 = 16.0;
 
-/// Data that follow from the scene and from the sizes of the particles.
+/// Data of the engine that follow from the scene and from the sizes of the particles; made at the first window.
 struct DsmcSetup {
     sizes: RadiusSummary,
     cells: CollisionCells,
@@ -65,7 +67,8 @@ impl Dsmc {
         Self { settings, seed, state: DsmcState::default(), setup: None, times, clock }
     }
 
-    /// Makes pairs collide for a time of `duration` [s]; with 0 s, only the collision rate is computed.
+    /// Makes pairs collide for a time of `duration` [s], and computes the expected collision rate; with 0 s no pair
+    /// collides. Does nothing before the cells have been made.
     fn collide(
         &mut self,
         particles: &mut Particles,
@@ -114,7 +117,7 @@ impl Dsmc {
         Ok(())
     }
 
-    /// Moves all particles for a part of a window, with their impacts on walls.
+    /// Moves all particles through an interval of time, with their impacts on walls.
     fn fly(
         &mut self,
         particles: &mut Particles,
@@ -128,7 +131,7 @@ impl Dsmc {
         Ok(())
     }
 
-    /// [s] longest step for the collision rate at the present velocities.
+    /// [s] longest step between collisions: the set fraction of the mean time between two collisions of a particle.
     fn longest_step(&mut self, particles: &mut Particles, scene: &Scene) -> Result<f64, NotFinite> {
         if self.state.rate.is_none() {
             self.collide(particles, scene, 0.0, &mut Log::default())?;
@@ -137,7 +140,8 @@ impl Dsmc {
         if longest.is_nan() { Err(NotFinite) } else { Ok(longest) }
     }
 
-    /// Moves the particles through a window: several steps, one step, or a part of a step.
+    /// Moves the particles through a window (time between two exchanges with the gas). If steps are shorter than the
+    /// window, it is divided into steps; if they are longer, several windows share one collision step.
     fn run(&mut self, particles: &mut Particles, scene: &Scene, window: Window, log: &mut Log) -> Result<(), Failure> {
         let h = window.duration;
         let longest = self.longest_step(particles, scene);
@@ -156,7 +160,8 @@ impl Dsmc {
         Ok(())
     }
 
-    /// Moves the particles through a window in whole steps: half a flight, the collisions, and half a flight.
+    /// Moves the particles through a window (time between two exchanges with the gas) in `steps` equal steps: half a
+    /// flight, the collisions, and half a flight.
     fn steps(
         &mut self,
         particles: &mut Particles,
@@ -181,8 +186,8 @@ impl Dsmc {
         Ok(())
     }
 
-    /// Makes pairs collide for a time of `duration` [s] after a part of a window. Does nothing if this time is not
-    /// positive.
+    /// Makes pairs collide for a time of `duration` [s] after the particles have flown for `flown` [s] of the window.
+    /// Does nothing if `duration` is not positive.
     fn collide_after(
         &mut self,
         particles: &mut Particles,
@@ -201,7 +206,7 @@ impl Dsmc {
     }
 }
 
-/// A velocity is not a number, or too large to compute with.
+/// Error of the collisions: a velocity is not a number, or too large to compute with.
 struct NotFinite;
 
 impl Engine for Dsmc {

@@ -1,31 +1,33 @@
-//! Event queue of an island (a group of particles that may meet). It contains the next touch of each candidate of the
-//! neighbour list: a pair, or a particle and a wall. The number of a candidate in the list is called its slot. A window
-//! is the time between two exchanges of momentum with the gas.
+//! Event queue of an island (a group of particles that may meet). The queue holds at most one coming touch of each
+//! candidate in the island's neighbour list. A candidate is a pair, or a particle and a wall; the number of a candidate
+//! in the list is called its slot. Times are counted from the start of the *part*, a piece of the time between two
+//! exchanges with the gas.
 
 use ordered_float::OrderedFloat;
 use priority_queue::PriorityQueue;
 use rustc_hash::FxBuildHasher;
 use std::cmp::Reverse;
 
-/// Time of a touch [s since the start of the time window], and the slot (number in the neighbour list) of the two
-/// bodies. Of events at equal times, the one with the lower slot comes first, so that runs are reproducible.
+/// Key by which the event queue is sorted: the time of a touch [s since the start of the part], then the slot (number
+/// of the candidate pair or wall). If times are equal, the event with the lower slot comes first, so that runs are
+/// reproducible.
 type DueEvent = Reverse<(OrderedFloat<f64>, u32)>;
 
-/// Event queue of an island (group of particles that may meet), with at most one event per slot (number of a
-/// candidate). Outdated events are replaced at once.
+/// Event queue of an island (group of particles that may meet), with at most one coming touch for each slot, the number
+/// of a candidate pair or wall in the neighbour list. A new touch at a slot replaces the old one.
 #[derive(Clone, Default)]
 pub struct Calendar {
     queue: PriorityQueue<u32, DueEvent, FxBuildHasher>,
 }
 
 impl Calendar {
-    /// Removes all events from the queue.
+    /// Removes all coming touches from the queue.
     pub fn clear(&mut self) {
         self.queue.clear();
     }
 
-    /// Sets the time of the next touch of the two bodies at `slot` to `time` [s since the start of the time window].
-    /// `None` means that no touch occurs within the window.
+    /// Sets the time `time` [s since the start of the part] of the next touch of the two bodies at `slot`, their number
+    /// in the neighbour list. With `None`, no touch is coming, and an earlier entry of the slot is removed.
     pub fn set(&mut self, slot: u32, time: Option<f64>) {
         match time {
             Some(time) => {
@@ -37,8 +39,8 @@ impl Calendar {
         }
     }
 
-    /// Removes the earliest event, and returns its slot (number of a candidate) and its time [s since the start of the
-    /// time window].
+    /// Removes the earliest touch from the queue. Returns its slot, the number of the two bodies in the neighbour list,
+    /// and its time [s since the start of the part]; `None` if the queue is empty.
     pub fn pop(&mut self) -> Option<(u32, f64)> {
         self.queue.pop().map(|(slot, Reverse((time, _)))| (slot, time.0))
     }

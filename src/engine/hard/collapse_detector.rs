@@ -18,20 +18,20 @@ const COLLAPSE_STREAK: u8 = 200;
 /// body a sphere meets next.
 const COLLAPSE_FLIGHT: f64 = 64.0 * f64::EPSILON;
 
-/// Number of successive flights, each shorter than the one before, after which an unresolvably short flight is a
-/// collapse (the end of a Zeno series: infinitely many impacts in finite time). The relative speeds of a collapsing
-/// group fall below rounding within some dozen impacts. Then the group has no more impacts, so the limit
-/// [`COLLAPSE_STREAK`] would not be reached. By chance, three flights become shorter in a row in one of six cases. A
-/// chance flight is shorter than 10⁻¹⁴ of the box with a probability of about 10⁻¹⁴.
+/// Number of successive flights of a particle, each shorter than the one before, after which an unresolvably short
+/// flight shows an inelastic collapse. A collapsing group has no more impacts once its relative speeds are below
+/// rounding, some dozen impacts later, so the limit [`COLLAPSE_STREAK`] would not be reached. By chance, three flights
+/// become shorter in a row in one of six cases. A chance flight is shorter than 10⁻¹⁴ of the box with a probability of
+/// about 10⁻¹⁴.
 const ZENO_FLIGHTS: u8 = 3;
 
-/// Number of impacts of one particle within one time window that counts as a collapse, however long the times between
-/// the impacts. The limit does not apply with a contact time, since spheres at rest then collide about once per contact
-/// time, without end.
+/// Number of impacts of one particle within one window, the time between two exchanges with the gas, that counts as an
+/// inelastic collapse. The limit does not apply with a contact time, since spheres at rest then collide about once per
+/// contact time, without end.
 const COLLAPSE_IMPACTS: u32 = 1_000_000;
 
-/// Time of the last collision of a particle. The TC model (elastic collisions within a contact time) requires it in the
-/// next time window.
+/// Last collision of one particle, stored from one window (time between two exchanges with the gas) to the next. The TC
+/// model needs it: a collision is elastic soon after another one of the same particle.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Recent {
     /// Index of the particle in the particle store.
@@ -43,17 +43,19 @@ pub struct Recent {
 /// Collision history of one particle.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct LastCollision {
-    /// Number of impacts of the particle since the count was last set to 0.
+    /// Number of impacts of the particle since the last reset to 0. Engines reset it at the start of each window (time
+    /// between two exchanges with the gas), island or flight.
     pub impacts: u32,
-    /// Number of successive impacts after unresolvably short flights, counted across time windows; another impact
-    /// resets it to 0.
+    /// Number of successive impacts, each after a flight too short to be resolved; an impact after a longer flight sets
+    /// it to 0. In the event queue of all particles it goes on from window to window; in an island it begins at 0.
     streak: u8,
-    /// Number of successive impacts, each after a shorter flight than the one before, counted across time windows; at
-    /// most 255.
+    /// Number of successive resolvable flights of the particle, each shorter than the one before; at most 255. A longer
+    /// flight, or one too short to be resolved, sets it to 0. In an island it begins at 0.
     shrinking: u8,
-    /// Length of the last flight [m]: time since the previous impact, times the speed of approach.
+    /// [m] time between the last two impacts of the particle, times the speed of approach at the last impact. It
+    /// measures the length of the flight relative to the other body.
     flown: f64,
-    /// Simulated time [s] of the particle's last collision.
+    /// Simulated time [s] of the particle's last collision; minus infinity before its first collision.
     pub last: f64,
 }
 
@@ -69,8 +71,9 @@ impl LastCollision {
         Self { last, ..Self::default() }
     }
 
-    /// Records a collision at simulated time `time` [s]. If the collision shows an inelastic collapse, returns the time
-    /// [s] since the previous collision of the particle.
+    /// Adds a collision at simulated time `time` [s] to the history of the particle. Returns `None` normally, and the
+    /// time [s] since the particle's previous collision if the collisions show an inelastic collapse. `contact_time`
+    /// [s] is that of the TC model, if the model is used.
     pub fn note(&mut self, collision: &Collision, scene: &Scene, time: f64, contact_time: Option<f64>) -> Option<f64> {
         let interval = time - self.last;
         let flown = collision.approach().abs() * interval;
@@ -86,32 +89,35 @@ impl LastCollision {
     }
 }
 
-/// Speed [m/s] at which a particle slides along a curved wall. The particle hits the wall at ever smaller angles, so
-/// impacts accumulate although no particle comes to rest. `None` for other collisions.
+/// Speed [m/s] at which a particle slides along a curved wall, hitting the wall at ever smaller angles. Impacts then
+/// accumulate although no particle comes to rest. `None` if the collision is not of this kind.
 pub fn sliding(collision: &Collision, scene: &Scene) -> Option<f64> {
-    /// [-] ratio of slip to speed of approach above which the particle slides.
+    /// [-] ratio of tangential speed to speed of approach above which a particle slides along a curved wall.
     const FLAT: f64 = 1e3;
     let slip = collision.met.slip().norm();
     let is_curved = collision.couple.is_wall() && !collision.couple.is_flat(scene);
     (is_curved && slip > FLAT * collision.approach().abs()).then_some(slip)
 }
 
-/// Data that describe the inelastic collapse of a particle, for the error message.
+/// Numbers that describe the inelastic collapse of a particle (infinitely many impacts in finite time), for the error
+/// message.
 #[derive(Clone, Copy, Debug)]
 pub struct Collapsed {
-    /// Number of impacts of the particle since the count was last set to 0.
+    /// Number of impacts of the particle since the start of its window (time between two exchanges with the gas),
+    /// island or flight.
     pub impacts: u32,
-    /// Time [s] between the last two impacts.
+    /// Time [s] between the last two impacts of the particle.
     pub interval: f64,
-    /// Contact time [s] of the TC model (elastic collisions within a contact time); `None` without this model.
+    /// Contact time [s] of the TC model, in which a collision is elastic soon after another one; `None` without this
+    /// model.
     pub contact_time: Option<f64>,
-    /// Speed [m/s] of sliding along a curved wall, if this is the reason for the many impacts.
+    /// Speed [m/s] of sliding along a curved wall, if this is the reason for the many impacts; otherwise `None`.
     pub sliding: Option<f64>,
 }
 
 impl Collapsed {
-    /// Makes the error at simulated time `time` [s] from the particle's id, its collision partner, and its position
-    /// `place` [m].
+    /// Makes the error that stops the run at simulated time `time` [s]. `particle` is the id of the collapsing
+    /// particle, `partner` the body that it hit last, and `place` [m] its position.
     pub fn failure(&self, time: f64, (particle, partner): (u32, Partner), place: Vector3<f64>) -> Failure {
         let Self { impacts, interval, contact_time, sliding } = *self;
         let (impacts, [x, y, z]) = (u64::from(impacts), place.into());
@@ -119,9 +125,10 @@ impl Collapsed {
     }
 }
 
-/// Normal speed [m/s] away from the wall that is given to a particle at rest on the wall, in the TC model with the
-/// contact time t_c. A particle is at rest if gravity, or the acceleration of a moving wall, presses it to the wall, and if it would rise by an unresolvably
-/// small height. `None` for other particles, and without t_c.
+/// Normal speed [m/s] away from the wall that the TC model with the contact time t_c gives to a particle at rest on a
+/// wall. `None` if the particle does not rest, if the other body is no wall, or without t_c. A particle rests if
+/// gravity, or the acceleration of a moving wall, presses it to the wall, and if it would rise by an unresolvably small
+/// height.
 ///
 /// Without t_c the particle would have infinitely many collisions in finite time. In reality a contact of finite
 /// duration carries the weight during its contact time. Here the particle rebounds at a_n t_c/4, with a_n the
@@ -139,8 +146,9 @@ pub fn rests(collision: &Collision, scene: &Scene, contact_time: Option<f64>) ->
     (approach * approach <= rise && speed > approach).then_some(speed)
 }
 
-/// Particles that collided less than the contact time before `now` [s], each with the time of its last collision. Empty
-/// without a contact time.
+/// Selects from the collision histories `met`, one per particle in the order of their indices, the particles that
+/// collided less than the contact time before simulated time `now` [s]. Each is returned with the time of its last
+/// collision. Empty without a contact time.
 pub fn recent<'a>(
     met: impl Iterator<Item = &'a LastCollision>,
     contact_time: Option<f64>,

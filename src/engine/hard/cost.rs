@@ -1,5 +1,5 @@
-//! Estimated cost of one event queue for all particles, for comparison with the cost of islands (groups of particles
-//! that may meet).
+//! Estimate of the cost of moving all particles by one event queue. The engine compares it with the cost of islands,
+//! groups of particles that may meet and that are computed separately.
 
 use crate::engine::Window;
 use crate::engine::islands::SpeedSummary;
@@ -7,32 +7,32 @@ use crate::engine::population::PopulationSummary;
 use crate::scene::Scene;
 use std::f64::consts::{PI, SQRT_2};
 
-/// [ns] cost of predicting one touch and inserting it into the queue. A measurement on one quiet core with 1000 spheres
-/// of two sizes gave 55 ns, including the building of the neighbour list, whose cost is counted separately.
+/// [ns] cost of predicting one touch and inserting it into the event queue. A measurement on one quiet core with 1000
+/// spheres of two sizes gave 55 ns, including the building of the neighbour list, whose cost is counted separately.
 const TOUCH: f64 = 40.0;
 
-/// [ns] cost per particle of building the neighbour list: cells, order and walls. It equals the cost of the search for
-/// islands (groups of particles that may meet), which does the same work.
+/// [ns] cost per particle of building the neighbour list: sorting into cells, and looking for walls. The search for
+/// touching particles, by which islands are found, does the same work at the same cost.
 const BUILD: f64 = 90.0;
 
-/// [ns] cost of checking one pair while the list is built. The check is that of the search for islands (groups of
-/// particles that may meet), but in double precision.
+/// [ns] cost of comparing one pair of particles while the neighbour list is built, in double precision.
 const PAIR: f64 = 3.0;
 
-/// [-] volume fraction above which the persistent event queue costs less than islands (groups of particles that may
-/// meet). Measured with 10⁴ elastic spheres in a periodic box on one thread, as collisions per second of wall-clock
-/// time relative to islands. The ratios are 0.8 at a volume fraction of 0.05, 1.1 at 0.1, 1.7 at 0.2, and 2.3 at 0.3.
-/// Islands become faster with more threads, the queue does not.
+/// [-] volume fraction above which one lasting event queue of all particles costs less than islands, groups of
+/// particles that are computed separately. With 10⁴ elastic spheres in a periodic box on one thread, the queue did 0.8
+/// times as many collisions per second as islands at a volume fraction of 0.05. The ratios were 1.1 at 0.1, 1.7 at 0.2,
+/// and 2.3 at 0.3. Islands become faster with more threads, the queue does not.
 const DENSE: f64 = 0.2;
 
-/// Largest cost at which islands (groups of particles that may meet) are used in this time window, per particle and
-/// simulated time [ns/s]; with `None` islands are not tried.
+/// Largest cost [ns/s], per particle and simulated time, at which islands (groups of particles that may meet) are used
+/// in this window, the time between two exchanges with the gas. With `None` the event queue of all particles is used
+/// without trying islands.
 ///
-/// Without drag the event queue remains valid from window to window; it is then used for dense systems. Drag changes
-/// velocities in every window, so all events must be predicted again. For particles of several sizes, the costs of
-/// islands and of the queue are compared, because islands of the largest spheres unite first. For spheres of one size
-/// the limit is infinite. In the cases of this project, islands cost 1 % to 70 % (dense gas, volume fraction 0.3) of an
-/// event queue that is rebuilt.
+/// Without drag the event queue remains valid from window to window, so it is used for dense systems. Drag changes
+/// velocities in every window, so all events would have to be predicted again. For particles of several sizes, the
+/// costs of islands and of the queue are compared, because islands of the largest spheres unite first. For spheres of
+/// one size the limit is infinite. In the cases of this project, islands cost 1 % to 70 % (dense gas, volume fraction
+/// 0.3) of an event queue that is rebuilt.
 pub fn fallback_cost(
     population: &PopulationSummary,
     speeds: &SpeedSummary,
@@ -45,17 +45,18 @@ pub fn fallback_cost(
     Some(if population.mixed { one_calendar(population, speeds, window) } else { f64::INFINITY })
 }
 
-/// True if an event queue remains valid after its time window. With drag, or with buoyancy of species of different
-/// densities, the queue becomes invalid, because kicks change the velocities at the end of each window.
+/// True if the event queue of all particles remains valid from one window to the next. Drag, lift, a thermostat, and buoyancy of
+/// species of different densities change the velocities between two windows; the predicted events are then wrong.
 pub fn lasts(scene: &Scene) -> bool {
     !scene.is_kicked()
 }
 
-/// Cost of moving all particles by one event queue, per particle and simulated time [ns/s].
+/// Lowest cost [ns/s], per particle and simulated time, of moving all particles by one event queue that is predicted
+/// anew in every window.
 ///
-/// Every touch on the neighbour list is predicted at the start of a time window, and the touches of both partners are
-/// predicted again after a collision. Pairs are listed if their gap is smaller than a length called skin. The list is
-/// rebuilt whenever the fastest particle has moved half the skin. The returned cost is the lowest for any skin.
+/// At the start of a window the touches of all listed pairs are predicted, and after a collision those of both partners
+/// again. Pairs are listed if their gap is smaller than a length called skin. The list is rebuilt whenever the fastest
+/// particle has moved half the skin. The function tries many skins and returns the lowest cost.
 fn one_calendar(population: &PopulationSummary, speeds: &SpeedSummary, window: Window) -> f64 {
     let &PopulationSummary { density, mean_radius: [mean, mean_square], largest, ref census, .. } = population;
     // [m²] mean square of the distance between centres at which two particles touch

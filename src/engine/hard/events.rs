@@ -1,6 +1,6 @@
-//! Event loop of an island (a group of particles that may meet): collisions in the order of their exact times. A window
-//! is the time between two exchanges of momentum with the gas, and a slot is the number of a candidate in the neighbour
-//! list.
+//! Event loop of an island (a group of particles that may meet): collisions in the order of their exact times. An
+//! island is moved through a *part*, a piece of the time between two exchanges with the gas; times are counted from the
+//! start of the part. A *slot* is the number of a candidate (pair, or particle and wall) in the neighbour list.
 
 use super::calendar::Calendar;
 use super::collapse_detector::{Collapsed, LastCollision, Recent, recent, rests, sliding};
@@ -15,62 +15,69 @@ use crate::scene::Scene;
 use crate::walls::Touch;
 use nalgebra::Vector3;
 
-/// A straight flight of a particle that begins with an impulse.
+/// The straight flight of a particle after a collision. Positions and velocities are those in the frame that falls with
+/// gravity from the start of the part (piece of the time between two exchanges with the gas).
 #[derive(Clone, Copy, Debug)]
 pub struct DeflectedFlight {
-    /// Index of the particle that flies.
+    /// Index of the particle in its island.
     pub place: u32,
-    /// Time [s] of the impulse, at which the flight begins, since the start of the time window.
+    /// Time [s] of the collision with which the flight begins, since the start of the part.
     pub time: f64,
-    /// Position [m] on the straight line of the flight, extended backwards to the start of the time window.
+    /// Position [m] that the particle would have had at the start of the part if it had always moved on the line of
+    /// this flight.
     pub origin: Vector3<f64>,
-    /// Velocity [m/s] of the particle after the impulse.
+    /// Velocity [m/s] of the particle after the collision.
     pub velocity: Vector3<f64>,
 }
 
-/// The part of a time window from its start to a time at which the event loop stops.
+/// Interval of time, called part, through which an island is moved. A window is the time between two exchanges with the
+/// gas, and a part is a piece of it.
 #[derive(Clone, Copy)]
 pub struct WindowPart {
-    /// The whole time window.
+    /// The window from the start of this part on; its start is the zero of times in the event loop.
     pub window: Window,
-    /// Length of the part [s]: its end, counted from the start of the time window.
+    /// Length [s] of the part.
     pub end: f64,
 }
 
-/// Event loop over the candidates of an island's neighbour list: pairs, and particles with walls.
+/// Event loop that moves the particles of an island from collision to collision. The events are the touches of the
+/// candidates in the neighbour list: pairs, and particles with walls.
 ///
-/// A stored position is a point on the straight line of the flight, extended backwards to the start of the time window.
-/// So `x(t) = origin + v t` for every particle, also after collisions. No particle requires a separate time, and a
-/// collision changes only the data of its two partners.
+/// A stored position is not that of the present: it is the point where the particle would have been at the start of the
+/// part on its present straight line. So `x(t) = origin + v t` for every particle, also after collisions. No particle
+/// requires a separate time, and a collision changes only the data of its two partners.
 #[derive(Clone, Default)]
 pub struct EventLoop {
-    /// The candidate pairs and walls. After a change of this list, [`adopt`](Self::adopt) must be called.
+    /// Neighbour list with the candidates for collisions: pairs, and particles with walls. After a change of this list,
+    /// [`adopt`](Self::adopt) must be called.
     pub list: NeighbourList,
-    /// Number of impulses applied so far.
+    /// Number of collisions so far, in all islands that this event loop has moved.
     pub events: u64,
-    /// Number of touch times computed so far.
+    /// Number of touch times computed so far, in all islands that this event loop has moved.
     pub pair_checks: u64,
-    /// Event queue, filled again at the beginning of every run.
+    /// Queue of the coming touches, filled again for every island.
     calendar: Calendar,
-    /// Slots of each particle i in the neighbour list: `adjacent[first[i] .. first[i + 1]]`.
+    /// Start of the entries of each particle in `adjacent`: the slots (numbers in the neighbour list) of particle `i`
+    /// are `adjacent[first[i] .. first[i + 1]]`.
     first: Vec<u32>,
     adjacent: Vec<u32>,
-    /// Working memory: next free entry of each particle while slots (numbers of candidates) are filled in.
+    /// Scratch memory while `adjacent` is filled: for each particle, the index of its next free entry.
     next: Vec<u32>,
-    /// For each slot of a particle and a wall, the number of the surface feature (such as a triangle) that is touched
-    /// next.
+    /// For each candidate of a particle and a wall, the number of the surface feature (such as a triangle of a mesh)
+    /// that the particle will touch next.
     places: Vec<u32>,
-    /// Flights that began with a collision in the last run, in the order of time.
+    /// Flights that began with a collision in the last island, in the order of time.
     pub turned: Vec<DeflectedFlight>,
-    /// Collision history of each particle.
+    /// Collision history of each particle of the island, by which inelastic collapse is detected.
     met: Vec<LastCollision>,
-    /// Contact time t_c [s] of the TC model: a collision is elastic if either particle collided less than t_c before.
+    /// Contact time t_c [s] of the TC model, in which a collision is elastic if either particle collided less than t_c
+    /// before; `None` without this model.
     pub contact_time: Option<f64>,
 }
 
 impl EventLoop {
-    /// Prepares the event loop for a new neighbour list of `particles` particles. Particles that are not in `recently`
-    /// have no collision history.
+    /// Prepares the event loop for a new island of `particles` particles, whose neighbour list is already in `list`.
+    /// `recently` contains the last collisions of some particles; the others have no collision history.
     pub fn adopt(&mut self, particles: usize, recently: &[Recent]) {
         self.met.clear();
         self.met.resize(particles, LastCollision::default());
@@ -80,8 +87,8 @@ impl EventLoop {
         self.connect(particles);
     }
 
-    /// Recent collisions of the first `particles` particles: those less than the contact time before simulated time
-    /// `now` [s]. Empty without a contact time.
+    /// Last collisions of those of the first `particles` particles that collided less than the contact time before
+    /// simulated time `now` [s]. Empty without a contact time.
     pub fn recent(&self, particles: usize, now: f64) -> impl Iterator<Item = Recent> {
         recent(self.met.iter().take(particles), self.contact_time, now)
     }
@@ -113,9 +120,9 @@ impl EventLoop {
         }
     }
 
-    /// Processes all events of a part of a time window. The loop stops early if a particle is faster than `bounds`
-    /// allow, or if a collapse is detected. Returns the time reached [s since the start of the window], and the index
-    /// of the particle that was too fast.
+    /// Moves the particles from collision to collision through a part of a window. The loop stops early if a particle
+    /// becomes faster than `bounds` allow, or if an inelastic collapse is detected. Returns the time reached [s since
+    /// the start of the part], and the index of the particle that became too fast, if any.
     pub fn run(
         &mut self,
         particles: &mut Particles,
@@ -167,15 +174,15 @@ impl EventLoop {
         (end, Ok(None))
     }
 
-    /// Number of the surface feature of the wall at which the next touch of a slot (number of a candidate) occurs; 0
-    /// for a pair.
+    /// Number of the surface feature (such as a triangle of a mesh) that the particle at a slot will touch next; 0 if
+    /// the slot, a number in the neighbour list, is that of a pair.
     fn place(&self, slot: usize) -> u32 {
         let near = slot.checked_sub(self.list.pairs.len());
         near.and_then(|near| self.places.get(near)).copied().unwrap_or_default()
     }
 
-    /// Stores the next touch of the two bodies at a slot (number of a candidate); the time of the touch is in s since
-    /// the start of the time window.
+    /// Puts the next touch of the two bodies at a slot (number in the neighbour list) into the event queue; `None` if
+    /// they will not touch. The time of the touch is in s since the start of the part.
     fn predict_events(&mut self, slot: usize, touch: Option<Touch>) {
         if let (Some(near), Some(touch)) = (slot.checked_sub(self.list.pairs.len()), touch) {
             self.places[near] = touch.place;
@@ -183,8 +190,8 @@ impl EventLoop {
         self.calendar.set(slot as u32, touch.map(|touch| touch.time));
     }
 
-    /// Next touch of the two bodies at a slot (number of a candidate), at `now` or later and before `end`; all times
-    /// are in s since the start of the time window.
+    /// Next touch of the two bodies at a slot (number in the neighbour list) between the times `now` and `end`; `None`
+    /// without a touch. All times are in s since the start of the part.
     fn touch(&self, slot: usize, particles: &Particles, scene: &Scene, now: f64, end: f64) -> Option<Touch> {
         let couple = self.list.couple(slot);
         let touch = couple.touch(particles, scene, FrameTime::ahead(now), end - now);
@@ -192,7 +199,8 @@ impl EventLoop {
         touch.filter(|touch| couple.is_wall() || touch.time < end)
     }
 
-    /// Fills the event queue with the touches between the start of the time window and the time `end` [s].
+    /// Fills the event queue with the first touch of every candidate in the neighbour list, up to the time `end` [s]
+    /// since the start of the part.
     fn predict_all(&mut self, particles: &Particles, scene: &Scene, end: f64) {
         self.calendar.clear();
         self.places.clear();
@@ -216,14 +224,16 @@ impl EventLoop {
         }
     }
 
-    /// True if one of the partners collided less than the contact time before simulated time `time` [s].
+    /// True if the TC model makes a collision of these bodies at simulated time `time` [s] elastic: one of them
+    /// collided less than the contact time before.
     fn in_contact(&self, couple: &Couple, time: f64) -> bool {
         let Some(contact_time) = self.contact_time else { return false };
         let last = |place: u32| self.met[place as usize].last;
         couple.places().into_iter().flatten().any(|place| time - last(place) < contact_time)
     }
 
-    /// Records a collision in the histories of both partners. Returns an error if it shows inelastic collapse.
+    /// Adds a collision at the time `now` [s since the start of the part] to the histories of both partners. Returns an
+    /// error if the histories show an inelastic collapse.
     fn watch(
         &mut self,
         collision: &Collision,

@@ -1,4 +1,4 @@
-//! Impulse of a collision of spheres that rotate. The impulse is the change of momentum.
+//! Impulse (change of momentum) and change of spin in a collision of hard spheres that rotate.
 
 use super::impulse::Collision;
 use crate::particles::Particles;
@@ -7,24 +7,29 @@ use crate::rotation::{ImpactRule, ObliqueApproach, Rotation, slip, tangential_ma
 use crate::scene::Surface;
 use nalgebra::Vector3;
 
-/// Impulse of a collision of rotating bodies, and the energy lost by friction.
+/// Result of a collision of two rotating bodies: the impulse, and the energy lost by friction.
 #[derive(Clone, Copy, Debug)]
 pub struct RoughImpulse {
-    /// [kg m/s] impulse on particle `i`.
+    /// [kg m/s] change of the momentum of particle `i`, the first of the two bodies.
     pub impulse: Vector3<f64>,
-    /// [J] kinetic energy of the two bodies that is lost by friction, including tangential restitution.
+    /// [J] kinetic energy of the two bodies that is lost by friction and by tangential restitution.
     pub friction_loss: f64,
-    /// [J] part of `friction_loss` by tangential restitution: all of it if the impact sticks (Walton's rule), otherwise
-    /// 0.
+    /// [J] part of `friction_loss` that is due to tangential restitution. It is all of `friction_loss` if the surfaces
+    /// stick under Walton's rule, otherwise 0.
     pub tangential_restitution_loss: f64,
-    /// Slip of the surfaces before and after the collision.
+    /// Tangential relative velocity of the two surfaces before and after the collision.
     pub slip: SlipChange,
 }
 
 impl Collision {
-    /// Computes the impulse on particle `i`, and changes the spins of both bodies. The normal part is J_n = (1+e) M
-    /// u_n. The tangential part J_t acts against the slip and follows from the impact rule of the scene. The torque
-    /// impulse on either body is l n × J_t, with l its lever arm (docs/rotation.md). `normal_impulse` is J_n [kg m/s].
+    /// Computes the impulse (change of momentum) of particle `i`, and changes the spins of both bodies in `particles`.
+    /// The impulse is J_n **n** - **J**_t, with the normal **n** from the other body to `i` and J_n = (1+e) M |u_n|.
+    /// **J**_t is parallel to the slip, the tangential velocity of the surface of `i` relative to the other; the
+    /// scene's impact rule gives its magnitude. Either body gets the torque impulse l **n** × **J**_t, with l its lever
+    /// arm (docs/rotation.md).
+    ///
+    /// The tuple contains J_n [kg m/s], the effective mass M [kg], and the distance [m] of the centres at touch (the
+    /// radius at a wall).
     pub fn rough_impulse(
         &self,
         rotation: &Rotation,

@@ -1,4 +1,4 @@
-//! Impulse of a collision: the instantaneous change of momentum.
+//! Impulse of a collision of hard spheres: the instantaneous change of momentum.
 
 use crate::encounter::{AtWall, Couple, Encounter, Other, WallMotion};
 use crate::particles::Particles;
@@ -26,42 +26,44 @@ pub fn impulse(surface: &Surface, effective_mass: f64, velocity: &Vector3<f64>, 
     impulse
 }
 
-/// Two bodies at the instant of their collision.
+/// Two bodies at the instant of their collision; body `i` is the first particle of `couple`.
 #[derive(Clone, Copy, Debug)]
 pub struct Collision {
-    /// The two bodies that collide: a pair of particles, or a particle and a wall.
+    /// The two bodies that collide: particle `i`, and another particle or a wall.
     pub couple: Couple,
-    /// Relative position and velocity of the two bodies. A small overlap may result from rounding. In the engine with
-    /// time steps, a larger overlap results from the finite step.
+    /// Position and velocity of particle `i` relative to the other body. Rounding may cause a small overlap; in the
+    /// engine with time steps the finite step causes a larger one.
     pub met: Encounter,
-    /// True if the collision loses no energy along the normal, whatever the surfaces. The TC model (Luding and McNamara
-    /// 1998, Granular Matter 1, 113) makes a collision elastic if one of the partners collided less than the contact
-    /// time before.
+    /// True if the collision loses no energy along the normal, whatever the surfaces. This is so in the TC model
+    /// (Luding and McNamara 1998, Granular Matter 1, 113) if one of the partners collided less than the contact time
+    /// before.
     pub elastic: bool,
-    /// Species of particle `i`, and kind (species or wall) of the other body.
+    /// Species of particle `i`, and kind (species or wall) of the other body; they select restitution and friction.
     pub kinds: (u16, Kind),
-    /// Motion of the wall's surface; `None` between particles.
+    /// Motion of the wall's surface at the point of contact: velocity, spin and accelerations. `None` if the other body
+    /// is a particle.
     pub wall: Option<WallMotion>,
-    /// Velocity [m/s] along z, relative to the other particle itself, of the image of it that particle `i` meets. It is
-    /// 0 unless a sheared side is between the two ([`Couple::image_velocity`]).
+    /// Velocity [m/s] along z of the periodic image that particle `i` hits, relative to the stored other particle. It
+    /// is 0 unless the two meet across a sheared side of the box ([`Couple::image_velocity`]).
     pub image: f64,
 }
 
-/// Masses and lengths of two bodies that are required for their collision.
+/// Masses and lengths of two colliding bodies that determine their impulse and the recorded overlap.
 #[derive(Clone, Copy, Debug)]
 pub struct CollisionMasses {
     /// Mass [kg] of particle `i`.
     pub mass: f64,
     /// Mass [kg] of the other particle; `None` for a wall.
     pub other: Option<f64>,
-    /// Smaller of the two diameters [m], by which overlaps are divided.
+    /// Smaller of the two diameters [m], by which recorded overlaps are divided; at a wall the diameter of the
+    /// particle.
     pub diameter: f64,
-    /// Distance between the centres at touch [m]; for a wall the radius.
+    /// Distance [m] between the centres at touch; at a wall the radius of the particle.
     pub reach: f64,
 }
 
 impl CollisionMasses {
-    /// Reads masses and lengths of two bodies from the particle store.
+    /// Reads masses and lengths of the two bodies from the particle store.
     pub fn of(couple: &Couple, particles: &Particles) -> Self {
         Self {
             mass: particles.mass[couple.i as usize],
@@ -71,26 +73,27 @@ impl CollisionMasses {
         }
     }
 
-    /// Effective mass M [kg]; for a wall the mass of the particle.
+    /// Effective mass m_i m_j/(m_i + m_j) [kg]; at a wall the mass of the particle.
     fn effective(&self) -> f64 {
         self.other.map_or(self.mass, |other| 1.0 / (1.0 / self.mass + 1.0 / other))
     }
 }
 
 impl Collision {
-    /// Speed of approach along the normal [m/s].
+    /// Speed [m/s] at which the two bodies approach along the normal; positive if they approach.
     pub fn approach(&self) -> f64 {
         -self.met.normal_velocity
     }
 
-    /// True if the collision loses energy along the normal. Collisions without loss may continue without end, and are
-    /// no sign of an inelastic collapse.
+    /// True if the collision loses energy along the normal. Collisions without loss may go on without end, and are no
+    /// sign of an inelastic collapse.
     pub fn loses(&self, scene: &Scene) -> bool {
         !self.elastic && scene.surface(self.kinds.0, self.kinds.1).restitution_at(self.approach()) < 1.0
     }
 
-    /// Applies the impulse to the velocities and spins of `particles`, and records it. `remaining` [s] is the rest of
-    /// the time window. Returns the velocity changes [m/s] of `i` and of the other particle (zero for a wall).
+    /// Applies the impulse to the velocities and spins in `particles`, and adds the impact to `log`. Gravity does work
+    /// on the new momentum for the time `remaining` [s] until the end of the window. Returns the velocity changes [m/s]
+    /// of `i` and of the other particle (zero for a wall).
     pub fn resolve(
         &self,
         particles: &mut Particles,
@@ -107,7 +110,8 @@ impl Collision {
         changes
     }
 
-    /// The collision with the facet of a rough wall; `None` if the other body is smooth.
+    /// This collision with the normal of a randomly inclined facet of a rough wall in place of the wall's smooth
+    /// normal; `None` if the other body is a particle or a smooth wall.
     fn on_facet(&self, particles: &Particles, scene: &Scene) -> Option<Self> {
         let Other::Wall(AtWall { wall, .. }) = self.couple.other else { return None };
         let roughness = scene.walls[wall as usize].roughness?;
@@ -119,7 +123,8 @@ impl Collision {
         Some(Self { met: Encounter { normal, normal_velocity: velocity.dot(&normal), ..self.met }, ..*self })
     }
 
-    /// [m/s] velocity, relative to the wall, with which the particle leaves a thermal wall; `None` if the other body is none.
+    /// [m/s] velocity, relative to the wall, with which the particle leaves a thermal wall (a wall that gives spheres
+    /// the velocities of a gas). `None` if the other body is no thermal wall.
     fn thermal_rebound(&self, particles: &Particles, scene: &Scene) -> Option<Vector3<f64>> {
         let Other::Wall(AtWall { wall, .. }) = self.couple.other else { return None };
         Some(scene.walls[wall as usize].thermal?.rebound(&self.wall_approach(particles, wall)))
@@ -130,9 +135,9 @@ impl Collision {
         WallApproach { velocity, normal, id: particles.id[self.couple.i as usize], wall }
     }
 
-    /// Records the impulse, and returns the velocity changes [m/s] of `i` and of the other particle (zero for a wall).
-    /// If spheres rotate, the function changes the spins in `particles`. `remaining` [s] is the rest of the time
-    /// window.
+    /// Adds the impact to `log`, and returns the velocity changes [m/s] of `i` and of the other particle (zero for a
+    /// wall). The velocities in `particles` stay, but the spins of rotating spheres are changed there. Gravity does
+    /// work on the new momentum for the time `remaining` [s] until the end of the window.
     pub fn apply_impulse(
         &self,
         weights: &CollisionMasses,
@@ -207,7 +212,8 @@ impl Collision {
         }
     }
 
-    /// The impact for the statistics, without rebound. `diameter` [m] is the smaller one of both bodies.
+    /// Entry of this collision in the statistics of impacts; the speed of rebound is left at 0 for the caller to fill
+    /// in. `diameter` [m] is the smaller diameter of the two bodies.
     fn impact(&self, diameter: f64) -> Impact {
         let overlap = self.met.overlap().max(0.0) / diameter;
         Impact {
@@ -222,17 +228,18 @@ impl Collision {
         }
     }
 
-    /// Adds the impulse [kg m/s] of a wall to the ledger. Gravity does work on this momentum during the rest `remaining`
-    /// [s] of the window.
+    /// Adds to the ledger the impulse [kg m/s] that a wall gives to the particle. Gravity does work on this momentum
+    /// for the time `remaining` [s] until the end of the window.
     fn book_wall_impulse(&self, impulse: &Vector3<f64>, scene: &Scene, remaining: f64, ledger: &mut Ledger) {
         ledger.wall_impulse += impulse;
         ledger.wall_normal_impulse += impulse.dot(&self.met.normal);
         ledger.gravity_work += scene.gravity.dot(impulse) * remaining;
     }
 
-    /// Velocity change [m/s] of a particle of `mass` [kg] that rests on a wall. Afterwards the particle has the normal
-    /// speed `speed` [m/s] away from the wall. The energy given to it is recorded as a negative loss. No impact is
-    /// recorded, since the particle does not approach the wall. `remaining` [s] is the rest of the time window.
+    /// Velocity change [m/s] of a particle of `mass` [kg] that rests on a wall, after which its normal speed away from
+    /// the wall is `speed` [m/s]. The energy given to the particle is recorded as a negative loss. No impact is
+    /// recorded, since the particle does not approach the wall. Gravity does work on the new momentum for the time
+    /// `remaining` [s] until the end of the window.
     pub fn hold_at_rest(&self, speed: f64, mass: f64, scene: &Scene, remaining: f64, log: &mut Log) -> Vector3<f64> {
         let before = self.met.normal_velocity;
         let change = self.met.normal * (speed - before);

@@ -1,4 +1,5 @@
-//! Solver of islands (groups of particles that may meet) of hard spheres, with a small event queue for each island.
+//! Solver of islands of hard spheres, with a small event queue for each island. An island is a group of particles that
+//! may meet within a part (piece) of the time between two exchanges with the gas.
 
 use super::collapse_detector::Recent;
 use super::events::{EventLoop, WindowPart};
@@ -7,8 +8,8 @@ use crate::engine::Window;
 use crate::engine::islands::{GivenUp, Island, Solve, TracedIslands};
 use crate::scene::Scene;
 
-/// Solver of islands (groups of particles that may meet) by events. Between windows it stores only the times of recent
-/// collisions, for the TC model (elastic collisions within a contact time).
+/// Solver that moves the hard spheres of one island (group of particles that may meet) from collision to collision. The
+/// only state that it carries to the next island is the times of recent collisions, which the TC model needs.
 #[derive(Default)]
 pub struct HardIslands {
     /// Contact time t_c [s] of the TC model, in which a collision is elastic soon after another one; `None` without

@@ -33,19 +33,19 @@ use serde::{Deserialize, Serialize};
 /// all particles. Both methods give equal collisions.
 pub type Hard = Driver<HardSolver>;
 
-/// Method by which the engine moves the particles through time windows.
+/// Method by which the engine moves the particles through each window, the time between two exchanges with the gas.
 #[derive(Clone, Copy, PartialEq)]
 enum WindowMethod {
-    /// In each time window, the method with the lower estimated cost.
+    /// In each window, the method with the lower estimated cost.
     Cheaper,
-    /// Islands (groups of particles that may meet) whenever this is possible.
+    /// Islands (groups of particles that may meet, each with an event queue of its own) whenever this is possible.
     Islands,
-    /// One event queue for all particles in every time window.
+    /// One event queue for all particles in every window.
     OneCalendar,
 }
 
-/// Solver of islands (groups of particles that may meet) by small event queues, and of all particles by one event
-/// queue.
+/// Solver of the event-driven engine. It moves islands (groups of particles that may meet) by small event queues, and
+/// all particles at once by one lasting event queue.
 pub struct HardSolver {
     together: GlobalCalendar,
     islands: HardIslands,
@@ -53,25 +53,25 @@ pub struct HardSolver {
     memory: Memory,
 }
 
-/// Data on earlier time windows, from which the engine chooses between islands (groups of particles that may meet) and
-/// the global event queue.
+/// Data on earlier windows (times between two exchanges with the gas), by which the engine decides when to try islands
+/// again and when to rebuild the event queue of all particles.
 #[derive(Clone, Copy, Default, Serialize, Deserialize)]
 struct Memory {
-    /// True if islands (groups of particles that may meet) have moved the particles, or a trial of islands has failed,
-    /// since the global queue was last used. The data of the queue are then outdated.
+    /// True if the event queue of all particles is outdated: since its last use, islands have moved or sorted the
+    /// particles, or a trial of islands has failed.
     outdated: bool,
-    /// Number of time windows in which only the global queue is used after islands (groups of particles that may meet)
-    /// have failed. It is one, then two, four, up to [`LONGEST_STAY`].
+    /// Number of windows for which islands (groups of particles that may meet) were not tried after the last failed
+    /// trial. A failed trial doubles it, from one up to [`LONGEST_STAY`], and a successful trial halves it.
     stay: u32,
-    /// Number of time windows that remain until islands (groups of particles that may meet) are tried again.
+    /// Number of windows that remain until islands (groups of particles that may meet) are tried again.
     left: u32,
 }
 
-/// Largest number of time windows in which islands (groups of particles that may meet) are not tried. A failed trial
-/// makes the neighbour lists and the events of the global queue invalid, and these must be computed again.
+/// Largest number of windows in a row in which islands (groups of particles that may meet) are not tried. A failed
+/// trial is costly: the neighbour lists and the events of all particles must be computed again.
 const LONGEST_STAY: u32 = 64;
 
-/// State of the engine that a snapshot of a run contains.
+/// State of the engine between two windows, as stored in a snapshot of a run.
 #[derive(Serialize, Deserialize)]
 pub struct HardState {
     together: GlobalCalendar,
@@ -96,8 +96,8 @@ impl Hard {
         })
     }
 
-    /// Makes an engine that always uses one event queue for all particles. It is the reference for tests of islands
-    /// (groups of particles that may meet).
+    /// Makes an engine that always uses one event queue for all particles. Tests compare the results of islands (groups
+    /// of particles that may meet) with it.
     pub fn with_one_calendar() -> Self {
         let mut engine = Self::new();
         engine.solver.way = WindowMethod::OneCalendar;
@@ -161,7 +161,7 @@ impl Solver for HardSolver {
         self.memory.outdated = true;
     }
 
-    /// Does nothing, because recent collisions are already returned at the end of each time window.
+    /// Does nothing, because recent collisions are already returned at the end of each window.
     fn hand_over(&mut self, _lasting: &mut Vec<Recent>) {}
 
     fn for_each_kept(&self, _visit: &mut dyn FnMut(Recent)) {}

@@ -29,17 +29,18 @@ pub struct SteppedHard {
 }
 
 impl SteppedHard {
-    /// Makes an engine with the given step criterion θ > 0, which is proportional to the step.
+    /// Makes an engine with the given factor θ > 0 [-] in the criterion for the time step, Δt < θ d/u_r.
     pub fn new(theta: f64) -> Self {
         Self { theta, list: NeighbourList::default(), slots: Vec::new(), counters: Counters::default() }
     }
 
-    /// Longest step θ d/u_r [s] for a time window of `duration` [s]. The result is infinite if no particle moves
-    /// relative to the others or to a wall.
+    /// Longest time step θ d/u_r [s] that the engine takes in a window of `duration` [s], the time between two
+    /// exchanges with the gas. It is infinite if no particle moves relative to the others or to a wall.
     ///
-    /// The agitation is that of the velocities relative to their mean along the walls. The mean velocity perpendicular
-    /// to a wall is included, and the velocity that gravity adds until the end of the window. So the step is also
-    /// finite for a single falling sphere. The square of the largest speed of a wall that moves is added.
+    /// d is the smallest diameter, and u_r follows from the agitation of the velocities relative to their mean along
+    /// the walls. The mean velocity perpendicular to a wall is included, and the velocity that gravity adds until the
+    /// end of the window. So the step is also finite for a single falling sphere. The square of the largest speed of a
+    /// wall that moves is added.
     pub fn longest_step(theta: f64, particles: &Particles, scene: &Scene, duration: f64) -> f64 {
         let particles = &*particles.relative_to_flow(&scene.domain);
         let mean = along_walls(scene, particles.mean_velocity());
@@ -51,8 +52,8 @@ impl SteppedHard {
         theta * diameter / (8.0 * agitation / (3.0 * PI)).sqrt()
     }
 
-    /// Number of pairs that met within the last step of `dt` [s] and separate at its end, even if they still overlap.
-    /// These pairs receive no impulse.
+    /// Number of pairs that the time step has missed. These touched and came nearest to each other within the last step
+    /// of `dt` [s], but separate at its end. They receive no impulse, even if they still overlap.
     fn missed(&self, particles: &Particles, scene: &Scene, dt: f64) -> u64 {
         let passed = |pair: &&Pair| {
             let (i, j) = (pair.i as usize, pair.j as usize);

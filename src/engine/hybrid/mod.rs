@@ -54,7 +54,7 @@ pub struct HybridIslands {
 /// Rule that decides which touches are instantaneous.
 pub struct Impulses {
     law: ContactLaw,
-    /// [-] clearance θ: the clear time over the duration of the contact.
+    /// [-] clearance θ: time for which no other body may come near, over the duration of the contact.
     clearance: f64,
 }
 

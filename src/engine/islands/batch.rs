@@ -15,35 +15,36 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// State of a hot particle (a member of an island) at the end of the part of a time window, in the frame at rest.
+/// Position and velocity, at the end of a part (piece of the time between two exchanges with the gas), of a hot
+/// particle, that is a member of an island. They are relative to the frame at rest.
 #[derive(Clone, Copy, Debug)]
 pub struct HotParticle {
     /// Index of the particle in the particle store.
     pub place: u32,
-    /// Position, velocity and other moving quantities of the particle at the end of the part of the time window.
+    /// Position, velocity and other moving quantities of the particle at the end of the part.
     pub motion: Motion,
 }
 
-/// A particle that left the bounds of its island: a member that exceeded its speed limit, or a bystander that was hit.
-/// A bystander is a particle that was expected to fly straight.
+/// A particle because of which an island must be solved again. It is a member that exceeded its speed limit, or a
+/// bystander (a particle that was expected to fly straight) that a member touched.
 #[derive(Clone, Copy, Debug)]
 pub struct Stop {
     /// Index of the particle in the particle store.
     pub place: u32,
-    /// True if the particle was a bystander (particle that members might hit), false if it was a member.
+    /// True if the particle is a bystander, which was expected to fly straight; false if it is a member of the island.
     pub bystander: bool,
-    /// Speed [m/s] of the particle relative to the frame in which speed limits are given.
+    /// Speed [m/s] of the particle, relative to the moving frame in which speed limits are given.
     pub speed: f64,
 }
 
-/// Reason why a solver gave up an island.
+/// Reason why the computation of an island (group of particles that may meet) was given up.
 #[derive(Clone, Copy, Debug)]
 pub enum GivenUp {
-    /// The engine failed. The classical algorithm then moves all particles through the time window, and stops at the
-    /// time of the failure.
+    /// The engine failed. The classical algorithm then moves all particles at once, and stops at the time of the
+    /// failure.
     Failed,
     /// The island costs too much. It becomes a crowd, an island that is moved by uniform steps. If the engine does not
-    /// take crowds, the classical algorithm moves all particles through the time window.
+    /// take crowds, the classical algorithm moves all particles at once.
     TooExpensive,
 }
 
@@ -53,67 +54,70 @@ impl From<Failure> for GivenUp {
     }
 }
 
-/// Location of the result of a solved island.
+/// Place in memory of the result of a solved island.
 #[derive(Clone, Copy)]
 pub struct IslandResult {
-    /// Number of the batch that contains the result.
+    /// Number of the batch (islands that one thread has solved) that contains the result.
     pub batch: usize,
-    /// Number of the island among those of the batch.
+    /// Number of the island among those of its batch.
     pub number: usize,
-    /// True if this process counts the events of the island; otherwise another process that shares the run counts them.
+    /// True if this process counts the impacts and the work of the island; false if another process that shares the run
+    /// does.
     pub counts: bool,
 }
 
-/// Change of an unfinished island before it is solved again.
+/// Change of an island before it is solved again in the same interval of time.
 pub enum Retry {
-    /// Particles left the bounds of the island. Bystanders among them become members; for members, the speed limits
-    /// rise.
+    /// Particles for which the result is wrong: bystanders that were hit become members of the island, and members that
+    /// were too fast get a higher speed limit.
     Stops(Vec<Stop>),
-    /// The island is too expensive: it becomes a crowd, which is moved by uniform steps.
+    /// The island is too expensive: it becomes a crowd, an island that is moved by uniform steps.
     Crowd,
 }
 
-/// Result of one island; the ranges refer to the lists of its batch.
+/// Result of one solved island; the ranges refer to the lists of its `Batch`.
 pub struct Solved {
     pub which: usize,
-    /// Particles that left the bounds of the island; an empty list means that the island is finished.
+    /// Particles because of which the island must be solved again; with an empty list the result is valid. The error is
+    /// the reason why the island was given up.
     pub stopped: Result<Vec<Stop>, GivenUp>,
     pub states: Range<usize>,
     pub carried: Range<usize>,
     pub impacts: Range<usize>,
     pub ways: Range<usize>,
     pub ledger: Ledger,
-    /// Number of impulses (hard spheres) or contact steps (soft spheres).
+    /// Number of collisions (hard spheres) or contact steps (soft spheres).
     pub events: u64,
-    /// Number of impulses in the hybrid engine, which counts its contact steps in `events`.
+    /// Number of collisions in the hybrid engine, which counts its contact steps in `events`.
     pub impulses: u64,
-    /// Number of uniform steps, if the island is a crowd.
+    /// Number of uniform steps, if the island is a crowd (an island that is moved by such steps); otherwise 0.
     pub crowd_steps: u64,
-    /// Number of contact forces computed in uniform steps of crowds (large islands).
+    /// Number of contact forces computed in uniform steps, if the island is a crowd.
     pub crowd_forces: u64,
-    /// Number of gaps or times of touch computed.
+    /// Number of gaps and times of touch computed.
     pub pair_checks: u64,
-    /// Number of contact forces computed.
+    /// Number of contact forces computed in contact steps.
     pub force_evaluations: u64,
     /// Number of particles moved by stages of contact steps, plus the number of gaps checked after steps. It measures
     /// the work.
     pub updates: u64,
 }
 
-/// Results of several islands that one thread has solved.
+/// Results of several islands (groups of particles that may meet) that one thread has solved.
 pub struct Batch<C> {
     pub solved: Vec<Solved>,
     pub states: Vec<HotParticle>,
-    /// State carried into the next part, such as contacts; it contains indices of particles in the store.
+    /// Contacts or recent collisions that are carried into the next part; they contain indices of particles in the
+    /// store.
     pub carried: Vec<C>,
     pub impacts: Vec<(Between, Impact)>,
-    /// Trajectories of the particles in `states`; empty unless the engine reports velocity changes.
+    /// Trajectories of the particles in `states`; empty unless the engine reports every velocity change.
     pub trajectories: MemberTrajectories,
 }
 
 impl<C> Batch<C> {
-    /// Makes an empty batch for the islands `which`. Its memory is reserved in advance, because threads delay one
-    /// another if lists grow during the work.
+    /// Makes an empty batch for the results of the islands with the numbers `which`. Its memory is reserved in advance,
+    /// because threads delay one another if lists grow during the work.
     pub fn of<'a, F: IslandFinder<'a>>(islands: &F, which: &[usize]) -> Self {
         let members: usize = which.iter().map(|&which| islands.members(which)).sum();
         Self {
@@ -126,34 +130,36 @@ impl<C> Batch<C> {
     }
 }
 
-/// Results of all islands in a part of a time window.
+/// Results of all islands (groups of particles that may meet) for a part, a piece of the time between two exchanges
+/// with the gas.
 pub struct IslandResults<'a, C> {
-    /// Locations of the results of the islands.
+    /// Places of the results of the islands in `batches`.
     pub landing: &'a Landing,
-    /// Batches with the results of the islands.
+    /// Results of the islands; one thread has solved all islands of a batch.
     pub batches: &'a [Batch<C>],
-    /// Velocity [m/s] that gravity adds from the beginning of the time window to the end of the part. The velocities in
-    /// the particle store do not contain it yet.
+    /// Velocity [m/s] that gravity adds from the last exchange with the gas to the end of the part. Velocities in the
+    /// particle store do not contain it yet.
     pub fallen: Vector3<f64>,
 }
 
-/// Events of several islands, and the state that is carried from these islands into the next part.
+/// Impacts and other results of several islands, apart from the new positions and velocities of their members.
 pub struct Notes<C> {
-    /// Indices of the members of the islands.
+    /// Indices in the particle store of the members of the islands.
     pub members: Vec<u32>,
-    /// State carried into the next part, such as contacts; it contains indices of particles in the store.
+    /// Contacts or recent collisions that are carried into the next part; they contain indices of particles in the
+    /// store.
     pub lasting: Vec<C>,
-    /// Impacts that have ended in these islands, each with its two bodies.
+    /// Impacts that have ended in these islands, each with the kinds of its two bodies.
     pub impacts: Vec<(Between, Impact)>,
-    /// Energies and momenta (ledgers) of all these islands, condensed to a few rows with the same exact sums.
+    /// Energies and momenta of all these islands (ledgers), condensed to a few rows with the same exact sums.
     pub ledger: Vec<[f64; ENTRIES]>,
-    /// Counts of the work done in these islands.
+    /// Counts of the work in these islands and of their members.
     pub counts: IslandCounters,
 }
 
 impl<C: Copy + Send + Sync> IslandResults<'_, C> {
-    /// Collects the events and the carried state (such as contacts) of all islands, in their order. Returns one
-    /// [`Notes`] for each group of islands.
+    /// Collects the impacts, counts and carried contacts of all islands, in their order. Returns one [`Notes`] for each
+    /// group of islands.
     pub fn notes(&self) -> Vec<Notes<C>> {
         work_sharing::map(self.landing.kept.chunks(BLOCK), |some| self.notes_of(some))
     }
@@ -185,8 +191,9 @@ impl<C: Copy + Send + Sync> IslandResults<'_, C> {
         notes
     }
 
-    /// Writes the results of the islands into the particle store, and moves all other particles by `fly`. Members of
-    /// islands are recognised by their labels, which are removed afterwards.
+    /// Writes the results of the islands into the particle store. `fly` moves the position (first argument) of each
+    /// other particle on a straight line by its velocity (second argument). `labels` marks the members of islands, by
+    /// particle index; the marks are removed.
     pub fn put(
         &self,
         particles: &mut Particles,
@@ -210,7 +217,7 @@ impl<C: Copy + Send + Sync> IslandResults<'_, C> {
         });
     }
 
-    /// State of the member with this label at the end of the part; `None` if its island has no result.
+    /// New state of the member of an island with this label; `None` if its island has no result.
     fn state(&self, label: Label) -> Option<&HotParticle> {
         let (kept, number) = self.landing.of_member[label.member()]?;
         let IslandResult { batch, number: which, .. } = self.landing.kept[kept as usize];
@@ -231,24 +238,25 @@ impl<S: Solve> Default for Workbench<S> {
     }
 }
 
-/// Data that all islands of a part of a time window have in common.
+/// Data that all islands have in common in a part, a piece of the time between two exchanges with the gas.
 pub struct Task<'a, S: Solve> {
-    /// The engine's solver of islands.
+    /// Solver of single islands, which the engine provides.
     pub solver: &'a S,
     pub scene: &'a Scene,
     pub window: Window,
-    /// Velocity [m/s] that gravity adds from the beginning of the time window to that of the part. The velocities in
-    /// the particle store do not contain it yet.
+    /// Velocity [m/s] that gravity adds from the last exchange with the gas to the start of the part. Velocities in the
+    /// particle store do not contain it yet.
     pub fallen: Vector3<f64>,
-    /// Length [s] of this part of the time window.
+    /// Length [s] of the part.
     pub part: f64,
-    /// State carried over from the previous part, such as contacts.
+    /// Contacts or recent collisions at the start of the part, for all islands; they contain indices of particles in
+    /// the store.
     pub carried: &'a [S::Carried],
 }
 
 impl<S: Solve> Workbench<S> {
-    /// Copies an island into the small scene of this workbench, and returns the island with the memory of the solver.
-    /// Returns `None` if carried state (such as a contact) of the island involves a particle outside the island.
+    /// Copies the island with the number `which` into this workbench, and returns it with the scratch memory of the
+    /// solver. `None` if a contact carried into the island involves a particle outside it.
     pub fn fill(
         &mut self,
         task: &Task<S>,
@@ -261,8 +269,9 @@ impl<S: Solve> Workbench<S> {
         carried.all(|carried| take_in::<S>(island, carried)).then_some((island, scratch))
     }
 
-    /// Stores the result of the island `which` in a batch. `stopped` contains the local index of a particle that left
-    /// its bounds (`None` if no particle did), or the reason why the island was given up.
+    /// Stores the result of the island with the number `which` in a batch. `stopped` is what the solver has returned:
+    /// `None` if the result is valid, or the local index of a particle that exceeded its speed limit or was hit
+    /// unexpectedly.
     pub fn record(
         &mut self,
         batch: &mut Batch<S::Carried>,
@@ -306,7 +315,7 @@ impl<S: Solve> Workbench<S> {
     }
 }
 
-/// Adds an item of carried state, such as a contact, to an island. Returns false, and adds nothing, if one of its
+/// Adds a carried item, such as a contact in progress, to an island. Returns false, and adds nothing, if one of its
 /// particles is not in the island.
 fn take_in<S: Solve>(island: &mut Island<S::Carried>, carried: &S::Carried) -> bool {
     let known = S::places(carried).into_iter().flatten().all(|place| island.local(place).is_some());

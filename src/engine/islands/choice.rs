@@ -8,39 +8,39 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, SQRT_2};
 use std::sync::Arc;
 
-/// Summary of the velocities of all particles in a few numbers.
+/// Typical and largest speed of all particles, for estimates of costs.
 #[derive(Clone, Copy, Serialize, Deserialize)]
 pub struct SpeedSummary {
-    /// Velocity [m/s] of the frame in which speeds are measured: the mean velocity along the walls.
+    /// Velocity [m/s] of the frame in which speeds are measured: the mean velocity of all particles along the walls.
     pub frame: Vector3<f64>,
-    /// Root of the mean square speed [m/s] relative to the frame.
+    /// Root of the mean square speed [m/s] of all particles relative to the frame.
     pub mean: f64,
     /// Largest speed [m/s] of any particle relative to the frame.
     pub largest: f64,
 }
 
-/// Data for the choice between islands and the classical algorithm. The classical algorithm moves all particles
-/// together, in uniform steps or by one event queue.
+/// Data for the choice between islands (groups of particles that may meet) and the classical algorithm. That algorithm
+/// moves all particles together, in uniform steps or by one event queue.
 pub struct IslandCost {
     /// Summary of the sizes of all particles.
     pub population: Arc<PopulationSummary>,
     /// Summary of the velocities of all particles.
     pub speeds: SpeedSummary,
-    /// Cost of the classical algorithm (all particles at once) per particle and simulated time [ns/s].
+    /// Cost [ns/s] of the classical algorithm, per particle and simulated time.
     pub fallback_cost: f64,
 }
 
-/// A part of a time window, in which islands are solved.
+/// A part: a piece of a window (time between two exchanges with the gas) for which islands are found and solved.
 pub struct WindowPiece<'a> {
-    /// Time [s] from the beginning of the time window to the beginning of the part.
+    /// Time [s] from the start of the window to the start of the part.
     pub elapsed: f64,
-    /// Length [s] of the part of the time window.
+    /// Length [s] of the part.
     pub part: f64,
-    /// Number of pairs that the search for touches will check, according to an estimate.
+    /// Estimate of the number of pairs that the search for touching particles will check in the part.
     pub foreseen: u64,
     /// Summary of the sizes of all particles.
     pub population: &'a PopulationSummary,
-    /// Summary of the velocities of all particles.
+    /// Speeds of all particles at the start of the part.
     pub speeds: SpeedSummary,
     /// Largest number of members that an island may have; if an island has more, a shorter part is tried.
     pub most: usize,
@@ -53,33 +53,35 @@ impl WindowPiece<'_> {
     }
 }
 
-/// Limits and costs for the choice of the length of a part.
+/// Data for the choice of the length of a part, a piece of the time between two exchanges with the gas.
 pub struct PartLimits {
-    /// Time [s] from the beginning of the part to the end of the time window.
+    /// Time [s] from the start of the part to the end of the window, which the part cannot exceed.
     pub left: f64,
-    /// Cost of the classical algorithm (all particles at once) per particle and simulated time [ns/s].
+    /// Cost [ns/s] of the classical algorithm (all particles at once), per particle and simulated time. Islands must be
+    /// cheaper.
     pub fallback_cost: f64,
-    /// Number of contacts in progress. Their particles are copied into crowds (islands moved by uniform steps) and back
-    /// in every part.
+    /// Number of contacts in progress. In every part their particles are copied into a crowd (an island moved by
+    /// uniform steps) and back.
     pub held: usize,
-    /// Costs of the work in islands.
+    /// Measured costs of the work in islands.
     pub costs: PartCosts,
 }
 
-/// Costs of solving islands in a part of a time window, in ns on one core, and the density limit for islands. They were
-/// measured once (docs/design/islands.md), and serve only for the choice, not for a prediction of run times.
+/// Costs of finding and solving islands in ns on one core, and the density above which islands unite. They were
+/// measured once (docs/design/islands.md), and serve only for the choice of a method, not for a prediction of run
+/// times.
 pub struct PartCosts {
-    /// [ns] cost per particle of its flight, and of sorting it into cells.
+    /// [ns] cost per particle of moving it straight and sorting it into cells.
     search: f64,
-    /// [ns] cost of checking one pair.
+    /// [ns] cost of checking one pair of particles for a touch.
     pair: f64,
-    /// [ns] cost per hot particle (member of an island) of making and solving islands.
+    /// [ns] cost per hot particle (member of an island) of making and solving its island.
     island: f64,
-    /// [-] distance within which a hot particle (member of an island) meets others, in units of the mean flight during
-    /// the part of the time window.
+    /// [-] distance within which a hot particle (member of an island) may meet other hot ones, over the mean length of
+    /// a flight in the part.
     reach: f64,
-    /// [-] number of other hot particles (members of islands) within this distance, above which nearly all islands
-    /// unite. Islands within reach of each other unite, and the united island reaches further.
+    /// [-] number of other hot particles (members of islands) within reach of one, above which nearly all islands
+    /// unite. Islands within reach of each other unite, and the united island reaches farther.
     crowded: f64,
 }
 
@@ -93,24 +95,25 @@ pub const BOUNDED: PartCosts = PartCosts { search: 90.0, pair: 1.2, island: 1400
 /// 0.75 ms.
 pub const TRACED: PartCosts = PartCosts { search: 80.0, pair: 1.2, island: 1000.0, reach: 0.5, crowded: 0.15 };
 
-/// [-] largest shear of a sheared box in a part. The balls of particles are enlarged by about this fraction, so with a
-/// tenth they are little larger than needed.
+/// [-] largest relative displacement by shear, over the distance along y, in one part of a run in a sheared box. The
+/// balls that contain flights are enlarged by about this fraction, so with a tenth they are little larger than needed.
 const STRAINED: f64 = 0.1;
 
-/// [-] factor for the length of a part in a sheared box, in which balls are enlarged by a fifth of the flights at most.
+/// [-] factor by which parts are shorter in a sheared box, since the balls that contain flights are enlarged there by
+/// up to a fifth.
 const STRAINED_ROOM: f64 = 0.8;
 
-/// The part of a time window with the lowest cost per simulated time.
+/// The length of a part (piece of the time between two exchanges with the gas) with the lowest cost per simulated time.
 #[derive(Clone, Copy)]
 pub struct Cheapest {
-    /// Length [s] of the part of the time window.
+    /// Length [s] of the part.
     pub part: f64,
-    /// Expected number [-] of pairs per particle that the search checks.
+    /// Expected number [-] of pairs per particle that the search for touching particles checks.
     pub pairs: f64,
 }
 
-/// Returns the part of the remaining time window with the least cost per simulated time, or `None` if islands do not
-/// pay.
+/// Chooses the length of the next part, a piece of the rest of the window, with the lowest cost per simulated time.
+/// `None` if islands cost more than the classical algorithm at any length.
 ///
 /// In a longer part, one search serves for more time, but it checks more pairs and finds more islands.
 pub fn cheapest_part(

@@ -1,6 +1,6 @@
-//! Groups of hot particles that become islands, with bounds on the distance that each member may reach. A window is the
-//! time between two exchanges of momentum with the gas. *Hot* particles touch something on their straight flight in
-//! this part of a window; *cold* particles do not.
+//! Groups of hot particles that become islands, with bounds on the distance that each member may reach. Particles are
+//! *hot* if they touch something on their straight flight in this part, *cold* if they do not. A part is a piece of a
+//! window, the time between two exchanges with the gas.
 
 mod bounded;
 mod crowd_growth;
@@ -30,67 +30,67 @@ use nalgebra::Vector3;
 use smallvec::SmallVec;
 use std::ops::Range;
 
-/// Number of islands, or of members, in a piece of parallel work; fewer are not worth a second thread.
+/// Number of islands, or of members, that a thread treats as one piece of work; fewer are not worth a second thread.
 const BATCH: usize = 64;
 
-/// A hot particle, which is a member of an island.
+/// A hot particle: a particle that may touch something in this part, and so is a member of an island. A part is a piece
+/// of the time between two exchanges with the gas.
 pub struct Member {
     pub(in crate::engine) place: u32,
     pub(in crate::engine) cluster: u32,
-    /// The ball that contains the straight flight of the particle.
+    /// The ball that contains the particle in this part if it flies straight all the time.
     pub(in crate::engine) flight: BoundingSphere,
-    /// The ball that contains the particle from the first touch in its island to the end of the part of the time
-    /// window. Before that touch the particle flies straight.
+    /// The ball that contains the particle from the first touch in its island to the end of the part. Before that touch
+    /// the particle flies straight.
     pub(in crate::engine) ball: BoundingSphere,
     /// Radius [m] of a ball about the middle of the straight flight that contains both `flight` and `ball`.
     around: f64,
-    /// Radius [m] that the ball had when particles next to this member were last added to the crowd (large island moved
-    /// by uniform steps); 0 if this has not been done.
+    /// Radius [m] of `ball` when the particles next to this member were last added to its crowd, an island moved by
+    /// uniform steps; 0 if they have not been added.
     took_in: f64,
-    /// Range of the velocity changes of this particle in the list of all changes. It is `None` before the island is
-    /// solved, and for engines that do not report velocity changes. If it is known, `ball` contains the trajectory
-    /// after the first change.
+    /// Range of the velocity changes of this particle in the list of all changes; `None` if they are unknown. If they
+    /// are known, `ball` contains the path after the first change.
     turns: Option<Range<usize>>,
 }
 
-/// A list that rarely has more than four entries. The first four are stored in place, so most islands need no memory on
-/// the heap.
+/// Short list of indices. The first four are stored in place, so most islands need no memory on the heap.
 pub type Few = SmallVec<[u32; 4]>;
 
 /// An island (group of particles that may meet) while it is being found: its members, and bounds on their speeds.
 pub struct Cluster {
-    /// Numbers of the hot members; after `settle` they are in the order of the particles' ids.
+    /// Numbers of the members in `Clusters::members`; after `settle` they are in the order of the particles' ids.
     pub(in crate::engine) hot: Few,
-    /// Indices in the particle store of the cold particles that the members might hit, in the order of their ids.
+    /// Indices in the particle store of the bystanders, in the order of their ids. Bystanders are particles that fly
+    /// straight unless a member hits them.
     pub(in crate::engine) bystanders: Few,
-    /// Numbers of the items of state carried from earlier parts of a time window, such as contacts, that belong to the
-    /// island. After `settle` they are in ascending order.
+    /// Numbers of the carried contacts (or recent collisions) that belong to the island; after `settle` they are in
+    /// ascending order.
     carried: Few,
-    /// The two largest kinetic energies [J] of the members, relative to the moving frame of the search.
+    /// The two largest kinetic energies [J] of members, in the moving frame of the search, the largest first.
     pub(in crate::engine) energies: [f64; 2],
-    /// The two largest speeds [m/s] of the members, relative to the moving frame of the search.
+    /// The two largest speeds [m/s] of members, in the moving frame of the search, the largest first.
     pub(in crate::engine) speeds: [f64; 2],
-    /// Energy [J] of all carried state of the island, such as that stored in its contacts.
+    /// Sum of the energies [J] that the carried contacts of the island may give back to its particles.
     pub(in crate::engine) stored: f64,
-    /// Largest energy [J] of one item of carried state (such as contacts) of the island.
+    /// Largest energy [J] that a single carried contact of the island may give back.
     deepest: f64,
-    /// Lower limit [m/s] of the speed limits of the members. It rises when a member has exceeded its limit.
+    /// Lower limit [m/s] of the speed limits of the members. It is raised after a member has exceeded its limit, and 0
+    /// before.
     pub(in crate::engine) floor: f64,
-    /// Time [s] of the first touch in the island: until then all members fly straight.
+    /// Time [s] of the first touch in the island since the start of the part. Until then all members fly straight.
     pub(in crate::engine) first: f64,
-    /// True if the island is a crowd, always moved by uniform steps, even if it is small. An example is an island with
-    /// many contacts.
+    /// True if the island is a crowd even if it is small: it is moved by uniform steps, since it contains many contacts
+    /// or was too expensive.
     pub(in crate::engine) lasts: bool,
     pub(in crate::engine) alive: bool,
-    /// Location of the island's result; `None` before the island is solved.
+    /// Place of the island's result; `None` as long as there is no valid result.
     solved: Option<IslandResult>,
-    /// Number of changes of the island so far. The result of a search of the surroundings is valid for one version
-    /// only.
+    /// Number of changes of the island so far. Data computed for an earlier version are outdated.
     version: u32,
-    /// Version of the island for which the reach of the members was last computed.
+    /// Version of the island for which the distances that members may reach were last computed; `None` if never.
     settled: Option<u32>,
-    /// Version of the island for which the surroundings were last searched. No new search is needed until the island
-    /// changes.
+    /// Version of the island for which its surroundings were last searched without finding another island; `None` if
+    /// never.
     seen: Option<u32>,
 }
 
@@ -100,28 +100,28 @@ impl Cluster {
     }
 }
 
-/// Locations of the results of all islands, by island and by member.
+/// Places of the results of all islands, by island and by member.
 pub struct Landing {
-    /// Location of the result of each solved island.
+    /// Place of the result of each solved island.
     pub kept: Vec<IslandResult>,
-    /// For each member, the number of its island in `kept`, and the number of the member in that island; `None` if its
-    /// island has no result.
+    /// For each member, the number of its island in `kept`, and its number in that island; `None` if the island has no
+    /// result.
     pub of_member: Vec<Option<(u32, u32)>>,
 }
 
-/// Settings with which islands are made in a part of a time window.
+/// Data with which islands are found in a part, a piece of the time between two exchanges with the gas.
 pub struct Space<'a> {
-    /// Scene with walls, domain and gravity.
+    /// Scene with walls, box and gravity at the start of the part.
     pub scene: &'a Scene,
-    /// Velocity [m/s] of the frame in which speeds are measured.
+    /// Velocity [m/s] of the moving frame in which speeds are measured.
     pub frame: Vector3<f64>,
-    /// Length [s] of this part of the time window.
+    /// Length [s] of the part.
     pub part: f64,
     /// Mass [kg] of the lightest particle of the run.
     pub lightest: f64,
 }
 
-/// All islands of a part of a time window.
+/// All islands (groups of particles that may meet) in a part, a piece of the time between two exchanges with the gas.
 pub struct Clusters<'a> {
     pub(in crate::engine) search: &'a mut Search,
     pub(in crate::engine) particles: &'a Particles,
@@ -130,12 +130,13 @@ pub struct Clusters<'a> {
     part: f64,
     /// Mass [kg] of the lightest particle of the run.
     lightest: f64,
-    /// The islands; an island that was united with another one is not `alive`.
+    /// The islands by their numbers. An island that has been united with another one stays in the list, but is not
+    /// `alive`.
     pub(in crate::engine) list: Vec<Cluster>,
-    /// Energy [J] of each item of carried state, such as that stored in a contact.
+    /// Energy [J] that each carried contact may give back to its particles.
     energy: Vec<f64>,
-    /// Speed [m/s] that gravity adds towards walls during the part of the time window, in the falling frame. Added is
-    /// twice the speed of walls that move, which an impact gives to a particle at most.
+    /// Speed [m/s] by which limits are higher near walls: the velocity that gravity adds towards walls during the part,
+    /// plus twice the speed of the fastest moving wall, which an impact gives at most.
     fall: f64,
     pub(in crate::engine) members: Vec<Member>,
     /// Largest distance [m] that any member may reach from the middle of its straight flight.
@@ -166,15 +167,16 @@ impl<'a> Clusters<'a> {
         }
     }
 
-    /// Velocity [m/s] of the frame of a particle, given by index: that of the search, and in a sheared box the mean flow
-    /// where the particle is when the part begins.
+    /// Velocity [m/s] of the frame in which the speed of a particle, given by index, is limited. In a sheared box it
+    /// contains the mean flow at the particle's position at the start of the part.
     #[inline]
     fn frame_of(&self, place: usize) -> Vector3<f64> {
         self.frame + self.domain.mean_flow(&self.particles.position[place])
     }
 
-    /// Makes islands from all touches and from the carried state (such as contacts), whose energies [J] are given. If
-    /// `many` is true, all carried state belongs to one crowd (large island moved by uniform steps).
+    /// Makes islands of all particles that touch on straight flights or have a carried contact. `carried` contains the
+    /// one or two particles of each contact, and `energy` [J] the energy that it may give back. If `many` is true, all
+    /// contacts form one crowd, an island moved by uniform steps.
     fn begin(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>, many: bool) {
         self.energy = energy;
         let mut crowd: Option<usize> = None;
@@ -196,8 +198,9 @@ impl<'a> Clusters<'a> {
         self.settle_all();
     }
 
-    /// Unites the island of particle `i` with that of its partner `j`, and returns its number; their first touch is at
-    /// `time` [s]. A new island is made if neither particle is in one. The speeds of the particles are not read here.
+    /// Unites the islands of two particles that touch at `time` [s] since the start of the part, and returns the number
+    /// of the united island; with `None` for `j`, particle `i` touches a wall. A new island is made if neither particle
+    /// is in one. Energies and speeds of the particles are not read here, but later in parallel.
     fn join(&mut self, i: u32, j: Option<u32>, time: f64) -> usize {
         let known = self.found(i).or_else(|| self.found(j?));
         let mut which = known.unwrap_or_else(|| self.open());
@@ -212,8 +215,8 @@ impl<'a> Clusters<'a> {
         which
     }
 
-    /// Returns the number of a particle's island. If the particle is in none, a new island with the energy and speed of
-    /// the particle is made.
+    /// Number of a particle's island. If the particle is in none, a new island of this particle is made, with its
+    /// energy and speed.
     fn cluster_of(&mut self, place: u32) -> usize {
         let is_new = self.search.label[place as usize].is_none();
         let which = self.named(place);
@@ -225,8 +228,8 @@ impl<'a> Clusters<'a> {
         which
     }
 
-    /// Returns the number of a particle's island; a new one is made if needed. Energy and speed of the particle are not
-    /// read here, since those of all particles are computed in parallel later.
+    /// Number of a particle's island. If the particle is in none, a new island of this particle is made, still without
+    /// its energy and speed.
     fn named(&mut self, place: u32) -> usize {
         self.found(place).unwrap_or_else(|| {
             let which = self.open();
@@ -241,7 +244,7 @@ impl<'a> Clusters<'a> {
         Some(self.members[label.member()].cluster as usize)
     }
 
-    /// Makes a particle, which is in no island so far, a member of the island `which`.
+    /// Makes the particle with index `place`, which is in no island so far, a member of the island `which`.
     fn enlist(&mut self, place: u32, which: usize) {
         let (cluster, member) = (which as u32, self.members.len());
         self.search.label[place as usize] = Some(Label::of(member));
@@ -272,7 +275,8 @@ impl<'a> Clusters<'a> {
         self.list.len() - 1
     }
 
-    /// Unites two islands: the members of the smaller one join the larger. Returns the number of the larger.
+    /// Unites two islands: the members and contacts of the one with fewer members move to the other, whose number is
+    /// returned.
     fn unite(&mut self, a: usize, b: usize) -> usize {
         if a == b {
             return a;
@@ -300,8 +304,8 @@ impl<'a> Clusters<'a> {
         into
     }
 
-    /// Numbers of the islands that this process still has to solve. A process solves an island only if it stores all
-    /// particles around the island.
+    /// Numbers of the islands without a valid result that this process has to solve. It solves an island only if it
+    /// stores all particles around it.
     pub fn unsolved(&self) -> Vec<usize> {
         let sees_all = self.search.region.is_all();
         let sight = if sees_all { 0.0 } else { self.reach().sight() };
@@ -314,25 +318,25 @@ impl<'a> Clusters<'a> {
         self.list[which].hot.len()
     }
 
-    /// Numbers of the items of carried state (such as contacts) that belong to an island.
+    /// Numbers of the carried contacts (or recent collisions) that belong to an island.
     pub fn carried(&self, which: usize) -> &[u32] {
         &self.list[which].carried
     }
 
-    /// Stores the location of the result of an island.
+    /// Stores the place of the valid result of the island `which`.
     pub fn keep(&mut self, which: usize, result: IslandResult) {
         self.list[which].solved = Some(result);
     }
 
-    /// Removes the labels of all members from the particles, if the results of the islands are not used.
+    /// Removes the marks of members from all particles, without using the results of the islands.
     pub fn release(self) {
         for member in &self.members {
             self.search.label[member.place as usize] = None;
         }
     }
 
-    /// Returns the locations of the results of all islands, in the order of the islands and by member. The labels of
-    /// members are kept until the results are written into the particle store.
+    /// Returns the places of the results of all islands, in the order of the islands and by member. Particles stay
+    /// marked as members until the results are written into the store.
     pub fn land(self) -> Landing {
         let mut of_member = vec![None; self.members.len()];
         let mut kept = Vec::with_capacity(self.list.len());

@@ -7,35 +7,36 @@ use serde::{Deserialize, Serialize};
 /// Amounts of work done in islands since the start of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct IslandCounters {
-    /// Number of impulses (hard) or contact steps (soft).
+    /// Number of collisions (hard spheres) or contact steps (soft spheres).
     pub events: u64,
-    /// Number of impulses in the hybrid engine, which counts its contact steps in `events`.
+    /// Number of collisions in the hybrid engine, which counts its contact steps in `events`.
     pub impulses: u64,
-    /// Number of uniform steps of crowds, which are islands too large for local stepping.
+    /// Number of uniform steps of crowds, which are islands so large that they are moved by uniform steps.
     pub crowd_steps: u64,
-    /// Number of contact forces computed in uniform steps of crowds.
+    /// Number of contact forces computed in uniform steps of crowds, which are large islands.
     pub crowd_forces: u64,
     /// Number of times of touch and gaps computed in islands.
     pub pair_checks: u64,
     /// Number of pairs, and of particles with walls, that were checked in searches for touches.
     pub searched: u64,
-    /// Number of contact forces computed.
+    /// Number of contact forces computed in contact steps of other islands.
     pub force_evaluations: u64,
-    /// Number of particles moved by stages of contact steps, plus the number of gaps checked after steps.
+    /// Number of particles moved by stages of contact steps, plus the number of gaps checked after steps. It measures
+    /// the work.
     pub updates: u64,
-    /// Number of pairs that searches check according to an estimate. Unlike the actual number, it does not depend on
-    /// the number of processes that share the run.
+    /// Estimated number of pairs that searches for touching particles check. Unlike the actual number, it does not
+    /// depend on the number of processes that share the run.
     pub foreseen: u64,
-    /// Number of cell grids built.
+    /// Number of searches for touching particles, each with a new grid of cells.
     pub neighbour_builds: u64,
-    /// Number of islands solved.
+    /// Number of islands with a valid result; an island is counted once per interval for which it is solved.
     pub islands: u64,
-    /// Sum over all solved islands of the number of their particles.
+    /// Sum of the numbers of members of these islands.
     pub members: u64,
-    /// Number of particles in the largest island.
+    /// Number of members of the largest island.
     pub largest: u64,
-    /// Number of islands that were solved again, because a particle met an unexpected particle or exceeded its speed
-    /// limit.
+    /// Number of islands whose result was discarded, because a particle met an unexpected particle or exceeded its
+    /// speed limit.
     pub redone: u64,
 }
 
@@ -49,7 +50,7 @@ impl IslandCounters {
         self.largest = largest;
     }
 
-    /// All counts that are sums over islands or searches.
+    /// Borrows all counts that are sums over islands; the others are equal in all processes, or a maximum.
     pub fn sums(&mut self) -> [&mut u64; 11] {
         let Self { events, impulses, crowd_steps, crowd_forces, pair_checks, searched, .. } = self;
         let Self { force_evaluations, updates, islands, members, redone, .. } = self;
@@ -68,7 +69,7 @@ impl IslandCounters {
         ]
     }
 
-    /// Adds the work of solving one island.
+    /// Adds the work of solving one island once, also if its result is not valid.
     pub fn count(&mut self, solved: &Solved) {
         self.events += solved.events;
         self.impulses += solved.impulses;

@@ -1,6 +1,6 @@
 //! One island (a group of particles that may meet) as a small scene, which an engine can solve separately. *Hot*
-//! particles are its members; *bystanders* are particles that the members might hit. A window is the time between two
-//! exchanges of momentum with the gas.
+//! particles are its members; *bystanders* are particles that fly straight unless a member hits them. A part is a piece
+//! of a window, the time between two exchanges with the gas.
 
 use super::cluster::VelocityChange;
 use crate::neighbours::NeighbourList;
@@ -11,78 +11,85 @@ use nalgebra::Vector3;
 /// Largest number of particles among which a linear search for one of them is faster than a binary search.
 const FEW: usize = 32;
 
-/// An island as a small separate scene for an engine. Local indices count the hot particles (members of islands) first,
-/// then the bystanders (particles that members might hit).
+/// An island as a small separate scene for an engine. Local indices number the particles: first the members (hot
+/// particles), then the bystanders, which fly straight unless a member hits them.
 pub struct Island<C> {
-    /// Copies of the particles, in the frame at rest; positions are those of the particle store.
+    /// Copies of the particles, with velocities relative to the frame at rest. The engine moves them from the start of
+    /// a part to its end.
     pub particles: Particles,
-    /// Index in the particle store of each particle.
+    /// Index in the particle store of each particle, by local index.
     pub places: Vec<u32>,
-    /// Number of hot particles, which are the members of the island.
+    /// Number of members; they come first in `particles`.
     pub hot: usize,
     /// True if the island is a crowd, a large island that is moved by uniform steps.
     pub crowd: bool,
-    /// Local indices of all particles, sorted by the index in the particle store; empty for a small island, which needs
-    /// no sorted list.
+    /// Local indices of all particles, sorted by the index in the particle store. A small island needs no such list, so
+    /// it is empty.
     by_place: Vec<u32>,
-    /// Pairs of particles, and particles with walls, that may touch.
+    /// Candidates for contacts: pairs of particles, and particles with walls, that may touch in this part.
     pub list: NeighbourList,
-    /// State carried over from the previous part of a time window, such as contacts; it contains local indices of
-    /// particles. The engine replaces it by the state to be carried to the next part.
+    /// Contacts in progress (or recent collisions) with local indices of particles: at the start of the part, and after
+    /// solving at its end.
     pub carried: Vec<C>,
     /// Log of the impacts in the island.
     pub log: Log,
-    /// Velocity changes in the order of time, each with the local index of the particle; empty if the engine does not
+    /// Velocity changes in the order of time, each with the local index of its particle; empty if the engine does not
     /// report them.
     pub turns: Vec<(u32, VelocityChange)>,
-    /// Number of impulses (hard spheres) or contact steps (soft spheres).
+    /// Number of collisions (hard spheres) or contact steps (soft spheres).
     pub events: u64,
-    /// Number of impulses of the hybrid engine, which counts its contact steps in `events`.
+    /// Number of collisions of the hybrid engine, which counts its contact steps in `events`.
     pub impulses: u64,
-    /// Number of uniform steps, if the island is a crowd.
+    /// Number of uniform steps, if the island is a crowd (moved by uniform steps); otherwise 0.
     pub crowd_steps: u64,
-    /// Number of contact forces computed in uniform steps.
+    /// Number of contact forces computed in uniform steps, if the island is a crowd.
     pub crowd_forces: u64,
-    /// Number of gaps or times of touch computed.
+    /// Number of gaps and times of touch computed.
     pub pair_checks: u64,
-    /// Number of contact forces computed.
+    /// Number of contact forces computed in contact steps.
     pub force_evaluations: u64,
     /// Number of particles moved by stages of contact steps, plus the number of gaps checked after steps. It measures
     /// the work.
     pub updates: u64,
-    /// Local indices of the particles that left their bounds, without the one that the solver returns.
+    /// Local indices of further particles that exceeded their speed limit or were hit unexpectedly, besides the one
+    /// that the solver returns.
     pub also: Vec<usize>,
-    /// Largest speed [m/s] so far, relative to the frame of the speed limits. It is set by solvers that cannot stop
-    /// when a limit is exceeded; otherwise it is 0.
+    /// Largest speed [m/s] of any particle so far, relative to the frame of the speed limits. Solvers set it if they
+    /// cannot stop at the moment when a limit is exceeded; otherwise it is 0.
     pub fastest: f64,
-    /// Speed limit [m/s] of each hot particle (member of an island), relative to the moving frame `frame`.
+    /// Speed limit [m/s] of each member, relative to the moving frame `frame`. If a member becomes faster, it may leave
+    /// the ball in which other particles were searched.
     pub(super) limits: Vec<f64>,
     /// Velocity [m/s] of the moving frame of the speed limits, relative to the frame at rest.
     frame: Vector3<f64>,
-    /// [m/s] mean flow of a sheared box where each particle was at the beginning of the part, which is added to the
+    /// [m/s] mean flow of a sheared box at the place of each particle at the start of the part. It is added to the
     /// velocity of the frame; empty without shear.
     pub(super) flow: Vec<Vector3<f64>>,
 }
 
-/// Speed limits of the hot particles (members) of an island.
+/// Speed limits of the members of an island. A faster member might meet particles that were not expected, so the island
+/// must be solved again.
 pub struct Bounds<'a> {
-    /// Speed limit [m/s] of each hot particle (member of an island), relative to the moving frame.
+    /// Speed limit [m/s] of each member, by local index, relative to the moving frame.
     limits: &'a [f64],
     /// Velocity [m/s] of the moving frame of the speed limits, relative to the frame at rest.
     frame: Vector3<f64>,
-    /// [m/s] mean flow that is added to the velocity of the frame, by particle; empty without shear.
+    /// [m/s] mean flow of a sheared box at the place of each particle at the start of the part, which is added to the
+    /// velocity of the frame. Empty without shear.
     flow: &'a [Vector3<f64>],
 }
 
 impl Bounds<'_> {
-    /// True if the particle at a local index may have the velocity [m/s], as in [`Island::allows`].
+    /// True if the particle at local index `place` may have this velocity [m/s]: its speed relative to the moving frame
+    /// is at most its limit. False for a bystander, a particle that must fly straight.
     pub fn allows(&self, place: usize, velocity: &Vector3<f64>) -> bool {
         let frame = frame_of(place, self.frame, self.flow);
         self.limits.get(place).is_some_and(|limit| (velocity - frame).norm() <= *limit)
     }
 }
 
-/// [m/s] velocity of the frame of the particle at a local index: the common `frame` and the mean `flow` of a sheared box.
+/// [m/s] velocity of the moving frame for the particle at local index `place`: the common `frame`, plus the mean `flow`
+/// of a sheared box if there is one.
 #[inline]
 fn frame_of(place: usize, frame: Vector3<f64>, flow: &[Vector3<f64>]) -> Vector3<f64> {
     match flow.get(place) {
@@ -119,10 +126,10 @@ impl<C> Island<C> {
         }
     }
 
-    /// Replaces the content of the island by copies of hot particles (members of islands), each with its speed limit
-    /// [m/s], and of bystanders (particles that members might hit). Particles are given by index in the particle store.
-    /// `fallen` [m/s] is the velocity that gravity has added to the velocities of the store since the time window
-    /// began.
+    /// Fills the island with copies of members, given by index in the store and speed limit [m/s], and of bystanders,
+    /// which fly straight unless a member hits them. The speed limits are relative to a frame with the velocity `frame`
+    /// [m/s]. `fallen` [m/s] is the velocity that gravity has added since the last exchange with the gas, and that the
+    /// store does not contain.
     pub(super) fn begin(
         &mut self,
         store: &Particles,
@@ -173,43 +180,44 @@ impl<C> Island<C> {
         found.ok().map(|k| self.by_place[k])
     }
 
-    /// True if the velocity [m/s] of the particle at local index `place` does not exceed its speed limit. The velocity
-    /// is relative to a frame that falls with gravity, and that is at rest at the start of the part. The result is
-    /// false for a bystander (particle that members might hit), because a bystander must not be touched.
+    /// True if the particle at local index `place` may have this velocity [m/s], given in the frame that falls with
+    /// gravity from rest at the start of the part. Its speed in the moving frame of the limits must not exceed its
+    /// limit. False for a bystander, which must not be touched.
     pub fn allows(&self, place: usize, velocity: &Vector3<f64>) -> bool {
         Bounds { limits: &self.limits, frame: self.frame, flow: &self.flow }.allows(place, velocity)
     }
 
-    /// Borrows three fields of the island at the same time: particles, log and speed limits.
+    /// Borrows three parts of the island at the same time: the particles, the log of impacts, and the speed limits.
     pub fn open(&mut self) -> (&mut Particles, &mut Log, Bounds<'_>) {
         (&mut self.particles, &mut self.log, Bounds { limits: &self.limits, frame: self.frame, flow: &self.flow })
     }
 
     /// Records a velocity change of the particle at local index `place`, at `time` [s] since the start of the part.
-    /// `origin` [m] is the position on the line of the new flight, extended backwards to the start of the part.
-    /// `velocity` [m/s] is the new velocity, relative to a frame that falls with gravity and is at rest at the start of
-    /// the part.
+    /// `origin` [m] is the position that the particle would have had at the start of the part on the line of its new
+    /// flight. `velocity` [m/s] is its new velocity in the frame that falls with gravity from rest at the start of the
+    /// part.
     pub fn turn(&mut self, place: u32, time: f64, origin: Vector3<f64>, velocity: Vector3<f64>) {
         self.turns.push((place, VelocityChange { time, origin, velocity: velocity - self.frame_of(place as usize) }));
     }
 
-    /// Speed [m/s] of the particle at local index `place`, relative to the moving frame of the speed limits.
+    /// Speed [m/s] of the particle at local index `place`, relative to the moving frame of the speed limits; at least
+    /// the largest speed that the solver has noted.
     pub fn speed(&self, place: usize) -> f64 {
         (self.particles.velocity[place] - self.frame_of(place)).norm().max(self.fastest)
     }
 
-    /// Velocity [m/s] of the frame of the speed limit of the particle at local index `place`.
+    /// Velocity [m/s] of the moving frame in which the speed of the particle at local index `place` is limited.
     fn frame_of(&self, place: usize) -> Vector3<f64> {
         frame_of(place, self.frame, &self.flow)
     }
 
-    /// Magnitude [m/s] of the difference between the velocity `frame` [m/s] and that of the frame of the speed limits.
-    /// Speeds relative to the two frames differ by at most this magnitude.
+    /// Upper limit [m/s] of the difference between a speed in the frame with the velocity `frame` [m/s] and the speed
+    /// in the frame of the speed limits, without mean flow.
     pub fn apart_from(&self, frame: &Vector3<f64>) -> f64 {
         (frame - self.frame).norm()
     }
 
-    /// Smallest speed limit [m/s] of the hot particles (members of islands), relative to the moving frame.
+    /// Smallest speed limit [m/s] of any member, relative to the moving frame; infinite without members.
     pub fn least_limit(&self) -> f64 {
         self.limits.iter().copied().fold(f64::INFINITY, f64::min)
     }

@@ -55,44 +55,48 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::sync::Arc;
 
-/// Solver of one island, which each engine provides.
+/// Solver of one island (a group of particles that may meet). Each engine provides one; several threads use it at the
+/// same time.
 pub trait Solve: Sync {
-    /// Way to find the particles of islands. With [`TracedIslands`], particles must fly straight between collisions,
-    /// and the engine must report every velocity change by calling [`Island::turn`].
+    /// Method that finds the particles of islands. With [`TracedIslands`], particles must fly straight between
+    /// collisions, and the engine must report every velocity change by calling [`Island::turn`].
     type Finder<'a>: IslandFinder<'a>;
-    /// State carried from one part of a time window to the next, such as a contact in progress. It contains indices of
-    /// particles in the store.
+    /// State of an island that the next interval of time needs: a contact in progress, or the last collision of a
+    /// particle. It contains indices of particles.
     type Carried: Copy + Send + Sync + Serialize + DeserializeOwned;
-    /// Working memory of the solver, one per thread.
+    /// Scratch memory of the solver; each thread has its own.
     type Scratch: Default + Send;
 
-    /// Indices of the one or two particles to which an item of carried state (such as contacts) belongs.
+    /// Indices of the one or two particles of a carried contact or recent collision.
     fn places(carried: &Self::Carried) -> [Option<u32>; 2];
 
-    /// Returns an item of carried state (such as contacts) with new indices of its particles, for instance after the
-    /// particle store was sorted.
+    /// Returns a carried contact or recent collision with new indices of its particles: index `p` becomes
+    /// `place_of(p)`. This is needed when the particle store was sorted, or when particles are copied into an island.
     fn moved(carried: &Self::Carried, place_of: &dyn Fn(u32) -> u32) -> Self::Carried;
 
-    /// Energy [J] that an item of carried state (such as contacts) may give back to its particles.
+    /// Energy [J] that a carried contact may give back to its particles; 0 for a recent collision.
     fn energy(&self, carried: &Self::Carried) -> f64;
 
-    /// Parts [J] of [`energy`](Self::energy) in tangential, rolling and twisting springs.
+    /// Energies [J] in the tangential, rolling and twisting spring of a carried contact, which are parts of
+    /// [`energy`](Self::energy).
     fn spring_energies(&self, _carried: &Self::Carried) -> [f64; 3] {
         [0.0; 3]
     }
 
-    /// The two bodies in contact, if the item of carried state is a contact.
+    /// The two bodies of a carried contact; `None` if the carried item is not a contact.
     fn touching(&self, carried: &Self::Carried) -> Option<Couple>;
 
-    /// True if the engine takes crowds. A crowd is an island without a list of pairs, which is moved by uniform steps.
-    /// A crowd has more than [`LARGEST_ISLAND`] particles, or it contains all contacts in progress if these are many.
+    /// True if the engine can solve crowds. A crowd is an island without a list of pairs, which is moved by uniform
+    /// steps. It has more than [`LARGEST_ISLAND`] particles, or it contains all contacts in progress if these are many.
     fn takes_crowds(&self) -> bool {
         false
     }
 
-    /// Moves the particles of an island, in the frame at rest, from the start of a part of a window to its end after
-    /// `end` [s]. If a particle leaves its bounds ([`Island::allows`]), the function stops and returns the local index
-    /// of that particle. If several particles leave their bounds, the others are stored in [`Island::also`].
+    /// Moves the particles of an island from the start of a part to its end after `end` [s]. `window` is the time from
+    /// the start of the part to the next exchange with the gas. Returns `None` if the result is valid. The function
+    /// stops, and returns the local index of a particle, if that particle exceeds its speed limit or is hit
+    /// unexpectedly ([`Island::allows`]). If this happens to several particles, the others are stored in
+    /// [`Island::also`].
     ///
     /// # Errors
     /// The engine fails, or the island costs more than the classical algorithm would.
@@ -106,37 +110,39 @@ pub trait Solve: Sync {
     ) -> Result<Option<usize>, GivenUp>;
 }
 
-/// Number of searches for touches between two sorts of the particle store. Between two searches particles move by a
-/// small fraction of a cell.
+/// Number of searches for touching particles after which the particle store is sorted again. Between two searches
+/// particles move by a small fraction of a cell.
 const WINDOWS_PER_SORT: u64 = 32;
 
 /// Largest number of particles of an island for which a list of all pairs costs less than uniform steps.
 pub const LARGEST_ISLAND: usize = 200;
 
-/// Number of members beyond which an island is too large for a long part of a time window. Each step of an island
-/// checks all of its pairs, so the cost grows with the square of the number of members. If an island is too large, the
-/// part is halved, up to [`SHORTER`] times.
+/// Number of members above which an island is too large, as long as a shorter interval of time can be tried. Each step
+/// of an island checks all of its pairs, so the cost grows with the square of the number of members. If an island is
+/// too large, the interval is halved, up to [`SHORTER`] times.
 const LARGE_ISLAND: usize = 48;
 
-/// Number of times that a part of a time window with too large islands is halved before the classical algorithm moves
-/// all particles.
+/// Number of times that an interval of time with too large islands is halved before the classical algorithm moves all
+/// particles.
 const SHORTER: i32 = 3;
 
-/// Number of islands in a piece of parallel work. It is fixed, so that results do not depend on the number of threads.
+/// Number of islands that a thread solves as one piece of work. It is fixed, so that results do not depend on the
+/// number of threads.
 const BATCH: usize = 64;
 
-/// Moves particles through a time window in parts, by finding islands and solving them.
+/// Method that moves particles through a window (time between two exchanges with the gas) by finding islands and
+/// solving them. The window is divided into parts, and `C` is the type of contacts carried from part to part.
 pub struct Islands<C> {
     /// Clock that measures the wall-clock time of searches and flights.
     pub clock: Clock,
-    /// Wall-clock time spent on islands so far.
+    /// Wall-clock time that islands have taken so far.
     pub spent: EngineTimes,
     pub(super) counters: IslandCounters,
-    /// Indices of the particles that were in islands in the last part of a time window.
+    /// Indices of the particles that were members of islands in the last part of a window.
     pub(super) members: Vec<u32>,
     search: Search,
     frame: Vector3<f64>,
-    /// Connection to the other processes that share the run.
+    /// Connection to the other processes that share the run; a single process by default.
     pub processes: Processes<C>,
 }
 
@@ -161,24 +167,25 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
     }
 
     /// Continues a stored run with the given counts and times. The counts determine when the particle store is next
-    /// sorted. Islands store no other state between time windows.
+    /// sorted. Islands need no other data from earlier windows.
     pub fn resume(&mut self, counters: IslandCounters, spent: EngineTimes) {
         (self.counters, self.spent) = (counters, spent);
     }
 
-    /// Indices of the particles that were in islands in the last part of a time window.
+    /// Indices of the particles that were members of islands in the last part of a window.
     pub fn members(&self) -> &[u32] {
         &self.members
     }
 
-    /// Summary of the sizes of all particles of the run.
+    /// Summary of the sizes of all particles of the run, those of other processes included.
     pub fn population(&self, work: &Work<C>) -> Arc<PopulationSummary> {
         // sizes do not change, so the summary is kept while other processes store some of the particles
         let known = self.processes.population();
         known.unwrap_or_else(|| Arc::new(PopulationSummary::of(&Sample::from(&*work.particles), work.scene)))
     }
 
-    /// Summary of the velocities of all particles of the run.
+    /// Speeds of all particles of the run relative to their mean velocity along the walls, those of other processes
+    /// included.
     pub fn speeds(&self, work: &Work<C>, population: &PopulationSummary) -> SpeedSummary {
         let mut sums = work.particles.relative_to_flow(&work.scene.domain).velocity_sums();
         self.processes.total(&mut sums.each_mut());
@@ -186,7 +193,8 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         self.speeds_seen_from(along_walls(work.scene, mean), work, population)
     }
 
-    /// Summary of the velocities of all particles of the run, relative to a frame with the velocity `frame` [m/s].
+    /// Speeds of all particles of the run relative to a frame with the velocity `frame` [m/s], those of other processes
+    /// included.
     fn speeds_seen_from(&self, frame: Vector3<f64>, work: &Work<C>, population: &PopulationSummary) -> SpeedSummary {
         let relative = work.particles.relative_to_flow(&work.scene.domain);
         let (mut squares, largest) = relative.square_speeds_and_largest(frame);
@@ -197,8 +205,8 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         SpeedSummary { frame, mean, largest: largest[0] }
     }
 
-    /// Moves all particles through a window for as long as islands cost less than the classical algorithm. Returns the
-    /// simulated time [s] covered in this way. In a dilute scene it is the whole window.
+    /// Moves all particles through the window for as long as islands cost less than the classical algorithm. Returns
+    /// the time [s] from the start of the window that is covered in this way. In a dilute scene it is the whole window.
     ///
     /// # Errors
     /// A velocity is not a finite number. If the engine fails in an island, the function returns early without an
@@ -256,8 +264,8 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         Ok(done)
     }
 
-    /// Prepares a part of a time window: sorts the particle store after every [`WINDOWS_PER_SORT`] searches, and wraps
-    /// positions.
+    /// Prepares a part, a piece of the window: moves particles beyond periodic sides back into the box, sorts the store
+    /// after every [`WINDOWS_PER_SORT`] searches, and counts the search.
     fn prepare<S: Solve<Carried = C>>(&mut self, work: &mut Work<C>, piece: &WindowPiece) {
         let began = self.clock.now();
         if self.counters.neighbour_builds.is_multiple_of(WINDOWS_PER_SORT) {
@@ -269,8 +277,8 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         self.spent.neighbours += self.clock.now() - began;
     }
 
-    /// Moves all particles through a part of a time window. Returns false, and changes no position or velocity, if an
-    /// island is too large or the engine fails.
+    /// Moves all particles through a part, a piece of the window. Returns false, and changes no position or velocity,
+    /// if an island is too large or the engine fails.
     fn part<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,
@@ -312,7 +320,8 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         }
     }
 
-    /// Writes the results of all islands into the particle store, and moves all other particles on straight lines.
+    /// Writes the results of all islands into the particle store and the log, and moves all other particles on straight
+    /// lines.
     fn write_back(&mut self, work: &mut Work<C>, piece: &WindowPiece, landing: &Landing, batches: &[Batch<C>]) {
         let (gravity, &WindowPiece { elapsed, part, .. }) = (work.scene.gravity, piece);
         let (fall, fallen) = (gravity * (part * (elapsed + 0.5 * part)), gravity * (elapsed + part));
@@ -331,7 +340,8 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         }
     }
 
-    /// Finds all touches on straight flights in the next part of the time window, for the particles in `region`.
+    /// Finds all touches that would occur in the next part if all particles flew straight, for the particles in
+    /// `region`.
     fn find(&mut self, work: &Work<C>, region: Region, piece: &WindowPiece) -> Vec<FirstTouch> {
         let began = self.clock.now();
         let span = SearchInterval::new(work.scene, piece.elapsed, piece.part);

@@ -1,13 +1,12 @@
-//! Sorting of the particles in the store, and of the state carried from one part of a window to the next, such as
-//! contacts.
+//! Sorting of the particles in the store, and of the contacts carried from one part of a window to the next.
 
 use super::{Solve, search};
 use crate::encounter::Other;
 use crate::engine::distributed::Processes;
 use crate::engine::driver::Work;
 
-/// Sorts the carried state (such as contacts) by the ids of its particles and by walls. Its order then does not depend
-/// on the order of particles in the store.
+/// Sorts the carried contacts (or recent collisions) by the ids of their particles and by walls, and removes
+/// duplicates. Their order then does not depend on the order of particles in the store.
 pub fn in_order<S: Solve>(solver: &S, work: &mut Work<S::Carried>) {
     let id = &work.particles.id;
     work.lasting.sort_by_cached_key(|carried| {
@@ -21,7 +20,8 @@ pub fn in_order<S: Solve>(solver: &S, work: &mut Work<S::Carried>) {
     work.lasting.dedup_by_key(|carried| (S::places(carried), solver.touching(carried)));
 }
 
-/// Sorts the particles in the store by cells, so that particles near in space are near in memory.
+/// Sorts the particles in the store by cells, so that particles near in space are near in memory. Indices in carried
+/// contacts are adapted.
 pub fn sort<S: Solve>(work: &mut Work<S::Carried>, processes: &mut Processes<S::Carried>) {
     let domain = &work.scene.domain;
     work.wrap();

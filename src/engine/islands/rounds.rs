@@ -1,14 +1,14 @@
-//! Rounds in which islands (groups of particles that may meet) are solved. The rounds end when no island has met an
-//! unexpected particle or speed.
+//! Rounds in which islands (groups of particles that may meet) are solved. The rounds end when no member has met an
+//! unexpected particle or exceeded its speed limit.
 
 use super::batch::{Batch, GivenUp, IslandResult, Retry, Task, Workbench};
 use super::cluster::IslandFinder;
 use super::{BATCH, IslandCounters, Solve};
 use crate::work_sharing;
 
-/// Solves all islands. Islands that met a particle outside the island, or an unexpected speed, are solved again.
-/// Returns `None` if an island is too large, or if the engine fails in one. An island is counted if its leader (member
-/// with the smallest id) satisfies `mine`.
+/// Solves all islands, and solves those again in which a member met an unexpected particle or exceeded its speed limit.
+/// Returns the valid results with the counts of work; `None` if an island is too large, or if the engine fails in one.
+/// Only islands are counted whose leader, the member with the smallest id, satisfies `mine`.
 pub fn solve_all<S: Solve>(
     islands: &mut S::Finder<'_>,
     task: &Task<S>,

@@ -1,5 +1,5 @@
-//! Search for hot particles, which are those that touch something on their straight flight in a part of a window (the
-//! time between two exchanges of momentum with the gas). Every pair that is near enough is checked once.
+//! Search for hot particles: those that touch something in a part (a piece of the time between two exchanges with the
+//! gas) if all particles fly straight. Every pair that is near enough is checked once.
 
 use crate::domain::Domain;
 use crate::encounter::{AtWall, Couple, FrameTime, may_meet};
@@ -15,25 +15,26 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroU32;
 
-/// Number of rows of cells in a piece of parallel work.
+/// Number of rows of cells that a thread searches as one piece of work.
 const ROWS: usize = 16;
 
-/// Number of pairs that are collected before the data of their particles are read from the particle store.
+/// Number of near pairs that are collected before the data of their particles are read from the particle store.
 const BATCH: usize = 64;
 
-/// Ball that contains a particle throughout its straight flight, relative to the moving frame of the search. In a sheared
-/// box, the frame of each particle also has the mean flow at the position of the particle when the part begins.
+/// Ball that contains a particle throughout a flight or another interval of its motion, relative to the moving frame of
+/// the search. In a sheared box, the frame of each particle also has the mean flow at its position when the interval
+/// begins.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct BoundingSphere {
-    /// Centre of the ball [m]: the middle of the flight, inside the box along periodic axes.
+    /// Centre [m] of the ball, inside the box along periodic axes; for a straight flight the middle of the flight.
     pub middle: Vector3<f64>,
-    /// Radius of the ball [m]: the radius of the particle plus half the length of the flight.
+    /// Radius [m] of the ball; for a straight flight the radius of the particle plus half the length of the flight.
     pub reach: f64,
 }
 
 impl BoundingSphere {
-    /// Ball that contains particle `i` during a flight of `part` [s], relative to a frame with the velocity `frame`
-    /// [m/s].
+    /// Ball that contains particle `i` during a straight flight of `part` [s], relative to a frame with the velocity
+    /// `frame` [m/s].
     #[inline]
     pub fn of(particles: &Particles, i: usize, domain: &Domain, frame: Vector3<f64>, part: f64) -> Self {
         let (position, radius) = (particles.position[i], particles.radius[i]);
@@ -44,9 +45,10 @@ impl BoundingSphere {
         ball.strained(domain, part, radius + 2.0 * length)
     }
 
-    /// The ball enlarged by the relative motion of the frames of two particles in a sheared box during `part` [s]. The
-    /// surface of the particle moves `way` [m] at most, plus its radius, from its first centre. Two particles that touch
-    /// were as far apart along y as the sum of both at most, so their frames have moved by the shear rate times that.
+    /// Enlarges the ball in a sheared box, where the frames of two particles move relative to each other. `way` [m] is
+    /// the largest distance of any point of the particle, during `part` [s], from its centre at the start. Two
+    /// particles that touch started at most the sum of their ways apart along y. Their frames then move by at most the
+    /// shear rate times `part` times this sum.
     #[inline]
     pub fn strained(self, domain: &Domain, part: f64, way: f64) -> Self {
         match domain.shear {
@@ -63,44 +65,47 @@ impl BoundingSphere {
     }
 }
 
-/// A touch of two bodies on their straight flights in this part of a time window.
+/// Touch of two bodies that fly straight, in a part (a piece of the time between two exchanges with the gas).
 #[derive(Clone, Copy, Debug)]
 pub struct FirstTouch {
     pub place: u32,
     /// Index of the other particle; `None` for a wall.
     pub other: Option<u32>,
-    /// Time [s] of the touch since the start of the part of the time window.
+    /// Time [s] of the touch since the start of the part.
     pub time: f64,
 }
 
 /// Touches that a search has found, and the number of checks.
 pub struct SearchResult {
-    /// Touches, in the order of cells of their first particle.
+    /// Touches of pairs in the order of the cells of their first particles, then touches of walls.
     pub touches: Vec<FirstTouch>,
     /// Number of pairs, and of particles with walls, that were checked.
     pub checks: u64,
 }
 
-/// Straight flights of all particles in a part of a time window, sorted into cells.
+/// Straight flights of all particles in a part (a piece of the time between two exchanges with the gas), sorted into
+/// cells.
 #[derive(Default)]
 pub struct Search {
     pub levels: SizeLevels,
-    /// Region that contains the particles.
+    /// Region of space that contains the middles of all flights: the box, or a part of it if several processes share
+    /// the run.
     pub region: Region,
     /// Ball that contains the straight flight of each particle, by particle index.
     pub flights: Vec<BoundingSphere>,
     packed: PackedBalls,
-    /// Label of each hot particle (member of an island), by particle index; `None` for other particles. Between time
-    /// windows all entries are `None`.
+    /// Mark of each hot particle (member of an island), by particle index: its number among all members; `None` for
+    /// other particles. Between two searches no particle is marked.
     pub label: Vec<Option<Label>>,
-    /// Search structure for the walls near a point, from the last search.
+    /// Search for the walls near a point, from the last search.
     pub near_walls: NearWalls,
     /// Indices of the particles whose flights come near a wall, by chunks of the particle store. All particles are
     /// listed if some wall is not flat.
     beside_walls: Vec<Vec<u32>>,
 }
 
-/// Label of a hot particle: its number among the members of all islands. An `Option` of it takes four bytes.
+/// Label of a hot particle (member of an island): its number among the members of all islands. An `Option` of it takes
+/// four bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Label(NonZeroU32);
 
@@ -116,15 +121,15 @@ impl Label {
     }
 }
 
-/// Indices of the particles in a region, in the order of cells with about one particle each.
+/// Indices of the particles in a region, in the order of cells that contain about one particle each.
 pub fn cell_order(particles: &Particles, region: &Region) -> Vec<u32> {
     let spacing = (region.volume() / particles.len().max(1) as f64).cbrt();
     CellGrid::new(&particles.position, region, spacing).1
 }
 
-/// Appends the touches of pairs within `part` [s], in the order of the pairs, and clears the list of pairs. All
-/// particles are read from the particle store before any pair is checked in detail, so that the processor need not wait
-/// for memory at every pair.
+/// Appends to `touches` the touches of the given pairs within `part` [s], if all particles fly straight, and empties
+/// the list of pairs. All particles are read from the store before any pair is checked in detail, so that the processor
+/// need not wait for memory at every pair.
 fn touches_of(
     pairs: &mut Vec<(u32, u32)>,
     (particles, scene): (&Particles, &Scene),
@@ -146,8 +151,9 @@ fn touches_of(
 }
 
 impl Search {
-    /// Computes the flights of all particles during `span`, and sorts them into cells by their middles, which must be
-    /// in `region`. Positions must be inside the box.
+    /// Computes the straight flights of all particles during the interval `span`, relative to a frame with the velocity
+    /// `frame` [m/s]. Sorts the flights into cells by their middles, which must be in `region`. Positions must be
+    /// inside the box.
     pub fn build(
         &mut self,
         particles: &Particles,
@@ -189,7 +195,8 @@ impl Search {
         self.packed.fill(&self.levels.order(), |place| (flights[place].middle, flights[place].reach), &self.region);
     }
 
-    /// Calls `visit` with the indices of the particles whose flights overlap a ball.
+    /// Calls `visit` with the indices of the particles whose straight flights come into a ball, periodic images
+    /// included.
     #[inline(always)]
     pub fn for_each_beside(&self, ball: &BoundingSphere, domain: &Domain, mut visit: impl FnMut(u32)) {
         domain.for_each_image(&ball.middle, ball.reach + self.levels.largest_reach(), |middle| {
@@ -202,7 +209,8 @@ impl Search {
         });
     }
 
-    /// Finds all touches of particles with one another and with walls on straight flights during `span`.
+    /// Finds all touches of particles with one another and with walls during the interval `span`, if all particles fly
+    /// straight.
     pub fn hot(&self, particles: &Particles, scene: &Scene, span: &SearchInterval) -> SearchResult {
         let part = span.part;
         let rows = self.levels.rows();
@@ -232,8 +240,8 @@ impl Search {
         found
     }
 
-    /// Finds the touches across the sheared sides of the box: the images of the lowest flights above the upper side are
-    /// compared with the flights below it.
+    /// Finds the touches across the sheared sides of the box: the flights near the lower side are shifted above the
+    /// upper side and compared with the flights below it.
     fn hot_across(&self, particles: &Particles, scene: &Scene, span: &SearchInterval, found: &mut SearchResult) {
         if scene.domain.shear.is_none() {
             return;
@@ -265,8 +273,8 @@ impl Search {
         found.touches.extend(parts.iter().flatten());
     }
 
-    /// Time [s] of the first touch of particle `i` with a wall on its flight, within the interval; `None` without a
-    /// touch.
+    /// Time [s] from the start of the interval to the first touch of particle `i` with a wall on its flight; `None`
+    /// without a touch.
     fn touch_of_wall(&self, particles: &Particles, scene: &Scene, span: &SearchInterval, i: usize) -> Option<f64> {
         let SearchInterval { elapsed, part, falls } = *span;
         let spot = &self.flights[i];
@@ -304,19 +312,19 @@ impl Search {
     }
 }
 
-/// The interval of time in which flights are compared with one another and with walls.
+/// Interval of time in which particles are assumed to fly straight, while touches are searched.
 pub struct SearchInterval {
-    /// Time [s] from the beginning of the time window to the beginning of the interval.
+    /// Time [s] from the last exchange with the gas to the start of the interval.
     elapsed: f64,
     /// Length of the interval [s].
     part: f64,
-    /// Upper limit [m] of the distance by which gravity moves any particle away from its straight flight in the
-    /// interval, and by which walls move.
+    /// Upper limit [m] of the distances by which gravity moves particles away from their straight flights, and by which
+    /// walls move, in the interval.
     falls: f64,
 }
 
 impl SearchInterval {
-    /// Makes an interval of `part` [s] that begins `elapsed` [s] after the beginning of the time window.
+    /// Makes an interval of `part` [s] that begins `elapsed` [s] after the last exchange with the gas.
     pub fn new(scene: &Scene, elapsed: f64, part: f64) -> Self {
         let falls = part * ((scene.gravity * elapsed).norm() + scene.gravity.norm() * part + scene.wall_speed());
         Self { elapsed, part, falls }

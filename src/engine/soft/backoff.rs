@@ -11,13 +11,14 @@ use super::UNIFORM_COST;
 use crate::engine::islands::IslandCounters;
 use serde::{Deserialize, Serialize};
 
-/// [ns] cost per particle of its flight, and of sorting it into cells, in a search for touches (as in `cheapest_part`).
+/// [ns] cost per particle of one search for touches on straight flights: the flight of the particle is computed, and the
+/// particle is sorted into a cell (as in `cheapest_part`).
 const SEARCH: f64 = 90.0;
 
 /// [ns] cost of testing one pair.
 const CHECK: f64 = 1.2;
 
-/// [ns] cost of copying a particle into an island and back: half of the cost per hot particle in `cheapest_part`.
+/// [ns] cost of copying a particle into an island and back: half of the cost per member of an island in `cheapest_part`.
 const MEMBER: f64 = 700.0;
 
 /// [ns] cost of one contact force in an island.
@@ -36,12 +37,14 @@ const CONTACT: f64 = 50.0;
 /// a tenth of this pause.
 const LONGEST: u32 = 64;
 
-/// [ns] cost of the steps of islands. `updates` is the number of particles moved by stages plus that of gaps tested.
+/// [ns] cost of local steps of islands with `forces` contact forces. `updates` is the number of particles moved, summed
+/// over all stages of the steps, plus the number of gaps tested.
 pub fn steps_cost(forces: u64, updates: u64) -> f64 {
     FORCE * forces as f64 + UPDATE * updates as f64
 }
 
-/// Work of uniform steps in the simulated time that a trial of islands covered.
+/// Work that uniform steps (of all particles) would need for the simulated time that islands have covered. The cost of
+/// the islands is compared with the cost of this work.
 pub struct Rival {
     /// [-] number of steps times the number of force evaluations per step.
     pub stages: f64,

@@ -38,7 +38,7 @@ struct TouchingSlot {
     record: u32,
 }
 
-/// Work done by a force evaluation.
+/// Counts of the work done by a force evaluation.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ForceEvaluation {
     /// Number of forces computed.
@@ -71,13 +71,13 @@ impl ForceSums {
 /// Working memory of an evaluation, shared by blocks that are evaluated one after the other.
 #[derive(Default)]
 pub struct BlockScratch {
-    /// Powers and forces of single contacts.
+    /// Powers and forces of single contacts, before they are condensed into few rows.
     rows: ContactRows,
     /// Contacts of the previous step.
     before: Vec<TouchingSlot>,
-    /// Slots that overlap.
+    /// Slots (candidates of the neighbour list) whose two bodies overlap.
     overlapping: Vec<u32>,
-    /// Slots that may overlap soon.
+    /// Slots of pairs that may overlap soon.
     near: Vec<u32>,
 }
 
@@ -151,7 +151,7 @@ impl ContactBlock {
         self.sums = ForceSums::default();
     }
 
-    /// Discards the lists of slots that may overlap soon.
+    /// Discards the lists of slots that may overlap soon, so that the next evaluation tests all slots.
     pub fn look_anew(&mut self) {
         self.near_until = None;
         self.free_until.clear();
@@ -360,7 +360,7 @@ impl ContactBlock {
         }
     }
 
-    /// Makes the contact that begins at a slot.
+    /// Makes the contact that begins between the two bodies of the slot `slot`.
     fn open(&self, slot: u32, view: ContactSearch, law: &ContactLaw) -> Contact {
         let ContactSearch { list, at, .. } = view;
         let mut touch = view.touching(list.couple(slot as usize), law);

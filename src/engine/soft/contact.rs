@@ -235,7 +235,7 @@ impl ContactState {
         Err(passed(particles, i, (at.wall, time), way))
     }
 
-    /// Records the present encounter of the two bodies.
+    /// Stores overlap, rate of the overlap and normal of the present encounter, and updates the largest overlap.
     pub fn note(&mut self, met: &Encounter) {
         self.normal = Some(met.normal.cast());
         self.overlap = met.overlap();
@@ -266,13 +266,13 @@ pub struct ContactForce {
     pub on_i: Vector3<f64>,
     /// [N] component of the force along the normal.
     pub normal: f64,
-    /// [W] power dissipated by the dashpot, in the middle of the kick.
+    /// [W] power dissipated by the dashpot, in the middle of the time for which the force changes the velocities.
     pub restitution_power: f64,
-    /// [W] power dissipated by friction, in the middle of the kick.
+    /// [W] power dissipated by friction, in the middle of the time for which the force changes the velocities.
     pub friction_power: f64,
     /// [W] power supplied by a wall whose surface moves.
     pub wall_power: f64,
-    /// [W] power of the shear, if a sheared side is between the two particles.
+    /// [W] power that the shear of the box supplies, if a sheared side is between the two particles; otherwise 0.
     pub shear_power: f64,
     /// [m] vector from the centre of the other particle (or from the wall) to the centre of particle i.
     pub arm: Vector3<f64>,
@@ -311,12 +311,12 @@ impl Alike {
         })
     }
 
-    /// Constants of the contact between the two particles of `couple`.
+    /// The two particles of `couple` with the common constants of contacts.
     pub fn touching(&self, couple: Couple) -> TouchingPair {
         TouchingPair { couple, constants: self.constants }
     }
 
-    /// Species of one particle and kind of the other one. Both are the common species.
+    /// Species of one particle and kind of the other. Both contain the index of the species that all particles have.
     pub fn kinds(&self) -> (u16, Kind) {
         (self.species, Kind::Species(self.species))
     }
@@ -338,7 +338,7 @@ pub(super) fn relative_gravity(
     scene.gravity - couple.wall_motion(met, (particles, scene), moment).unwrap_or_default().acceleration
 }
 
-/// [m/s²] part of the [`relative_gravity`] along the surfaces.
+/// [m/s²] component of `relative_gravity` perpendicular to the normal, which changes the slip of the surfaces.
 #[inline(always)]
 pub(super) fn pull_along(
     couple: &Couple,
@@ -351,18 +351,19 @@ pub(super) fn pull_along(
 }
 
 impl TouchingPair {
-    /// Two bodies with their constants under a contact law.
+    /// Makes a pair of touching bodies with the constants of their contact under the law `law`.
     pub fn new(couple: Couple, particles: &Particles, scene: &Scene, law: &ContactLaw) -> Self {
         Self { couple, constants: ContactConstants::new(&couple, particles, scene, law) }
     }
 
-    /// [`ContactConstants::begin_at`] of these two bodies.
+    /// Sets the constants to those of a contact that begins at the normal speed `speed` [m/s], as
+    /// [`ContactConstants::begin_at`] does.
     #[inline]
     pub fn begin_at(&mut self, speed: f64, scenery: (&Particles, &Scene), law: &ContactLaw) {
         self.constants.begin_at(speed, &self.couple, scenery, law);
     }
 
-    /// [`ContactConstants::force`] of these two bodies.
+    /// Force of the contact of these two bodies, as [`ContactConstants::force`] returns it.
     #[inline(always)]
     pub fn force(
         &self,
@@ -377,13 +378,13 @@ impl TouchingPair {
 }
 
 impl ContactConstants {
-    /// Constants of two bodies under a contact law.
+    /// Constants of the contact of two bodies under the law `law`, before the speed of approach is known.
     pub fn new(couple: &Couple, particles: &Particles, scene: &Scene, law: &ContactLaw) -> Self {
         Self::of(&couple.bodies(particles, scene), couple, (particles, scene), law)
     }
 
-    /// Sets the constants to those of a contact that begins at the normal speed `speed` [m/s] of approach, if its
-    /// restitution depends on the speed: its dashpot lasts as long as the contact. Other constants stay.
+    /// Sets the constants to those of a contact that begins at the normal speed `speed` [m/s] of approach. Nothing changes
+    /// unless the restitution depends on the speed. The dashpot then is constant until the contact ends.
     #[inline]
     pub fn begin_at(&mut self, speed: f64, couple: &Couple, scenery: (&Particles, &Scene), law: &ContactLaw) {
         let (particles, scene) = scenery;

@@ -33,14 +33,15 @@ pub struct ContactRows {
 }
 
 impl ContactRows {
-    /// Adds the row of a force that acts `remaining` [s] before the end of the window. Full batches are condensed into
-    /// `few`.
+    /// Adds the row of a contact force. It acts when `at.1` [s] remain until the end of the window. Full batches of rows
+    /// are condensed: few rows with equal sums are added to `few`.
     #[inline(always)]
     pub fn add(&mut self, couple: &Couple, force: &ContactForce, at: (&Scene, f64), few: &mut Self) {
         self.add_row(couple, force, 0.0, at, few);
     }
 
-    /// Adds the rows of a contact between rotating bodies; `losses` [W] are the parts of its friction power.
+    /// Adds the rows of a contact between rotating bodies as [`add`](Self::add) does; `losses` [W] are the parts of its
+    /// friction power.
     #[inline(always)]
     pub fn add_rotating(
         &mut self,
@@ -103,7 +104,7 @@ impl ContactRows {
         condense(&mut self.by_shear, &mut few.by_shear);
     }
 
-    /// Removes all rows.
+    /// Removes all rows; their memory is used again.
     pub fn clear(&mut self) {
         self.of_pairs.clear();
         self.at_walls.clear();
@@ -141,7 +142,7 @@ impl Default for ContactSums {
 }
 
 impl ContactSums {
-    /// Adds rows with a weight [-]. The weight is a power of two, or 0, so nothing is rounded.
+    /// Adds rows to the sums, multiplied by `weight` [-]. The weight is a power of two, or 0, so the products are exact.
     pub fn add(&mut self, rows: &ContactRows, weight: f64) {
         self.is_empty &= weight == 0.0 || (rows.of_pairs.is_empty() && rows.at_walls.is_empty());
         add_weighted(&mut self.of_pairs, &rows.of_pairs, weight);
@@ -181,7 +182,7 @@ impl ContactSums {
         }
     }
 
-    /// Parts [W] of the power that friction dissipates.
+    /// Parts [W] of the power that friction dissipates in all contacts.
     pub fn friction_losses(&self) -> FrictionLosses {
         if self.is_empty {
             return FrictionLosses::default();

@@ -27,7 +27,8 @@ pub struct StepRecord<'a> {
 }
 
 impl StepRecord<'_> {
-    /// Wraps the particles of a sheared box, and books what crossing its sides changes.
+    /// Shifts the particles of a sheared box by whole periods into the box, and adds the changes of energy and momentum at
+    /// its sheared sides to the ledger. Boxes without shear are not changed.
     pub fn cross(&mut self, particles: &mut Particles, domain: &Domain) {
         if domain.shear.is_some() {
             self.log.ledger += particles.wrap(domain);
@@ -131,9 +132,10 @@ pub struct Contacts {
     foreseen: Vec<Contact>,
     /// [J] elastic energy stored in all contacts.
     elastic_energy: f64,
-    /// Powers and wall forces of the last kick, whose second half is recorded in the next window.
+    /// Powers and wall forces of the last kick (change of velocities by forces). Its second half is recorded in the next
+    /// window.
     rates: Rates,
-    /// [W] parts of the friction power of the last kick.
+    /// [W] parts of the friction power of the last kick (change of velocities by forces), by cause.
     losses: FrictionLosses,
     /// Sums over all steps of the window so far.
     total: ContactSums,
@@ -155,7 +157,7 @@ pub struct Due {
     losses: FrictionLosses,
 }
 
-/// Number of slots per block of a list.
+/// Number of slots (candidates of the neighbour list) per block, the unit of parallel work.
 fn block_size(list: &NeighbourList) -> usize {
     let slots = list.slots();
     if slots <= 2 * CHUNK { slots.max(1) } else { CHUNK }
@@ -198,14 +200,14 @@ impl Contacts {
         self.elastic_energy
     }
 
-    /// State that the last evaluation passes to the next one.
+    /// Returns the state that the last force evaluation passes to the next one, for storage.
     pub fn due(&self) -> Due {
         let mut foreseen = self.foreseen.clone();
         foreseen.extend(self.blocks.iter().flat_map(ContactBlock::foreseen));
         Due { foreseen, elastic_energy: self.elastic_energy, rates: self.rates, losses: self.losses }
     }
 
-    /// Continues from the state that an earlier evaluation has passed on.
+    /// Continues from the stored state `due`, which [`due`](Self::due) returned.
     pub fn resume(&mut self, due: Due) {
         (self.foreseen, self.elastic_energy) = (due.foreseen, due.elastic_energy);
         (self.rates, self.losses) = (due.rates, due.losses);
@@ -227,7 +229,7 @@ impl Contacts {
         }
     }
 
-    /// Removes and returns the contacts in progress. The half of the last kick that is not yet recorded is kept, in
+    /// Removes and returns the contacts in progress. The sums for the second half of the last kick are not removed, in
     /// case the contacts are put back unchanged.
     pub fn take(&mut self, list: &NeighbourList) -> Vec<Contact> {
         self.gather(list);
@@ -246,7 +248,7 @@ impl Contacts {
         self.blocks.iter_mut().for_each(ContactBlock::look_anew);
     }
 
-    /// Discards the half of the last kick that is not yet recorded, because another method has moved the contacts.
+    /// Discards the sums for the second half of the last kick, because another method has moved the contacts.
     pub fn forget(&mut self) {
         self.elastic_energy = 0.0;
         (self.rates, self.losses) = (Rates::default(), FrictionLosses::default());
@@ -275,7 +277,7 @@ impl Contacts {
         }
     }
 
-    /// Distributes the contacts to blocks of the list.
+    /// Moves the contacts from `lasting` and `foreseen` to new blocks of the neighbour list.
     fn spread(&mut self, list: &NeighbourList) {
         let size = block_size(list);
         self.blocks = blocks(list);
@@ -378,7 +380,7 @@ impl Contacts {
     }
 
     /// Adds powers and forces of the last evaluation to the sums, after all processes have agreed that these forces
-    /// act.
+    /// act. If half of their kick is applied in the next window, stores the sums for it.
     pub fn count(&mut self, at: EvaluationTime, ghosts: &dyn GhostExchange) {
         let mut due = ContactSums::default();
         for ContactBlock { sums, .. } in &self.blocks {
@@ -403,8 +405,8 @@ impl Contacts {
         }
     }
 
-    /// Records the half of the last kick that belongs to this window. `time` [s] is the length of this half, and
-    /// `remaining` [s] the length of the whole window.
+    /// Records the second half of the last kick of the previous window, which acts in this window. `time` [s] is the
+    /// length of this half, and `remaining` [s] the length of the whole window.
     pub fn settle(&mut self, time: f64, remaining: f64, scene: &Scene, log: &mut Log) {
         self.rates.add(time, remaining, scene, log);
         log.ledger.friction += self.losses * time;

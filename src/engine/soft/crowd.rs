@@ -24,16 +24,17 @@ pub struct Steps {
 }
 
 impl Steps {
-    /// [ns/s] cost of uniform steps in a bed, per particle and simulated time. A particle has six neighbours and four
-    /// contacts, each shared by two particles.
+    /// [ns/s] estimated cost of uniform steps in a bed, per particle and simulated time. A particle in a bed has about six
+    /// neighbours and four contacts, each of which is shared by two particles.
     pub fn cost_in_a_bed(&self) -> f64 {
         let stages = stages(self.integrator) / self.longest;
         Rival { stages, particles: 1, slots: 3, forces: 2.0 * stages }.cost()
     }
 }
 
-/// Moves a crowd by uniform steps from time 0 to `end` [s]. Returns the index of one particle that left its bounds, and
-/// stores the others in [`Island::also`].
+/// Moves a crowd (a large island) by uniform steps for `end` [s] from the beginning of the window. Particles have left
+/// their bounds if they are hit without being members, or exceed their speed limit. Returns the local index of one of
+/// them, and stores the others in [`Island::also`]; `None` if there are none.
 ///
 /// # Errors
 /// Returns the failure of the uniform steps.
@@ -86,7 +87,7 @@ pub fn solve(
     Ok(island.also.pop())
 }
 
-/// Adds the work done to the counters of the island, converted to the work of local stepping.
+/// Adds the work of the uniform steps to the counters of the island, in units of the work of local stepping.
 fn count(island: &mut Island<Contact>, solver: &SoftSolver) {
     let counters = solver.counters(&Default::default());
     island.crowd_steps += counters.steps;

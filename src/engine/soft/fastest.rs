@@ -24,7 +24,7 @@ impl Fastest {
 }
 
 impl SoftSolver {
-    /// Applies the forces of the last evaluation: v += a dt.
+    /// Changes the velocities by the forces of the last evaluation, v += a `dt` [s], and raises the limits of speeds.
     pub(super) fn kick(&mut self, particles: &mut Particles, domain: &Domain, dt: f64) {
         let mass = self.alike.as_ref().map(|alike| alike.mass);
         let pushed = kick_all(&self.pushes, (particles, mass), dt, self.list.frame());
@@ -33,8 +33,8 @@ impl SoftSolver {
         self.speed.rise(domain.shear.map_or(pushed, in_flow));
     }
 
-    /// [m/s] speed at which two particles of the list may come nearer to each other, per particle. A particle and a wall
-    /// come nearer at this speed at most.
+    /// [m/s] upper limit of the speed with which a particle approaches a wall. Two particles of the neighbour list approach
+    /// each other with at most twice this speed. Gravity since the beginning of the window is not included.
     pub(super) fn closing_speed(&self, particles: &Particles, domain: &Domain) -> f64 {
         self.speed.all + self.list.strain(particles, domain) + self.speed.of_walls
     }

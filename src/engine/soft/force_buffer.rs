@@ -69,7 +69,7 @@ pub struct ForceBuffer {
 /// Range that contains no index.
 const NOBODY: Range<u32> = Range { start: u32::MAX, end: 0 };
 
-/// Range of indices, extended by those of one more force.
+/// Returns the range `span` of indices, extended to contain the particles of one more force.
 #[inline]
 fn wider(span: &Range<u32>, push: &ForceIncrement) -> Range<u32> {
     let other = push.j.map_or(push.i, StoreIndex::get);
@@ -121,7 +121,8 @@ impl ForceBuffer {
         self.couples.clear();
     }
 
-    /// Removes the forces on particles that are not chosen.
+    /// Keeps only the forces on particles for which `chosen`, by index, is true. One particle of each contact must be chosen.
+    /// If it is particle j, it becomes particle i of its entry.
     pub fn leave(&mut self, chosen: &[bool]) {
         let is_chosen = |place: u32| chosen[place as usize];
         for (k, push) in self.list.iter_mut().enumerate() {

@@ -45,7 +45,8 @@ use local::NoInstants;
 pub(in crate::engine) use local::{Allowance, InstantaneousRule, IslandScratch, ReachedTouch, SoftIslands};
 use serde::{Deserialize, Serialize};
 
-/// [ns] cost of a uniform step per particle, on the scale of the costs of islands.
+/// [ns] estimated cost of one uniform step (of all particles) per particle, without pair tests and contact forces. It is
+/// on the scale of the costs in `backoff`.
 const UNIFORM_COST: f64 = 5.0;
 
 /// Engine of soft spheres: spring-dashpot contacts, with time steps of islands or of all particles at once.
@@ -60,7 +61,7 @@ pub type Soft = Driver<SoftSolver>;
 pub struct SoftSolver {
     stepping: SoftStepping,
     pub(in crate::engine) islands: SoftIslands,
-    /// Pause of islands, which determines the windows in which islands are tried (stepping `Auto`).
+    /// Pause in windows, during which islands are not tried because they cost more than uniform steps (stepping `Auto`).
     patience: Backoff,
     /// Number of uniform steps so far.
     steps: u64,
@@ -78,15 +79,15 @@ pub struct SoftSolver {
     /// Working memory: forces of the first stage of Heun's method.
     before: Vec<ForceBuffer>,
     pub(in crate::engine) counters: Counters,
-    /// Upper limits of speeds relative to the frame of the neighbour list.
+    /// [m/s] upper limits of speeds, relative to the frame in which the neighbour list measures the motion of particles.
     pub(in crate::engine) speed: Fastest,
-    /// [m] smallest radius; `None` if there are no thin walls.
+    /// [m] smallest radius of any particle, by which passages through thin walls are excluded; `None` without thin walls.
     smallest: Option<f64>,
     /// True if `pushes` contains the forces of the present state (Verlet).
     pub(in crate::engine) has_forces: bool,
     /// True if uniform steps, not islands, moved the particles last.
     pub(in crate::engine) ran_last: bool,
-    /// Properties common to all particles during a window, if they are alike.
+    /// Mass, species and contact constants that are equal for all particles during a window; `None` if particles differ.
     pub(in crate::engine) alike: Option<Alike>,
     /// Data used while several processes share the steps.
     pub(in crate::engine) shared: SharedSteps,
@@ -141,7 +142,8 @@ impl Soft {
 }
 
 impl SoftSolver {
-    /// Rebuilds the list for uses that are `between_uses` [s] apart, and moves contacts and forces to the new order.
+    /// Rebuilds the neighbour list for steps that are `between_uses` [s] apart. The particles are sorted anew, and the
+    /// indices of particles in contacts and forces are changed accordingly.
     pub(in crate::engine) fn rebuild(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) {
         let couples = self.contacts.shed(&self.list);
         self.shared.slots = None;
@@ -157,7 +159,7 @@ impl SoftSolver {
         self.speed.all = particles.largest_speed_in(self.list.frame(), &scene.domain);
     }
 
-    /// Computes the forces at the present positions and velocities into `pushes`.
+    /// Computes the contact forces at the present positions and velocities, and stores them in `pushes`.
     fn evaluate(
         &mut self,
         particles: &Particles,
@@ -285,7 +287,8 @@ impl SoftSolver {
         Ok(())
     }
 
-    /// Moves all particles through the whole window by uniform steps.
+    /// Moves all particles through the whole window by uniform steps, which are equally long for all particles. `ghosts`
+    /// exchanges data with the other processes of the run, if there are any.
     pub(in crate::engine) fn uniform(
         &mut self,
         particles: &mut Particles,
@@ -314,8 +317,8 @@ impl SoftSolver {
         Ok(())
     }
 
-    /// Work of uniform steps in `time` [s]. Islands computed `forces` contact forces in the same time, and crowds
-    /// `of_crowds`.
+    /// Estimates the work of uniform steps of all `particles` through the simulated time `time` [s]. In the same time, small
+    /// islands computed `forces` contact forces by local steps, and large islands (crowds) `of_crowds` by uniform steps.
     fn uniform_work(&self, particles: usize, time: f64, [forces, of_crowds]: [u64; 2]) -> Rival {
         let stages = stages(self.integrator);
         let local = self.islands.stages().len() as f64;
@@ -328,7 +331,7 @@ impl SoftSolver {
     }
 }
 
-/// [-] number of force evaluations in a uniform step.
+/// [-] number of force evaluations in a uniform step of the integrator.
 fn stages(integrator: Integrator) -> f64 {
     match integrator {
         Integrator::VelocityVerlet => 1.0,

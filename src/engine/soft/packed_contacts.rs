@@ -84,7 +84,7 @@ pub struct PackedContacts {
     kept: Vec<Vec<PackedContact>>,
     /// Indices in `kept` at which no contact is stored.
     free: Vec<u32>,
-    /// Constants of contacts.
+    /// Constants of contacts. Any number of contacts use one of the first `SHARED` entries, one contact each further entry.
     constants: Vec<ContactConstants>,
     /// Indices in `constants` from `SHARED` on that no contact uses.
     unused: Vec<u32>,
@@ -97,7 +97,7 @@ pub struct PackedContacts {
     first_slips: Vec<Vec<Option<Vector3<f32>>>>,
 }
 
-/// Element with the number `place`, counted over all chunks.
+/// Returns the element with the index `place`, counted over all chunks; `None` if there are fewer chunks.
 #[inline(always)]
 fn in_chunks<T>(chunks: &mut [Vec<T>], place: u32) -> Option<&mut T> {
     Some(&mut chunks.get_mut(place as usize / CHUNK)?[place as usize % CHUNK])
@@ -129,7 +129,6 @@ impl PackedContacts {
         place
     }
 
-    /// Stores a packed contact; returns its index.
     fn store(&mut self, kept: PackedContact) -> u32 {
         if let Some(place) = self.free.pop() {
             *self.at(place) = kept;
@@ -200,7 +199,7 @@ impl PackedContacts {
         (constants, ContactState { shear, resistance, first_slip, ..course })
     }
 
-    /// Removes the contact at index `place`.
+    /// Removes the contact at index `place`. The next new contact may get this index.
     pub fn forget(&mut self, place: u32) {
         let constants = self.at(place).constants;
         if constants as usize >= SHARED {

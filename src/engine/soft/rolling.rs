@@ -65,8 +65,8 @@ impl RollingMotion {
         Self { bodies, rolling, twisting, against_rolling, against_twisting }
     }
 
-    /// [1/kg] rolling acceleration per tangential force, for a lever arm equal to the radius: R_eff (r_i/I_i -
-    /// r_j/I_j). It is also the acceleration of the slip per rolling resistance.
+    /// [1/kg] rolling acceleration over the tangential force that causes it: R_eff (r_i/I_i - r_j/I_j), without r_j/I_j at a
+    /// wall. The lever arm is the radius. The slip has an equal acceleration over the rolling resistance that causes it.
     pub fn passed_on(&self, couple: &Couple, particles: &Particles) -> f64 {
         let inertia = particles.inertia.as_deref().unwrap_or_default();
         let of = |place: u32| particles.radius[place as usize] / inertia[place as usize];
@@ -89,7 +89,7 @@ pub struct ResistedStep {
     pub after: f64,
     /// [s] length of the step.
     pub dt: f64,
-    /// [s] part of the step in which the surfaces have moved.
+    /// [s] time in the step during which the surfaces have moved. It is less than `dt` if the contact has just begun.
     pub elapsed: f64,
     /// [s] time from the given velocities to the middle of the kick.
     pub to_middle: f64,
@@ -108,8 +108,8 @@ impl Resistance {
         velocity * (wanted.min(self.spring.mass * speed / dt) / speed)
     }
 
-    /// Force [N] at the end of a step with a velocity [m/s], and the new shear [m]; `shear` [m] is that before the
-    /// step.
+    /// Returns the force [N] at the end of a step, and the shear [m] of the spring after it. `shear` [m] is that before the
+    /// step, and `velocity` [m/s] the relative velocity that stretches the spring.
     fn resist(
         &self,
         (shear, velocity): (Vector3<f64>, Vector3<f64>),

@@ -18,9 +18,9 @@ use nalgebra::Vector3;
 pub struct SurfaceMotion {
     /// [m/s] slip s of the surfaces.
     pub slip: Vector3<f64>,
-    /// [-] lever arm divided by the radius.
+    /// [-] lever arm of the tangential force about the centre of a sphere, divided by the radius of the sphere.
     pub arm: f64,
-    /// [rad/s] mean spin about the normal.
+    /// [rad/s] component of the mean spin of the two bodies along the normal.
     pub twist: f64,
 }
 
@@ -139,8 +139,8 @@ impl ContactConstants {
         RotatingForce { force, torque, shear, losses }
     }
 
-    /// Resistance to rolling and twisting at the end of a step. It is a separate function, because few scenes have
-    /// resistance.
+    /// Resistance to rolling and twisting at the end of a step; zero while the contact is too young to resist. It is a
+    /// separate function, because few scenes have resistance.
     #[inline(never)]
     fn resist(
         &self,
@@ -166,7 +166,7 @@ impl ContactConstants {
 
 /// Motion of a contact in a step, from which its resistance to rolling and twisting follows.
 struct SurfaceTurn {
-    /// [-] lever arm divided by the radius.
+    /// [-] lever arm of the tangential force divided by the radius of the sphere.
     arm: f64,
     /// [rad] angle by which the mean spin has turned the contact about the normal.
     angle: f64,

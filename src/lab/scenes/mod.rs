@@ -81,11 +81,11 @@ pub struct BoxView {
 /// View of the whole box along the z axis.
 const WHOLE: BoxView = BoxView { right: 0, up: 1, region: None, magnify: None };
 
-/// Setup with soft spheres and the settings of the case.
+/// Setup with soft spheres, with the contact law and the steps of the case.
 const SOFT: PanelSetup = PanelSetup { title: "soft", model: Model::Soft, sets: &[] };
-/// Setup with hard spheres and an event queue.
+/// Setup with hard spheres, whose collisions are computed at their exact instants.
 const HARD: PanelSetup = PanelSetup { title: "hard", model: Model::Hard, sets: &[] };
-/// Setup with hybrid spheres.
+/// Setup with hybrid spheres, whose contacts are soft or instantaneous.
 const HYBRID: PanelSetup = PanelSetup { title: "hybrid", model: Model::Hybrid, sets: &[] };
 
 /// All scenes, in the order in which the page lists them.

@@ -141,7 +141,7 @@ fn reference(of: &ChartQuantity) -> Vec<String> {
 }
 
 impl ChartStudy<'_> {
-    /// Sentence with the cheapest soft and hard method for a quantity.
+    /// Sentence with the cheapest soft and hard method for the quantity with the index `index`.
     fn aloud(&self, index: usize) -> String {
         let (target, words) = figures::WITHIN;
         let floor = self.quantities[index].floor;

@@ -43,7 +43,8 @@ pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     blocks
 }
 
-/// Sentence about a gas whose mean flow is outside the range of its turbulence model; `None` if it is within.
+/// Sentence about a variant whose mean gas flow is outside the range of the turbulence model; `None` if it is within,
+/// or if the gas is frozen.
 fn beyond_the_model(outcome: &Outcome) -> Option<String> {
     let (gas, fluid) = (outcome.gas.as_ref()?, outcome.experiment.scene.fluid.as_ref()?);
     let flow = fluid.profile.channel_flow()?;
@@ -61,7 +62,7 @@ fn beyond_the_model(outcome: &Outcome) -> Option<String> {
     })
 }
 
-/// [-] turbulent kinetic energy k in the middle of the flow, over that of the gas alone.
+/// [-] turbulent kinetic energy k in the middle of the flow, over that of the gas without particles.
 fn remaining_turbulence(gas: &GasFlow) -> Option<f64> {
     Some(gas.mean.last()?.k / gas.alone.last()?.k)
 }

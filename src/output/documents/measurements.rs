@@ -59,19 +59,19 @@ pub(super) fn blocks(outcomes: &[Outcome], pictures: impl Fn(&str) -> Vec<Block>
     blocks
 }
 
-/// Difference between a number and its theory, in standard errors.
+/// Text of the difference between a number and its theory, in standard errors; empty without a theory or an error.
 fn in_errors(number: &ObservedNumber) -> String {
     let exact = number.theory.map(|(_, value)| Estimate::exact(value));
     let difference = number.value.zip(exact).and_then(|(value, exact)| value.less(exact).in_errors());
     difference.map_or_else(String::new, |errors| significant(errors, 2))
 }
 
-/// Results of all variants, each with its variant.
+/// All results of measurements, each with the outcome of its variant.
 fn all(outcomes: &[Outcome]) -> impl Iterator<Item = (&Outcome, &Observation)> {
     outcomes.iter().flat_map(|outcome| outcome.observations.iter().map(move |observed| (outcome, observed)))
 }
 
-/// Names of the measurements, each once.
+/// Names of the measurements of all variants, each once.
 fn names(outcomes: &[Outcome]) -> impl Iterator<Item = &'static str> {
     let mut names: Vec<&'static str> = Vec::new();
     for (_, observed) in all(outcomes) {
@@ -175,7 +175,8 @@ fn numbers(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// File of contacts as lines for ParaView, with force [N] and ids of each. The id of a wall is -1.
+/// File for ParaView of contacts as lines, each with its force [N] and the ids of its particles. The id of a wall is
+/// -1. `time` is in s.
 fn contact_lines(time: f64, lines: &[ContactLine]) -> Vec<u8> {
     let ends = lines.iter().map(|line| [line.from.into(), line.to.into()]);
     Vtp::of_lines(time, lines.len(), ends, |file| {
@@ -185,7 +186,7 @@ fn contact_lines(time: f64, lines: &[ContactLine]) -> Vec<u8> {
     })
 }
 
-/// File of averages on a grid for ParaView.
+/// File for ParaView of time averages on a grid, for the end of the run at `time` [s].
 fn grid_file(time: f64, grid: &ObservedGrid) -> Vec<u8> {
     Vtp::of_grid(time, grid.cells, grid.spacing.into(), |file| {
         for (name, components, values) in &grid.fields {

@@ -55,7 +55,7 @@ fn against(study: &Study, reference: &str) -> String {
     set.map_or_else(|| format!("against “{reference}”"), |set| format!("against “{reference}” ({set})"))
 }
 
-/// Exchanges rows and columns of a table with more than five variants.
+/// Exchanges rows and columns of a table if it has more than five columns, so that it is not too wide for the page.
 fn turned(matrix: Matrix) -> Matrix {
     if matrix.head.len() <= 5 {
         return matrix;

@@ -100,7 +100,8 @@ pub fn plan_text(document: &PlanDocument) -> String {
 /// Largest number of rows in a table, so that the table fits on a screen.
 const MOST_ROWS: usize = 12;
 
-/// Note on the number of rows left out of a table, beyond [`MOST_ROWS`]; `None` if the table contains all rows.
+/// Note on the number of rows that a table leaves out, beyond [`MOST_ROWS`]. `rows` is the number of all rows. `None`
+/// if the table contains all of them.
 fn left_out(rows: usize) -> Option<Block> {
     let more = rows.checked_sub(MOST_ROWS).filter(|more| *more > 0)?;
     Some(Block::Note(format!("and {} more, all with --json", counted(more, "row"))))

@@ -393,8 +393,8 @@ fn hashes(outcomes: &[Outcome]) -> Block {
     table("variant | hash of the initial state | hash of the final state", outcomes, cells)
 }
 
-/// [-] unexplained energy, over the sum of the initial energy and the magnitudes of the work of drag, gravity, moving
-/// walls and shear. `None` if this sum is 0.
+/// [-] unexplained energy, over the sum of the magnitudes of the initial energy and of all work (drag, gravity, moving
+/// walls, shear, thermostat). `None` if this sum is 0.
 fn relative_residual(outcome: &Outcome) -> Option<f64> {
     let ledger = &outcome.record.ledger;
     let through = ledger.through(outcome.energy_at_start);

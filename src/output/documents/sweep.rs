@@ -9,7 +9,7 @@ use crate::statistics::Estimate;
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Number of standard errors beyond which two values count as different.
+/// Number of standard errors of the difference beyond which two values count as different.
 const FAR: f64 = 3.0;
 
 /// Writes the table, the pictures and the page of a sweep. Writes the summary too if all runs are finished. Returns the

@@ -8,7 +8,7 @@ use crate::statistics::Estimate;
 /// Number of standard errors beyond which a change is highlighted.
 const SUSPECT: f64 = 3.0;
 
-/// All sheets as parts of a page, with one column per variant.
+/// Trust sheets (checks of the results) of all variants as parts of a page. A table has one column per variant.
 pub(super) fn blocks(sheets: &[TrustSheet]) -> Vec<Block> {
     if sheets.is_empty() {
         return Vec::new();
@@ -41,7 +41,7 @@ pub(super) fn blocks(sheets: &[TrustSheet]) -> Vec<Block> {
     blocks
 }
 
-/// Value in its unit, with its error unless the error is only rounding.
+/// Text of a value with its unit, and with its standard error unless the error is only rounding.
 fn value(found: impl Into<Option<Estimate>>, unit: &str) -> String {
     let Some(found) = found.into() else { return format!("{UNKNOWN}{unit}") };
     let space = if unit.is_empty() { "" } else { " " };

@@ -75,7 +75,7 @@ pub fn islands(outcomes: &[Outcome]) -> Vec<Block> {
     ]
 }
 
-/// Share of each part of a run, such as drag and sampling, in the wall time.
+/// Table with the share of each part of a run, such as drag or sampling, in its wall time.
 pub fn timing(outcomes: &[Outcome]) -> Vec<Block> {
     let cells = |o: &Outcome| {
         let t = &o.timing;
@@ -95,7 +95,8 @@ pub fn timing(outcomes: &[Outcome]) -> Vec<Block> {
     [table(head, outcomes, cells)].into_iter().chain((!serial.is_empty()).then_some(Block::Note(note))).collect()
 }
 
-/// [1/s] product of the numbers of particles and windows, per wall-clock second. `None` if no time was measured.
+/// [1/s] number of particles times number of windows (times between two exchanges with the gas), per wall-clock second.
+/// `None` if no time was measured.
 pub fn particle_windows_per_second(outcome: &Outcome) -> Option<f64> {
     let seconds = outcome.timing.wall_seconds;
     (seconds > 0.0).then(|| outcome.particles as f64 * outcome.windows as f64 / seconds)

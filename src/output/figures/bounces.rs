@@ -45,16 +45,19 @@ pub fn normal_velocity(bounces: &[Bounce]) -> String {
 }
 
 /// Picture of the reduced slip s/(μ u_n) after an impact against the reduced slip before it, for each variant, with
-/// measured points.
+/// measured points and the curve of partial slip.
 pub fn slip_after(study: &ObliqueStudy) -> String {
     let of = |points: &[(f64, f64)]| points.iter().map(|(x, y)| SeriesPoint::at(*x, *y)).collect::<Vec<_>>();
     let mut series: Vec<PanelSeries> = Vec::new();
     for (place, curve) in study.curves.iter().enumerate() {
         series.push(PanelSeries::new(&curve.name, SeriesStyle::Line(place), of(&curve.points)));
     }
-    if !study.measured.is_empty() {
-        let label = "measured (Kharaz et al. 2001)";
-        series.push(PanelSeries::new(label, SeriesStyle::Points(study.curves.len()), of(&study.measured)));
+    let [(measured, points), (partial_slip, curve)] = study.references();
+    if !points.is_empty() {
+        series.push(PanelSeries::new(measured, SeriesStyle::Points(study.curves.len()), of(points)));
+    }
+    if !curve.is_empty() {
+        series.push(PanelSeries::new(partial_slip, SeriesStyle::Line(study.curves.len() + 1), of(curve)));
     }
     chart::single(&Panel {
         x_label: "slip before, s/(μ u_n)".into(),
@@ -74,7 +77,8 @@ fn widest(bounces: &[Bounce]) -> f64 {
     points(bounces).map(|point| point.gap.abs()).filter(|gap| gap.is_finite()).fold(0.0, f64::max)
 }
 
-/// [s] first and last instant at which the overlap is at least `floor` [m] in any variant.
+/// First and last instant [s] at which the overlap is at least `floor` [m] in any variant. The overlap is negative
+/// while the bodies are apart.
 fn near(bounces: &[Bounce], floor: f64) -> (f64, f64) {
     let times = bounces.iter().flat_map(|bounce| cut(&bounce.path, floor)).map(|(t, _)| t).filter(|t| t.is_finite());
     times.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| (low.min(t), high.max(t)))
@@ -87,8 +91,8 @@ fn span(bounces: &[Bounce], floor: f64) -> f64 {
     from.abs().max(until.abs()).max(0.0)
 }
 
-/// Times [s] and overlaps [m] of the parts of a path whose overlap is at least `floor` [m]. The ends of these parts are
-/// found by linear interpolation.
+/// Times [s] and overlaps [m] along a path, where the overlap is at least `floor` [m]. The instants at which the
+/// overlap equals `floor` are found by linear interpolation.
 fn cut(path: &[PathPoint], floor: f64) -> impl Iterator<Item = (f64, f64)> {
     let inside = path.iter().filter(move |point| -point.gap >= floor).map(|point| (point.time, -point.gap));
     let crossings = path.windows(2).filter_map(move |pair| {

@@ -40,12 +40,13 @@ struct ImpactQuantity {
     scale: f64,
     y_label: &'static str,
     shape: Shape,
-    /// Smallest value that is drawn. A variant with smaller values only is left out.
+    /// Largest value below which a distribution is not drawn, in the unit of the quantity. A variant with smaller
+    /// values only is left out.
     least: f64,
     pick: fn(&Impacts) -> &Histogram,
     /// Prediction of kinetic theory, as a function of the quantity.
     theory: Option<fn(&Overlaps, f64) -> f64>,
-    /// True if the prediction is valid only for runs in which all contacts have the same time steps.
+    /// True if the prediction is valid only for uniform steps, in which all contacts have the same time steps.
     in_step: bool,
 }
 
@@ -235,7 +236,7 @@ fn shares(histogram: &Histogram) -> Vec<SeriesPoint> {
     std::iter::once(zero).chain(all.chunks(all.len().div_ceil(SHOWN).max(1)).filter_map(end)).collect()
 }
 
-/// Probability density that corresponds to a count of one half in `merged` bins.
+/// Probability density of a bin, made of `merged` bins of the histogram, that contains half a count.
 fn half_count(histogram: &Histogram, merged: usize) -> f64 {
     0.5 / (histogram.total as f64 * histogram.width * merged as f64)
 }

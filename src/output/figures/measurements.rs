@@ -8,7 +8,7 @@ use crate::output::groups::{PanelGroup, groups};
 use crate::output::numbers::Prefix;
 use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle};
 
-/// Name of the figures of a measurement.
+/// Name of the figures of the measurement `name`: hyphens take the place of underscores.
 pub fn of_measurement(name: &str) -> String {
     name.replace('_', "-")
 }

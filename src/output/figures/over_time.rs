@@ -17,10 +17,10 @@ const PARTS: usize = 50;
 /// Number of intervals of a theoretical curve.
 const POINTS: usize = 600;
 
-/// [-] ratio of the highest to the lowest temperature above which the axis is logarithmic.
+/// [-] ratio of the highest to the lowest granular temperature of a run above which the axis is logarithmic.
 const DECAY: f64 = 20.0;
 
-/// [-] fraction of the settling velocity. The settling velocity is drawn only if particles reach this fraction of it.
+/// [-] smallest ratio of the speed of the particles to the settling velocity for which the settling velocity is drawn.
 const NEAR: f64 = 0.1;
 
 /// [-] ratio of the mean velocity to the agitation, below which the mean velocity is a rounding error.
@@ -55,7 +55,7 @@ fn picture(group: &PanelGroup, name: &str, caption: &str, panels: Vec<Panel>) ->
     })
 }
 
-/// Time axis common to all panels.
+/// Time axis that all panels of a group of variants share.
 struct TimeAxis {
     /// [s] duration of the longest run.
     length: f64,
@@ -68,7 +68,8 @@ impl TimeAxis {
         Self { length, prefix: Prefix::of(length) }
     }
 
-    /// Panel with this time axis. Series without points are left out. `None` if only theoretical series remain.
+    /// Panel with this time axis and the given series. Series without points are left out. `None` if only theoretical
+    /// series remain.
     fn panel(&self, y_label: String, series: Vec<PanelSeries>) -> Option<Panel> {
         let series: Vec<PanelSeries> = series.into_iter().filter(|series| !series.points.is_empty()).collect();
         let drawn = series.iter().any(|series| !matches!(series.look, SeriesStyle::Exact | SeriesStyle::Reference));
@@ -80,7 +81,7 @@ impl TimeAxis {
         SeriesPoint::at(time * self.prefix.factor, value)
     }
 
-    /// Theoretical curve over the whole time, without the times at which `of` has no value.
+    /// Theoretical curve over the whole time. `of` returns its value at a time [s]; times without a value are left out.
     fn theory(&self, label: &str, of: impl Fn(f64) -> Option<f64>) -> PanelSeries {
         let times = (0..=POINTS).map(|k| self.length * k as f64 / POINTS as f64);
         let points = times.filter_map(|time| Some(self.point(time, of(time)?)));
@@ -88,7 +89,7 @@ impl TimeAxis {
     }
 }
 
-/// Lines of a quantity over time, one line per variant.
+/// Curves of a quantity over time, one per variant. `of` returns the quantity of a row, or `None` if it is unknown.
 fn lines(group: &PanelGroup, time: &TimeAxis, of: impl Fn(&Row) -> Option<f64>) -> Vec<PanelSeries> {
     let line = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
         let points = outcome.series.rows.iter().filter_map(|row| Some(time.point(row.time, of(row)?)));
@@ -97,7 +98,8 @@ fn lines(group: &PanelGroup, time: &TimeAxis, of: impl Fn(&Row) -> Option<f64>) 
     group.members.iter().enumerate().map(line).collect()
 }
 
-/// Lines of impacts per time [1/s], averaged over parts of the run.
+/// Curves of the rate of impacts [1/s], averaged over parts of the run. `count` returns the number of impacts since the
+/// start.
 fn rates(group: &PanelGroup, time: &TimeAxis, count: impl Fn(&Row) -> u64) -> Vec<PanelSeries> {
     let line = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
         let rows: Vec<&Row> = outcome.series.rows.iter().collect();
@@ -127,7 +129,7 @@ fn largest(series: &[PanelSeries]) -> f64 {
     series.iter().flat_map(|series| &series.points).map(|point| point.y.abs()).fold(0.0, f64::max)
 }
 
-/// Panel of a quantity in `unit` with an SI prefix; `None` for a quantity that is always 0.
+/// Panel of a quantity in `unit` with an SI prefix, such as milli; `None` for a quantity that is always 0.
 fn prefixed(time: &TimeAxis, name: &str, unit: &str, mut series: Vec<PanelSeries>) -> Option<Panel> {
     let prefix = Prefix::of(largest(&series));
     series.iter_mut().flat_map(|series| &mut series.points).for_each(|point| point.y *= prefix.factor);
@@ -138,7 +140,7 @@ fn plain(time: &TimeAxis, label: &str, series: Vec<PanelSeries>) -> Option<Panel
     (largest(&series) > 0.0).then(|| time.panel(label.into(), series))?
 }
 
-/// Lines of the granular temperature over time. Empty if the temperature is unknown at an instant, as for a few
+/// Curves of the granular temperature over time. Empty if the temperature is unknown at an instant, as for a few
 /// particles.
 fn temperature(group: &PanelGroup, time: &TimeAxis) -> Vec<PanelSeries> {
     let known = |outcome: &Outcome| outcome.series.rows.iter().all(|row| row.temperature.is_some());
@@ -146,7 +148,7 @@ fn temperature(group: &PanelGroup, time: &TimeAxis) -> Vec<PanelSeries> {
     if all { lines(group, time, Row::granular_temperature) } else { Vec::new() }
 }
 
-/// Lines of the mean velocity along an axis. Empty if the velocities are only rounding errors of sums that vanish.
+/// Curves of the mean velocity along an axis. Empty if the velocities are only rounding errors of sums that vanish.
 fn velocity(group: &PanelGroup, time: &TimeAxis, axis: usize) -> Vec<PanelSeries> {
     let lines = lines(group, time, |row| Some(row.velocity[axis]));
     let rows = group.members.iter().flat_map(|(_, outcome)| &outcome.series.rows);
@@ -154,7 +156,7 @@ fn velocity(group: &PanelGroup, time: &TimeAxis, axis: usize) -> Vec<PanelSeries
     if largest(&lines) > ROUNDING * agitation { lines } else { Vec::new() }
 }
 
-/// Panels of averages over all particles.
+/// Panels of all averages over the particles that are drawn against time.
 fn series(group: &PanelGroup, time: &TimeAxis) -> Vec<Panel> {
     let Some((_, first)) = group.members.first() else { return Vec::new() };
     let scene = &first.experiment.scene;
@@ -202,7 +204,8 @@ fn axis(outcome: &Outcome) -> usize {
     }
 }
 
-/// Theoretical position [m] and velocity [m/s] of the particle with a given index at a time [s].
+/// Theory of the motion. It returns the position [m] and the velocity [m/s] of the particle with the given index at a
+/// time [s], or `None` if it is unknown.
 type Theory = dyn Fn(usize, f64) -> Option<[Vector3<f64>; 2]>;
 
 /// Theory of a single bouncing particle, or of a chain of particles; `None` if the scene is neither.

@@ -36,7 +36,7 @@ pub fn symbol(quantity: &str) -> String {
     slice_column(quantity).map_or(quantity, |column| column.symbol).into()
 }
 
-/// Difference in the sentence of the comparison, in % of the scale of the quantity.
+/// Difference that a report names first, in % of the scale of the quantity; `None` if there is none.
 pub fn in_per_cent(one: &Judged) -> Option<Estimate> {
     let found = one.tested.headline()?;
     Some(Estimate::new(found.difference, found.error).times(100.0 / one.tested.scale))
@@ -81,9 +81,9 @@ pub fn differences(study: &Study) -> Option<Figure> {
     Some(Figure::new(IN_PER_CENT, caption, picture.draw(study).into_string()))
 }
 
-/// Difference of one variant from its reference in one quantity.
+/// Mark of one variant in a row of the picture: its difference from the reference in one quantity.
 struct DifferenceMark {
-    /// Index of the variant.
+    /// Index of the variant, by which its colour is chosen.
     place: usize,
     /// [%] difference with its standard error.
     found: Estimate,
@@ -92,7 +92,7 @@ struct DifferenceMark {
 }
 
 struct Differences {
-    /// [%] margin of equivalence.
+    /// [%] margin of equivalence: largest accepted difference, of the scale of the quantity.
     margin: f64,
     rows: Vec<(String, Vec<DifferenceMark>)>,
 }

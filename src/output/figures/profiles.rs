@@ -71,7 +71,8 @@ fn open_part(outcome: &Outcome, k: usize, slices: usize) -> Option<f64> {
     (open > 0.0).then(|| (open / width).min(1.0))
 }
 
-/// Lines of the number density over its mean. The density refers to the volume that centres of particles can reach.
+/// Curves of the number density over its mean across the channel. The density refers to the volume that centres of
+/// particles can reach.
 fn room(group: &PanelGroup, height: &Height) -> Vec<PanelSeries> {
     let series = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
         let rows = &outcome.profiles.slices;

@@ -9,7 +9,7 @@ use kuva::render::plots::Plot;
 use kuva::render::render::render_multiple;
 use std::sync::Arc;
 
-/// [px] height of a row without its points.
+/// [px] height of a row of the picture without its points.
 const ROW: f64 = 18.0;
 /// [px] additional height of a row for each kind of points.
 const DOT: f64 = 7.0;
@@ -88,7 +88,8 @@ pub fn rows(picture: &RowsFigure) -> String {
     svg(&render_multiple(plots, layout.with_width(WIDTH).with_height(height)))
 }
 
-/// Plot of the points of one kind with certain answers (`sure`), or with uncertain answers.
+/// Plot of the points of one kind (index `series`): those with a certain answer if `sure` is true, else the others.
+/// Points below `floor` are drawn at it. `None` without points.
 fn points(picture: &RowsFigure, series: usize, sure: bool, floor: f64) -> Option<Plot> {
     let kinds = picture.series.len() as f64;
     let (mut data, mut arms) = (Vec::new(), Vec::new());

@@ -26,7 +26,7 @@ pub fn sweep(study: &SweepStudy) -> Vec<Figure> {
     OBSERVABLES.iter().filter(known).map(picture).collect()
 }
 
-/// Legend for values of the key that are not numbers: the position of each value on the horizontal axis.
+/// Legend that numbers the values of a key that are not numbers: the position of each value on the horizontal axis.
 fn places(axis: &SweepAxis) -> String {
     if axis.numbers.is_some() {
         return String::new();

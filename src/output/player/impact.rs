@@ -6,10 +6,10 @@ use crate::output::numbers::significant;
 use crate::output::{Bounce, ImpactStudy, PathPoint};
 use nalgebra::Vector3;
 
-/// Number of frames of a recording.
+/// Number of frames (instants) of the recording of an impact.
 const FRAMES: usize = 240;
 
-/// [diameters] depth with which the largest overlap is drawn.
+/// [diameters] depth with which the largest overlap is drawn; gaps and overlaps are enlarged for this purpose.
 const DEEP: f64 = 0.3;
 
 /// [-] recorded times before and after the first touch, each over the duration of the longest contact.

@@ -26,7 +26,7 @@ const SHOWN: usize = 3;
 /// Scripts, in the order in which a page contains them.
 const SCRIPTS: [&str; 2] = [include_str!("../page/scene.js"), include_str!("../page/player.js")];
 
-/// [-] largest value of an unsigned 16-bit number.
+/// Largest value of an unsigned 16-bit number [-], by which recorded numbers from 0 to 1 are multiplied.
 const FULL: f64 = u16::MAX as f64;
 
 /// Recording that a page shows, with still pictures.

@@ -7,14 +7,17 @@ use nalgebra::Vector3;
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// Code of a particle that moved along a straight line in the last window.
+/// Code, in a trajectory file, of a particle that moved along a straight line in the last window (time between two
+/// exchanges with the gas).
 const FLEW: u8 = 0;
-/// Code of a particle in an island, a group of particles that may touch within a part of a window.
+/// Code, in a trajectory file, of a particle in an island, a group of particles that may touch within a part of a
+/// window.
 const ISLAND: u8 = 1;
-/// Code of a particle that was moved together with all other particles, by uniform steps or one event queue.
+/// Code, in a trajectory file, of a particle that was moved together with all others, by uniform steps or one event
+/// queue.
 const EVERYONE: u8 = 2;
 
-/// Particles at one instant. The memory is reused from frame to frame.
+/// Particles at one instant, for a trajectory file. The memory is reused from frame to frame.
 #[derive(Debug, Default)]
 pub(super) struct TrajectoryFrame {
     /// [s] simulated time of the frame.
@@ -26,13 +29,14 @@ pub(super) struct TrajectoryFrame {
     id: Vec<u32>,
     /// Entry for each contact of each particle: index of the particle in the store, and overlap [m].
     contacts: Vec<(u32, f64)>,
-    /// Indices of the particles in islands; `None` if all particles were moved together.
+    /// Indices of the particles in islands (groups that may touch each other); `None` if all particles were moved
+    /// together.
     islands: Option<Vec<u32>>,
     /// Data of the particles in the order of their ids; available after [`sort`](Self::sort).
     own: Vec<Own>,
 }
 
-/// Data of all particles that are constant during a run.
+/// Data of all particles that do not change during a run, for trajectory files.
 #[derive(Debug)]
 pub(super) struct Cast {
     domain: Domain,
@@ -54,7 +58,7 @@ impl Cast {
         }
     }
 
-    /// Sorts the data by the ids of the particles.
+    /// Sorts the data in the order of the ids of the particles.
     pub(super) fn sort(&mut self) {
         let (id, radius, species) = (self.id.clone(), self.radius.clone(), self.species.clone());
         for (place, rank) in ranks(&id).iter().enumerate() {
@@ -80,7 +84,7 @@ fn ranks(ids: &[u32]) -> Cow<'_, [u32]> {
     Cow::Owned(ranks)
 }
 
-/// Data of one particle in one frame.
+/// Data of one particle in one frame of a trajectory, as they are sorted by id.
 #[derive(Clone, Copy, Debug, Default)]
 struct Own {
     /// Index of the particle in the store.

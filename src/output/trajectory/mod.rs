@@ -42,7 +42,7 @@ pub(super) fn is_ours(path: &Path) -> bool {
     read.is_ok_and(|length| beginning[..length].windows(7).any(|word| word == b"diptych"))
 }
 
-/// Messages to the writing thread.
+/// Messages to the thread that writes trajectory files.
 enum WriterMessage {
     /// Surfaces of the walls, times [s] of existing frames, and a flag that is true if spheres rotate.
     Begin(Option<[Vec<u8>; 3]>, Vec<f64>, bool),
@@ -53,14 +53,14 @@ enum WriterMessage {
     Pieces(f64, usize),
 }
 
-/// Progress of the writing thread, which the observer can read.
+/// Progress of the thread that writes trajectory files; the observer can read it.
 #[derive(Default)]
 struct WriterProgress {
     written: Mutex<Written>,
     changed: Condvar,
 }
 
-/// Work that the writing thread has done.
+/// Work that the thread that writes trajectory files has done so far.
 #[derive(Default)]
 struct Written {
     frames: u64,
@@ -102,7 +102,7 @@ pub struct Trajectory<'scope> {
     asked: Trajectories,
     /// Channel to the thread; `None` after the trajectory is finished.
     frames: Option<SyncSender<WriterMessage>>,
-    /// Channel by which the thread returns written frames, so that their memory is used again.
+    /// Channel by which the writing thread returns frames that it has written, so that their memory is used again.
     used: Receiver<TrajectoryFrame>,
     writer: Option<ScopedJoinHandle<'scope, Result<(), OutputError>>>,
     progress: Arc<WriterProgress>,
@@ -205,7 +205,7 @@ impl<'scope> Trajectory<'scope> {
         }
     }
 
-    /// Sends all particles to the thread, unless the frame exists.
+    /// Sends all particles to the writing thread, unless the frame of this instant exists.
     fn take_all(&mut self, simulation: &Simulation) {
         if self.is_done(simulation.time) {
             return;
@@ -280,7 +280,7 @@ impl Observer for Trajectory<'_> {
     }
 }
 
-/// Writer of frames, in its own thread.
+/// State of the thread that writes the frames of a trajectory.
 struct Writer<'env> {
     folder: &'env Folder,
     name: String,
@@ -339,13 +339,13 @@ impl Writer<'_> {
         }
     }
 
-    /// Numbers of the frames whose files have been removed.
+    /// Numbers of the frames whose files have been removed from the folder.
     fn gone(&self) -> Vec<usize> {
         let is_gone = |number: &usize| !self.folder.path().join(self.file(*number)).exists();
         (0..self.frames.len()).filter(is_gone).collect()
     }
 
-    /// Path of the file of a frame, relative to the folder of results.
+    /// Path of the file of the frame with the given number, relative to the folder of results.
     fn file(&self, number: usize) -> String {
         let kind = match self.frames[number].1 {
             true => "pvtp",
@@ -398,7 +398,7 @@ impl Writer<'_> {
         self.is_written(time, true)
     }
 
-    /// Names of the existing pieces of a frame with ranks from `rank` on.
+    /// Names of the existing pieces of the frame `number` that processes with the rank `rank` or a higher one wrote.
     fn pieces_from(&self, number: usize, rank: usize) -> Vec<String> {
         let names = (rank..).map(|rank| pieces::piece(&self.name, number, rank));
         names.take_while(|name| self.folder.path().join(name).exists()).collect()

@@ -12,7 +12,7 @@ pub trait Link {
     /// Number of processes that work on the command.
     fn size(&self) -> usize;
 
-    /// Number of the processes of the command that run on this machine.
+    /// Number of processes of the command that run on this computer.
     fn on_this_machine(&self) -> usize;
 
     /// Sends bytes to another process. Messages arrive in the order in which they were sent.
@@ -25,20 +25,20 @@ pub trait Link {
     /// Gathers the bytes of all processes, in the order of their numbers. All processes must call this method.
     fn gather(&self, own: &[u8]) -> Vec<Vec<u8>>;
 
-    /// Exchanges bytes, as in [`Communicator::exchange`].
+    /// Exchanges bytes between all pairs of processes, as in [`Communicator::exchange`].
     fn exchange(&self, outgoing: Vec<Vec<u8>>) -> Vec<Vec<u8>>;
 
-    /// Broadcasts bytes, as in [`Communicator::broadcast`].
+    /// Sends bytes of one process to all others, as in [`Communicator::broadcast`].
     fn broadcast(&self, bytes: Vec<u8>) -> Vec<u8>;
 
-    /// Sums numbers, as in [`Communicator::sum`].
+    /// Replaces each number by its sum over all processes, as in [`Communicator::sum`].
     fn sum(&self, numbers: &mut [i64]);
 
-    /// Takes the largest values over all processes, as in [`Communicator::largest`].
+    /// Replaces each value by the largest one of all processes, as in [`Communicator::largest`].
     fn largest(&self, values: &mut [f64]);
 }
 
-/// Link of a process that works alone.
+/// Link of a process that works alone: it is process 0 of one, and has no other process to send to.
 pub struct LoneProcess;
 
 impl Link for LoneProcess {

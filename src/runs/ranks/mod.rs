@@ -25,13 +25,13 @@ use std::collections::VecDeque;
 /// The processes that work on one command.
 pub struct Ranks {
     link: Box<dyn Link>,
-    /// True if the processes have compared checksums of their work.
+    /// True once the processes have compared the checksums of their lists of runs.
     agreed: Cell<bool>,
-    /// Numbers of the free helpers. A helper is listed as often as it can begin further runs at the same time.
+    /// Numbers of the helper processes that can begin a run. A helper is listed once for each run that it can begin.
     free: RefCell<VecDeque<usize>>,
-    /// Number of runs that helpers are doing.
+    /// Number of runs that the lead has given to helpers and whose results have not arrived.
     away: Cell<usize>,
-    /// Exit code that this helper has received from the lead.
+    /// Exit code that this helper has received from the lead; `None` while the command goes on.
     dismissed: Cell<Option<u8>>,
 }
 
@@ -58,10 +58,10 @@ pub enum Message {
     Gone,
 }
 
-/// Result of reading the command and the case in one process, as sent to the others.
+/// Result of reading the command and the case in one process, which the processes compare before they begin.
 #[derive(Clone, PartialEq, Serialize, Deserialize)]
 enum Found {
-    /// The process can begin; the number is the checksum of its work.
+    /// The process can begin. The number is the checksum of its list of runs.
     Work(u32),
     /// The process cannot begin, for this reason. The flag is true if the input is wrong.
     Error(String, bool),
@@ -140,7 +140,7 @@ impl Ranks {
         if self.is_lead() { work() } else { Ok(T::default()) }
     }
 
-    /// Checks with the other processes that all have equal work; `mark` computes the checksum of the work. Every
+    /// Compares the work of this process with that of all others before they begin; `mark` computes its checksum. Every
     /// process must call this function or [`close`](Self::close).
     ///
     /// # Errors
@@ -160,9 +160,9 @@ impl Ranks {
         disagreement(&all).map_or(found, Err)
     }
 
-    /// Ends the common work of the processes with the `result` of this process. The lead prints the reason of an error.
-    /// All processes return the exit code that `code` computes from the result of the lead. Every process must call
-    /// this function.
+    /// Ends the common work of all processes; `result` is that of this process. The lead prints the reason of an error.
+    /// All return the exit code that `code` computes from the result of the lead. Every process must call this
+    /// function.
     pub fn close<T>(&self, result: Result<T, StudyError>, code: impl FnOnce(&Result<T, StudyError>) -> u8) -> u8 {
         let result = if self.agreed.get() { result } else { self.agree(result, |_| 0) };
         if !self.is_lead() {
@@ -209,7 +209,7 @@ impl Ranks {
         self.dismissed.set(Some(code));
     }
 
-    /// Sends the run at this index to a free helper; returns false if no helper is free.
+    /// Sends the run at this index to a helper that can begin one; returns false if there is no such helper.
     pub fn hand_out(&self, index: usize) -> bool {
         let Some(helper) = self.free.borrow_mut().pop_front() else { return false };
         self.send(helper, &Message::Do(index));
@@ -222,18 +222,18 @@ impl Ranks {
         self.away.get()
     }
 
-    /// Sends all helpers the index of a shared run that begins.
+    /// Tells all helpers that the run at this index, which all processes share, begins now.
     pub fn call_together(&self, index: usize) {
         (1..self.count()).for_each(|helper| self.send(helper, &Message::Follow(index)));
     }
 
-    /// Sends all helpers the order to stop their present runs.
+    /// Tells all helpers to stop their present runs at the ends of their windows (times between two kicks of drag).
     pub fn stop_helpers(&self) {
         (1..self.count()).for_each(|helper| self.send(helper, &Message::Stop));
     }
 
-    /// Next message from a helper to the lead. Messages that a helper is free or has ended a run also update the list
-    /// of free helpers.
+    /// Next message that a helper has sent to the lead; `None` if none has arrived. The list of free helpers is updated
+    /// from the messages.
     pub fn heard(&self) -> Option<Message> {
         let (from, message) = self.take()?;
         match &message {

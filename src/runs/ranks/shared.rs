@@ -44,7 +44,7 @@ impl std::fmt::Display for Traffic {
     }
 }
 
-/// End of the channel in the thread of the run, through which this thread sends requests to the thread of MPI.
+/// Connection in the thread of the run to the thread that may call MPI. Each communication is a request through it.
 struct LineEnd {
     rank: usize,
     size: usize,

@@ -5,17 +5,18 @@ use crate::output::numbers::{count, quantity as with_prefix, significant};
 use crate::output::{ChartMethod, ChartPoint, ChartQuantity, ChartSlope, CostMeasure, cheapest};
 use crate::statistics::power_law;
 
-/// Target errors 1 % and 0.1 %, as numbers and in words.
+/// [-] target errors for which the cheapest method is named, each also as text.
 const TARGETS: [(f64, &str); 2] = [(0.01, "1 %"), (0.001, "0.1 %")];
-/// Number of standard errors up to which an error is attributed to chance.
+/// Number of standard errors up to which an error of a method is attributed to chance.
 const RESOLVED: f64 = 3.0;
-/// [-] relative error below which an error is attributed to rounding. Positions of about 1 mm are resolved to about
-/// 1e-19 m, and overlaps are some micrometres.
+/// [-] relative error below which an error of a method is attributed to rounding. Positions of about 1 mm have a
+/// rounding error of about 1e-19 m, and overlaps are some micrometres.
 const ROUNDING: f64 = 1e-12;
-/// Largest number of points in the asymptotic range, which consists of three or more of the finest resolved points.
+/// Largest number of points through which the order of convergence is fitted. The fit uses the finest points whose
+/// errors exceed chance and rounding.
 const ASYMPTOTIC: usize = 5;
-/// [-] smallest slope that counts as an order of convergence. With a smaller slope, the error does not come from the
-/// swept parameter.
+/// [-] smallest slope of ln(error) over ln(parameter) that counts as an order of convergence. With a smaller slope, the
+/// error does not come from the swept parameter.
 const FLAT: f64 = 0.1;
 
 /// Order of convergence of each method in each quantity: slope of ln(error) as a function of ln(parameter of the
@@ -37,8 +38,8 @@ pub fn slopes(quantities: &[ChartQuantity], methods: usize, points: &[ChartPoint
     slopes
 }
 
-/// Parameter and error of the resolved points of one method, from coarse to fine. Resolved errors exceed chance and
-/// rounding. Only points after the last change of sign of the error are returned.
+/// Parameter and error of the points of one method whose errors exceed chance and rounding, from coarse to fine. Only
+/// points after the last change of sign of the error are returned.
 fn resolved<'a>(
     points: impl Iterator<Item = &'a ChartPoint>,
     index: usize,
@@ -61,7 +62,7 @@ fn resolved<'a>(
     kept
 }
 
-/// Name of a point: its method and the value of its parameter.
+/// Name of a point of the chart in a sentence: its method and the value of its swept parameter with unit.
 pub fn name(methods: &[ChartMethod], point: &ChartPoint) -> String {
     let method = &methods[point.method];
     let value = if method.unit == "s" { with_prefix(point.knob, "s", 3) } else { significant(point.knob, 3) };
@@ -125,8 +126,9 @@ fn within(
     format!("within {words} the cheapest is {first}{soft}")
 }
 
-/// Cheapest method of the given models by number of operations, and the cheapest by wall time if that is another
-/// method.
+/// Model of the method that reaches the error `target` [-] in the quantity with index `index` at the fewest operations,
+/// and its cost as text. The text also names the method with the least wall time. `None` if no method of `models`
+/// certainly reaches the target.
 fn cheapest_of(
     methods: &[ChartMethod],
     points: &[ChartPoint],

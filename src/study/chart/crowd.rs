@@ -1,5 +1,5 @@
-//! Chart of a scene with many particles: every method is compared with exact collision instants, as far as statistical
-//! errors allow. A stretch is the piece of the simulated time of the case that every method runs.
+//! Chart of a scene with many particles. Every method runs one stretch, a piece of the simulated time of the case. Its
+//! statistics are compared with those of a reference with exact collision instants, as far as statistical errors allow.
 
 use super::methods::{MethodSweep, work};
 use super::outlook::Outlook;
@@ -17,24 +17,25 @@ use std::time::Instant;
 pub struct Crowd {
     /// Piece of the simulated time of the case that every method runs.
     pub stretch: Stretch,
-    /// Initial state from which all methods start.
+    /// Initial state from which all methods start: that of the first run of the reference.
     start: Particles,
-    /// Outcomes of the runs of the reference, one per start.
+    /// Outcomes of the runs of the reference, one per seed.
     references: Vec<Outcome>,
-    /// Method of the reference, in words.
+    /// Method of the reference, in words for the reader.
     pub method: &'static str,
 }
 
-/// Function that selects one number from the outcome of a run.
+/// Function that takes one average from the outcome of a run; `None` if the run does not have it.
 type OutcomeColumn = fn(&Outcome) -> Option<Estimate>;
 
-/// Numbers that can be charted: key, name, axis, unit, and the function that returns the number.
+/// Averages over the scene that can be charted: key, name, label of the axis of errors, unit, and function that returns
+/// the average.
 const NUMBERS: [(&str, &str, &str, &str, OutcomeColumn); 2] = [
     ("collision_rate", "pair impacts per time", "|rate − reference|/reference", "1/s", |o| o.pair_rate),
     ("temperature", "granular temperature", "|T − reference|/reference", "m²/s²", |o| o.temperature),
 ];
 
-/// Profiles that are compared slice by slice: key, name, axis and column.
+/// Profiles across the box that can be charted: key, name, label of the axis of errors, and column of the slices.
 const PROFILES: [(&str, &str, &str, SliceColumn); 2] = [
     ("velocity_profile", "profile of the streamwise velocity U", "L₂ norm of U − reference, over that of U", U),
     (
@@ -63,8 +64,8 @@ impl Crowd {
         Err(StudyError::Failed(format!("error: no reference: neither model runs through this scene{why}")))
     }
 
-    /// Initial state for the first seed, and the outcome of one run per seed. The inner error is the first failure of
-    /// an engine.
+    /// Runs the method `way` of the reference with several seeds. Returns the initial state of the first run and the
+    /// outcomes of all. The inner error is the failure of the first run that stopped.
     fn references(
         way: &Experiment,
         method: &str,
@@ -90,7 +91,10 @@ impl Crowd {
                 }
                 state = end;
             }
-            let (outcome, _) = execute(way, state.clone(), &mut [&mut outlook.watching(before, whole)]);
+            // noise of heat or turbulence differs between the references too
+            let mut seeded = way.clone();
+            seeded.run.seed = way.run.seed.wrapping_add(seed);
+            let (outcome, _) = execute(&seeded, state.clone(), &mut [&mut outlook.watching(before, whole)]);
             if let Some(why) = outcome.failure {
                 return Ok(Err(why));
             }
@@ -101,7 +105,7 @@ impl Crowd {
         Ok(Ok((first.unwrap_or_default(), outcomes)))
     }
 
-    /// Quantities of this scene that can be charted.
+    /// Quantities in which the methods are compared, with the value of the reference and its scatter between runs.
     pub fn quantities(&self) -> Vec<ChartQuantity> {
         let mut quantities = Vec::new();
         let asked = self.stretch.experiment.scene.restitution_of_pairs();
@@ -153,7 +157,8 @@ impl Crowd {
         quantities
     }
 
-    /// Runs one method at one value of its parameter.
+    /// Runs one method at one value of its parameter, and returns its cost and its error in each quantity. `method` is
+    /// the index of the method.
     pub fn point(
         &self,
         sweep: &MethodSweep,
@@ -214,7 +219,8 @@ impl Crowd {
         found.error.is_finite().then_some(found)
     }
 
-    /// Mean profile over the runs of the reference, in slices that contain samples in all of these runs.
+    /// Profile of a column averaged over the runs of the reference; `None` in slices that are empty in one of these
+    /// runs.
     fn mean_profile(&self, column: SliceColumn) -> Vec<Option<f64>> {
         let mut sums: Vec<Option<f64>> = Vec::new();
         for run in &self.references {
@@ -229,13 +235,13 @@ impl Crowd {
         sums.iter().map(|sum| Some((*sum)? / self.references.len() as f64)).collect()
     }
 
-    /// True if chance makes the runs of the reference end in different states.
+    /// True if the runs of the reference, which have different seeds, end in different states.
     pub fn is_random(&self) -> bool {
         self.references.iter().any(|run| run.final_state_hash != self.references[0].final_state_hash)
     }
 }
 
-/// Values of a profile in all slices; `None` in slices without particles.
+/// Values of a column in all slices, in the unit of the column; `None` in slices without samples.
 fn profile(outcome: &Outcome, column: SliceColumn) -> Vec<Option<f64>> {
     outcome.profiles.slices.iter().map(|row| Some(row.of(column)?.value)).collect()
 }
@@ -244,7 +250,7 @@ fn differences(values: &[Option<f64>], from: &[Option<f64>]) -> Vec<Option<f64>>
     values.iter().zip(from).map(|(value, from)| Some((*value)? - (*from)?)).collect()
 }
 
-/// Root of the sum of squares of the known values.
+/// Root of the sum of squares of the values; slices without a value are left out.
 fn norm(values: &[Option<f64>]) -> f64 {
     values.iter().flatten().map(|value| value * value).sum::<f64>().sqrt()
 }

@@ -21,13 +21,14 @@ use std::time::Instant;
 /// Number of phases: instants within a time step at which the bodies first touch.
 pub const PHASES: usize = 128;
 
-/// Divisor of the number of phases in a trial run, from which the time of all phases is estimated.
+/// Divisor of the number of phases in a trial run, from which the wall time of all phases is estimated.
 const TRIAL: usize = 16;
 
 /// One head-on impact of two spheres, or of a sphere on a plane wall.
 #[derive(Clone, Debug)]
 pub struct HeadOn {
-    /// Settings of the methods. Each run replaces the scene by an empty box with the two bodies.
+    /// Experiment of the case, with the settings of its methods. Each run replaces the scene by an empty box with the
+    /// two bodies.
     pub experiment: Experiment,
     /// The first sphere, and the second sphere; `None` for a plane wall.
     pub bodies: (Species, Option<Species>),
@@ -37,20 +38,20 @@ pub struct HeadOn {
     pub surface: Surface,
     /// [m/s] normal speed of approach.
     pub approach: f64,
-    /// [s] time of straight flight until the bodies touch.
+    /// [s] time of straight flight from the start until the bodies touch.
     pub touch: f64,
     /// [s] simulated time of a run.
     pub duration: f64,
 }
 
-/// Cost of a run until its failure, and the reason for the failure.
+/// Cost of a run that stopped before its end, and the reason.
 struct Stopped {
     why: ChartFailure,
     counters: Counters,
     wall: f64,
 }
 
-/// Results of one run.
+/// Results of one simulated impact.
 struct Rebound {
     restitution: f64,
     /// [-] residual of the energy balance, divided by the energy at the start.
@@ -142,7 +143,7 @@ impl HeadOn {
         (0.5 * self.bodies.0.diameter, self.bodies.1.as_ref().map_or(0.0, |other| 0.5 * other.diameter))
     }
 
-    /// [m] diameter of the smaller sphere, by which distances are divided.
+    /// [m] diameter of the smaller sphere, to which distances are relative.
     fn diameter(&self) -> f64 {
         let first = self.bodies.0.diameter;
         self.bodies.1.as_ref().map_or(first, |other| first.min(other.diameter))
@@ -222,7 +223,8 @@ impl HeadOn {
         }
     }
 
-    /// Runs one impact whose first touch is at `phase`, a share in (0, 1) of a time step.
+    /// Runs one impact whose first touch is at `phase` [-], a share between 0 and 1 of a time step. The error has the
+    /// cost of a run that failed, or in which the bodies did not separate.
     fn rebound(&self, experiment: &Experiment, knob: MethodParameter, phase: f64) -> Result<Rebound, Stopped> {
         let (scene, mut particles) = self.scene();
         let experiment = Experiment { scene, ..experiment.clone() };
@@ -268,7 +270,7 @@ impl HeadOn {
         })
     }
 
-    /// An empty box with the two bodies far from its sides, on the x axis.
+    /// Empty box with the two bodies on the x axis, far from the sides of the box.
     fn scene(&self) -> (Scene, Particles) {
         let (a, b) = self.radii();
         // distance that no sphere exceeds
@@ -304,7 +306,7 @@ impl HeadOn {
         (scene, particles)
     }
 
-    /// Moves the bodies so that they touch after `touch` [s] of straight flight.
+    /// Moves the bodies apart along the x axis, so that they touch after `touch` [s] of straight flight.
     fn place(&self, particles: &mut Particles, touch: f64) {
         let (a, b) = self.radii();
         let apart = a + b + self.approach * touch;
@@ -315,7 +317,7 @@ impl HeadOn {
         }
     }
 
-    /// [m] gap between the two surfaces.
+    /// [m] gap between the surfaces of the two bodies, negative while they overlap.
     fn gap(&self, simulation: &Simulation) -> f64 {
         let (a, b) = self.radii();
         let x = |id: u32| {
@@ -326,7 +328,8 @@ impl HeadOn {
     }
 }
 
-/// [-] phase number k; the phases are equally spaced in (0, 1).
+/// [-] instant of the first touch within a time step, for the phase with number `k`; all phases are equally spaced in
+/// (0, 1).
 fn phase(k: usize) -> f64 {
     (k as f64 + 0.5) / PHASES as f64
 }
@@ -335,8 +338,8 @@ fn range(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))
 }
 
-/// Error of the mean over the phases. Its standard error is that for an equal number of random phases, far more than
-/// the error for equally spaced phases.
+/// Error of the mean of `values` against `reference`, divided by `scale`. Its standard error is that of independent
+/// random phases, far more than the true error for equally spaced phases.
 fn mean_error(values: &[f64], reference: f64, scale: f64) -> PointError {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
@@ -345,7 +348,8 @@ fn mean_error(values: &[f64], reference: f64, scale: f64) -> PointError {
     PointError { value: mean, error: (mean - reference).abs() / scale, uncertainty, range: Some(range(values)) }
 }
 
-/// Root mean square error over the phases, with a standard error computed from the scatter of the squares.
+/// Root mean square deviation of `values` from `reference`, divided by `scale`. Its standard error is computed from the
+/// scatter of the squares.
 fn rms_error(values: &[f64], reference: f64, scale: f64) -> PointError {
     let count = values.len() as f64;
     let squares: Vec<f64> = values.iter().map(|v| ((v - reference) / scale).powi(2)).collect();

@@ -10,8 +10,8 @@ use crate::output::ChartMethod;
 pub enum MethodParameter {
     /// [-] number of steps per contact N_c.
     StepsPerContact,
-    /// Elastic parameter of the contact law, swept at [`FINE_STEPS`] steps per contact. This variant stores the
-    /// parameter with its value in the case.
+    /// Elastic parameter of the contact law, such as the stiffness, swept at [`FINE_STEPS`] steps per contact. The
+    /// field has the parameter with its value in the case.
     Stiffness(Parameter),
     /// [-] step criterion θ of hard spheres in time steps.
     Theta,
@@ -19,8 +19,8 @@ pub enum MethodParameter {
     Window,
 }
 
-/// Number of steps per contact while the stiffness is swept. The error of the Runge-Kutta method in the restitution is
-/// then below 1e-6.
+/// [-] number of steps per contact N_c while the stiffness is swept. The error of the Runge-Kutta method in the
+/// restitution is then below 1e-6.
 pub const FINE_STEPS: f64 = 50.0;
 
 /// Engine and settings with which a method treats contacts and collisions.
@@ -36,14 +36,14 @@ enum MethodKind {
 pub struct MethodSweep {
     /// Name of the method.
     pub name: &'static str,
-    /// Parameter that is swept.
+    /// Parameter that is swept, such as the number of steps per contact.
     pub knob: MethodParameter,
     /// Values of the parameter in SI units, from coarse to fine.
     pub values: Vec<f64>,
     how: MethodKind,
 }
 
-/// Values of the parameters of all methods.
+/// Values over which the parameters of all methods are swept, from coarse to fine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Values {
     /// [-] numbers of steps per contact N_c.
@@ -57,7 +57,8 @@ pub struct Values {
 }
 
 impl MethodSweep {
-    /// All methods that can run `base`, whose window is `window` [s]. `values` are the values of their parameters.
+    /// Methods that can run the case `base`, each with the values of its parameter. `window` [s] is the time between
+    /// two kicks of drag in the case.
     pub fn all(base: &Experiment, window: f64, values: &Values) -> Vec<Self> {
         use Integrator::{Rk2, VelocityVerlet};
         let mut sweeps = Vec::new();
@@ -96,7 +97,7 @@ impl MethodSweep {
         sweeps
     }
 
-    /// The experiment `base` with this method at a value of its parameter.
+    /// Copy of the experiment `base` with this method at one value of its swept parameter (SI unit).
     pub fn experiment(&self, base: &Experiment, value: f64) -> Experiment {
         let mut experiment = base.clone();
         experiment.name = format!("{}, {} = {value}", self.name, self.method().knob);
@@ -144,7 +145,8 @@ impl MethodSweep {
     }
 }
 
-/// Number of operations, counted equally in every method: pair checks, force evaluations and events.
+/// Number of operations of a run, a measure of its cost that is equal on every machine: pair checks, force evaluations
+/// and events.
 pub fn work(counters: &Counters) -> f64 {
     (counters.pair_checks + counters.force_evaluations + counters.events) as f64
 }

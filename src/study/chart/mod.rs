@@ -79,7 +79,8 @@ pub fn chart(args: &Chart) -> Result<(), StudyError> {
     Ok(())
 }
 
-/// Experiment that the methods vary: the case, with the contact law of the first variant that has one.
+/// Experiment of the case with the contact law of the first variant that has one. Every method of the chart changes a
+/// copy of this experiment.
 fn base(case: &Case) -> Result<Experiment, StudyError> {
     let variants = case.variants(None);
     let run = case.experiment(None, None);
@@ -96,7 +97,7 @@ fn base(case: &Case) -> Result<Experiment, StudyError> {
     Ok(base)
 }
 
-/// Head-on impact of two bodies if the scene is one; `None` for any other scene.
+/// Head-on impact, if the scene of the case consists of two bodies; `None` for a scene with many particles.
 fn scene(base: &Experiment, path: &std::path::Path) -> Result<Option<HeadOn>, StudyError> {
     let count: usize = base.start.iter().map(|population| population.amount.count()).sum();
     if count == 0 {

@@ -4,7 +4,8 @@ use crate::runs::INTERVAL;
 use crate::simulation::Simulation;
 use std::time::Instant;
 
-/// [-] weight of the initial estimate against the measured wall times, as a share of the wall time of the chart.
+/// [-] weight of the estimate made before the runs, against the wall times measured since, as a share of the estimated
+/// wall time of the whole chart.
 const PRIOR: f64 = 0.05;
 
 /// Runs of a chart, the expected wall time of each run, and the progress so far.
@@ -20,7 +21,8 @@ pub struct Outlook {
 }
 
 impl Outlook {
-    /// Creates progress messages, whose lines are passed to `told`. With `None` nothing is printed or estimated.
+    /// Creates the messages on the progress of a chart; `told` prints one line. With `None` nothing is printed or
+    /// estimated.
     pub fn new(told: Option<fn(&str)>) -> Self {
         let now = Instant::now();
         Self { told, expected: Vec::new(), done: 0, name: String::new(), began: now, said: now }
@@ -60,8 +62,8 @@ impl Outlook {
         self.name = name;
     }
 
-    /// Observer that prints the progress of a simulation within the present run. The run has the simulated time `whole`
-    /// [s], of which `before` [s] are done.
+    /// Observer that prints the progress during the present run. That run has `whole` [s] of simulated time in several
+    /// simulations; `before` [s] are done in earlier ones.
     pub fn watching(&mut self, before: f64, whole: f64) -> impl FnMut(&Simulation) {
         move |simulation| self.within((before + simulation.time) / whole)
     }
@@ -87,8 +89,8 @@ impl Outlook {
     }
 }
 
-/// [s] wall time until the last run is over, if `done` runs and the share `part` of the next one took `elapsed` [s];
-/// `None` after the last run.
+/// [s] wall time until the last run is over; `None` after the last run. So far `done` runs and the share `part` [-] of
+/// the next run took `elapsed` [s]. `expected` [s] are the estimated times of all runs.
 fn time_left(expected: &[f64], done: usize, part: f64, elapsed: f64) -> Option<f64> {
     let next = expected.get(done)?;
     let total: f64 = expected.iter().sum();
@@ -97,7 +99,7 @@ fn time_left(expected: &[f64], done: usize, part: f64, elapsed: f64) -> Option<f
     Some((total - over) * (elapsed + prior) / (over + prior))
 }
 
-/// Approximate time in words.
+/// Wall time as text, rounded to whole seconds, minutes or hours.
 fn in_words(seconds: f64) -> String {
     match seconds {
         s if s < 1.0 => "less than a second".into(),

@@ -1,5 +1,5 @@
-//! The stretch of a scene with many particles: the piece of simulated time that every method runs. It is a part of the
-//! time over which the case averages.
+//! The stretch of a scene with many particles: the piece of simulated time that every method of a chart runs. It is a
+//! part of the time over which the case averages.
 
 use super::methods::{FINE_STEPS, MethodParameter, MethodSweep, Values};
 use crate::experiment::{AverageFrom, Experiment, HardStepping, Integrator, SoftStepping, Spheres, TimeStep};
@@ -10,36 +10,39 @@ use crate::statistics::FEWEST_BLOCKS;
 use crate::study::calibration::{agitated, physics, timed};
 use std::time::Instant;
 
-/// Number of runs of the reference, each from a different start.
+/// Number of runs of the reference, each with a different seed.
 pub const STARTS: usize = 8;
-/// Number of samples in a stretch, enough blocks for standard errors.
+/// Number of samples of the statistics in a stretch, the piece of simulated time that every method runs. They are
+/// enough for standard errors.
 pub const SAMPLES: f64 = 60.0;
-/// Averaging time of the case divided by that of a run of the chart (a stretch). A chart needs dozens of runs; with this
-/// number they take minutes if one run of the case takes seconds.
+/// Averaging time of the case divided by the length of a stretch, the piece that every method runs. A chart needs
+/// dozens of runs; with this number they take minutes if the case takes seconds.
 const PARTS: f64 = 10.0;
-/// Divisor of the averaging time with `--quick`.
+/// Averaging time of the case divided by the length of a stretch, with `--quick`.
 const QUICK_PARTS: f64 = 100.0;
 /// [-] share of a run that is timed to estimate its wall time.
 const TRIAL: f64 = 0.02;
 
-/// [-] largest relative difference between a number and its three rounded digits, for which the two count as equal.
+/// [-] largest relative difference for which a number and its value rounded to three digits count as equal.
 const ROUNDING: f64 = 1e-9;
-/// [-] longest tried duration, divided by the duration of the case. A longer run has longer windows, so the duration
-/// that is needed is found by trials.
+/// [-] longest duration tried in the search for a sufficient one, divided by the duration of the case. A longer run has
+/// longer windows, so the search needs trials.
 const LONGEST: f64 = 1e6;
 
-/// A piece of the simulated time of a case.
+/// Piece of the simulated time of a case that every method of a chart runs.
 pub struct Stretch {
-    /// Experiment that every method runs from the common start.
+    /// Experiment of this piece of time, which the methods run from a common initial state.
     pub experiment: Experiment,
-    /// [s] simulated time before the stretch, which is run with the method of the reference.
+    /// [s] simulated time of the case before the stretch. It is run once for each seed, with the method of the
+    /// reference.
     pub before: f64,
-    /// [s] length of the windows (times between two exchanges with the gas) in the case.
+    /// [s] length of a window, the time between two exchanges of momentum with the gas; at most the length of the
+    /// stretch.
     pub window: f64,
 }
 
 impl Stretch {
-    /// Values of the parameters over which the methods are swept.
+    /// Values over which the parameters of the methods are swept; fewer and coarser ones if `quick` is true.
     pub fn values(quick: bool) -> Values {
         let of = |long: &[f64], short: &[f64]| if quick { short.to_vec() } else { long.to_vec() };
         Values {
@@ -50,7 +53,7 @@ impl Stretch {
         }
     }
 
-    /// Stretch of a case.
+    /// Piece of the averaging time of the case `base` for a chart; a shorter piece if `quick` is true.
     ///
     /// # Errors
     /// The case averages over no time.
@@ -76,7 +79,7 @@ impl Stretch {
         Ok(Self { experiment, before, window })
     }
 
-    /// Methods for the reference, the best first, each with its description.
+    /// Methods for the reference with their descriptions. The second one is used if the engine of the first one fails.
     pub fn ways(&self) -> Vec<(Experiment, &'static str)> {
         let mut hard = self.experiment.clone();
         hard.run.spheres = Spheres::Hard;
@@ -93,8 +96,8 @@ impl Stretch {
         ways
     }
 
-    /// Methods with the values of their parameters. Windows longer than that of the case are left out if a stretch
-    /// would contain too few of them for error bars.
+    /// Methods that can run the scene, with the values of their parameters. Values of the window (time between two
+    /// kicks of drag) that leave too few windows for error bars are left out.
     pub fn sweeps(&self, quick: bool) -> Vec<MethodSweep> {
         let window = Schedule::new(&self.experiment).window;
         let longest = window.max(self.experiment.run.duration / FEWEST_BLOCKS as f64);
@@ -105,7 +108,8 @@ impl Stretch {
         sweeps
     }
 
-    /// Experiment of one method at one value of its parameter. No sample interval is shorter than a window.
+    /// Experiment of one method at one value of its parameter. The time between samples is at least one window (time
+    /// between two kicks of drag).
     pub fn run_of(&self, sweep: &MethodSweep, value: f64) -> Experiment {
         let mut experiment = sweep.experiment(&self.experiment, value);
         if let (Some(window), Some(interval)) = (experiment.run.window, experiment.statistics.sample_interval) {
@@ -202,7 +206,7 @@ fn shortest(base: &Experiment, quick: bool) -> Option<f64> {
     None
 }
 
-/// A value rounded to three digits by `how`.
+/// Value rounded to three significant digits by `how`, which rounds to a whole number, such as `f64::ceil`.
 fn rounded(value: f64, how: fn(f64) -> f64) -> f64 {
     let unit = 10f64.powi(value.log10().floor() as i32 - 2);
     // converted through text, because a product with a power of ten may differ from the nearest number in the last bit

@@ -13,20 +13,20 @@ use crate::walls::Wall;
 use nalgebra::Vector3;
 use std::borrow::Cow;
 
-/// Smallest number of slices on either side of the mid-plane for which the shape of a profile is compared. With fewer
-/// slices only the mean is compared.
+/// Smallest number of slices across the box for which the number density, the shear stress and the mean spin are
+/// compared.
 const SLICES: usize = 4;
 
-/// Number of points in each half of the gas profile at which its symmetry is checked.
+/// Number of points in each half of the channel at which the gas profile is tested for mirror symmetry.
 const POINTS: usize = 20;
 
-/// Observables of a variant and of its reference, in equal order. For a mixture they include the temperature and the
-/// impact rate of each species. If gas or gravity drives a stream, they also include the velocity of each species.
+/// Quantities of a variant and of its reference that are compared, in equal order in both lists. A mixture adds the
+/// temperature and the impact rate of each species, and its velocity if gas or gravity drives a stream.
 ///
-/// V, W, uw and vw are left out: V vanishes since mass is conserved, the others by symmetry. U is left out if there is
-/// neither gas nor gravity along the stream, since momentum is then conserved. n and uv are left out if no wall makes
-/// one position different from another; in a sheared box the profile of uv is kept. If the spheres of both variants rotate, T_r and the mean spin that a sheared
-/// stream causes are compared too. The other mean spins vanish by symmetry.
+/// V, W, uw and vw are left out: V vanishes since mass is conserved, the others by symmetry. U needs gas or gravity
+/// along the stream, since momentum is conserved otherwise. The number density needs walls or gravity. The stress uv
+/// needs walls and a stream, or a sheared box. T_r is compared if the spheres of both variants rotate, the mean spin if
+/// walls shear a stream too.
 pub fn observables(variant: &Outcome, reference: &Outcome) -> [Vec<Observable>; 2] {
     let scene = &reference.experiment.scene;
     let walls = !scene.walls.is_empty();
@@ -77,7 +77,8 @@ fn profile(
     }
 }
 
-/// Granular temperature, impact rates and shear stress, as far as they exist in the reference.
+/// Observables that are single numbers: granular temperature, impact rates and shear stress, as far as the reference
+/// has them. Times after `until` [s] are left out.
 fn numbers(outcome: &Outcome, reference: &Outcome, until: f64) -> Vec<Observable> {
     let of = |outcome: &Outcome| {
         let averaged = outcome.averaged.clone();
@@ -101,8 +102,8 @@ fn numbers(outcome: &Outcome, reference: &Outcome, until: f64) -> Vec<Observable
     numbers.collect()
 }
 
-/// Velocity (`which` = 0), temperature (1) or rate of impacts with particles (2) of each species of a mixture, if it
-/// exists in the reference.
+/// Observables of each species of a mixture: velocity (`which` = 0), temperature (1) or rate of impacts with particles
+/// (2). Species that the reference lacks, and times after `until` [s], are left out.
 fn of_kinds(outcome: &Outcome, reference: &Outcome, until: f64, which: usize) -> Vec<Observable> {
     let (name, unit) = [("U", "m/s"), ("granular temperature", "m²/s²"), ("impacts per time", "1/s")][which];
     let of = |other: &SpeciesAverages| {
@@ -122,8 +123,8 @@ fn value(batches: &Option<Batches>) -> Option<f64> {
     batches.as_ref()?.values.first().copied().filter(|value| *value > 0.0)
 }
 
-/// Converts a sum over particles to another number of particles. `counts` contains the wanted number and the number of
-/// particles in the sum.
+/// Scales a sum over particles to another number of particles. `counts` is the wanted number and the number in the sum;
+/// `None` leaves the sum unchanged.
 fn of_as_many(batches: Option<Batches>, counts: Option<(usize, usize)>) -> Option<Batches> {
     match counts {
         Some((wanted, present)) if wanted != present => {
@@ -143,13 +144,13 @@ pub(super) fn number(
     Observable { name, unit, places, parity, fixed_mean, scale, scale_is, parts }
 }
 
-/// Scale of differences, and its name in words.
+/// Size to which differences of an observable are relative, in its unit, and the name of this size in words.
 pub(super) type Scale = (f64, &'static str);
 
-/// Scale of differences in a column, in the unit of the column: the mean for the density, a normal stress and T_r, and
-/// the largest magnitude for the shear stress and the mean spin. For U the scale is the mean slip between gas and
-/// particles or, without gas, the mean velocity past walls; if the agitation is larger, it is the scale. No scale
-/// depends on the frame of reference. `None` without samples, or if nothing moves.
+/// Size to which differences in a column are relative, in the unit of the column. It is the mean for the density, a
+/// normal stress and T_r, and the largest magnitude for the shear stress and the mean spin. For U it is the mean slip
+/// between gas and particles or, without gas, the mean velocity past walls; at least the agitation. No scale depends on
+/// the frame of reference. `None` without samples, or if nothing moves.
 pub(super) fn scale(column: &SliceColumn, reference: &Outcome) -> Option<Scale> {
     let table = &reference.profiles;
     let known: Vec<(f64, f64)> = (0..table.slices.len())

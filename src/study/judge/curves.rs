@@ -13,27 +13,29 @@ use std::borrow::Cow;
 /// test at each instant.
 const INSTANTS: usize = 20;
 
-/// Smallest number of replicas of each variant for which errors are given.
+/// Smallest number of replicas (runs with different seeds) of each variant for which a curve has standard errors.
 pub const FEWEST: usize = 3;
 
-/// Recommended number of replicas for runs without replicas: Student's t then has 14 degrees of freedom.
+/// Number of replicas (runs with different seeds) that is recommended if there is one run only. Student's t then has 14
+/// degrees of freedom.
 const ADVISED: usize = 8;
 
-/// Number of particles that are assumed to move together, a cautious value for the answer "different" from single runs.
-/// For molecular chaos the number would be 1.
+/// Number of particles that are assumed to move as one when single runs are compared. It is a cautious value, so that
+/// "different" is not said too soon. For molecular chaos it would be 1.
 const CLUMP: f64 = 100.0;
 
-/// Quantities whose curves are compared.
+/// Columns of the time series whose curves over time are compared between two variants.
 fn curves() -> impl Iterator<Item = &'static SeriesColumn> {
     SERIES_COLUMNS.iter().filter(|column| column.scale.is_some())
 }
 
-/// Agitation [m/s] of all particles: root of the granular temperature.
+/// [m/s] agitation of all particles at one instant: root of the granular temperature.
 fn agitation(row: &Row) -> Option<f64> {
     row.granular_temperature().map(|temperature| temperature.max(0.0).sqrt())
 }
 
-/// Compares two variants by curves over the time that both have completed.
+/// Compares two variants that are not steady by curves over time, at instants that all their runs have reached. `runs`
+/// has the variant and its reference.
 pub fn judge(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
     let all: [Vec<&Outcome>; 2] = [0, 1].map(|k| std::iter::once(runs[k].outcome).chain(runs[k].others).collect());
     let why = unsteady(&[runs[0].outcome, runs[1].outcome]);
@@ -73,14 +75,15 @@ fn nothing(why: &str) -> Finding {
     }
 }
 
-/// Row of the time series of a run at a time [s]; `None` without such a row.
+/// Row of the time series of a run at the simulated time `time` [s]; `None` if there is no sample at this time.
 fn row_at(run: &Outcome, time: f64) -> Option<&Row> {
     let rows = &run.series.rows;
     let place = rows.partition_point(|row| row.time < time * (1.0 - 1e-9));
     rows.get(place).filter(|row| (row.time - time).abs() <= 1e-9 * time)
 }
 
-/// [s] instants after the start that all runs have reached, at which they are compared.
+/// [s] instants after the start at which all runs have a sample, at most 20 of them. Curves are compared at these
+/// instants.
 pub fn common(all: &[Vec<&Outcome>]) -> Vec<f64> {
     let Some(first) = all.iter().flatten().next() else { return Vec::new() };
     let runs: Vec<&&Outcome> = all.iter().flatten().collect();
@@ -90,15 +93,16 @@ pub fn common(all: &[Vec<&Outcome>]) -> Vec<f64> {
     (1..=count).map(|k| times[k * times.len() / count - 1]).collect()
 }
 
-/// Curves of all runs of a variant, with their scales, as far as they exist in the reference. There are curves of all
-/// particles and of each species.
+/// Curves over time of all runs of a variant, as far as the reference has them too: curves of all particles and of each
+/// species. `times` [s] are their instants.
 pub fn observables(runs: &[&Outcome], references: &[&Outcome], times: &[f64]) -> Vec<Observable> {
     let kinds = references.first().map_or(&[][..], |reference| &reference.kinds.curves);
     let of_kinds = kinds.iter().filter_map(|curve| of_kind(curve, runs, references, times));
     curves().filter_map(|curve| observable(curve, runs, references, times)).chain(of_kinds).collect()
 }
 
-/// One curve of all runs of a variant; `None` if the curve does not exist, or has no scale in the reference.
+/// One curve over time of all runs of a variant at the instants `times` [s]. `None` if the reference does not have this
+/// curve, or if the curve is zero there.
 fn observable(curve: &SeriesColumn, runs: &[&Outcome], references: &[&Outcome], times: &[f64]) -> Option<Observable> {
     let scale = scale(curve, references, times)?;
     let value = |run: &Outcome, time| (curve.of)(row_at(run, time)?);
@@ -114,7 +118,7 @@ fn of_kind(curve: &KindCurve, runs: &[&Outcome], references: &[&Outcome], times:
     (scale > 0.0).then(|| of.observable(value, runs, references, times))
 }
 
-/// Name, unit and scale of a curve.
+/// Name, unit and scale (size to which differences are relative) of a curve over time.
 struct Of {
     name: Cow<'static, str>,
     unit: &'static str,
@@ -149,8 +153,8 @@ impl Of {
     }
 }
 
-/// Scale of a curve, in the unit of the curve: its largest magnitude in the reference. For a velocity, it is the
-/// largest change, or the largest agitation if that is larger. `None` if the scale would be 0.
+/// Size to which differences of a curve are relative, in the unit of the curve: its largest magnitude in the reference.
+/// For a velocity it is the largest change or, if larger, the largest agitation. `None` if this size is 0.
 fn scale(curve: &SeriesColumn, references: &[&Outcome], times: &[f64]) -> Option<f64> {
     let rows = || references.iter().flat_map(|run| times.iter().filter_map(|&time| row_at(run, time)));
     let largest = |of: fn(&Row) -> Option<f64>, start: f64| {

@@ -24,27 +24,26 @@ use crate::statistics::{Answer, Comparison, ErrorLevels, compare};
 use crate::study::replicas::FROZEN;
 use words::percent;
 
-/// [s] wall time below which the ratio of two wall times is not meaningful. Work that is done once, such as the first
-/// search for neighbours and the start of threads, takes milliseconds.
+/// [s] wall time of a run below which the ratio of two wall times is not meaningful. Work that is done once, such as
+/// the start of threads, takes milliseconds.
 const TELLING: f64 = 0.1;
 
-/// [-] largest ratio of the sample interval of a longer run to the sample interval of this run. Up to this ratio, the
-/// errors of the averages decrease as expected from the length. Beyond it, the recommendation also names a sample
-/// interval.
+/// [-] largest ratio of the sample interval of a longer run to that of this run, for which the errors of averages fall
+/// with the length as expected. Beyond it, a recommended length comes with a sample interval.
 const CLOSE: f64 = 1.1;
 
 /// [-] volume fraction up to which soft and hard spheres have nearly equal collision rates. The relative difference is
 /// about 5 % of the softness (docs/theory/softness.md).
 const DILUTE: f64 = 0.03;
 
-/// Compares every variant with its reference, another variant or a table, in a single test. `others` contains the
-/// replicas of each variant except the first; the averages of the outcome already include them. `margin` [-] is
-/// relative to the scale of each observable.
+/// Compares every variant with its reference, which is another variant or a table. `others` contains the replicas of
+/// each variant except the first; the averages in `outcomes` already include them. `margin` [-] is relative to the
+/// scale of each observable.
 pub fn judge(outcomes: &[Outcome], others: &[Vec<Outcome>], margin: f64) -> Vec<Verdict> {
     judge_at(outcomes, others, Criteria { margin, levels: ErrorLevels::default() })
 }
 
-/// Compares the variants in one of several interim tests, with the error levels of that test.
+/// Compares the variants in one of several interim tests, with the margin and the error levels `asked` for this test.
 pub fn judge_at(outcomes: &[Outcome], others: &[Vec<Outcome>], asked: Criteria) -> Vec<Verdict> {
     let replicas = |place: usize| others.get(place).map_or(&[][..], Vec::as_slice);
     let pairs = references(outcomes).into_iter().enumerate().filter(|(place, other)| place != other);
@@ -55,7 +54,7 @@ pub fn judge_at(outcomes: &[Outcome], others: &[Vec<Outcome>], asked: Criteria) 
     judged.chain(outcomes.iter().filter_map(|outcome| table::judge(outcome, asked))).collect()
 }
 
-/// Margin and error levels of a comparison.
+/// Margin and error levels of a comparison of two variants.
 #[derive(Clone, Copy, Debug)]
 pub struct Criteria {
     /// [-] margin relative to the scale of each observable.
@@ -64,16 +63,16 @@ pub struct Criteria {
     pub levels: ErrorLevels,
 }
 
-/// A variant with all its replicas.
+/// A variant with all its replicas, which are runs with different seeds.
 #[derive(Clone, Copy)]
 pub struct ReplicaRuns<'a> {
-    /// Outcome of the first replica. If there are several, its averages are over all replicas.
+    /// Outcome of the first replica. If there are several replicas, its averages are over all of them.
     pub outcome: &'a Outcome,
     /// Outcomes of all replicas except the first.
     pub others: &'a [Outcome],
 }
 
-/// Answer of a comparison with the reasons for it, without the names of the variants.
+/// Answer of a comparison of two variants with the reasons for it. The sentence lacks the names of the variants.
 struct Finding {
     answer: Answer,
     basis: Basis,
@@ -103,7 +102,8 @@ fn one(runs: &[ReplicaRuns; 2], asked: Criteria) -> Verdict {
     }
 }
 
-/// Finding for two variants, by the kind of comparison that is valid for their runs.
+/// Compares the first of two variants with the second one, by paths, curves or averages, whichever is valid for their
+/// runs.
 fn found(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
     let both = [runs[0].outcome, runs[1].outcome];
     let [variant, reference] = both;
@@ -123,7 +123,8 @@ fn found(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
     }
 }
 
-/// Changes the answer "equivalent" to "unresolved" if a run stopped early, since such runs cannot show equivalence.
+/// Changes the answer "equivalent" to "unresolved" if one of the runs stopped early, since a part of a run cannot show
+/// equivalence.
 fn stopped(runs: &[&Outcome], found: Finding) -> Finding {
     let Some(stopped) = runs.iter().find(|one| one.failure.is_some()) else { return found };
     if found.answer != Answer::Equivalent {
@@ -134,7 +135,8 @@ fn stopped(runs: &[&Outcome], found: Finding) -> Finding {
     Finding { answer: Answer::Unresolved, sentence, ..found }
 }
 
-/// Message about a run that stopped early, or whose stopped replicas are left out; `None` if all were completed.
+/// Message about a run that stopped early, or about a replica that stopped and is left out; `None` if all runs were
+/// completed.
 fn how_it_stopped(run: &Outcome) -> Option<String> {
     let (name, why) = (&run.experiment.name, run.failure.as_ref()?);
     let time = quantity(run.simulated_seconds, "s", 4);
@@ -145,13 +147,14 @@ fn how_it_stopped(run: &Outcome) -> Option<String> {
     })
 }
 
-/// [-] share of the particles that keep their positions, if it exceeds [`FROZEN`]; averages of one run are then not
-/// valid for other runs. `None` for a smaller share.
+/// [-] larger of the shares of particles that keep their positions in the two runs. `None` if it is at most [`FROZEN`].
+/// Averages of one run with a larger share are not valid for other runs.
 fn frozen(both: [&Outcome; 2]) -> Option<f64> {
     both.iter().filter_map(|one| one.places_kept).reduce(f64::max).filter(|kept| *kept > FROZEN)
 }
 
-/// Compares one run of each variant in a scene whose particles do not mix. Another run would settle to another state.
+/// Finding "unresolved" for one run of each variant if particles do not mix, since another run would settle to another
+/// state. `kept` [-] is the share of particles that keep their positions.
 fn one_of_many(both: [&Outcome; 2], kept: f64) -> Finding {
     let placed = both[1].experiment.start.iter().all(|one| matches!(one.amount, Amount::Placed(_)));
     let advice = if placed {
@@ -181,7 +184,7 @@ fn identical() -> Finding {
     }
 }
 
-/// Compares two steady runs by their averages.
+/// Compares two steady runs by their averages over time.
 fn steady(variant: &Outcome, reference: &Outcome, asked: Criteria) -> Finding {
     let [a, b] = averages::observables(variant, reference);
     let comparison = compare(&a, &b, asked.margin, asked.levels);
@@ -213,7 +216,8 @@ fn steady(variant: &Outcome, reference: &Outcome, asked: Criteria) -> Finding {
     }
 }
 
-/// Description of a run whose averaging period is `stretch` times as long, with the sample interval of this run.
+/// Length, in words, of a run whose averaging period is `stretch` [-] times that of `run`. It names the sample interval
+/// of `run` too if a longer run would choose another one.
 fn longer(run: &Outcome, stretch: f64) -> String {
     let from = run.profiles.from;
     let mut experiment = run.experiment.clone();
@@ -225,7 +229,8 @@ fn longer(run: &Outcome, stretch: f64) -> String {
     format!("{longer} (statistics.sample_interval = \"{}\")", quantity(run.sample_interval, "s", 2))
 }
 
-/// Description of the runs that are not steady, with the reasons. Such runs are not compared by averages over time.
+/// Names of the runs that are not steady, each with the reason, in words. Such runs are not compared by averages over
+/// time.
 fn unsteady(runs: &[&Outcome]) -> String {
     let why = runs.iter().filter_map(|one| {
         let predicate = words::not_steady(&one.steadiness)?;
@@ -234,8 +239,8 @@ fn unsteady(runs: &[&Outcome]) -> String {
     why.collect::<Vec<_>>().join(", ")
 }
 
-/// Remark on the effect of finite stiffness on a difference of the impact rates, in a dilute gas; `None` if there is no
-/// such effect.
+/// Remark that soft spheres in a dilute gas collide as often as hard ones, although they act as smaller ones. `None` in
+/// a dense gas, or unless a soft variant has a hard reference.
 fn soft_rate(variant: &Outcome, reference: &Outcome) -> Option<String> {
     let scene = &variant.experiment.scene;
     let volume = |(count, species): (usize, &crate::scene::Species)| count as f64 * species.volume();
@@ -249,8 +254,8 @@ fn soft_rate(variant: &Outcome, reference: &Outcome) -> Option<String> {
     ))
 }
 
-/// Ratio of the cost of a variant to that of its reference, in words. `None` if either run stopped early, since its
-/// cost is not that of the whole case.
+/// Sentence on the ratio of the wall time of a variant to that of its reference. `None` if either run stopped early,
+/// since its cost is not that of the whole case.
 fn costs(variant: &Outcome, reference: &Outcome) -> Option<String> {
     if [variant, reference].iter().any(|one| one.failure.is_some()) {
         return None;

@@ -17,18 +17,18 @@ use crate::runs::execute;
 use crate::statistics::Answer;
 use nalgebra::Vector3;
 
-/// [-] disturbance of the twin's velocities, divided by the largest speed. It is far above rounding and far below the
-/// differences that are compared.
+/// [-] change of the initial velocities of the disturbed twin run, divided by the largest speed. It is far above
+/// rounding and far below the differences that are compared.
 const DISTURBANCE: f64 = 1e-6;
 
 /// [-] growth of the disturbance up to which paths are compared. After more growth, even a difference of 1 % between
 /// the models would exceed the speeds themselves.
 const GROWTH: f64 = 1e3;
 
-/// States of all particles at one instant, sorted by id.
+/// Positions and velocities of all particles at one recorded instant, sorted by id.
 type Instant<'a> = &'a [PathSample];
 
-/// Recorded instants of a run.
+/// Recorded states of all particles of a run, one entry for each instant.
 fn instants(run: &Outcome) -> Vec<Instant<'_>> {
     run.paths.points.chunk_by(|a, b| a.time == b.time).collect()
 }
@@ -38,7 +38,7 @@ fn near(s: f64, t: f64) -> bool {
     (s - t).abs() <= 1e-9 * s.abs().max(t.abs())
 }
 
-/// Instants that two runs have in common, with the states of the particles in both runs.
+/// Pairs of recorded states of the runs `a` and `b`, one pair for each instant that both have recorded.
 fn common<'a>(a: &'a Outcome, b: &'a Outcome) -> Vec<[Instant<'a>; 2]> {
     let others = instants(b);
     let same = |one: Instant<'a>| {
@@ -49,23 +49,25 @@ fn common<'a>(a: &'a Outcome, b: &'a Outcome) -> Vec<[Instant<'a>; 2]> {
     instants(a).into_iter().filter_map(same).collect()
 }
 
-/// [m/s] largest difference in velocity between two states, and the id of the particle.
+/// [m/s] largest difference between the velocities of a particle in two states, and the id of that particle.
 fn velocity_apart([a, b]: [Instant; 2]) -> (f64, u32) {
     let apart = a.iter().zip(b).map(|(p, q)| ((p.velocity - q.velocity).norm(), p.id));
     apart.fold((0.0, 0), |most, one| if one.0 > most.0 { one } else { most })
 }
 
-/// [m/s] largest speed of any particle at any recorded instant.
+/// [m/s] largest speed of any particle of a run at any recorded instant.
 fn largest_speed(run: &Outcome) -> f64 {
     run.paths.points.iter().map(|point| point.velocity.norm()).fold(0.0, f64::max)
 }
 
-/// True if a disturbance of the reference grows a thousandfold during the run.
+/// True if a small disturbance of the initial velocities grows a thousandfold during the run. The later paths cannot be
+/// predicted.
 pub fn is_chaotic(reference: &Outcome) -> bool {
     predictable(reference).is_some()
 }
 
-/// Compares two variants by the paths of their particles.
+/// Compares the paths of the particles of two variants, as long as those of the reference can be predicted. `margin`
+/// [-] is relative to the largest speed, and to that speed times the time.
 pub fn judge(variant: &Outcome, reference: &Outcome, margin: f64) -> Finding {
     let reason = "There are few particles: the path of each is compared.".to_owned();
     let unresolved = |sentence: String| Finding {
@@ -135,32 +137,32 @@ pub fn judge(variant: &Outcome, reference: &Outcome, margin: f64) -> Finding {
     Finding { answer, basis: Basis::Paths, sentence, reason, comparison: None }
 }
 
-/// Deviation of one particle from its position or velocity in another run.
+/// Deviation of one particle, in position or in velocity, from its state in another run.
 #[derive(Clone, Copy, Default)]
 struct Apart {
-    /// [m/s] or [m] magnitude of the deviation.
+    /// [m] or [m/s] magnitude of the deviation in position or in velocity.
     size: f64,
     id: u32,
-    /// [s] time of the deviation.
+    /// [s] simulated time of the deviation.
     time: f64,
 }
 
-/// Largest differences of two runs in velocity and in position, over all instants.
+/// Largest differences between two runs in the velocity and in the position of any particle, over all common instants.
 struct Widest {
     velocity: Apart,
     place: Apart,
 }
 
-/// Instants at which particles of a run are in the course of an impact.
+/// Recorded instants of a run, with the particles that touch another body at each of them.
 struct ImpactSpans<'a> {
     instants: Vec<Instant<'a>>,
-    /// For each instant and each particle, true if the particle is in an impact.
+    /// True if a particle is in an impact, by index of the instant, then by index of the particle in order of ids.
     during: Vec<Vec<bool>>,
 }
 
 impl<'a> ImpactSpans<'a> {
-    /// Marks the instants at which each particle touches another body, up to `longest` [s] after the beginning of the
-    /// touch and from `longest` [s] before its end.
+    /// Marks the instants at which a particle is in an impact: it touches another body, and the touch began at most
+    /// `longest` [s] before or ends at most `longest` [s] later.
     fn of(run: &'a Outcome, longest: f64) -> Self {
         let instants = instants(run);
         let mut during: Vec<Vec<bool>> = instants.iter().map(|instant| vec![false; instant.len()]).collect();
@@ -189,22 +191,22 @@ impl<'a> ImpactSpans<'a> {
         first..first.max(self.instants.partition_point(|instant| instant[0].time <= to))
     }
 
-    /// Index of the recorded instant of the run at a time [s].
+    /// Index of the first recorded instant that is not before the time `time` [s]; the last instant if there is none.
     fn at(&self, time: f64) -> usize {
         self.instants.partition_point(|instant| instant[0].time < time).min(self.instants.len() - 1)
     }
 }
 
 impl Widest {
-    /// Largest differences of the `variant` from the `reference` over `before`, pairs of instants that both runs have
-    /// in common. `None` if every particle is in an impact at all these instants.
+    /// Largest differences of the `variant` from the `reference` over `before`, pairs of states at common instants.
+    /// `None` if every particle is in an impact at all these instants.
     ///
-    /// A velocity may equal that of the reference up to `late` [s] earlier or later, as after a delayed impact.
-    /// Particles in an impact are left out, since they differ because of the contact and not because of its result. A
-    /// particle is in an impact shortly after the beginning of a touch, and shortly before its end.
+    /// A velocity is compared with the closest one of the reference up to `late` [s] earlier or later, since an impact
+    /// may be delayed. Particles in an impact are left out, because the contact itself makes them differ. A particle is
+    /// in an impact shortly after a touch begins, and shortly before it ends.
     fn of(before: &[&[Instant; 2]], [variant, reference]: [&Outcome; 2], late: f64) -> Option<Self> {
-        /// [-] longest time of an impact, divided by the contact time of the fastest impacts. With Hertz's law slow
-        /// impacts last longer: the contact time decreases with the fifth root of the speed.
+        /// [-] longest duration of an impact that is left out, divided by the contact time of the fastest impacts. With
+        /// Hertz's law slow impacts last longer: the contact time varies as the speed to the power −1/5.
         const SLOW: f64 = 3.0;
         let domain = &reference.experiment.scene.domain;
         let longest = SLOW * impact_time(&variant.experiment).max(impact_time(&reference.experiment));
@@ -237,7 +239,8 @@ impl Widest {
     }
 }
 
-/// [s] longest contact time of the fastest impacts; 0 for hard spheres, and if contacts do not end.
+/// [s] longest contact time of any kind of pair or wall at its fastest impacts. It is 0 for hard spheres, and if no
+/// contact ends.
 fn impact_time(experiment: &Experiment) -> f64 {
     let Some(law) = experiment.law() else { return 0.0 };
     let times = at_fastest_impacts(experiment).into_iter().map(|kind| kind.contact_time(&law));
@@ -251,14 +254,14 @@ impl Apart {
     }
 }
 
-/// [s] last instant before a disturbance of the reference has grown a thousandfold. `None` if it never grows so much,
-/// or if the growth cannot be determined.
+/// [s] last recorded instant before a small disturbance of the initial velocities has grown a thousandfold. `None` if
+/// it never grows so much, or if the scene cannot start again.
 fn predictable(reference: &Outcome) -> Option<f64> {
     let speed = largest_speed(reference);
     let mut start = initial_state(&reference.experiment).ok()?;
     let ids = start.id.clone();
     for (velocity, id) in start.velocity.iter_mut().zip(ids) {
-        // any directions will do, as long as they differ from particle to particle
+        // directions may be arbitrary, as long as they differ from particle to particle
         let angle = f64::from(id);
         *velocity += DISTURBANCE * speed * Vector3::new(angle.sin(), (2.0 * angle).cos(), angle.cos()).normalize();
     }
@@ -271,7 +274,8 @@ fn predictable(reference: &Outcome) -> Option<f64> {
     lasting.then(|| common[first.saturating_sub(1)][0][0].time)
 }
 
-/// Time [s] up to which the paths of a reference can be predicted; `None` if they can be predicted for the whole run.
+/// [s] time up to which the paths of a reference can be predicted; `None` if they can be predicted to the end of the
+/// run.
 pub struct Horizon(Option<f64>);
 
 impl Horizon {
@@ -286,11 +290,12 @@ pub fn horizon(reference: &Outcome) -> Horizon {
     Horizon(predictable(reference))
 }
 
-/// Deviation from zero of a weighted sum of runs, for weights that add up to zero.
+/// Largest velocity and displacement in a weighted sum of runs whose weights add up to zero. Both vanish if all runs
+/// are equal.
 pub struct Missed {
-    /// [s] instant of the deviation.
+    /// [s] simulated time at which the sum is taken.
     pub time: f64,
-    /// [m/s] largest speed of a particle in the reference.
+    /// [m/s] largest speed of a particle in the reference or, if nothing moves there, in the other runs.
     pub speed: f64,
     /// [m/s] largest magnitude of a velocity in the weighted sum.
     pub velocity: f64,
@@ -298,11 +303,12 @@ pub struct Missed {
     pub place: f64,
 }
 
-/// Weighted sum of runs, particle by particle, at the last common instant at which no particles touch. The weights add
-/// up to zero.
+/// Sums the states of several runs, each with its weight [-], particle by particle. The weights add up to zero. The
+/// instant is the last common one at which no particles touch or, without such an instant, the last common one.
 ///
 /// # Errors
-/// The reason why there is no such instant, in words.
+/// The runs start from different states, nothing moves, or no common instant lies in the predictable part of the
+/// reference.
 pub fn apart(runs: &[(f64, &Outcome)], reference: &Outcome, horizon: &Horizon) -> Result<Missed, String> {
     if runs.iter().any(|(_, run)| run.initial_state_hash != reference.initial_state_hash) {
         return Err("it starts from another state, so that paths cannot be compared".into());

@@ -1,10 +1,10 @@
-//! Shift of each observable by a change of the case. A shift is one number per observable, so that shifts by different
-//! changes can be compared.
+//! Shift of each observable by a change of the case: one number per observable, so that the effects of several changes
+//! can be compared.
 //!
 //! Two steady runs are compared by means over the channel, the number density at the walls, temperature and rates.
 //! Unsteady runs are compared by curves over time, at the instant of the most significant difference or by the mean.
-//! Few bodies are compared by velocities and positions at one instant. A weighted sum of runs may be compared as well,
-//! such as the slope of a line through several runs.
+//! Few bodies are compared by velocities and positions at one instant. A weighted sum of runs may be compared too, such
+//! as the slope of a line through several runs.
 
 use super::paths::{self, Horizon};
 use super::{ReplicaRuns, averages, curves};
@@ -16,10 +16,11 @@ use crate::statistics::{
     student_bound, two_sided,
 };
 
-/// Runs with their weights; the weighted sum of the runs is compared.
+/// Several runs with their weights [-]. The observables of the runs are summed with these weights, and the sum is
+/// compared.
 pub type Mix<'a> = [(f64, ReplicaRuns<'a>)];
 
-/// Runs of the unchanged case, which also determine the kind of comparison for all other runs.
+/// Runs of the unchanged case. They also determine how all other runs are compared: by paths, averages or curves.
 pub struct ShiftReference<'a> {
     runs: ReplicaRuns<'a>,
     basis: Basis,
@@ -27,10 +28,10 @@ pub struct ShiftReference<'a> {
     horizon: Option<Horizon>,
 }
 
-/// Function that selects the shift among the deviations of an observable.
+/// Function that selects the shift among the differences found for an observable, such as the mean difference.
 type ShiftColumn = fn(&Tested) -> Option<Deviation>;
 
-/// Shifts of several observables, and the kind of comparison by which they were found.
+/// Shifts of several observables by one change, and the kind of comparison by which they were found.
 pub struct Shifts {
     /// Shifts in the order of the observables.
     pub shifts: Vec<Shift>,
@@ -41,7 +42,8 @@ pub struct Shifts {
 }
 
 impl<'a> ShiftReference<'a> {
-    /// Makes a reference from the runs of the unchanged case, with the kind of comparison that is valid for them.
+    /// Makes a reference from the runs of the unchanged case, and chooses the kind of comparison that is valid for
+    /// them.
     pub fn new(runs: ReplicaRuns<'a>) -> Self {
         let outcome = runs.outcome;
         let few = !outcome.paths.points.is_empty();
@@ -55,14 +57,15 @@ impl<'a> ShiftReference<'a> {
         Self { runs, basis, horizon }
     }
 
-    /// Shifts of the weighted sum `of` relative to the weighted sum `against`. Weights are positive and have equal
-    /// totals in both sums. For curves the shift of the mean or of one instant is taken, whichever is more significant.
+    /// Differences of the weighted sum of runs `of` from the weighted sum `against`, one for each observable. Weights
+    /// are positive, and their totals are equal in both sums. A curve over time gives its mean difference or that at
+    /// one instant, whichever is more significant.
     pub fn shifts(&self, of: &Mix, against: &Mix, margin: f64) -> Shifts {
         self.found([of, against], margin, Tested::headline)
     }
 
-    /// Shifts that should be zero, such as the deviations of runs from a line. For curves the mean is taken, since the
-    /// largest difference of many instants is never zero.
+    /// Differences of two weighted sums that should be equal, such as the deviations of runs from a straight line. A
+    /// curve over time gives its mean difference, since its largest difference is never zero.
     pub fn misses(&self, of: &Mix, against: &Mix, margin: f64) -> Vec<Shift> {
         self.found([of, against], margin, |tested| tested.mean).shifts
     }
@@ -149,12 +152,12 @@ impl<'a> ShiftReference<'a> {
     }
 }
 
-/// Checksums of the final states of all runs, which are equal for runs that are equal bit for bit.
+/// Checksums of the final states of all runs in a weighted sum. Equal checksums mean runs that are equal bit for bit.
 fn ends(mix: &Mix) -> Vec<u64> {
     mix.iter().flat_map(|(_, runs)| all_of(runs)).map(|run| run.final_state_hash).collect()
 }
 
-/// Sets the shift of two equal runs to exactly zero.
+/// Sets the shift between runs that are equal bit for bit to exactly zero.
 fn nothing(shift: &mut Shift) {
     shift.difference = 0.0;
     shift.error = Some(0.0);
@@ -166,9 +169,9 @@ fn all_of<'a>(runs: &ReplicaRuns<'a>) -> Vec<&'a Outcome> {
     std::iter::once(runs.outcome).chain(runs.others).collect()
 }
 
-/// One number for a profile: its mean over the slices. For a profile that changes its sign at the mid-plane, the number
-/// is half the difference of both sides. For the density it is the value at the walls. An observable that is a single
-/// number is returned unchanged. The part of the result is `None` if no value is known.
+/// Reduces a profile to one number: its mean over the slices. If the profile changes sign at the mid-plane, the number
+/// is half the difference of the two sides. For the density it is the value in the slice at the wall. An observable
+/// that is a single number is returned unchanged. If no value is known, the part of the result is `None`.
 fn number(profile: &Observable) -> Option<Observable> {
     let count = profile.places.len();
     if count == 0 {
@@ -200,7 +203,7 @@ fn number(profile: &Observable) -> Option<Observable> {
     })
 }
 
-/// Weighted sum over several runs, separately for each observable.
+/// Sums the observables of several runs with the weights [-] of the runs.
 fn sum(each: &[(f64, Vec<Observable>)]) -> Vec<Observable> {
     let Some((weight, first)) = each.first() else { return Vec::new() };
     if each.len() == 1 && *weight == 1.0 {
@@ -217,7 +220,8 @@ fn sum(each: &[(f64, Vec<Observable>)]) -> Vec<Observable> {
     first.iter().enumerate().map(one).collect()
 }
 
-/// Shifts between two lists of the same observables.
+/// Tests two lists of the same observables, and returns the shift of each. `pick` selects the shift among the
+/// differences of one observable.
 fn judged([a, b]: [&[Observable]; 2], margin: f64, pick: ShiftColumn) -> Vec<Shift> {
     let comparison = compare(a, b, margin, ErrorLevels::default());
     let one = |(a, b): (&Observable, &Observable)| {
@@ -244,7 +248,8 @@ fn shift(judged: &Judged, found: Deviation) -> Shift {
     }
 }
 
-/// Shift of an observable without error bars: its largest difference.
+/// Shift of an observable that has no error bars: its largest difference over all positions or instants. `None` if no
+/// value is known.
 fn without_error(a: &Observable, b: &Observable) -> Option<Shift> {
     let difference = |k: usize| {
         let [a, b] = [a, b].map(|one| one.parts.get(k)?.as_ref()?.values.first().copied());
@@ -268,9 +273,9 @@ fn without_error(a: &Observable, b: &Observable) -> Option<Shift> {
     })
 }
 
-/// Increases the errors of shifts that come from a line through several runs, if the runs lie off the line. `misses`
-/// contains their distance from the line for the same observables. The error is multiplied by the distance in units of
-/// the error of the distance, if that exceeds 1. If runs do not scatter, the error is the distance times `share` [-].
+/// Increases the errors of shifts that come from a straight line through several runs which lie off the line. `misses`
+/// has the distances from the line. Each error is multiplied by its distance over the error of the distance, if that
+/// exceeds 1. Runs without scatter get the distance times `share` [-].
 pub fn widened(shifts: Vec<Shift>, misses: &[Shift], share: f64) -> Vec<Shift> {
     let one = |mut shift: Shift| {
         let miss = misses.iter().find(|miss| miss.observable == shift.observable);

@@ -7,7 +7,8 @@ use crate::outcome::Outcome;
 use crate::output::{Basis, Verdict};
 use crate::statistics::{Answer, Batches, Observable, Parity, SliceColumn, U, compare, slice_column};
 
-/// Compares a variant with its table; `None` if its reference is not a table.
+/// Compares the averages of a variant with the table that the case gives as its reference; `None` if the reference is
+/// not a table.
 pub fn judge(outcome: &Outcome, asked: Criteria) -> Option<Verdict> {
     let Some(Reference::Table(table)) = &outcome.experiment.against else { return None };
     let found = stopped(&[outcome], found(outcome, table, asked));
@@ -51,8 +52,8 @@ fn found(outcome: &Outcome, table: &ReferenceTable, asked: Criteria) -> Finding 
     }
 }
 
-/// Observables of the run and of the table, in pairs: one for each profile, and one for each average over the scene.
-/// Each value of a profile in the table is compared with the slice at its position.
+/// Pairs of an observable of the run and the same observable of the table: one pair for each profile, and one for each
+/// average over the scene. A value of a profile is compared with the slice at its position.
 fn observables(outcome: &Outcome, table: &ReferenceTable) -> Vec<(Observable, Observable)> {
     let mut pairs = Vec::new();
     let numbered: Vec<(usize, &ReferencePoint)> = table.points.iter().enumerate().collect();
@@ -73,9 +74,9 @@ fn observables(outcome: &Outcome, table: &ReferenceTable) -> Vec<(Observable, Ob
     pairs
 }
 
-/// Profile of the run and of the table as two observables; `None` if there is no scale, as for a velocity without
-/// samples. The scale of a velocity is that of the run, such as the mean slip, because velocities depend on the frame
-/// of reference.
+/// Profile of the run and of the table as two observables; `None` if no size of differences is known, as for a velocity
+/// without samples. Differences of velocities are relative to a velocity of the run, such as the mean slip, because
+/// velocities depend on the frame of reference.
 fn profile(
     outcome: &Outcome,
     column: SliceColumn,
@@ -108,8 +109,8 @@ fn profile(
     Some((of(points.iter().map(own).collect()), of(points.iter().map(|point| stated(*point)).collect())))
 }
 
-/// Average over the whole scene, of the run and of the table. Its scale is the value of the table. `None` if the run
-/// does not have the average.
+/// Average over the whole scene, from the run and from the table. Differences are relative to the value of the table.
+/// `None` if the run does not have this average.
 fn average(outcome: &Outcome, (place, point): (usize, &ReferencePoint)) -> Option<(Observable, Observable)> {
     let averaged = &outcome.averaged;
     let (name, unit, own) = match point.quantity.as_str() {
@@ -122,7 +123,8 @@ fn average(outcome: &Outcome, (place, point): (usize, &ReferencePoint)) -> Optio
     Some((of(own.clone()), of(stated((place, point)))))
 }
 
-/// Blocks of a value of the table; `None` without a standard error.
+/// Value of the table with its standard error, in the form in which averages of runs are tested; `None` without a
+/// standard error.
 fn stated((place, point): (usize, &ReferencePoint)) -> Option<Batches> {
     point.standard_error.map(|error| Batches::of_stated(point.value, error, place))
 }

@@ -10,17 +10,18 @@ const NAMED: usize = 3;
 /// since such a run is impractical.
 const ENDLESS: f64 = 1000.0;
 
-/// Names of two variants, quoted, as the beginning of a sentence.
+/// Names of two variants in quotes, as the beginning of a sentence on their comparison.
 pub fn pair(variant: &str, reference: &str) -> String {
     format!("\"{variant}\" against \"{reference}\":")
 }
 
-/// A share [-] as text in percent.
+/// Text of a share [-] in per cent, with a suitable number of digits.
 pub fn percent(share: f64) -> String {
     format!("{} %", significant(100.0 * share, 2))
 }
 
-/// Predicate of a sentence whose subject is the name of a run that is not steady; `None` for a steady run.
+/// Rest of a sentence about a run that is not steady, after the name of the run, with the reason; `None` for a steady
+/// run.
 pub fn not_steady(steadiness: &Steadiness) -> Option<String> {
     let why = match steadiness.drift {
         _ if steadiness.steady => return None,
@@ -34,13 +35,13 @@ pub fn not_steady(steadiness: &Steadiness) -> Option<String> {
     Some(format!("is not steady ({why})"))
 }
 
-/// A margin in percent, as a user would type it.
+/// Text of a margin [-] in per cent, as a user would type it.
 pub fn margin(share: f64) -> String {
     let digits = format!("{:.4}", 100.0 * share);
     format!("{} %", digits.trim_end_matches('0').trim_end_matches('.'))
 }
 
-/// Name of a table column in a sentence.
+/// Name of a table column in the form that fits into a sentence.
 pub fn in_prose(name: &str) -> String {
     match name {
         "number_density_ratio" => "the number density".into(),
@@ -51,9 +52,9 @@ pub fn in_prose(name: &str) -> String {
     }
 }
 
-/// Answer of a comparison of averages or curves, in words. `across` is the unit of the positions: m, s, or empty for
-/// single numbers. `needed` describes a run that is longer by a given factor, with which the comparison would be
-/// decided.
+/// Answer of a comparison of averages or curves, as a sentence without its subject. `across` is the unit of the
+/// positions: m, s, or empty for single numbers. `needed` describes runs that are longer by a given factor and would
+/// decide the comparison.
 pub fn answer(comparison: &Comparison, across: &str, needed: impl Fn(f64) -> String) -> String {
     match comparison.answer {
         Answer::Equivalent => equivalent(comparison, across),
@@ -62,7 +63,7 @@ pub fn answer(comparison: &Comparison, across: &str, needed: impl Fn(f64) -> Str
     }
 }
 
-/// Phrase for a statement that holds at all positions; empty for single numbers.
+/// Phrase for a statement that holds in all slices (`across` "m") or at all instants ("s"); empty for single numbers.
 fn anywhere(across: &str) -> &'static str {
     match across {
         "" => "",
@@ -101,7 +102,8 @@ fn different(detected: &[&Judged], across: &str, limit: f64) -> String {
     sentence + "."
 }
 
-/// A difference relative to the scale, with its error and position, in words.
+/// Text of a difference with its standard error, relative to the scale of the observable, and its position. `across` is
+/// the unit of the position.
 fn size(one: &Judged, across: &str) -> String {
     let name = in_prose(&one.tested.name);
     let Some(Deviation { place, difference, error, .. }) = one.tested.headline() else { return name };

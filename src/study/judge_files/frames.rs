@@ -7,10 +7,10 @@ use crate::observe::{Row, SERIES_COLUMNS, SeriesColumn};
 use crate::statistics::VelocitySpread;
 use nalgebra::Vector3;
 
-/// Column of the number of particles.
+/// Name of the column with the number of particles at an instant.
 const COUNT: &str = "particles";
 
-/// Columns of `series.csv` that need velocities only.
+/// Columns of `series.csv` that can be computed from the velocities of the particles alone.
 const OF_VELOCITIES: [&str; 7] = [
     "granular_temperature_m2_s2",
     "Txx_m2_s2",
@@ -21,7 +21,8 @@ const OF_VELOCITIES: [&str; 7] = [
     "mean_velocity_z_m_s",
 ];
 
-/// Columns of `series.csv` that also need masses. The columns of rotation are empty without spins.
+/// Columns of `series.csv` that also need the masses of the particles. The columns of rotation exist only if the file
+/// has spins.
 const OF_MASSES: [&str; 12] = [
     "kinetic_energy_J",
     "momentum_x_kg_m_s",
@@ -37,7 +38,8 @@ const OF_MASSES: [&str; 12] = [
     "Rzz_m2_s2",
 ];
 
-/// Name of a column in the table of a trajectory, with its value at one instant.
+/// Name of a column in the table of a trajectory, with its value at one instant in the unit of the name; `None` without
+/// a value.
 type AveragedColumn = (String, Option<f64>);
 
 impl NumberTable {
@@ -81,8 +83,8 @@ impl NumberTable {
     }
 }
 
-/// Name of the column of times, and the time of each instant: in seconds if every instant has a time, else in time
-/// steps or, without these, as the index of the instant.
+/// Name of the column of times, and the time of each instant. Times are in seconds if every instant has a time, else in
+/// time steps. Without either they are the index of the instant.
 fn times(frames: &[ParticleFrame]) -> (&'static str, Vec<f64>) {
     let all = |of: fn(&ParticleFrame) -> Option<f64>| frames.iter().map(of).collect::<Option<Vec<f64>>>();
     if let Some(times) = all(|frame| frame.time) {
@@ -94,7 +96,8 @@ fn times(frames: &[ParticleFrame]) -> (&'static str, Vec<f64>) {
     }
 }
 
-/// Averages over the particles of one instant.
+/// Averages over the particles of one instant, each with the name of its column. With several `slices` along y, each
+/// slice adds its number of particles, mean velocity and temperatures.
 fn columns(frame: &ParticleFrame, slices: usize) -> Vec<AveragedColumn> {
     // without a box nothing is periodic, and one slice contains all particles
     let domain = frame.domain.clone().unwrap_or_else(|| Domain::new(Vector3::repeat(f64::INFINITY), [false; 3]));

@@ -21,7 +21,7 @@ use settings::JudgeFile;
 use side::{JudgeSide, SideData};
 use std::path::{Path, PathBuf};
 
-/// [-] margin if neither the command line nor the settings give one.
+/// [-] margin within which differences count as equivalent, if neither the command line nor the settings give one.
 const MARGIN: f64 = 0.01;
 
 /// Compares two sides and writes the report to one folder. Returns the answer of all quantities together.
@@ -73,15 +73,16 @@ pub fn judge_files(args: &JudgeArguments) -> Result<Option<Answer>, StudyError> 
     Ok(overall(&comparisons))
 }
 
-/// Path from which the name of the folder of results is made: the first file, without the name of a variant.
+/// Path of the first file of a side, without the name of a variant after the colon. The name of the folder of results
+/// is made from this path.
 fn first_file(side: &JudgeSide) -> PathBuf {
     let first = side.paths.first().map_or("", String::as_str);
     first.split(':').next().unwrap_or(first).into()
 }
 
-/// Verdicts on all quantities. Quantities of one margin and one kind of data are tested together. The level of each
-/// such test is in proportion to its number of quantities, so the total probability of a false difference is the usual
-/// one.
+/// Answers for all quantities, one for each group of quantities with one margin and one kind of data (averages or
+/// curves). The error level of a group is in proportion to its number of quantities. So the probability of any false
+/// difference is as large as for a single test.
 fn verdicts(measured: &[MeasuredQuantity], names: &[String; 2]) -> Vec<Verdict> {
     let key = |one: &MeasuredQuantity| (one.summary.basis, one.summary.margin);
     let mut keys: Vec<(Basis, f64)> = Vec::new();
@@ -97,7 +98,8 @@ fn verdicts(measured: &[MeasuredQuantity], names: &[String; 2]) -> Vec<Verdict> 
     keys.into_iter().map(one).collect()
 }
 
-/// Verdict on quantities of one margin and one kind of data. `share` [-] is their share of all quantities.
+/// Answer for a group of quantities with one margin and one kind of data. `share` [-] is the number of quantities in
+/// the group over that of all.
 fn verdict(group: &[&MeasuredQuantity], names: &[String; 2], share: f64) -> Verdict {
     let (basis, margin) = (group[0].summary.basis, group[0].summary.margin);
     let observables = [0, 1].map(|k| -> Vec<Observable> {

@@ -6,21 +6,22 @@ use crate::case::de::Located;
 use crate::case::{Diagnostic, Sources, nearest};
 use crate::legible::quote;
 
-/// Quantity of both sides that is compared.
+/// Quantity that is compared, with its columns on both sides.
 pub struct ComparedColumns {
     /// Name of the quantity in sentences.
     pub name: String,
-    /// Columns of both sides, or labels of their points.
+    /// Names of the columns on side A and side B or, in a table of points, labels of the points.
     pub columns: [String; 2],
-    /// Factors that convert both columns to the unit of the comparison.
+    /// Factors by which the values of both columns are multiplied to get the unit of the comparison.
     pub factors: [f64; 2],
     /// SI unit of the comparison; empty if no unit is given.
     pub unit: String,
-    /// Kind of comparison; `None` for averages if both sides are steady, and for curves otherwise.
+    /// Kind of comparison, averages or curves. `None`: averages if both sides are steady, else curves.
     pub compare: Option<JudgedAs>,
-    /// [-] margin relative to the scale.
+    /// [-] margin within which differences count as equivalent, relative to the scale of the quantity.
     pub margin: f64,
-    /// Scale of differences, in the unit of the comparison; `None` for the value of the second side.
+    /// Size to which differences are relative, in the unit of the comparison; `None` for the magnitude of the value of
+    /// side B.
     pub scale: Option<f64>,
 }
 
@@ -49,7 +50,7 @@ pub fn compared_columns(
     Ok((all, Vec::new()))
 }
 
-/// Columns of one table `[[quantities]]`.
+/// Quantity that a table `[[quantities]]` of the settings names. `margin` [-] applies if the table gives none.
 fn named(
     one: &Located<QuantityFile>,
     margin: f64,
@@ -75,8 +76,8 @@ fn named(
     })
 }
 
-/// First file of a side without a column or point of this name, with the names in this file; `None` if every file has
-/// the name.
+/// First file of a side that has no column (or point) of this name, with the names that the file has instead; `None` if
+/// every file has the name.
 fn lacking(side: &JudgeSide, name: &str) -> Option<(String, String)> {
     match &side.data {
         SideData::Series(series) => {
@@ -95,8 +96,8 @@ fn lacking(side: &JudgeSide, name: &str) -> Option<(String, String)> {
     }
 }
 
-/// Columns and points of equal names in both sides, without times. Columns that contain cells without numbers are left
-/// out with a note.
+/// Quantities made of columns or points that have equal names on both sides, except times; and notes. A column with
+/// cells that are no numbers is left out with a note.
 fn equal_names(margin: f64, sides: &[JudgeSide; 2]) -> Result<(Vec<ComparedColumns>, Vec<String>), Diagnostic> {
     let (first, left_out) = names(&sides[0]);
     let (second, more) = names(&sides[1]);
@@ -124,7 +125,8 @@ fn equal_names(margin: f64, sides: &[JudgeSide; 2]) -> Result<(Vec<ComparedColum
     Ok((common.into_iter().map(one).collect(), notes.into_iter().collect()))
 }
 
-/// Names of all columns of numbers, or labels of points, of a side, and of the columns that are left out.
+/// Names of a side: first those of all columns of numbers, or labels of points, then those of the columns that are left
+/// out.
 fn names(side: &JudgeSide) -> (Vec<String>, Vec<String>) {
     match &side.data {
         SideData::Points(points) => {

@@ -10,29 +10,29 @@ use crate::statistics::{
 };
 use crate::study::judge::not_steady;
 
-/// Number of instants at which curves are compared.
+/// Largest number of instants at which two curves are compared.
 const INSTANTS: usize = 20;
 
 /// [-] largest relative difference of two times that count as one instant; files give times with some six digits.
 const SAME_TIME: f64 = 1e-6;
 
-/// A quantity with its observables in the form in which they are tested.
+/// Quantity of both sides in the form in which it is tested, with a summary for the report.
 pub struct MeasuredQuantity {
     /// Summary of both sides for the report.
     pub summary: FilesQuantity,
-    /// Observables of both sides; `None` if nothing can be compared.
+    /// Averages or curves of both sides with their errors; `None` if nothing can be compared.
     pub observables: Option<[Observable; 2]>,
-    /// Reason why nothing can be compared, or remark on the comparison; may be empty.
+    /// Reason why nothing can be compared, or why curves are compared; may be empty.
     pub remark: String,
 }
 
-/// Values of one replica at all its times, in the unit of the comparison.
+/// Values of the quantity in one replica (a file with another seed) at all its times, in the unit of the comparison.
 struct ReplicaValues<'a> {
     file: &'a TimedTable,
     values: Vec<f64>,
 }
 
-/// One side of a quantity.
+/// Data of one side for one quantity: series over time of several replicas, or a single value.
 enum MeasuredSide<'a> {
     Series(&'a SeriesFiles, Vec<ReplicaValues<'a>>),
     Point(Estimate),
@@ -125,13 +125,13 @@ fn side<'a>(
     }
 }
 
-/// Average of one side, with its blocks of time.
+/// Average of one side over its steady time, with the averages over blocks of that time.
 struct SideAverage {
     summary: SideSummary,
     batches: Option<Batches>,
 }
 
-/// Summary of a side without averages.
+/// Summary of one side of a quantity without averages; `k` is 0 for side A and 1 for side B.
 fn bare(columns: &ComparedColumns, k: usize, side: &MeasuredSide) -> SideSummary {
     let (files, samples) = match side {
         MeasuredSide::Point(_) => (1, 1),
@@ -204,8 +204,8 @@ fn average(
     Ok(SideAverage { summary, batches })
 }
 
-/// Steadiness of all replicas together. Averaging begins where the last replica becomes steady. The side is steady if
-/// most replicas are steady, since one steady run in twenty appears unsteady by chance.
+/// Steadiness of all replicas of a side together. The averaging time begins where the last replica becomes steady. The
+/// side is steady if most replicas are, since one steady run in twenty appears unsteady by chance.
 fn steadiness(spaced: &[(f64, &[f64], &[f64])], from: Option<f64>, scale: Option<f64>) -> Steadiness {
     let each: Vec<Steadiness> = spaced
         .iter()
@@ -224,8 +224,8 @@ fn steadiness(spaced: &[(f64, &[f64], &[f64])], from: Option<f64>, scale: Option
     }
 }
 
-/// Integral correlation time τ of a series, in the unit of `interval`. The mean of a long series of length L has the
-/// variance of a sample times 2 τ/L. `None` without scatter or without an error.
+/// Integral correlation time τ of a series, in the unit of `interval`, the time between two values. The mean over a
+/// long time L has the variance of one value times 2 τ/L. `None` without scatter or without an error.
 fn correlation_time(interval: f64, values: &[f64], blocks: &Batches) -> Option<f64> {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
@@ -234,7 +234,8 @@ fn correlation_time(interval: f64, values: &[f64], blocks: &Batches) -> Option<f
     (variance > 0.0).then(|| 0.5 * interval * count * error * error / variance)
 }
 
-/// Observables of the averages of both sides. If the second average has no value, nothing is compared.
+/// Averages of both sides as observables for the test. Without a given scale, differences are relative to the average
+/// of side B.
 fn numbers(columns: &ComparedColumns, averages: &[SideAverage; 2]) -> [Observable; 2] {
     let value = averages[1].summary.mean.map_or(0.0, |mean| mean.value.abs());
     let (scale, scale_is) = columns.scale.map_or((value, "its value"), |scale| (scale, "the scale given"));
@@ -250,7 +251,7 @@ fn numbers(columns: &ComparedColumns, averages: &[SideAverage; 2]) -> [Observabl
     })
 }
 
-/// Observables of two curves over time, or the reason why there are none.
+/// Curves over time of both sides as observables for the test, or the reason why there are none.
 fn curves(columns: &ComparedColumns, both: &[MeasuredSide; 2]) -> Result<[Observable; 2], String> {
     let [MeasuredSide::Series(first, a), MeasuredSide::Series(second, b)] = both else {
         return Err("a table of points can be compared with a steady side only".into());
@@ -294,7 +295,8 @@ fn curves(columns: &ComparedColumns, both: &[MeasuredSide; 2]) -> Result<[Observ
 }
 
 impl ReplicaValues<'_> {
-    /// Value at a time; `None` if the series has no row at this time.
+    /// Value of the replica, in the unit of the comparison, at a time in the unit of `times`; `None` if there is no row
+    /// at this time.
     fn at(&self, time: f64) -> Option<f64> {
         let times = &self.file.times;
         let place = times.partition_point(|other| *other < time - SAME_TIME * time.abs());

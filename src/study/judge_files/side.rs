@@ -17,7 +17,7 @@ const STEPS: [&str; 4] = ["Step", "TimeStep", "step", "frame"];
 /// Columns of a table of points that are not part of the label of a point.
 const POINT: [&str; 2] = ["value", "standard_error"];
 
-/// [-] largest deviation of a time from equal spacing, divided by the spacing, in a series that is averaged.
+/// [-] largest deviation of a time from equal spacing, divided by the spacing, in a series that may be averaged.
 const SPACING: f64 = 1e-3;
 
 /// One side of the comparison.
@@ -26,11 +26,11 @@ pub struct JudgeSide {
     pub name: String,
     /// Paths of all files, as they were given.
     pub paths: Vec<String>,
-    /// Series or points of the side.
+    /// Data read from the files of the side.
     pub data: SideData,
 }
 
-/// Contents of the files of a side.
+/// Data of a side: series over time, or a table of single values.
 pub enum SideData {
     /// Series over time, one per replica.
     Series(SeriesFiles),
@@ -38,31 +38,31 @@ pub enum SideData {
     Points(Vec<MeasuredPoint>),
 }
 
-/// Series over time of all replicas.
+/// Series over time of all replicas (runs with different seeds) of a side.
 pub struct SeriesFiles {
     /// Series, one per replica.
     pub replicas: Vec<TimedTable>,
-    /// True if the times of both sides are comparable: in a known unit, or counted so that equal times are equal
-    /// instants.
+    /// True if the times of this side can be compared with those of another: they have a unit, or their column does not
+    /// count time steps.
     pub unit_known: bool,
-    /// Start of averaging [s], or in the unit of the times if that is not known. `None` if the test for steadiness
-    /// finds the start.
+    /// Start of averaging [s], or in the unit of the column of times if the unit is not known. `None` if the test for
+    /// steadiness finds the start.
     pub from: Option<f64>,
 }
 
 /// Table with times that increase from row to row.
 pub struct TimedTable {
-    /// Table that was read.
+    /// Table with the columns of the file.
     pub table: NumberTable,
-    /// Index of the column of times.
+    /// Index of the column of times in the table.
     pub time: usize,
     /// Times [s]; in the unit of their column if that unit is not known.
     pub times: Vec<f64>,
-    /// Indices of the rows to which the times belong. Rows that repeat a time are left out.
+    /// Index of the row of the table for each time. Rows that repeat the time of the row before are left out.
     pub rows: Vec<usize>,
 }
 
-/// Value of a table of points, with its label.
+/// One row of a table of points: a value with its label.
 pub struct MeasuredPoint {
     /// Label: all cells of the row except the value and its error.
     pub label: String,
@@ -118,7 +118,7 @@ impl JudgeSide {
         Ok(Self { name, paths: names, data })
     }
 
-    /// Warnings about the files of the side.
+    /// Warnings for the user about the files of the side.
     pub fn warnings(&self) -> Vec<String> {
         let SideData::Series(series) = &self.data else { return Vec::new() };
         let of = |one: &TimedTable| {
@@ -133,7 +133,8 @@ impl JudgeSide {
 }
 
 impl NumberTable {
-    /// Index of the column of times, if there is one.
+    /// Index of the column of times: the one that the settings name or else the first known name; `None` if there is no
+    /// such column.
     fn column_of_times(&self, file: &SideFile) -> Option<usize> {
         match &file.time {
             Some(name) => self.column(&name.value),
@@ -208,8 +209,8 @@ impl TimedTable {
         self.rows.iter().map(|row| self.table.number(*row, column, sources)).collect()
     }
 
-    /// Time between samples [s], and the range of the samples from the time `from` [s] on. A last row that does not fit
-    /// the spacing is left out, since programs also write a row at the end of a run.
+    /// Time between two samples, in the unit of `times`, and the range of samples from the time `from` on. A last row
+    /// that does not fit the spacing is left out, since programs also write a row at the end of a run.
     ///
     /// # Errors
     /// The times are not equally spaced, so that averages over time would need weights.
@@ -219,7 +220,7 @@ impl TimedTable {
         let [first, second, ..] = self.times[start..] else { return Ok((1.0, start..count)) };
         let interval = second - first;
         let off = |row: usize| {
-            // times of six digits give the spacing a small error, which adds up from row to row
+            // times with six digits give the spacing a small error, which adds up from row to row
             let steps = (row - start) as f64;
             (self.times[row] - first - steps * interval).abs() > SPACING * interval * (1.0 + 1e-3 * steps)
         };
@@ -240,7 +241,8 @@ impl TimedTable {
     }
 }
 
-/// Points of a table: the label of a row consists of all cells except the value and its error.
+/// Values of a table of points with their labels. The label of a row consists of all its cells except the value and its
+/// error.
 fn points(table: &NumberTable, sources: &Sources) -> Result<Vec<MeasuredPoint>, Diagnostic> {
     let (value, error) = (table.column("value").unwrap_or_default(), table.column("standard_error"));
     let labels: Vec<usize> =

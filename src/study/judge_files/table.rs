@@ -26,11 +26,11 @@ pub struct NumberTable {
     pub(super) source: usize,
     /// Warnings about the file.
     pub warnings: Vec<Diagnostic>,
-    /// Numbers of each column; not-a-number for a cell that contains none.
+    /// Numbers of each column, in the order of the rows; NaN for a cell that contains no finite number.
     numbers: Vec<Vec<f64>>,
-    /// Texts of the cells that contain no number, by row and column.
+    /// Texts of the cells that contain no finite number, by index of the row and index of the column.
     texts: BTreeMap<(usize, usize), String>,
-    /// Range of bytes of each row in the text.
+    /// Range of bytes of each row in the text of the file.
     lines: Vec<Range<usize>>,
 }
 
@@ -82,7 +82,8 @@ impl NumberTable {
         table.of_variant(variant)
     }
 
-    /// Reads the rows of a LAMMPS file of `fix ave/time` for scalars. Returns false if the text is no such file.
+    /// Reads the rows of a file that LAMMPS wrote with `fix ave/time` for scalars. Returns false if the text is no such
+    /// file.
     fn averages(&mut self, text: &str, lines: &[Range<usize>], sources: &Sources) -> Result<bool, Diagnostic> {
         let is_header = |line: &&Range<usize>| text[(*line).clone()].trim_start().starts_with("# TimeStep");
         let Some(header) = lines.iter().find(is_header) else { return Ok(false) };
@@ -159,7 +160,8 @@ impl NumberTable {
         Ok(())
     }
 
-    /// Table with the rows of one variant, if the table has a column of variants.
+    /// Table with the rows of the variant `wanted`, if there is a column of variants. Without a name, the table must
+    /// contain one variant only.
     fn of_variant(self, wanted: Option<&str>) -> Result<Self, Diagnostic> {
         let Some(column) = self.columns.iter().position(|name| name == "variant") else {
             return match wanted {
@@ -208,7 +210,7 @@ impl NumberTable {
         self.lines.len()
     }
 
-    /// Position of a row in its file.
+    /// Position of a row in its file, for messages.
     pub fn origin(&self, row: usize) -> Origin {
         Origin { source: self.source, span: self.lines[row].clone() }
     }
@@ -224,7 +226,7 @@ impl NumberTable {
         nearest(name, &self.columns).map_or(all.clone(), |known| format!("did you mean `{known}`? ({all})"))
     }
 
-    /// Text of a cell.
+    /// Text of a cell as in the file; a number may be written differently.
     pub fn text(&self, row: usize, column: usize) -> String {
         self.texts.get(&(row, column)).cloned().unwrap_or_else(|| format!("{}", self.numbers[column][row]))
     }
@@ -250,7 +252,7 @@ impl NumberTable {
     }
 }
 
-/// Names in backquotes, the first ones if there are many.
+/// Names in backquotes, separated by commas; only the first 30 if there are more.
 fn list(names: &[String]) -> String {
     let mut text = names.iter().take(LISTED).map(|name| format!("`{}`", quote(name))).collect::<Vec<_>>().join(", ");
     if names.len() > LISTED {
@@ -263,7 +265,7 @@ pub(super) fn words(line: &str) -> impl Iterator<Item = &str> {
     line.split_whitespace()
 }
 
-/// Range of bytes of each line of a text.
+/// Range of bytes of each line of a text, without the end of the line.
 fn lines_of(text: &str) -> Vec<Range<usize>> {
     let mut start = 0;
     let mut lines = Vec::new();

@@ -7,7 +7,7 @@ use super::table::{NumberTable, words};
 use crate::case::{Diagnostic, Sources};
 use std::ops::Range;
 
-/// Beginnings of the line before the header of a block, in present and older versions of LAMMPS.
+/// Beginnings of the line before the header of a block of thermo output, in present and in older versions of LAMMPS.
 const BEFORE_HEADER: [&str; 2] = ["Per MPI rank memory allocation", "Memory usage per processor"];
 
 /// Beginning of the line with the names of the columns in the style `yaml`.
@@ -48,7 +48,7 @@ impl NumberTable {
     }
 }
 
-/// Cells of a line: words, or in the style `yaml` the entries of a list in brackets.
+/// Cells of a line of thermo output: its words or, in the style `yaml`, the entries of its list in brackets.
 fn cells(line: &str) -> Vec<String> {
     match line.trim_start_matches([' ', '-']).trim_start_matches(YAML_HEADER).trim().strip_prefix('[') {
         Some(list) => {

@@ -17,10 +17,11 @@ use std::f64::consts::{FRAC_2_PI, PI};
 
 /// [-] volume fraction of the gas, as in the paper's case D.
 const FRACTION: f64 = 0.01;
-/// Number of collisions per particle before the decay is measured. By then, soft contacts begin and end at equal rates.
+/// Number of collisions per particle before the anisotropy is measured first. By then, soft contacts begin and end at
+/// equal rates.
 const BEFORE: f64 = 0.1;
-/// Number of collisions per particle while the decay is measured. The anisotropy falls by a third. A longer time would
-/// add more scatter than it removes, since later collisions of soft and hard spheres differ by chance.
+/// Number of collisions per particle between both measurements of the anisotropy, which falls by a third. A longer time
+/// would add more scatter than it removes, since later collisions of soft and hard spheres differ by chance.
 const DURING: f64 = 0.5;
 
 /// [m²/s²] anisotropy T_z - (T_x + T_y)/2 of all particles, about their common mean velocity.
@@ -37,10 +38,11 @@ fn start_temperature(experiment: &Experiment) -> f64 {
     experiment.start[0].mean_fluctuation().powi(2)
 }
 
-/// [1/s] rate at which the anisotropy decays, and failure of the run if there was one.
+/// [1/s] rate -d(ln A)/dt at which the anisotropy A of the velocities decays in a run; and the failure of the run, if
+/// any.
 fn rate(experiment: &Experiment) -> Result<(f64, Option<Failure>), StudyError> {
-    /// Number of windows per mean time between two collisions of a particle: so many that few particles collide twice
-    /// within a window.
+    /// Number of windows (pieces of a run) per mean time between two collisions of a particle. With so many, few
+    /// particles collide twice within a window.
     const WINDOWS: f64 = 40.0;
     let time = 1.0 / collision_rate(FRACTION, start_temperature(experiment));
     let mut simulation = simulation(experiment)?;

@@ -18,7 +18,7 @@ fn threshold(n: f64) -> f64 {
     (PI / 4.0 * (1.0 - 1.0 / n)).tan().powi(2)
 }
 
-/// Time [s] of an inelastic collapse; `None` if the run ended in another way.
+/// [s] simulated time of an inelastic collapse; `None` if the run ended in another way.
 fn collapse(failure: &Option<Failure>) -> Option<f64> {
     match failure {
         Some(Failure::InelasticCollapse { time, .. }) => Some(*time),
@@ -26,9 +26,9 @@ fn collapse(failure: &Option<Failure>) -> Option<f64> {
     }
 }
 
-/// Gaps [m] and velocities [m/s] of a row at the start. With `wall`, the row is a column that meets a wall at 1 m/s.
-/// Otherwise it is a free line: the outer spheres approach each other at 1 and -1 m/s, and the velocities decrease
-/// linearly from the first sphere to the last.
+/// Gaps [m] and velocities [m/s] of `count` spheres in a row at the start. With `wall`, all approach a wall at 1 m/s.
+/// Otherwise the velocities decrease evenly from 1 m/s (first sphere) to -1 m/s (last one). `set` is the number of the
+/// set of random gaps.
 fn start(count: usize, set: usize, wall: bool) -> (Vec<f64>, Vec<f64>) {
     let middle = if wall { 0.0 } else { 9.0 * count as f64 };
     let gap = |k: usize| 0.5 + scatter(set, k) + if k == 0 { middle } else { 0.0 };
@@ -36,8 +36,8 @@ fn start(count: usize, set: usize, wall: bool) -> (Vec<f64>, Vec<f64>) {
     (0..count).map(|k| (gap(k), speed(k))).unzip()
 }
 
-/// Map of the share of the starts that collapse, as a function of the number of spheres and the restitution. The starts
-/// are lines whose ends approach each other, or columns at the wall if the case has one.
+/// Map of the share of the starts that end in a collapse, as a function of the number of spheres and the restitution.
+/// The spheres are on a line and approach one another; if the case has a wall, all approach the wall.
 pub fn one_dimension(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let wall = !grid.base.scene.walls.is_empty();
     let counts = match (wall, grid.choose(true, false)) {
@@ -137,20 +137,21 @@ const BIN: f64 = 2e-3;
 /// Number of time bins.
 const BINS: usize = 75;
 
-/// Collisions and energy of a bed in one time bin.
+/// Collision rate and energy of a bed of spheres in one time bin.
 struct CollapseInterval {
     /// [s] middle of the bin.
     at: f64,
     /// [1/s] collision rate per sphere.
     rate: f64,
-    /// [-] energy that collisions did not lose because the TC model made them elastic, summed up to the end of the bin,
-    /// over the initial energy plus the work of gravity.
+    /// [-] energy that collisions did not lose because the TC model (elastic within a contact time) applied, summed
+    /// from the start to the end of the bin. It is divided by the initial energy plus the work of gravity.
     kept: f64,
     failure: Option<Failure>,
 }
 
-/// Runs a bed that comes to rest, in time bins. `contact_time` [s] is the contact time of the TC model; `None` without
-/// this model.
+/// Runs a bed of spheres that comes to rest, and returns one entry for each time bin; a failure ends the list.
+/// `contact_time` [s] is that of the TC model, in which collisions in quick succession are elastic; `None` without this
+/// model.
 fn bed(grid: &Points, contact_time: Option<f64>) -> Result<Vec<CollapseInterval>, StudyError> {
     let mut simulation = simulation(&grid.with(|case| case.hard.contact_time = contact_time))?;
     let start = simulation.energy();

@@ -10,14 +10,14 @@ use crate::runs::StudyError;
 use crate::simulation::Simulation;
 use std::f64::consts::PI;
 
-/// [N/m] stiffness in these cases, for which contacts of spheres of 1 kg last 2.2 ms.
+/// [N/m] stiffness in these scenes, with which a contact of two spheres of 1 kg lasts 2.2 ms.
 const STIFFNESS: f64 = 1e6;
-/// Restitutions for which the row of touching spheres is run.
+/// [-] restitutions for which the row of touching spheres is run.
 const RESTITUTIONS: [f64; 2] = [1.0, 0.94];
 /// [m] length of the box.
 const LENGTH: f64 = 30.0;
 
-/// Simulations of the changed case, with soft spheres and with hard spheres.
+/// Two simulations of the case after the change `change`: with soft spheres and with hard spheres.
 fn both(grid: &Points, change: impl Fn(&mut Experiment)) -> Result<[Simulation; 2], StudyError> {
     let soft = grid.with(&change);
     let hard = grid.with(|case| {
@@ -69,7 +69,7 @@ pub fn cradle(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
 }
 
 /// Map of the velocity of the middle one of three spheres that is hit from both sides. The impact from the right is
-/// `late` contact times after the impact from the left; a negative value means earlier.
+/// `late` contact times after that from the left; a negative value means earlier.
 pub fn simultaneous(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let contact = PI * (0.5 / STIFFNESS).sqrt();
     let late = even(-2.0, 2.0, grid.choose(17, 81));

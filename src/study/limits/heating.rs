@@ -17,8 +17,8 @@ const SPEED: f64 = 0.7;
 /// [-] volume fraction, at which pairs collide often and three particles at once seldom.
 const FRACTION: f64 = 0.1;
 
-/// Map of the relative change of the temperature per collision of a particle, as a function of the steps per contact
-/// N_c.
+/// Map of the relative change of the temperature of an elastic gas for each collision of a particle, an error of the
+/// integrator. It is a function of the steps per contact N_c.
 pub fn heating(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (steps, seeds, collisions) = grid.choose(
         (vec![5.0, 7.735, 10.0, 15.0], 3, 20.0),

@@ -32,10 +32,10 @@ use sweep::{MapSweep, Points};
 
 pub use sweep::Grid;
 
-/// A map: name, case file, and columns of the table.
+/// One map: its name, its case file, and the names of the columns of its table, separated by commas.
 type MapEntry = (&'static str, &'static str, &'static str);
 
-/// The maps of one sweep, and the function that runs the sweep and returns one result for each map.
+/// The maps of one sweep, and the function that runs the sweep and returns one result for each of these maps.
 type MapRun = (&'static [MapEntry], fn(&Points) -> Result<Vec<MapSweep>, StudyError>);
 
 macro_rules! map {
@@ -95,7 +95,7 @@ const SWEEPS: [MapRun; 20] = [
     (&[map!("walton-undamped", "reduced_slip,tangential_restitution,rebound,walton,error")], walton::walton),
 ];
 
-/// Runs one sweep; returns its maps in their order.
+/// Runs one sweep of points; returns its maps in the order of `SWEEPS`.
 fn sweep(&(entries, run): &MapRun, grid: &Grid) -> Result<Vec<Map>, StudyError> {
     let cases: Vec<Case> = entries
         .iter()

@@ -3,11 +3,11 @@
 use crate::output::limits::{Cell, Class, Picture, RegimeMap, Shade};
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 
-/// An axis of a grid: label, values of the points, and true for a logarithmic axis.
+/// Axis of a map: label, values of the points in ascending order, and true for a logarithmic axis.
 pub struct MapAxis<'a>(pub &'a str, pub &'a [f64], pub bool);
 
-/// Lower and upper end of the cell around each of several ascending values. The ends lie halfway to the neighbouring
-/// values; on a logarithmic axis, halfway between the logarithms.
+/// Lower and upper end of the cell around each of several ascending values, as drawn in a map. The ends lie halfway to
+/// the neighbouring values; on a logarithmic axis (`log`), halfway between the logarithms.
 fn edges(values: &[f64], log: bool) -> Vec<(f64, f64)> {
     let from = |at: f64| if log { at.exp() } else { at };
     let at: Vec<f64> = values.iter().map(|value| if log { value.ln() } else { *value }).collect();
@@ -23,8 +23,8 @@ fn edges(values: &[f64], log: bool) -> Vec<(f64, f64)> {
     (0..at.len()).map(end).collect()
 }
 
-/// A picture of coloured cells around the points of a grid, with theoretical lines. The points are in rows, with `x`
-/// changing fastest. `class` returns the index in `classes` of the point with a given number.
+/// Map of coloured cells around the points of a grid, with theoretical lines. Points are numbered row by row, `x`
+/// changing fastest. `class` returns the index in `classes` for a point number.
 pub fn plane(
     x: &MapAxis,
     y: &MapAxis,
@@ -57,7 +57,8 @@ pub fn curve(label: impl Into<String>, look: SeriesStyle, points: impl Iterator<
     PanelSeries::new(label, look, points.map(|[x, y]| SeriesPoint::at(x, y)))
 }
 
-/// Points given as abscissa, ordinate, and standard error of the ordinate.
+/// Measured points of a graph, each given as abscissa, ordinate, and standard error of the ordinate. `place` is the
+/// number of the marker and colour.
 pub fn measured(label: impl Into<String>, place: usize, points: impl Iterator<Item = [f64; 3]>) -> PanelSeries {
     PanelSeries::new(
         label,
@@ -66,19 +67,19 @@ pub fn measured(label: impl Into<String>, place: usize, points: impl Iterator<It
     )
 }
 
-/// All points of a grid in the order of rows, `x` changing fastest.
+/// All pairs of a value of `x` and a value of `y`; `x` changes fastest.
 pub fn points<T: Copy>(x: &[T], y: &[T]) -> Vec<(T, T)> {
     y.iter().flat_map(|&y| x.iter().map(move |&x| (x, y))).collect()
 }
 
-/// `count` values from `first` to `last`, equally spaced.
+/// List of `count` (two or more) equally spaced values from `first` to `last`.
 pub fn even(first: f64, last: f64, count: usize) -> Vec<f64> {
     let step = (last - first) / (count - 1) as f64;
     // rounded, since the rounding error of a sum of decimal steps would show in tables
     (0..count).map(|k| ((first + step * k as f64) * 1e9).round() / 1e9).collect()
 }
 
-/// `count` values from `first` to `last`, in a geometric sequence.
+/// List of `count` (two or more) values from `first` to `last` in a geometric sequence.
 pub fn ratios(first: f64, last: f64, count: usize) -> Vec<f64> {
     let ratio = (last / first).powf(1.0 / (count - 1) as f64);
     (0..count).map(|k| first * ratio.powi(k as i32)).collect()

@@ -12,12 +12,13 @@ use crate::predict::integrator::{Scheme, realised_restitution};
 use crate::runs::StudyError;
 use nalgebra::Vector3;
 
-/// [-] upper limits of four classes of |realised restitution - given restitution|. A fifth class contains the larger
+/// [-] upper limits of the first four classes of |realised restitution - given restitution|; the fifth class has larger
 /// errors.
 const CLASSES: [f64; 4] = [0.001, 0.005, 0.02, 0.05];
 
-/// Mean, least and largest realised restitution [-] of pairs that first touch at different phases of a `step` [s], and
-/// the first failure.
+/// Mean, least and largest realised restitution [-] of head-on impacts, and the first failure. The impacts first touch
+/// at `phases` equally spaced phases of a time step of `step` [s]. `e` is the given restitution, `steps` the number of
+/// steps per contact.
 fn rebounds(
     grid: &Points,
     phases: u32,

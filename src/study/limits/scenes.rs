@@ -27,8 +27,8 @@ pub fn simulation(experiment: &Experiment) -> Result<Simulation, StudyError> {
     Ok(Simulation::new(experiment, start(experiment)?))
 }
 
-/// Runs a simulation for `duration` [s] in `windows` windows. Returns its failure, if any, since a failure is a result
-/// here.
+/// Runs a simulation for `duration` [s] in `windows` equal windows (pieces of the run). Returns the failure if the run
+/// stops early, since failures are results of a map.
 pub fn run(simulation: &mut Simulation, windows: u64, duration: f64) -> Option<Failure> {
     simulation.run(windows, duration / windows as f64).err()
 }
@@ -50,9 +50,8 @@ pub fn place(experiment: &mut Experiment, list: Vec<(Vector3<f64>, Vector3<f64>)
     experiment.start[0].amount = Amount::Placed(particles);
 }
 
-/// Puts spheres of diameter 1 m and mass 1 kg in a row along x, in a box of the given length [m]. The first of the
-/// `gaps` [m] is that to the wall at 0 or to the edge of the box; the others lie between the spheres. `velocities`
-/// [m/s] are along x.
+/// Puts spheres of diameter 1 m and mass 1 kg in a row along x, in a box of `length` [m]. The first of the `gaps` [m]
+/// lies between the box side x = 0 and the first sphere, the others between spheres. `velocities` [m/s] are along x.
 pub fn row(experiment: &mut Experiment, length: f64, gaps: &[f64], velocities: &[f64]) {
     let mut at = 0.0;
     let spheres = gaps.iter().zip(velocities).map(|(gap, velocity)| {
@@ -66,7 +65,7 @@ pub fn row(experiment: &mut Experiment, length: f64, gaps: &[f64], velocities: &
     *domain = Domain::new(Vector3::new(length, domain.size.y, domain.size.z), domain.periodic);
 }
 
-/// Sets the restitution [-] of all contacts and walls.
+/// Sets the restitution [-] of all contacts between spheres and with walls.
 pub fn restitute(experiment: &mut Experiment, restitution: f64) {
     let scene = &mut experiment.scene;
     let walls = scene.walls.iter_mut().map(|wall| &mut wall.surface);
@@ -96,23 +95,23 @@ pub fn temperature(simulation: &Simulation) -> f64 {
     2.0 * simulation.particles.kinetic_energy() / (3.0 * (simulation.particles.len() as f64 - 1.0) * mass())
 }
 
-/// [m/s] velocities of the spheres along x, in the order of the row.
+/// [m/s] velocities of the spheres along x, in the order of their ids.
 pub fn speeds(simulation: &Simulation) -> Vec<f64> {
     let mut particles = simulation.particles.clone();
     particles.sort_by_id();
     particles.velocity.iter().map(|v| v.x).collect()
 }
 
-/// Returns number k of a quasi-random sequence in [0, 1): multiples of the inverse golden section, shifted by the
-/// number of the set.
+/// Number k of a quasi-random sequence in [0, 1), which fills the interval evenly. Each value of `set` gives another
+/// sequence.
 pub fn scatter(set: usize, k: usize) -> f64 {
-    // the inverse golden section, and the inverse root of x³ = x + 1 for the sets (Roberts 2018)
+    // multiples of the inverse golden section, shifted by multiples of the inverse root of x³ = x + 1 (Roberts 2018)
     const GOLDEN: f64 = 0.618_033_988_749_895;
     const PLASTIC: f64 = 0.754_877_666_246_693;
     ((k + 1) as f64 * GOLDEN + (set + 1) as f64 * PLASTIC).fract()
 }
 
-/// Mean over runs with different seeds, and its standard error; with one run the error is NaN.
+/// Mean of a number `of` a run over runs with different seeds, and its standard error; with one run the error is NaN.
 pub fn mean<T>(runs: &[T], of: impl Fn(&T) -> f64) -> (f64, f64) {
     let n = runs.len() as f64;
     let mean = runs.iter().map(&of).sum::<f64>() / n;

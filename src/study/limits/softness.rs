@@ -19,25 +19,27 @@ const FRACTION: f64 = 0.1;
 /// Number of samples of the temperature in a run.
 const SAMPLES: u32 = 50;
 
-/// [N/m] stiffness k for which sqrt(m T/k)/d equals `softness`.
+/// [N/m] stiffness k of the springs for which sqrt(m T/k)/d equals `softness` [-].
 fn stiffness(softness: f64) -> f64 {
     mass() * (SPEED / (softness * DIAMETER)).powi(2)
 }
 
-/// [-] effective diameter d_eff/d = 1 - sqrt(π m T/(2k))/d (Barker and Henderson 1967, for a linear spring).
+/// [-] effective diameter over the diameter, d_eff/d = 1 - sqrt(π m T/(2k))/d, of spheres with the given softness
+/// sqrt(m T/k)/d (Barker and Henderson 1967, for a linear spring).
 fn effective_diameter(softness: f64) -> f64 {
     1.0 - (PI / 2.0).sqrt() * softness
 }
 
-/// [-] collision rate of hard spheres of the effective diameter, divided by that of hard spheres of the full diameter.
+/// [-] collision rate of hard spheres of the effective diameter, divided by that of hard spheres of the full diameter
+/// d. `softness` is sqrt(m T/k)/d.
 fn of_smaller_spheres(softness: f64) -> f64 {
     let smaller = effective_diameter(softness);
     collision_rate(FRACTION * smaller.powi(3), 1.0) / smaller / collision_rate(FRACTION, 1.0)
 }
 
-/// [-] ratio of the rates at which soft spheres and hard spheres touch, both at the distance d. Soft spheres have the
-/// neighbours of a fluid of spheres of diameter d_eff, slightly beyond contact: g (1 + g'/g (d - d_eff)). The slope at
-/// contact is from Percus and Yevick's equation (Wertheim 1963): g' d = -(9/2) φ (1+φ)/(1-φ)³.
+/// [-] rate at which soft spheres touch at the distance d over that of hard spheres, as a function of the softness
+/// sqrt(m T/k)/d. Their neighbours are those of spheres of diameter d_eff, slightly beyond contact: g (1 + g'/g (d -
+/// d_eff)). The slope at contact is from Percus and Yevick's equation (Wertheim 1963): g' d = -(9/2) φ (1+φ)/(1-φ)³.
 fn touches(softness: f64) -> f64 {
     let contact = |fraction: f64| (1.0 - 0.5 * fraction) / (1.0 - fraction).powi(3);
     let smaller = effective_diameter(softness);
@@ -46,7 +48,8 @@ fn touches(softness: f64) -> f64 {
     (contact(fraction) + slope * (1.0 / smaller - 1.0)) / contact(FRACTION)
 }
 
-/// [1/m] collision rate divided by the square root of the temperature, in a run of `duration` [s].
+/// [1/m] collision rate of a sphere over the square root of the temperature, measured in a run of `duration` [s]; and
+/// the failure of the run, if any.
 fn rate(experiment: &Experiment, duration: f64) -> Result<(f64, Option<Failure>), StudyError> {
     let mut simulation = simulation(experiment)?;
     // in the first tenth of the time the influence of the start decays

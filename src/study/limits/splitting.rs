@@ -7,11 +7,11 @@ use crate::output::numbers::significant;
 use crate::output::panel::SeriesStyle;
 use crate::runs::StudyError;
 
-/// Number of windows of the reference, 32 times that of the finest point. The error of the reference is thus (1/32)² of
-/// the error of that point.
+/// Number of windows (times between two kicks of drag) in the reference run, 32 times that of the finest point. The
+/// error of the reference is thus (1/32)² of the error of that point.
 const REFERENCE: u64 = 16_384;
 
-/// Map of the error of position and velocity as a function of the window.
+/// Map of the error of position and velocity as a function of the window, the time between two kicks of drag.
 pub fn splitting(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let powers: Vec<u32> = grid.choose(vec![0, 3, 6, 9], (0..=9).collect());
     // [s] about the response time of the paper's small sphere

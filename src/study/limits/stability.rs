@@ -17,19 +17,20 @@ use std::f64::consts::PI;
 /// [-] overlap of the sphere with each wall, divided by the diameter.
 const SQUEEZE: f64 = 0.005;
 
-/// [-] size of the disturbance, divided by the overlap with each wall. The contacts last until the disturbance has
-/// grown a hundredfold.
+/// [-] size of the initial disturbance, divided by the overlap with each wall. The contacts open when the disturbance
+/// has grown a hundredfold.
 const DISTURBANCE: f64 = 0.01;
 
-/// Number of time steps of a point. The growth of Heun's method without damping at ω_0 Δt = 0.1 is 1.25e-5 per step, a
-/// factor of 3.5 in all.
+/// Number of time steps in the run of one point of the map. Heun's method without damping at ω_0 Δt = 0.1 grows by
+/// 1.25e-5 per step, a factor of 3.5 in all.
 const STEPS: f64 = 1e5;
 
-/// Smallest growth factor of an oscillation that is called unstable. It is far from 1, the factor without damping, and
-/// from 100, at which contacts open.
+/// [-] growth of the oscillation from which on a point is called unstable. It is far from 1, the growth of a stable one
+/// without damping, and from 100, at which the contacts open.
 const GROWS: f64 = 2.0;
 
-/// [-] restitution of the contact with one of the two walls. Its damping ratio is that of a single contact over √2.
+/// [-] restitution of the contact with one of the two walls, for which both contacts together act as one contact of the
+/// given `restitution`. The damping ratio of one is that of both over √2.
 fn of_one(restitution: f64) -> f64 {
     let damping = damping_ratio(restitution) / 2.0f64.sqrt();
     (-PI * damping / (1.0 - damping * damping).sqrt()).exp()

@@ -17,11 +17,11 @@ const SPEED: f64 = 0.5;
 /// [-] volume fraction of the gas.
 const FRACTION: f64 = 0.1;
 
-/// Results of a run of hard spheres in time steps.
+/// Results of one run of hard spheres in time steps. Collisions are found as overlaps at the ends of steps.
 struct SteppedRun {
-    /// Number of collisions that got an impulse.
+    /// Number of collisions that were found and got an impulse.
     pairs: f64,
-    /// Number of missed collisions, which were over before the next search for collisions.
+    /// Number of missed collisions, in which the spheres separated again before the next search for collisions.
     missed: f64,
     /// [-] mean overlap at which collisions were found, divided by the diameter; 0 if there was no collision.
     overlap: f64,
@@ -63,7 +63,8 @@ pub fn missed_and_overlap(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     Ok(vec![missed(exact, &stepped), overlap(&stepped)])
 }
 
-/// Table rows, one for each value of θ.
+/// Rows of the table, one for each value of the step criterion θ. `values` makes the numbers of a row from θ and its
+/// runs.
 fn rows(stepped: &[(f64, &[SteppedRun])], values: impl Fn(f64, &[SteppedRun]) -> Vec<f64>) -> Vec<KnownPoint> {
     let failure = |runs: &[SteppedRun]| runs.iter().find_map(|seen| seen.failure.clone());
     stepped.iter().map(|(theta, runs)| KnownPoint { values: values(*theta, runs), failure: failure(runs) }).collect()

@@ -15,17 +15,17 @@ pub struct Grid {
     pub quiet: bool,
 }
 
-/// Base experiment and options of a sweep, with which its points are made.
+/// Options and base experiment of a sweep, from which its points are made.
 pub struct Points<'a> {
     /// Options for running the points.
     pub grid: &'a Grid,
-    /// Name of the first map of the sweep, for the progress.
+    /// Name of the first map of the sweep, for the progress display.
     pub name: &'static str,
-    /// Experiment of the case file of the sweep, of which every point changes a part.
+    /// Experiment of the case file of the sweep. Each point changes a part of a copy.
     pub base: Experiment,
 }
 
-/// Point of a map, without missing numbers.
+/// Point of a map all of whose numbers are known.
 pub struct KnownPoint {
     /// Numbers in the order of the columns, each in the unit of its column.
     pub values: Vec<f64>,
@@ -35,9 +35,9 @@ pub struct KnownPoint {
 
 /// Results of a sweep for one map.
 pub struct MapSweep {
-    /// The points, in the order in which they are drawn.
+    /// The points of the map, in the order in which they are drawn.
     pub rows: Vec<limits::MapPoint>,
-    /// Conclusion from the numbers.
+    /// Conclusion from the numbers, in words.
     pub lesson: String,
     /// Picture of the map.
     pub picture: Picture,
@@ -60,7 +60,7 @@ impl Points<'_> {
         if self.grid.quick { quick } else { full }
     }
 
-    /// Experiment of the case file after the change `change`.
+    /// Copy of the experiment of the case file, after the change `change`.
     pub fn with(&self, change: impl FnOnce(&mut Experiment)) -> Experiment {
         let mut experiment = self.base.clone();
         change(&mut experiment);

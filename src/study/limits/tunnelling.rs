@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 
 /// [-] thickness of the plate, divided by the diameter of the sphere.
 const PLATE: f64 = 0.1;
-/// [m] height of the middle of the plate.
+/// [m] height y of the middle plane of the plate.
 const MIDDLE: f64 = 0.02;
 
 /// Map of the largest overlap of a pair, as a function of impact speed and stiffness.
@@ -66,8 +66,9 @@ pub fn pair(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     Ok(vec![MapSweep::new(rows, lesson, picture)])
 }
 
-/// Number of spheres that were stopped, number that passed the plate undetected, and the first failure. The `phases`
-/// spheres start at equally spaced phases of a step. `reduced` [-] is the speed divided by d ω_0.
+/// Point of the map: `reduced` [-], the speed divided by d ω_0; the number `steps` of steps per contact; the share of
+/// spheres stopped by the overlap limit, and the share that passed undetected. The `phases` spheres start at equally
+/// spaced phases of a step.
 fn through_plate(grid: &Points, reduced: f64, steps: f64, phases: i32) -> Result<KnownPoint, StudyError> {
     let frequency = (STIFFNESS / mass()).sqrt();
     let speed = reduced * DIAMETER * frequency;

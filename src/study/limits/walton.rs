@@ -13,15 +13,15 @@ use crate::runs::StudyError;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// [-] upper limits of the classes of the error, relative to the largest friction impulse.
+/// [-] upper limits of the first four classes of the error of Walton's rule, relative to the largest friction impulse.
 const CLASSES: [f64; 4] = [0.002, 0.01, 0.05, 0.2];
 
 /// [-] M_t/M, effective mass of the slip over that of the normal motion, for a solid sphere (docs/rotation.md).
 const SOLID: f64 = 2.0 / 7.0;
 
-/// Tangential law with the tangential restitution `beta` (β_0) [-], between surfaces of `restitution` e [-]. If the law
-/// of the case gives a β_0, only this value is replaced (equal half periods of both springs). Otherwise the spring has
-/// no dashpot, and its stiffness ratio is κ = (2/7)(1 - ζ²)(arccos(-β_0)/π)².
+/// Tangential law with the tangential restitution `beta` (β_0) [-], for surfaces of `restitution` e [-]. If the law of
+/// the case gives a β_0, only this number is replaced. Otherwise the spring has no dashpot, and its stiffness ratio is
+/// κ = (2/7)(1 - ζ²)(arccos(-β_0)/π)².
 fn law(case: &TangentialLaw, restitution: f64, beta: f64) -> TangentialLaw {
     let ratio = damping_ratio(restitution);
     TangentialLaw::Linear(match case {
@@ -33,8 +33,8 @@ fn law(case: &TangentialLaw, restitution: f64, beta: f64) -> TangentialLaw {
     })
 }
 
-/// Reduced slip s/(μ u_n) [-] after an impact under `law` that begins with the slip `reduced` [-]; and the failure, if
-/// the run stopped.
+/// Reduced slip s/(μ u_n) [-] of the surfaces after one impact under `law`; `reduced` [-] is the value before. The
+/// second part is the failure of the run, if any.
 fn rebound(grid: &Points, law: TangentialLaw, reduced: f64) -> Result<(f64, Option<Failure>), StudyError> {
     let mut unit = 0.0;
     let mut simulation = simulation(&grid.with(|case| {

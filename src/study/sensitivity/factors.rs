@@ -28,17 +28,17 @@ const PAPER_STEPS: f64 = 7.7;
 /// [-] step criterion θ of hard spheres in steps: a third of the usual 0.3, at which fast spheres pass through walls
 /// (docs/limits.md).
 const THETA: f64 = 0.1;
-/// [-] ratio of successive stiffnesses. With each reduction the overlaps double, so the softest spheres overlap four
-/// times as deeply.
+/// [-] factor from one stiffness to the next softer one, of three. With each reduction by 4 the overlaps of linear
+/// springs double, so the softest spheres overlap four times as deeply.
 const STIFFNESS_RATIO: f64 = 4.0;
 /// [-] length of the shorter box divided by that of the whole box.
 const BOX_SHARE: f64 = 0.5;
 
-/// Plans the runs of a factor, or returns the reason why it cannot apply. The argument of type `Option<&str>` is the
-/// size that the user typed; `None` if none was typed.
+/// Function that plans the runs of a factor (a change of the case), or returns the reason why it cannot apply. The text
+/// is the size that the user typed; `None` if none was typed.
 type Make = fn(&mut SensitivityPlan, Option<&str>) -> Result<PlannedFactor, String>;
 
-/// A factor that is built in.
+/// Factor that is built in: a change of the case that the user can name.
 pub struct Known {
     /// Name on the command line.
     pub name: &'static str,
@@ -68,14 +68,15 @@ pub const KNOWN: [Known; 16] = [
     Known { name: "seed", title: "another seed", make: seed },
 ];
 
-/// Size that the user typed, which must be within `from ..= to`; `usual` if none was typed.
+/// Size of a change: the number in the text `size` that the user typed, which must be within `from ..= to`; `usual`
+/// without a text.
 pub(super) fn sized(size: Option<&str>, usual: f64, from: f64, to: f64) -> Result<f64, String> {
     let Some(text) = size else { return Ok(usual) };
     let number = text.trim().parse().ok().filter(|number| (from..=to).contains(number));
     number.ok_or_else(|| format!("its size `{text}` is no number from {from} to {to}"))
 }
 
-/// Reason for a size: "as asked for" if the user typed it, else `usual`.
+/// Reason for the size of a change: "as asked for" if the user typed the size, else `usual`.
 pub(super) fn why(size: Option<&str>, usual: impl Into<String>) -> String {
     if size.is_some() { "as asked for".into() } else { usual.into() }
 }
@@ -85,12 +86,12 @@ pub(super) fn no_size(size: Option<&str>) -> Result<(), String> {
     size.map_or(Ok(()), |text| Err(format!("it has no size, and `{text}` is given")))
 }
 
-/// Rounds a number to a millionth, as a user would type it.
+/// Number rounded to six decimals, as a user would type it.
 pub(super) fn plain(number: f64) -> f64 {
     (1e6 * number).round() / 1e6
 }
 
-/// Contact law of the soft spheres of a case, in a few words.
+/// Contact law of the soft spheres of a case in a few words, such as its stiffness; "soft" without a law.
 fn stiff(law: Option<ContactLaw>) -> String {
     law.map_or("soft".into(), |law| {
         let parameter = law.parameter();
@@ -172,14 +173,15 @@ fn stepping(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFac
     ))
 }
 
-/// Tables of all surfaces: contacts between particles, walls, and listed pairs.
+/// Names of the tables of a case that define a surface: contacts between particles, walls, and listed pairs.
 pub fn surfaces(plan: &SensitivityPlan) -> Vec<String> {
     let pairs = pairs(plan).unwrap_or_default().into_iter().map(|(table, _)| table);
     let walls = walls(plan, |surface| surface.friction).unwrap_or_default().into_iter().map(|(table, _)| table);
     pairs.chain(walls).collect()
 }
 
-/// Tables of the contacts between particles, each with its surface: `contact`, and the listed pairs of species.
+/// Names of the tables that define contacts between particles, each with its surface: `contact`, and the listed pairs
+/// of species.
 fn pairs(plan: &SensitivityPlan) -> Result<Vec<(String, Surface)>, String> {
     let reference = plan.reference();
     if reference.count() < 2 {
@@ -189,8 +191,8 @@ fn pairs(plan: &SensitivityPlan) -> Result<Vec<(String, Surface)>, String> {
     Ok(std::iter::once(("contact".to_owned(), reference.scene.contact)).chain(listed).collect())
 }
 
-/// Tables of pairs whose second kind is `wanted`, each with its surface. A trial change of the friction in a table
-/// shows which pairs the table determines.
+/// Names of the listed tables `contact.pairs` that apply and whose second kind is `wanted`, each with its surface. A
+/// trial change of the friction in a table shows which pair the table determines.
 fn listed(plan: &SensitivityPlan, wanted: fn(&Kind) -> bool) -> Vec<(String, Surface)> {
     /// [-] a friction coefficient that does not occur in any case.
     const PROBE: f64 = 0.123_456_789;
@@ -266,7 +268,7 @@ fn why_restitution(own: f64) -> &'static str {
     }
 }
 
-/// Keys of all walls, each with the value of the property `of` its surface.
+/// Names of the tables of all walls, each with the property `of` its surface, such as the friction.
 fn walls(plan: &SensitivityPlan, of: fn(&Surface) -> f64) -> Result<Vec<(String, f64)>, String> {
     let walls = &plan.reference().scene.walls;
     if walls.is_empty() {
@@ -277,8 +279,8 @@ fn walls(plan: &SensitivityPlan, of: fn(&Surface) -> f64) -> Result<Vec<(String,
     Ok(every.chain(listed.iter().map(|(table, surface)| (table.clone(), of(surface)))).collect())
 }
 
-/// A factor that changes one property of several surfaces. Each surface is given by its table, its old and its new
-/// value.
+/// Factor that changes one property (`key`, with its `symbol`) of several surfaces. Each surface is given by the name
+/// of its table, the old value and the new value.
 fn surface(
     plan: &mut SensitivityPlan,
     surfaces: &[(String, f64, f64)],
@@ -423,7 +425,7 @@ fn seed(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor,
     ))
 }
 
-/// A factor defined by the user.
+/// Factor defined by the user as `key=value`; `text` is this change.
 pub fn own(plan: &mut SensitivityPlan, text: &str) -> Result<PlannedFactor, String> {
     let run = plan.add(text, &[text.to_owned()], None, None)?;
     Ok(PlannedFactor::against(plan.first(), run, text.to_owned(), "as asked for"))

@@ -32,7 +32,7 @@ use table::SensitivityTable;
 pub(super) enum Question {
     /// Order of the factors by their effect on the case as it is.
     Sensitivity,
-    /// Models without which the richest form of the case has the same results.
+    /// Models without which the most detailed form of the case has the same results.
     Needs,
 }
 
@@ -122,7 +122,7 @@ pub(super) fn sensitivity_on(
     Ok(overall)
 }
 
-/// Runs of the plan from the run `first` on, each with all its replicas.
+/// Runs of the plan from the run with index `first` on, each with all its replicas (runs with different seeds).
 fn runs(plan: &SensitivityPlan, first: usize) -> Result<Vec<ResumableRun>, StudyError> {
     let mut runs = Vec::new();
     for planned in &plan.runs[first..] {
@@ -134,7 +134,8 @@ fn runs(plan: &SensitivityPlan, first: usize) -> Result<Vec<ResumableRun>, Study
     Ok(runs)
 }
 
-/// Does all runs concurrently. If the user stops the command, unfinished runs are stored and left out.
+/// Does all runs of the plan concurrently, and writes results in between. If the user stops the command, unfinished
+/// runs are stored and left out.
 fn run_all(executor: &Executor, table: &mut SensitivityTable) -> Result<(), StudyError> {
     let replicas = usize::from(table.plan.replicas);
     let all: Vec<usize> = (0..replicas * table.plan.runs.len()).collect();

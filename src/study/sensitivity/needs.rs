@@ -1,4 +1,5 @@
-//! Conclusion of `diptych needs`: the cheapest set of models that gives the results of the richest one.
+//! Conclusion of `diptych needs`: the cheapest set of models with the results of the richest case, which has all
+//! models.
 
 use super::plan::{PlannedFactor, SensitivityPlan, Simplification};
 use super::table::SensitivityTable;
@@ -11,11 +12,11 @@ use crate::statistics::Answer;
 use crate::study::judge::margin_in_words;
 use std::collections::BTreeMap;
 
-/// Name of the factor that leaves out all models without which the scene can do.
+/// Name of the factor that leaves out, together, all models that the scene does not need.
 const CHEAPEST: &str = "cheapest";
 
-/// Chooses the models to leave out together, and compares the run without them with the richest one. If the user stops the
-/// command, the run is stored and stays incomplete.
+/// Chooses the models to leave out together, and compares the run without them with the run of the richest case, which
+/// has all models. If the user stops the command, the run is stored and stays incomplete.
 ///
 /// # Errors
 /// The run cannot begin or be stored.
@@ -53,8 +54,8 @@ pub fn confirm(executor: &mut Executor, table: &mut SensitivityTable) -> Result<
     Ok(())
 }
 
-/// Factors without which the scene can do together, the one that saves most first. Each has been found below the margin,
-/// and for every observable the sum of the magnitudes of their shifts is at most the margin.
+/// Factors whose models can be left out together, the one that saves most time first. The shifts of each are below the
+/// margin. For every observable the sum of the magnitudes of their shifts is at most the margin.
 fn superfluous<'a>(
     plan: &'a SensitivityPlan,
     factors: &[Factor],
@@ -88,7 +89,7 @@ fn superfluous<'a>(
     chosen
 }
 
-/// [-] wall time of the run of a factor divided by that of the richest run.
+/// [-] wall time of the run of a factor divided by that of the richest run; 1 if it is not known.
 fn cost(runs: &[SensitivityRun], factor: &Factor) -> f64 {
     let time = |name: &str| runs.iter().find(|run| run.name == name).map(|run| run.wall_seconds);
     let own = factor.runs[0].first().and_then(|name| time(name));

@@ -17,16 +17,16 @@ const REPLICAS: u16 = 8;
 /// Reason for leaving out a factor that the user has not named.
 pub const NOT_ASKED: &str = "not asked for";
 
-/// Largest number of particles for which paths are compared. Replicas are of no use for a comparison of paths.
+/// Largest number of particles for which runs are compared by paths. Such a comparison needs no replicas.
 const FEW: usize = 50;
 
-/// Runs that a factor compares.
+/// Runs that a factor compares, given by their indices in the plan.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Compared {
-    /// The second run minus the first one.
+    /// The run with the second index minus the run with the first one.
     Against(usize, usize),
-    /// Extrapolation to infinite stiffness minus the first run. The position of a run is its effect of softness over
-    /// that of the first run: the first run is at 1, infinite stiffness at 0.
+    /// Extrapolation to infinite stiffness minus the first run. Each run has an index and its effect of softness [-]
+    /// over that of the first run: the first run is at 1, infinite stiffness at 0.
     Extrapolated(Vec<(usize, f64)>),
 }
 
@@ -46,7 +46,7 @@ pub struct PlannedFactor {
     pub simpler: Option<Simplification>,
 }
 
-/// Change of the richest case that leaves a model out.
+/// Change of the richest case (the one with all models) that leaves one model out.
 #[derive(Clone, Debug, Default)]
 pub struct Simplification {
     /// Changes of keys of the case.
@@ -72,7 +72,7 @@ impl PlannedFactor {
         Self { name: String::new(), title: String::new(), compared, change, why, simpler: None }
     }
 
-    /// Indices of the changed runs, and of the runs with which they are compared.
+    /// Indices of the changed runs of the factor, then those of the runs with which they are compared.
     pub fn sides(&self) -> [Vec<usize>; 2] {
         match &self.compared {
             Compared::Against(base, run) => [vec![*run], vec![*base]],
@@ -83,7 +83,7 @@ impl PlannedFactor {
     }
 }
 
-/// A run of the study, and its changes of the case.
+/// A run of the study, and the changes of the case that it has.
 pub struct PlannedRun {
     /// Experiment of the run, with the first seed.
     pub experiment: Experiment,
@@ -135,7 +135,8 @@ impl<'a> SensitivityPlan<'a> {
         Ok((plan, checked))
     }
 
-    /// Begins a plan with the run of a reference, which has a name. `base` are its changes of the case.
+    /// Begins a plan whose first run, with the name `name`, is the reference. `base` are changes of the case that all
+    /// runs have.
     ///
     /// # Errors
     /// The reference cannot have the requested replicas.
@@ -171,7 +172,7 @@ impl<'a> SensitivityPlan<'a> {
         Err(StudyError::Input(format!("error: there is no factor to look at{why}")))
     }
 
-    /// Plans the built-in factors that the user has named, or all.
+    /// Plans the built-in factors that the user has named, or all of them if none is named.
     fn choose(&mut self, args: &Sensitivity) -> Result<(), StudyError> {
         let mut wanted: Vec<(&str, Option<&str>)> = Vec::new();
         for text in &args.factors {
@@ -251,7 +252,7 @@ impl<'a> SensitivityPlan<'a> {
         changed.map(|(experiment, _)| experiment).map_err(|why| why.message)
     }
 
-    /// Index of a run with the given changes of the case. The run is added unless an equal one exists.
+    /// Index of the run with the given changes of the case, which is added to the plan unless it has an equal run.
     ///
     /// # Errors
     /// The reason why the case refuses these changes, in words.
@@ -266,7 +267,8 @@ impl<'a> SensitivityPlan<'a> {
         self.enlist(experiment, sets.join(", ")).map_err(|why| why.to_string())
     }
 
-    /// Index of a run with these simplifications of the reference. The run is added unless an equal one exists.
+    /// Index of the run of the reference with these simplifications, which is added to the plan unless it has an equal
+    /// run.
     ///
     /// # Errors
     /// The reason why the case refuses them, in words.

@@ -12,18 +12,18 @@ use crate::runs::StudyError;
 use crate::study::plan::any_model;
 use nalgebra::Vector3;
 
-/// Factors of `diptych sensitivity` that are weighed beside the models: numerical settings, and chance.
+/// Factors of `diptych sensitivity` that `diptych needs` studies beside the models: numerical settings, and chance.
 const BESIDE: [&str; 4] = ["integrator", "drag", "box", "seed"];
 /// [-] tangential restitution of glass on glass (Foerster et al. 1994), for spheres that rotate only in the richest case.
 const GLASS_TANGENTIAL: f64 = 0.44;
-/// Largest number of slices across the box in which drag in suspensions takes the volume fraction.
+/// Largest number of slices across the box in which the volume fraction is averaged for drag in suspensions.
 const SLICES: f64 = 20.0;
 
-/// Way in which the richest case gets a model.
+/// Way in which the richest case, which has all models that are possible, gets a model.
 enum Richer {
-    /// The case has the model.
+    /// The case has the model already.
     Has,
-    /// Changes of keys that add the model, and what they assume.
+    /// Changes of keys that add the model, and the assumption behind their values in words.
     Sets(Vec<String>, String),
     /// Reason why the scene cannot have the model, in words.
     No(&'static str),
@@ -35,9 +35,9 @@ struct Switch {
     name: &'static str,
     /// Title in a sentence.
     title: &'static str,
-    /// Way in which the richest case gets the model.
+    /// Function that determines how the richest case gets the model.
     richer: fn(&Experiment) -> Richer,
-    /// Change that leaves the model out of a case that has it.
+    /// Function that returns the change that leaves the model out of a case that has it.
     simpler: fn(&SensitivityPlan) -> Simplification,
 }
 
@@ -107,7 +107,7 @@ fn edit_gas(experiment: &mut Experiment, edit: fn(&mut Fluid)) {
     experiment.scene.fluid.iter_mut().for_each(edit);
 }
 
-/// Gas that exerts drag.
+/// Gas that exerts drag on the particles; `None` without a gas or without drag.
 fn dragging(experiment: &Experiment) -> Option<&Fluid> {
     experiment.scene.fluid.as_ref().filter(|fluid| fluid.drag.is_some())
 }
@@ -139,7 +139,7 @@ fn by_speed(experiment: &Experiment) -> Richer {
     }
 }
 
-/// Replaces every restitution that depends on the speed by its value at the usual speed of impact.
+/// Replaces every restitution that depends on the speed by one number, its value at the usual speed of impact.
 fn at_usual_speed(experiment: &mut Experiment) {
     let scene = &mut experiment.scene;
     let walls = scene.walls.iter_mut().map(|wall| &mut wall.surface);
@@ -269,7 +269,7 @@ impl<'a> SensitivityPlan<'a> {
         Ok((plan, checked))
     }
 
-    /// Plans the run without a model. `why` says how the richest case has got the model.
+    /// Plans the run without one model. `why` says how the richest case got the model.
     fn leave_out(&mut self, switch: &Switch, why: String) {
         let simpler = (switch.simpler)(self);
         let name = match simpler.model {

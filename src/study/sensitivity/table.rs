@@ -14,13 +14,13 @@ use std::path::PathBuf;
 pub struct SensitivityTable<'a> {
     /// Runs and factors of the study.
     pub plan: SensitivityPlan<'a>,
-    /// Question of the study, which sets the sentences.
+    /// Question of the study, on which the sentences of the report depend.
     pub question: Question,
     /// [-] margin of equivalence, relative to the scale of each observable.
     pub margin: f64,
     /// Origin of the results.
     pub provenance: Provenance,
-    /// Outcomes by run and replica; `None` for an incomplete run.
+    /// Outcomes by index of the run, then by replica; `None` for a replica that is not complete.
     pub outcomes: Vec<Vec<Option<Outcome>>>,
 }
 
@@ -30,7 +30,7 @@ impl SensitivityTable<'_> {
         self.outcomes.iter().flatten().all(Option::is_some)
     }
 
-    /// Pooled replicas of each run; `None` for a run of which a replica is incomplete.
+    /// Outcome of each run, averaged over its replicas; `None` for a run of which a replica is incomplete.
     pub fn pooled(&self) -> Vec<Option<Outcome>> {
         let one = |runs: &Vec<Option<Outcome>>| {
             let runs: Vec<Outcome> = runs.iter().cloned().collect::<Option<_>>()?;

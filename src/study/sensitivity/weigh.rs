@@ -7,7 +7,8 @@ use crate::output::sensitivity::{Factor, Shift};
 use crate::statistics::{Answer, LEVEL, holm};
 use crate::study::judge::{ReplicaRuns, ShiftReference, Shifts, widened};
 
-/// Factors whose runs are complete, the most important first, and the names of the other factors.
+/// Factors whose runs are complete, the most important first, with their shifts and answers; and the names of the other
+/// factors.
 pub fn factors(
     plan: &SensitivityPlan,
     pooled: &[Option<Outcome>],
@@ -91,8 +92,7 @@ fn shifts<'a>(
     }
 }
 
-/// Runs with positive weights and runs with negative weights of a weighted sum, both with the magnitudes of the
-/// weights.
+/// Divides a weighted sum of runs into its positive and its negative part. Both have the magnitudes of the weights.
 fn split<'a>(weights: &[f64], runs: &[ReplicaRuns<'a>]) -> [Vec<(f64, ReplicaRuns<'a>)>; 2] {
     let side = |sign: f64| -> Vec<(f64, ReplicaRuns<'a>)> {
         let all = weights.iter().zip(runs).map(|(weight, run)| (sign * weight, *run));
@@ -103,8 +103,8 @@ fn split<'a>(weights: &[f64], runs: &[ReplicaRuns<'a>]) -> [Vec<(f64, ReplicaRun
 
 /// Straight line through values at given positions, by least squares with equal weights.
 struct LineFit {
-    /// Weights of the values whose weighted sum is the line at position 0 minus the line at position 1, that is, minus
-    /// the slope.
+    /// Weights of the values whose weighted sum is the value of the line at position 0 minus that at position 1, that
+    /// is, minus the slope.
     to_zero: Vec<f64>,
     /// Weights of the values whose weighted sum is the deviation of the second value from the line through the first
     /// and the last value.
@@ -131,7 +131,8 @@ impl LineFit {
     }
 }
 
-/// Sets the answer of every shift, by Holm's procedure over all shifts together.
+/// Sets the answer of every shift and of every factor. Holm's procedure over all shifts together limits false
+/// differences.
 fn decide(factors: &mut [Factor], margin: f64) {
     let chances: Vec<f64> = factors.iter().flat_map(|factor| &factor.shifts).filter_map(|shift| shift.chance).collect();
     let mut detected = holm(&chances, LEVEL).into_iter();

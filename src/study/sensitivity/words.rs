@@ -8,8 +8,8 @@ use crate::study::judge::{in_prose, margin_in_words};
 /// Name of the factor that changes the seed only, and shows the effect of chance.
 const CHANCE: &str = "seed";
 
-/// Sentences on the strongest factor, the other factors beyond the margin, the factors below it, the unresolved
-/// factors, and chance.
+/// Sentences on the strongest factor, the other factors beyond the margin, those below it, the unresolved ones, and
+/// chance. `waiting` has the names of factors whose runs are incomplete.
 pub fn sentences(factors: &[Factor], waiting: &[String], margin: f64) -> Vec<String> {
     let of = |answer: Answer| -> Vec<&Factor> {
         factors
@@ -56,13 +56,13 @@ pub fn sentences(factors: &[Factor], waiting: &[String], margin: f64) -> Vec<Str
     sentences
 }
 
-/// A shift with its error, and its size in units of the margin, in words.
+/// Text of a shift with its standard error, and its size as a multiple of the margin.
 fn headline(shift: &Shift, margin: f64) -> String {
     let times = significant(shift.share().abs() / margin, 2);
     format!("{} by {}, {times} times the margin of {}", where_(shift), share(shift), margin_in_words(margin))
 }
 
-/// Observable of a shift, and its time, in words.
+/// Name of the observable of a shift with an article, and the time of the shift if it has one.
 fn where_(shift: &Shift) -> String {
     let at = shift.time.map_or(String::new(), |time| format!(" at t = {}", quantity(time, "s", 3)));
     let name = in_prose(&shift.observable);
@@ -70,10 +70,10 @@ fn where_(shift: &Shift) -> String {
     if name.starts_with("the ") { name + &at } else { format!("the {name}{at}") }
 }
 
-/// [-] share of the scale below which a shift is attributed to rounding.
+/// [-] size of a shift relative to its scale below which it is attributed to rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// A shift relative to its scale with its error, in words.
+/// Text of a shift in per cent of its scale, with its standard error.
 fn share(shift: &Shift) -> String {
     if shift.share().abs() < ROUNDING && shift.share_error().is_none_or(|error| error < ROUNDING) {
         return "nothing".into();
@@ -86,12 +86,12 @@ fn size(shift: &Shift) -> String {
     format!("{} in {}", share(shift), where_(shift))
 }
 
-/// Largest shift of a factor in words, in brackets; empty without a shift.
+/// Text of the largest shift of a factor, in brackets; empty without a shift.
 pub(super) fn in_size(factor: &Factor) -> String {
     factor.headline().map_or(String::new(), |shift| format!(" ({})", size(shift)))
 }
 
-/// Titles of the factors, each with the text that `say` makes of its most important shift.
+/// List of the titles of the factors, each with the text that `say` makes of its most important shift.
 fn list(factors: &[&Factor], say: &dyn Fn(&Shift) -> String) -> String {
     let one = |factor: &&Factor| {
         let said = factor.headline().map_or(String::new(), |shift| format!(" ({})", say(shift)));

@@ -3,7 +3,7 @@
 use crate::output::{ValidationNumber, ValidationRule};
 use crate::statistics::{Answer, Deviation, EQUIVALENCE_LEVEL, LEVEL, holm};
 
-/// Degrees of freedom of a stated standard error, which counts as known from very many runs. With so many, Student's
+/// Degrees of freedom of a standard error that a source states, as if from very many runs. With so many, Student's
 /// distribution is the normal one within 0.2 %.
 const STATED: f64 = 1000.0;
 
@@ -29,7 +29,7 @@ pub fn judge_numbers(numbers: &mut [ValidationNumber], rows: usize) {
     }
 }
 
-/// Difference between a result and its reference, with the degrees of freedom of Welch (1947) for its error.
+/// Difference between a result and its reference, with its standard error and the degrees of freedom of Welch (1947).
 fn deviation(number: &ValidationNumber) -> Deviation {
     let found = number.difference();
     let (a, b) = (number.ours.error.unwrap_or(0.0).powi(2), number.reference.error.unwrap_or(0.0).powi(2));

@@ -11,7 +11,7 @@ use crate::simulation::Simulation;
 /// [m/s²] gravity of the MFIX cases, as in their case files.
 const GRAVITY: f64 = 9.80665;
 
-/// [m] apex of the present flight of a ball.
+/// [m] apex of the present flight of a ball, computed from its height and velocity.
 fn apex(simulation: &Simulation) -> f64 {
     let (x, v) = (simulation.particles.position[0], simulation.particles.velocity[0]);
     x.y + v.y * v.y / (2.0 * GRAVITY)

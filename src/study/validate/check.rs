@@ -44,10 +44,10 @@ impl From<Vec<ValidationNumber>> for CheckResult {
     }
 }
 
-/// Scene of a row, from which its runs are made.
+/// Built-in case of a row, from which the runs of the row are made.
 pub struct CheckScene {
     case: Case,
-    /// True for fewer and shorter runs.
+    /// True for `--quick`: fewer and shorter runs.
     pub quick: bool,
 }
 
@@ -84,7 +84,7 @@ impl CheckScene {
         Ok(Simulation::new(&experiment, start(&experiment)?))
     }
 
-    /// Results of runs with `count` seeds, in the order of the seeds.
+    /// Results of `one` run for each of `count` seeds, in the order of the seeds.
     ///
     /// # Errors
     /// The first error of a run.
@@ -109,7 +109,7 @@ pub fn run_to(simulation: &mut Simulation, time: f64, windows: u64) -> Result<()
     Ok(())
 }
 
-/// Failure of an engine as the error of a row.
+/// Converts the failure of an engine to the error of a row.
 pub fn stopped(why: Failure) -> StudyError {
     StudyError::Failed(why.to_string())
 }

@@ -10,8 +10,8 @@ use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::runs::StudyError;
 use crate::simulation::Simulation;
 
-/// Peak force [N] and duration [s] of the impact of two balls, or of a ball on wall 0, with the speed of approach
-/// `speed` [m/s]. The force is computed by the contact law from the largest overlap of the run.
+/// Largest force [N] and duration [s] of the impact of two balls, or of a ball on wall 0, with the speed of approach
+/// `speed` [m/s]. The force follows from the largest overlap of the run by the contact law.
 fn normal_impact(scene: &CheckScene, speed: f64) -> Result<[f64; 2], StudyError> {
     let experiment = scene.experiment(Model::Soft, None, &[])?;
     let mut simulation = scene.simulation(Model::Soft, None, &[])?;
@@ -32,7 +32,7 @@ fn normal_impact(scene: &CheckScene, speed: f64) -> Result<[f64; 2], StudyError>
     Ok([law.force(&spring, overlap, 0.0).0, seen.mean_duration.unwrap_or(f64::NAN)])
 }
 
-/// Validation row: two balls of glass, head on (test 1).
+/// Validation row: two balls of glass, head on (test 1 of Chung and Ooi).
 pub const HEAD_ON: ValidationCheck = ValidationCheck {
     name: "chung-ooi-1",
     tier: OtherCodes,
@@ -44,7 +44,7 @@ pub const HEAD_ON: ValidationCheck = ValidationCheck {
     measure: |scene| force_and_time(normal_impact(scene, 20.0)?, [(10.70e3, 20.0), (40.47e-6, 0.1e-6)]),
 };
 
-/// Validation row: a ball of aluminium alloy on a rigid plane (test 2).
+/// Validation row: a ball of aluminium alloy on a rigid plane (test 2 of Chung and Ooi).
 pub const ON_PLANE: ValidationCheck = ValidationCheck {
     name: "chung-ooi-2",
     tier: OtherCodes,
@@ -67,7 +67,7 @@ fn force_and_time(ours: [f64; 2], expected: [(f64, f64); 2]) -> Result<CheckResu
     .into())
 }
 
-/// Validation row: restitution of a ball that meets a plane (test 3).
+/// Validation row: restitution of a ball that meets a plane (test 3 of Chung and Ooi).
 pub const RESTITUTION: ValidationCheck = ValidationCheck {
     name: "chung-ooi-3",
     tier: ClosedForms,
@@ -98,7 +98,7 @@ fn restitution(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(numbers.into())
 }
 
-/// Validation row: oblique impacts of aluminium oxide (test 4).
+/// Validation row: oblique impacts of aluminium oxide (test 4 of Chung and Ooi).
 pub const OBLIQUE: ValidationCheck = ValidationCheck {
     name: "chung-ooi-4",
     tier: OtherCodes,
@@ -151,7 +151,8 @@ fn oblique(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(CheckResult { numbers, picture: Some(("Spin after an oblique impact (test 4).", panel)) })
 }
 
-/// Changed keys for test 5: a steel ball of 20 µm in a box of 1 mm, with the velocity `along` the plane [m/s].
+/// Changed keys of the case for test 5: a steel ball of 20 µm in a box of 1 mm, with the velocity `along` the plane
+/// [m/s].
 fn steel(along: f64) -> Vec<String> {
     let mut sets: Vec<String> = [
         "particles[0].diameter=20 um",
@@ -173,7 +174,7 @@ fn steel(along: f64) -> Vec<String> {
     sets
 }
 
-/// Validation row: oblique impacts of steel against finite elements (test 5).
+/// Validation row: oblique impacts of steel against finite elements (test 5 of Chung and Ooi).
 pub const FINITE_ELEMENTS: ValidationCheck = ValidationCheck {
     name: "chung-ooi-5",
     tier: OtherCodes,
@@ -222,7 +223,7 @@ fn finite_elements(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(CheckResult { numbers, picture: Some(("Spin after an oblique elastic impact (test 5).", panel)) })
 }
 
-/// Validation row: a ball with spin on a rigid plane (test 6).
+/// Validation row: a ball with spin on a rigid plane (test 6 of Chung and Ooi).
 pub const SPINNING: ValidationCheck = ValidationCheck {
     name: "chung-ooi-6",
     tier: OtherCodes,
@@ -234,8 +235,8 @@ pub const SPINNING: ValidationCheck = ValidationCheck {
     measure: spinning,
 };
 
-/// Number k of the slip 0.2 m/s tan(5° k) before the impact, and β [-], minus the slip after the impact over the slip
-/// before it.
+/// Number k and coefficient β [-] of test 6. The slip before the impact is 0.2 m/s tan(5° k); β is minus the slip after
+/// the impact over that before it.
 const TEST_6: [(u32, f64); 9] = [
     (1, -0.3386),
     (2, -0.2588),
@@ -288,7 +289,7 @@ fn surface_speed(simulation: &Simulation, radius: f64) -> f64 {
     simulation.particles.velocity[0].x + radius * simulation.particles.spin_of(0).z
 }
 
-/// Validation row: two balls with opposite spins (test 7).
+/// Validation row: two balls with opposite spins (test 7 of Chung and Ooi).
 pub const OPPOSITE_SPINS: ValidationCheck = ValidationCheck {
     name: "chung-ooi-7",
     tier: ClosedForms,

@@ -24,7 +24,8 @@ fn haff(restitution: f64, rate: f64, time: f64) -> f64 {
     (1.0 + (1.0 - restitution * restitution) * rate * time / 6.0).powi(-2)
 }
 
-/// Temperature over its initial value [-] as measured and by Haff's law, at the given times [s].
+/// Runs a cooling gas; returns, for each of the given times [s], its temperature over the initial one [-]: measured,
+/// and by Haff's law.
 fn cool(simulation: &mut Simulation, restitution: f64, times: &[f64]) -> Result<Vec<[f64; 2]>, StudyError> {
     let start = temperature(&simulation.particles);
     let rate = enskog(simulation, start);
@@ -178,7 +179,8 @@ pub const ROUGH: ValidationCheck = ValidationCheck {
 const MONTE_CARLO: [(f64, [(f64, f64); 2]); 2] =
     [(1.0, [(0.86357, 0.00093), (0.81901, 0.00040)]), (5.0, [(0.45934, 0.00064), (0.38795, 0.00048)])];
 
-/// Ratio T_r/T [-] of the reference in its final state, with its standard error.
+/// Reference value of the ratio T_r/T [-] of rotational to translational temperature in the final state of a gas of
+/// rough spheres, with its standard error.
 const FINAL_RATIO: (f64, f64) = (0.7899, 0.0018);
 
 fn rough(scene: &CheckScene) -> Result<CheckResult, StudyError> {

@@ -19,9 +19,9 @@ pub(super) fn temperature(particles: &Particles) -> f64 {
     2.0 * (particles.kinetic_energy() - together) / (3.0 * mass * (1.0 - 1.0 / particles.len() as f64))
 }
 
-/// Runs a gas of hard spheres with the diameter `diameter` [m] until every sphere has collided `collisions` times on
-/// average. In a window a sphere flies a third of the way to its neighbours. `rate` [-] is the collision rate in units
-/// of sqrt(T)/d. Returns the simulated time [s].
+/// Runs a gas of hard spheres of `diameter` [m] until every sphere has collided `collisions` times on average; returns
+/// the simulated time [s]. `rate` [-] is the collision rate in units of sqrt(T)/d. Within a window (piece of the run) a
+/// sphere flies a third of the way to its neighbours.
 fn collide(simulation: &mut Simulation, diameter: f64, rate: f64, collisions: f64) -> Result<f64, StudyError> {
     let speed = temperature(&simulation.particles).sqrt();
     let time = collisions * diameter / (rate * speed);
@@ -135,7 +135,7 @@ pub const ATMOSPHERE: ValidationCheck = ValidationCheck {
     measure: atmosphere,
 };
 
-/// Sums over the samples of a run of the atmosphere.
+/// Sums over the samples of a run, from which the profile of the atmosphere is computed.
 #[derive(Default)]
 struct Heights {
     samples: f64,

@@ -13,9 +13,9 @@ const SPEED: f64 = 3.9;
 pub(super) struct PlateRebound {
     /// [-] velocity along the plate after the impact, divided by that before it.
     pub(super) ratio: f64,
-    /// [rad/s] spin, positive if the ball rolls forward.
+    /// [rad/s] spin after the impact, positive if the ball rolls forward along the plate.
     pub(super) spin: f64,
-    /// [°] angle of the centre's path from the normal.
+    /// [°] angle between the path of the centre after the impact and the normal of the plate.
     pub(super) angle: f64,
 }
 

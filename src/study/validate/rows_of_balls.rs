@@ -17,7 +17,7 @@ pub const CRADLE: ValidationCheck = ValidationCheck {
     measure: cradle,
 };
 
-/// [m/s] velocities of the balls with linear springs.
+/// [m/s] velocities of the five soft balls after the impact, the incoming one first; reference values for linear springs.
 const SPRINGS: [f64; 5] = [-0.13227948, -0.07532917, -0.03101083, 0.29621775, 0.94240173];
 
 fn cradle(scene: &CheckScene) -> Result<CheckResult, StudyError> {

@@ -7,11 +7,11 @@ use std::collections::VecDeque;
 /// Number of cells along the longest edge of the box around the mesh.
 const CELLS: f64 = 64.0;
 
-/// Distance of every cell of a grid, in numbers of cells, from the nearest occupied cell. A cell is occupied if the
-/// bounding box of a triangle overlaps it.
+/// Grid of cells around a mesh. For each cell it contains the distance, in numbers of cells, from the nearest occupied
+/// cell. A cell is occupied if the bounding box of a triangle overlaps it.
 #[derive(Clone)]
 pub struct Clearance {
-    /// [m] lowest and highest corner of the box around the mesh.
+    /// [m] lowest corner (`low`) and highest corner (`high`) of the box around the mesh.
     low: Vector3<f64>,
     high: Vector3<f64>,
     /// [m] edge length of the cells.

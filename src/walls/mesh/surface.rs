@@ -117,7 +117,7 @@ pub struct TriangleSurface {
     pub points: Vec<Vector3<f64>>,
     /// Triangles of the surface, with data on their neighbours.
     pub faces: Vec<Face>,
-    /// [-] unit vectors that point from edges into neighbouring triangles.
+    /// [-] unit vectors perpendicular to edges, from each edge into its neighbouring triangles.
     pub ways: Vec<Vector3<f64>>,
     /// [-] pseudo-normal of each point: the sum of the normals of the triangles that meet at the point, weighted by
     /// their angles.

@@ -165,7 +165,8 @@ fn is_above(face: &Face, corners: &[Vector3<f64>; 3], point: &Vector3<f64>) -> b
     face.inward.iter().zip(corners).all(|(inward, corner)| inward.dot(&(point - corner)) >= least)
 }
 
-/// [s] time at which a sphere in straight flight touches the edge between two points [m], without its end points.
+/// [s] time at which a sphere in straight flight touches the edge between two points [m], without its end points. The
+/// number of an end point, as `on_bar` returns it, is always `None`.
 fn on_edge([from, to]: [Vector3<f64>; 2], flight: &Flight, radius: f64) -> Option<(f64, Option<usize>)> {
     let length = (to - from).norm();
     let along = (to - from) / length;

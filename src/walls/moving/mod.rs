@@ -34,7 +34,8 @@ pub struct MovingShape {
 }
 
 impl MovingShape {
-    /// A shape with its motion, at time 0. `None` if an endless shape would turn: its points have no largest speed.
+    /// Makes a shape that moves, at time 0. `shape` is where the case puts it. `None` if an endless shape would rotate: its
+    /// points have no largest speed.
     pub fn new(shape: WallGeometry, motion: PrescribedMotion) -> Option<Self> {
         let arm = match &motion {
             PrescribedMotion::Turning(turning) => {
@@ -79,7 +80,7 @@ impl MovingShape {
         way.min(self.motion.largest_excursion(self.arm))
     }
 
-    /// Geometry of the wall at the instant of this value.
+    /// Shape at the instant of this value: a displaced plane, or this moving shape.
     fn geometry(&self) -> WallGeometry {
         match self.shape.plane().filter(|_| self.keeps_directions()) {
             Some(plane) => {
@@ -90,7 +91,8 @@ impl MovingShape {
         }
     }
 
-    /// The nearest point to `point` [m], found by `find` in the frame of the shape, `ahead` [s] of the instant.
+    /// Nearest point to `point` [m] at the time `ahead` [s] after the instant of this value. `find` returns it for the shape
+    /// without displacement.
     fn seen(
         &self,
         point: &Vector3<f64>,
@@ -102,7 +104,8 @@ impl MovingShape {
         Nearest { normal: self.motion.direction(&nearest.normal, time), ..nearest }
     }
 
-    /// First touch as [`Geometry::first_touch`] defines it, for a flight that begins `ahead` [s] of the instant.
+    /// First touch as [`Geometry::first_touch`] defines it, for a flight that begins `ahead` [s] after the instant of this
+    /// value.
     fn touch(&self, which: u32, flight: &Flight, radius: f64, (ahead, until): (f64, f64)) -> Option<Touch> {
         let start = self.time + ahead;
         match &self.motion {
@@ -130,7 +133,7 @@ impl MovingShape {
         }
     }
 
-    /// First touch on a path: the shape has a constant velocity between two knots.
+    /// First touch for a shape on a path. The shape has a constant velocity between two knots (given instants of the path).
     fn touch_on(
         &self,
         path: &PiecewisePath,
@@ -169,7 +172,7 @@ impl MovingShape {
         corners.iter().fold([first; 2], |[low, high], corner| [low.inf(corner), high.sup(corner)])
     }
 
-    /// True for a translation, which keeps directions.
+    /// True if the motion is a translation, so that normals do not turn.
     fn keeps_directions(&self) -> bool {
         self.motion.spin().is_none()
     }
@@ -271,7 +274,7 @@ impl Geometry for MovingShape {
 }
 
 impl Wall {
-    /// The wall with a moving shape. `None` if an endless shape would turn.
+    /// Returns the wall with a shape that moves, at time 0. `None` if an endless shape would rotate.
     pub fn moving(self, motion: PrescribedMotion) -> Option<Self> {
         let moving = MovingShape::new(self.geometry.clone(), motion)?;
         Some(Self { geometry: moving.geometry(), moving: Some(moving), ..self })
@@ -305,8 +308,8 @@ impl Wall {
         self.moving.as_ref().map_or(0.0, |moving| moving.travel(duration))
     }
 
-    /// Nearest point of contact number `which` to the centre `point` [m] of a sphere of `radius` [m], `ahead` [s] of the
-    /// instant of the wall.
+    /// Nearest point of contact number `which` to the centre `point` [m] of a sphere of `radius` [m], at the time `ahead` [s]
+    /// after the instant of the wall's scene.
     #[inline(always)]
     pub fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64, ahead: f64) -> Nearest {
         match &self.moving {
@@ -315,8 +318,8 @@ impl Wall {
         }
     }
 
-    /// Nearest point at the instant of a touch, as [`Geometry::struck`] defines it, `ahead` [s] of the instant of the
-    /// wall. `touch` contains the number of the contact and that of the surface feature.
+    /// Nearest point at the instant of a touch, as [`Geometry::struck`] defines it, at the time `ahead` [s] after the instant
+    /// of the wall's scene. `touch` contains the number of the contact and that of the surface feature.
     #[inline(always)]
     pub fn struck(&self, touch: [u32; 2], point: &Vector3<f64>, radius: f64, ahead: f64) -> Nearest {
         let [which, place] = touch;
@@ -326,8 +329,8 @@ impl Wall {
         }
     }
 
-    /// First touch as [`Geometry::first_touch`] defines it, for a flight that begins `ahead` [s] of the instant of the
-    /// wall and lasts until `until` [s] after its beginning.
+    /// First touch as [`Geometry::first_touch`] defines it, for a flight that begins `ahead` [s] after the instant of the
+    /// wall's scene. The flight lasts for `until` [s].
     #[inline(always)]
     pub fn first_touch(&self, which: u32, flight: &Flight, radius: f64, (ahead, until): (f64, f64)) -> Option<Touch> {
         match &self.moving {
@@ -336,8 +339,8 @@ impl Wall {
         }
     }
 
-    /// True if the centre of a sphere crosses a thin surface on the straight line from `from` to `to` [m]. It is at
-    /// `from` at the first and at `to` at the second of two times [s] ahead of the instant of the wall.
+    /// True if the centre of a sphere crosses a thin surface on the straight line from `from` to `to` [m]. The two times
+    /// `ahead` [s] of these positions count from the instant of the wall's scene.
     pub fn is_passed(&self, [from, to]: [&Vector3<f64>; 2], radius: f64, ahead: [f64; 2]) -> bool {
         match &self.moving {
             None => self.geometry.is_passed(from, to, radius),

@@ -81,7 +81,8 @@ impl PrescribedMotion {
         }
     }
 
-    /// [m] place of `point` [m] of the frame of the shape at `time` [s]: the inverse of [`to_shape`](Self::to_shape).
+    /// [m] position in the scene, at `time` [s], of a `point` [m] of the undisplaced shape: the inverse of
+    /// [`to_shape`](Self::to_shape).
     pub(super) fn to_scene(&self, point: &Vector3<f64>, time: f64) -> Vector3<f64> {
         match self {
             Self::Turning(turning) => rotation(turning, time) * (point - turning.center) + turning.center,
@@ -89,7 +90,7 @@ impl PrescribedMotion {
         }
     }
 
-    /// Direction of a vector in the frame of the shape, seen at rest at `time` [s].
+    /// Turns a vector of the undisplaced shape, such as a normal, into its direction in the scene at `time` [s].
     pub(super) fn direction(&self, vector: &Vector3<f64>, time: f64) -> Vector3<f64> {
         match self {
             Self::Turning(turning) => rotation(turning, time) * vector,

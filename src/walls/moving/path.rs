@@ -33,7 +33,7 @@ impl PiecewisePath {
         if next == 0 || to <= from { here } else { here + (there - here) * ((time - from) / (to - from)) }
     }
 
-    /// [m/s] velocity at `time` [s]; at a knot that after the knot.
+    /// [m/s] velocity at `time` [s]. At a knot (a given instant) it is the velocity after the knot.
     pub fn velocity(&self, time: f64) -> Vector3<f64> {
         match self.passed(time) {
             0 => Vector3::zeros(),
@@ -41,12 +41,12 @@ impl PiecewisePath {
         }
     }
 
-    /// [s] first knot after `time` [s]; infinite after the last one.
+    /// [s] first knot (a given instant of the path) after `time` [s]; infinite after the last knot.
     pub fn next_knot(&self, time: f64) -> f64 {
         self.knots.get(self.passed(time)).map_or(f64::INFINITY, |(knot, _)| *knot)
     }
 
-    /// [m/s] largest speed.
+    /// [m/s] largest speed on the path.
     pub fn largest_speed(&self) -> f64 {
         self.knots.windows(2).map(|two| slope(&two[0], &two[1]).norm()).fold(0.0, f64::max)
     }
@@ -57,7 +57,7 @@ impl PiecewisePath {
         along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], place| [low.min(place), high.max(place)])
     }
 
-    /// [m] bound of the distance between two places of the path: the diagonal of the box around all of them.
+    /// [m] upper limit of the distance between two points of the path: the diagonal of the box around all displacements.
     pub fn largest_excursion(&self) -> f64 {
         let places = || self.knots.iter().map(|(_, place)| *place);
         let low = places().fold(Vector3::repeat(f64::INFINITY), |a, b| a.inf(&b));

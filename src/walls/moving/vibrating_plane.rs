@@ -74,7 +74,7 @@ impl VibratingGap {
         None
     }
 
-    /// [m] height of the flight over the mean place of the plane, at time `t` [s].
+    /// [m] height of the sphere, at time `t` [s], above the position at which it would touch the plane without displacement.
     fn height(&self, t: f64) -> f64 {
         self.gap + self.amplitude * self.phase.sin() + (self.speed + 0.5 * self.acceleration * t) * t
     }

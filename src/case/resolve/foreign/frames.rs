@@ -98,7 +98,7 @@ impl ForeignReader<'_> {
         Ok(ParticleFrame { time, step, domain, particles, has_masses, origin: lines.origin(first) })
     }
 
-    /// A finite number in a cell; `None` if the file has no such column.
+    /// Finite number in the cell of a column; `None` if the file has no such column.
     fn number(&self, cells: &Cells, column: usize, origin: &Origin) -> Result<Option<f64>, Diagnostic> {
         let text = &cells[column];
         if text.is_empty() {
@@ -122,13 +122,14 @@ impl ForeignReader<'_> {
         Ok(Some(vector))
     }
 
-    /// [m] radius of a particle.
+    /// [m] radius of a particle, from its radius or its diameter; `None` if the file gives neither.
     fn radius(&self, cells: &Cells, origin: &Origin) -> Result<Option<f64>, Diagnostic> {
         let half = self.number(cells, DIAMETER, origin)?.map(|diameter| 0.5 * diameter);
         Ok(self.number(cells, RADIUS, origin)?.or(half))
     }
 
-    /// [kg] mass of a particle; if the file does not give it, that of a sphere of the given size and density.
+    /// [kg] mass of a particle. If the file does not give it, it is computed from radius and density. `None` if these
+    /// are missing too.
     fn mass(&self, cells: &Cells, origin: &Origin) -> Result<Option<f64>, Diagnostic> {
         let (radius, density) = (self.radius(cells, origin)?, self.number(cells, DENSITY, origin)?);
         let of_sphere = radius.zip(density).map(|(radius, density)| 4.0 / 3.0 * PI * radius.powi(3) * density);
@@ -140,7 +141,8 @@ impl ForeignReader<'_> {
         Ok(mass)
     }
 
-    /// [m/s] velocity of a particle; if the file does not give it, its momentum over its mass.
+    /// [m/s] velocity of a particle. If the file does not give it, it is the momentum over the mass. `None` if these
+    /// are missing too.
     fn velocity(&self, cells: &Cells, mass: Option<f64>, origin: &Origin) -> Result<Option<Vector3<f64>>, Diagnostic> {
         let of_momentum = self.vector(cells, MOMENTUM, origin)?.zip(mass).map(|(momentum, mass)| momentum / mass);
         Ok(self.vector(cells, VELOCITY, origin)?.or(of_momentum))

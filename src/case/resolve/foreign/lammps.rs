@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 
-/// Section `Atoms`: its columns and its lines.
+/// Section `Atoms` of a data file: the place of its columns and lines.
 #[derive(Clone)]
 struct Atoms {
     /// Column of the diameter, if there is one; the density is in the next column.

@@ -129,7 +129,7 @@ struct ForeignInstant {
     first: usize,
 }
 
-/// Reader of the files of other programs, with the warnings so far.
+/// Reader of the files of other programs, which collects warnings.
 struct ForeignReader<'a> {
     /// Texts of all files, for messages.
     sources: &'a Sources,
@@ -162,7 +162,8 @@ impl Resolver {
 }
 
 impl ForeignReader<'_> {
-    /// Reads an initial state: particles in the order of ids, with the names of their species.
+    /// Reads an initial state. Its particles are in the order of ids, and have the names of their species. `kinds` are
+    /// the names of the species in the case.
     fn start(&mut self, format: Foreign, lines: &Lines, kinds: &[&str]) -> Result<ForeignStart, Diagnostic> {
         let mut read = match format {
             Foreign::Xyz => self.xyz(lines)?,
@@ -254,7 +255,8 @@ impl ForeignReader<'_> {
         self.sources.error(&lines.origin(number), message).help(help)
     }
 
-    /// Parses a number that was found in a line.
+    /// Parses the number `text`, which was found in the line with the index `number`. The last argument is the name of
+    /// the number in the error message.
     fn cell<T: std::str::FromStr>(
         &self,
         lines: &Lines,

@@ -8,28 +8,33 @@ use super::next_events::FlightState;
 use crate::domain::Domain;
 use nalgebra::Vector3;
 
-/// Data of the particle whose neighbours are tested.
+/// The particle whose neighbours are tested: its state at the present time, in the falling frame of the calendar (the
+/// event queue of all particles).
 pub struct ObservingParticle<'a> {
-    /// Position [m] of the particle.
+    /// Position [m] of the particle at the time `now`.
     pub here: Vector3<f64>,
-    /// Velocity [m/s] of the particle.
+    /// Velocity [m/s] of the particle relative to the falling frame.
     pub velocity: Vector3<f64>,
     /// Present time [s] since the epoch, the instant from which the calendar counts times.
     pub now: f64,
-    /// True if no periodic side lies between the particle and any of its neighbours.
+    /// True if no periodic side of the box lies between the particle and any of its neighbours, so that no images need
+    /// be considered.
     pub inside: bool,
     /// The box of the scene, with its periodic sides.
     pub domain: &'a Domain,
 }
 
-/// Relative motion of the particle and four neighbours; each array has one value per neighbour.
+/// Relative motion of the particle and four of its neighbours at the present time; each array has one value per
+/// neighbour.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FourNeighbours {
     /// [m²/s] half the rate at which the squared distance of the centres decreases; positive if the particles approach.
     pub closing: [f64; 4],
-    /// [m²] squared distance of the centres minus the squared distance at which the particles touch.
+    /// [m²] squared distance of the centres minus the squared distance at which the particles touch; negative if they
+    /// overlap.
     pub gap: [f64; 4],
-    /// [m⁴/s²] discriminant of the equation for the time of touch; negative if there is no touch.
+    /// [m⁴/s²] discriminant of the quadratic equation for the time of touch; negative if the particles will pass each
+    /// other without a touch.
     pub discriminant: [f64; 4],
 }
 
@@ -40,10 +45,10 @@ fn each(f: impl Fn(usize) -> f64) -> [f64; 4] {
 }
 
 impl ObservingParticle<'_> {
-    /// Computes the relative motion of the particle and four neighbours; `touch` [m²] contains the squared distances of
-    /// the centres at touch. Also returns a bit mask, in which a bit is set for each neighbour that will touch the
-    /// particle and may do so within half of `soon` [s]. A touch cannot occur before the time gap/(2 closing). No bit
-    /// is set for the particle itself.
+    /// Computes the relative motion of the particle and the neighbours `others`; `touch` [m²] contains the squared
+    /// distances of the centres at touch. Also returns a bit mask: bit k is set if neighbour k will touch the particle
+    /// and may do so within half of `soon` [s]. A touch cannot occur before the time gap/(2 closing). No bit is set for
+    /// the particle itself, which fills groups of fewer than four neighbours.
     #[inline(always)]
     pub fn one_by_one(&self, others: &[&FlightState; 4], touch: &[f64; 4], soon: f64) -> (FourNeighbours, u32) {
         let since = each(|k| self.now - others[k].time);
@@ -70,7 +75,8 @@ impl ObservingParticle<'_> {
     }
 }
 
-/// Test whether neighbours approach, with processor vectors of four numbers.
+/// Test whether neighbours approach, with vector instructions of the processor (AVX2), which treat four neighbours at
+/// once.
 #[cfg(target_arch = "x86_64")]
 pub mod wide {
     use super::{FlightState, FourNeighbours, ObservingParticle};
@@ -78,7 +84,7 @@ pub mod wide {
     use pulp::x86::V3;
     use std::arch::x86_64::{__m256d, _CMP_GE_OQ, _CMP_GT_OQ, _CMP_LE_OQ, _CMP_LT_OQ};
 
-    /// Data of the particle whose neighbours are tested, each value repeated four times in a vector.
+    /// State of the particle whose neighbours are tested, each number repeated four times in a processor vector.
     pub struct Wide {
         simd: V3,
         here: [__m256d; 3],
@@ -91,7 +97,8 @@ pub mod wide {
     }
 
     impl Wide {
-        /// Copies the data of `view` into vectors; `soon` [s] is defined as in [`ObservingParticle::one_by_one`].
+        /// Copies the state of the particle `view` into vectors. Neighbours are selected that may touch within half of
+        /// `soon` [s], as by [`ObservingParticle::one_by_one`].
         #[inline(always)]
         pub fn new(simd: V3, view: &ObservingParticle, soon: f64) -> Self {
             let domain = view.domain;
@@ -105,7 +112,7 @@ pub mod wide {
             }
         }
 
-        /// Columns of a matrix that is given by its four rows (a transposition).
+        /// Transposes a matrix of four rows and columns, given by its rows; returns its columns.
         #[inline(always)]
         fn columns(&self, rows: [__m256d; 4]) -> [__m256d; 4] {
             let (avx, [a, b, c, d]) = (self.simd.avx, rows);
@@ -119,8 +126,9 @@ pub mod wide {
             ]
         }
 
-        /// Separations [m] along an axis, from four neighbours to the nearest images of the particle, and relative
-        /// velocities [m/s].
+        /// Separations [m] and relative velocities [m/s] along one axis: those of the particle minus those of four
+        /// neighbours, at the nearest images. `there` [m] and `theirs` [m/s] are the neighbours' positions `since` [s]
+        /// ago and their velocities.
         #[inline(always)]
         fn relative(&self, axis: usize, there: __m256d, theirs: __m256d, since: __m256d) -> (__m256d, __m256d) {
             let avx = self.simd.avx;
@@ -169,20 +177,21 @@ pub mod wide {
         }
     }
 
-    /// One vector per axis, which contains the component of `x` along that axis four times.
+    /// Repeats each coordinate of `x` four times; returns one vector per axis.
     #[inline(always)]
     fn axes(simd: V3, x: &Vector3<f64>) -> [__m256d; 3] {
         [simd.avx._mm256_set1_pd(x.x), simd.avx._mm256_set1_pd(x.y), simd.avx._mm256_set1_pd(x.z)]
     }
 
-    /// Position [m] of a particle at the time of its flight state, and that time [s], in one vector.
+    /// Position [m] of a particle at the time of its flight state (x, y, z), and that time [s], in one vector of four
+    /// numbers.
     #[inline(always)]
     fn place(body: &FlightState) -> __m256d {
         let x = &body.position;
         pulp::cast([x.x, x.y, x.z, body.time])
     }
 
-    /// Velocity [m/s] of a particle, in one vector.
+    /// Velocity [m/s] of a particle (x, y, z) and a zero, in one vector of four numbers.
     #[inline(always)]
     fn speed(body: &FlightState) -> __m256d {
         let u = &body.velocity;

@@ -1,11 +1,12 @@
-//! Many bins of particle indices, most of which contain few indices. A bin is a chain of leaves (blocks of six
-//! indices). The leaves of all bins are stored in one list; free leaves are used again.
+//! Many bins of particle indices, most of which contain few indices; the event queue uses one bin for each interval of
+//! time. A bin is a chain of leaves (blocks of six indices). The leaves of all bins are stored in one list; free leaves
+//! are used again.
 
 use prefetch_index::prefetch_index;
 use std::iter::successors;
 use std::num::NonZeroU32;
 
-/// Link to a leaf: its number in the list of leaves, plus one; `None` if no leaf follows.
+/// Link to a leaf (block of six indices): its number in the list of leaves, plus one; `None` at the end of a chain.
 type BinLink = Option<NonZeroU32>;
 
 /// A block of up to six indices of one bin, in half a cache line.
@@ -13,21 +14,21 @@ type BinLink = Option<NonZeroU32>;
 struct Leaf {
     places: [u32; 6],
     count: u32,
-    /// Link to the next leaf of the bin, or to the next free leaf.
+    /// Link to the next leaf of the bin, or, for a leaf that is in use by no bin, to the next free leaf.
     next: BinLink,
 }
 
 /// Bins that contain particle indices; the event queue has one bin per interval of time.
 #[derive(Clone, Debug, Default)]
 pub struct Bins {
-    /// Link to the first leaf of each bin; only this leaf may have free entries.
+    /// Link to the first leaf of each bin; all other leaves of the bin are full.
     first: Vec<BinLink>,
     leaves: Vec<Leaf>,
     free: BinLink,
 }
 
 impl Bins {
-    /// Makes `count` empty bins, and discards all earlier content.
+    /// Makes `count` empty bins in place of the present ones.
     pub fn reset(&mut self, count: usize) {
         self.first.clear();
         self.first.resize(count, None);
@@ -35,7 +36,6 @@ impl Bins {
         self.free = None;
     }
 
-    /// Number of bins.
     pub fn count(&self) -> usize {
         self.first.len()
     }
@@ -55,7 +55,8 @@ impl Bins {
         self.first[bin] = Some(self.keep(leaf));
     }
 
-    /// Stores a leaf in a free position of the list of leaves, or at its end. Returns the link to the leaf.
+    /// Stores a leaf (block of six indices) at a free place of the list of leaves, or at its end. Returns the link to
+    /// the leaf.
     fn keep(&mut self, leaf: Leaf) -> NonZeroU32 {
         match self.free {
             Some(one) => {
@@ -75,14 +76,14 @@ impl Bins {
         }
     }
 
-    /// The particle indices in a bin.
+    /// The particle indices in a bin, without removing them.
     pub fn places(&self, bin: usize) -> impl Iterator<Item = u32> {
         let leaf = |link: BinLink| link.map(|one| &self.leaves[one.get() as usize - 1]);
         let leaves = successors(leaf(self.first[bin]), move |last| leaf(last.next));
         leaves.flat_map(|leaf| leaf.places.iter().take(leaf.count as usize).copied())
     }
 
-    /// Prefetches the first leaf of a bin into the cache.
+    /// Prefetches the first leaf (block of six indices) of a bin into the processor's cache.
     pub fn fetch(&self, bin: usize) {
         if let Some(one) = self.first[bin] {
             prefetch_index(&self.leaves, one.get() as usize - 1);

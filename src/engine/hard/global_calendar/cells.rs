@@ -1,61 +1,64 @@
-//! Grid of cells over the domain, into which the centres of shells are sorted. A shell is a ball within which a
-//! particle may move before its neighbours are searched again.
+//! Grid of cells that holds the centres of all shells. A shell is a ball around a particle; as long as the particle
+//! stays within it, its neighbour list remains valid.
 
 use crate::domain::Domain;
 use nalgebra::Vector3;
 use std::num::NonZeroU32;
 
-/// [-] bound on the rounding error of shell centres and periods in single precision, divided by the size of the box.
+/// [-] bound on the rounding error of lengths in single precision (centres of shells, edges of the box), divided by the
+/// longest edge of the box.
 pub const ROUNDING: f64 = 1e-6;
 
-/// Grid of cells with the centres of shells. A centre can be moved to another cell without sorting all others again.
+/// Grid of cells with the centres of shells (balls in which neighbour lists are valid). Each cell has a linked list of
+/// centres, so one centre can change its cell without sorting all others again.
 #[derive(Clone, Debug, Default)]
 pub struct ShellGrid {
     count: [usize; 3],
     periodic: [bool; 3],
-    /// [1/m] number of cells per length along each axis.
+    /// [1/m] number of cells per length, along each axis.
     per_length: Vector3<f64>,
-    /// [m] edges of a cell.
+    /// [m] edges of a cell along the three axes.
     edge: [f32; 3],
-    /// [m] edges of the box, and half of them; half an edge is infinite along axes that are not periodic.
+    /// [m] edges of the box along the three axes, and half of them. Half an edge is infinite along axes that are not
+    /// periodic, so that no images are looked for there.
     period: [f32; 3],
     half: [f32; 3],
-    /// [m] bound on the error of distances in single precision.
+    /// [m] bound on the rounding error of distances, which are computed in single precision.
     rounding: f32,
-    /// Link to the first shell centre in each cell.
+    /// Start of the linked list of shell centres in each cell.
     first: Vec<CellLink>,
-    /// Centre of the shell of each particle, by particle index.
+    /// Centre of the shell of each particle with its place in the linked list of its cell, by particle index.
     spots: Vec<CellEntry>,
 }
 
-/// Link in the list of a cell: a particle index plus one; `None` at the end of the list.
+/// Link in the list of the centres in a cell: a particle index plus one; `None` at the end of the list.
 type CellLink = Option<NonZeroU32>;
 
-/// Centre [m] of a shell in single precision, and link to the next centre in the same cell.
+/// Centre [m] of a particle's shell (ball in which its neighbour list is valid) in single precision, and link to the
+/// next centre in the same cell.
 #[derive(Clone, Copy, Debug, Default)]
 struct CellEntry {
     centre: [f32; 3],
     next: CellLink,
 }
 
-/// Makes a link to a particle index.
 fn link(place: u32) -> CellLink {
     NonZeroU32::new(place + 1)
 }
 
-/// Coordinates of a point [m] in single precision.
+/// Rounds the coordinates of a point [m] to single precision.
 pub fn rounded(x: &Vector3<f64>) -> [f32; 3] {
     [x.x as f32, x.y as f32, x.z as f32]
 }
 
-/// Coordinates of a point [m] in double precision.
+/// Converts the coordinates of a point [m] from single to double precision.
 #[inline]
 pub fn widened(x: &[f32; 3]) -> Vector3<f64> {
     Vector3::from_fn(|axis, _| f64::from(x[axis]))
 }
 
 impl ShellGrid {
-    /// Makes an empty grid for `particles` particles, whose cells have edges of at least `edge` [m].
+    /// Makes a grid for `particles` particles, without centres so far, whose cells have edges of at least `edge` [m].
     pub fn new(domain: &Domain, edge: f64, particles: usize) -> Self {
         // limits the number of cells by the number of particles, even in a nearly empty box
         let most = (particles as f64).cbrt().ceil() + 3.0;
@@ -80,8 +83,8 @@ impl ShellGrid {
         }
     }
 
-    /// Numbers along the three axes of the cell that contains a point [m]. For a point beyond a side that is not
-    /// periodic, the result is the nearest cell, so that neighbours remain in neighbouring cells.
+    /// Numbers, along the three axes, of the cell that contains a point [m]. A point beyond a side that is not periodic
+    /// belongs to the nearest cell, so that neighbours remain in neighbouring cells.
     fn coordinates(&self, x: &Vector3<f64>) -> [usize; 3] {
         std::array::from_fn(|axis| ((x[axis] * self.per_length[axis]) as usize).min(self.count[axis] - 1))
     }
@@ -91,14 +94,14 @@ impl ShellGrid {
         c[0] + self.count[0] * (c[1] + self.count[1] * c[2])
     }
 
-    /// Adds the centre [m] of a particle's shell to its cell.
+    /// Adds the centre [m] of a particle's shell to the cell that contains it; `place` is the index of the particle.
     pub fn put(&mut self, place: u32, centre: [f32; 3]) {
         let cell = self.of(&widened(&centre));
         self.spots[place as usize] = CellEntry { centre, next: self.first[cell] };
         self.first[cell] = link(place);
     }
 
-    /// Moves the centre [m] of a particle's shell from `old` to `new`.
+    /// Moves the centre [m] of a particle's shell from `old` to `new`; `place` is the index of the particle.
     pub fn change(&mut self, place: u32, old: [f32; 3], new: [f32; 3]) {
         let (from, to) = (self.of(&widened(&old)), self.of(&widened(&new)));
         if from == to {
@@ -122,9 +125,9 @@ impl ShellGrid {
         self.put(place, new);
     }
 
-    /// Numbers, along one axis, of a cell and its neighbours, and how many there are (one to three). With each number
-    /// comes the smallest distance [m] of that cell from a point in the cell `at`. `from_side` [m] is the distance of
-    /// the point from the lower side of its cell.
+    /// Numbers, along one axis, of the cell `at` and its neighbours, and how many numbers these are (one to three).
+    /// With each number comes the smallest distance [m] along the axis of that cell from a point in the cell `at`.
+    /// `from_side` [m] is the distance of the point from the lower side of its cell.
     fn beside(&self, axis: usize, at: usize, from_side: f32) -> ([(usize, f32); 3], usize) {
         let n = self.count[axis];
         if n == 1 {
@@ -149,8 +152,9 @@ impl ShellGrid {
         list
     }
 
-    /// Appends to `found` all indices whose centres may be within `reach` [m] of `centre`, as [`near`](Self::near)
-    /// does. Here `reach` may exceed a cell edge: the function is used for a large shell in the grid of small ones.
+    /// Appends to `found` the indices of all particles whose shell centres may be within `reach` [m] of `centre`.
+    /// Unlike [`near`](Self::near), the search looks at all cells within `reach`, which may exceed the edge of a cell.
+    /// Large shells search the grid of small ones in this way. Returns the number of centres checked.
     pub fn near_by_far(&self, centre: &Vector3<f64>, reach: f64, found: &mut Vec<u32>) -> u64 {
         let here = rounded(centre);
         let reach = reach as f32 + self.rounding;
@@ -180,8 +184,9 @@ impl ShellGrid {
         checks
     }
 
-    /// Appends to `found` all indices whose centres may be within `reach` [m] of `centre`; `reach` must not exceed one
-    /// cell edge. Cells that are farther away are skipped. Returns the number of centres checked.
+    /// Appends to `found` the indices of all particles whose shell centres may be within `reach` [m] of `centre`.
+    /// `reach` must not exceed the edge of a cell, since only neighbouring cells are searched. Returns the number of
+    /// centres checked.
     pub fn near(&self, centre: &Vector3<f64>, reach: f64, found: &mut Vec<u32>) -> u64 {
         let at = self.coordinates(centre);
         let here = rounded(centre);
@@ -206,10 +211,10 @@ impl ShellGrid {
         checks
     }
 
-    /// Appends to `found` the indices of the centres in a cell whose squared distance from `here` [m] is at most
-    /// `square` [m²]. Returns the number of centres in the cell. Every index is written, and the next one overwrites an
-    /// unwanted one. This avoids a branch, which the processor would often mispredict, since about half of the indices
-    /// are wanted.
+    /// Appends to `found` the indices of the particles whose shell centres are in the cell and at most a distance
+    /// √`square` [m] from `here` [m]. Returns the number of centres in the cell. Every index is written, and the next
+    /// one overwrites an unwanted one. This avoids a branch, which the processor would often mispredict, since about
+    /// half of the indices are wanted.
     #[inline]
     fn within(&self, cell: usize, here: [f32; 3], square: f32, found: &mut Vec<u32>) -> u64 {
         let (mut end, mut checks, mut at) = (found.len(), 0, self.first[cell]);

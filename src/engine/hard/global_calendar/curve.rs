@@ -1,15 +1,15 @@
-//! Order of particles along a curve that fills the box. With this order, particles that are neighbours in space are
-//! near each other in memory.
+//! Order of particles along Morton's curve, which visits all small cubes of the box one after the other. With this
+//! order, particles that are neighbours in space are near each other in memory.
 
 use crate::domain::Domain;
 use crate::particles::Particles;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-/// Number of bits of a cell number per axis; ten bits number about a thousand cells along each axis.
+/// Number of bits of a cube's number along each axis; with ten bits there are about a thousand cubes along each axis.
 const BITS: u32 = 10;
 
-/// Indices of the particles in the order of Morton's curve; all positions must be inside the box.
+/// Indices of the particles in the order in which Morton's curve meets their positions; these must be inside the box.
 pub fn order(particles: &Particles, domain: &Domain) -> Vec<u32> {
     let cells = f64::from(1u32 << BITS);
     // cells are cubes, because flat cells would cut a long box into slices
@@ -25,7 +25,8 @@ pub fn order(particles: &Particles, domain: &Domain) -> Vec<u32> {
     order.into_iter().map(|(.., place)| place).collect()
 }
 
-/// Inserts two zero bits after each of the lowest ten bits of a number, as Morton's curve requires.
+/// Inserts two zero bits after each of the lowest ten bits of a number. Three such numbers, one per axis, are then
+/// interleaved to the position along Morton's curve.
 fn spread(bits: u32) -> u32 {
     let bits = (bits | bits << 16) & 0x0300_00ff;
     let bits = (bits | bits << 8) & 0x0300_f00f;

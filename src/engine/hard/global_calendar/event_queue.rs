@@ -1,9 +1,9 @@
-//! Event queue of all particles. Events of the near future are sorted, later ones are in unsorted bins.
+//! Event queue of all particles: events of the near future are sorted by time, later ones wait in unsorted bins.
 //!
-//! The queue contains one event per particle, whose time is stored in [`NextEvents`]. Bins cover equal intervals of
-//! time, contain only particle indices, and form a ring that is used again and again. If the event of a particle
-//! changes, its outdated entry is not removed from its bin. When the time of a bin comes, outdated entries are skipped,
-//! and the others are sorted.
+//! The queue contains one event per particle; its time is that in the particle's [`NextEvents`]. Each bin covers an
+//! equal interval of time and contains only particle indices. The bins form a ring that is used again and again. If the
+//! event of a particle changes, its outdated entry is not removed from its bin. When the time of a bin comes, outdated
+//! entries are skipped, and the others are sorted.
 
 use super::bins::Bins;
 use super::next_events::NextEvents;
@@ -13,26 +13,29 @@ use std::cmp::Ordering;
 /// Intended number of events per bin. It is small enough for cheap insertion, and large enough that there are few bins.
 const PER_BIN: usize = 32;
 
-/// Number of particles per bin of the ring, which determines the number of bins.
+/// Number of queued events over the number of bins in the ring, before rounding to a power of two. It determines how
+/// far ahead the ring reaches.
 const PARTICLES_PER_BIN: usize = 8;
 
-/// An event in the sorted list of near events: its time, and the index of its particle.
+/// An entry of the sorted list of near events. It is outdated if the next event of the particle has another time
+/// meanwhile.
 #[derive(Clone, Copy, Debug)]
 struct QueuedEvent {
-    /// Time [s] of the event since the epoch, the instant from which the calendar counts times.
+    /// Time [s] of the event since the epoch, the instant from which the event queue counts times.
     time: f64,
     place: u32,
 }
 
 impl QueuedEvent {
-    /// Order of two events: by time, and at equal times by the ids of the particles.
+    /// Order of two events: the earlier one first, at equal times the one of the particle with the lower id. `ids`
+    /// contains the id of each particle.
     #[inline]
     fn compare(&self, other: &Self, ids: &[u32]) -> Ordering {
         self.time.total_cmp(&other.time).then_with(|| ids[self.place as usize].cmp(&ids[other.place as usize]))
     }
 }
 
-/// Next events and ids of all particles, by particle index.
+/// Table of the next events and the ids of all particles, both by particle index.
 #[derive(Clone, Copy)]
 pub struct EventTable<'a> {
     /// Next events of each particle.
@@ -42,34 +45,38 @@ pub struct EventTable<'a> {
 }
 
 impl EventTable<'_> {
-    /// Time [s] since the epoch (zero of the calendar's time) of the next event of a particle.
+    /// Time [s] of the next event of a particle, given by its index, since the epoch (instant from which times are
+    /// counted).
     #[inline]
     fn time(&self, place: u32) -> f64 {
         self.next_events[place as usize].time
     }
 }
 
-/// Event queue of all particles: a sorted list of near events, and bins of later ones.
+/// Event queue of all particles: a sorted list of near events, and unsorted bins of later ones. Times are counted from
+/// the instant called epoch.
 #[derive(Clone, Debug, Default)]
 pub struct EventQueue {
-    /// Events in the present bin or earlier, sorted by time with the earliest at the end of the list.
+    /// Events of the present bin and of earlier ones, sorted by time with the earliest at the end of the list.
     near: Vec<QueuedEvent>,
-    /// Ring of bins that cover equal intervals of time and contain particle indices.
+    /// Ring of bins that cover successive equal intervals of time; each contains the indices of the particles with an
+    /// event in its interval.
     bins: Bins,
-    /// Number of indices in all bins, with outdated ones.
+    /// Number of particle indices in all bins, outdated ones included.
     filed: usize,
-    /// Indices of particles whose events are so late that the ring of bins does not yet cover their times.
+    /// Indices of particles whose events are too late for the bins of the ring, which covers a limited time ahead.
     later: Vec<u32>,
-    /// [1/s] number of bins per unit of time.
+    /// [1/s] number of bins per time, the inverse of the interval of a bin.
     rate: f64,
-    /// Number of the present bin, counted from the epoch; the position in the ring is this number modulo the number of
-    /// bins.
+    /// Number of the bin that contains the present time, counted from the epoch. Its place in the ring is this number
+    /// modulo the number of bins.
     current: u64,
 }
 
 impl EventQueue {
-    /// Fills the queue with all events earlier than `before` [s]; the present time is `now` [s]. Both are counted from
-    /// the epoch.
+    /// Fills the queue with the next events of all particles in the table `book` that are earlier than `before` [s];
+    /// the present time is `now` [s]. Both times are counted from the epoch. The interval of the bins is chosen from
+    /// these events.
     pub fn fill(&mut self, book: EventTable, now: f64, before: f64) {
         let mut times = Vec::with_capacity(book.next_events.len());
         times.extend(book.next_events.iter().map(|card| card.time).filter(|time| *time < before));
@@ -96,19 +103,20 @@ impl EventQueue {
         (time * self.rate) as u64
     }
 
-    /// Position in the ring of the bin with number `bin`, counted from the epoch.
+    /// Place in the ring of the bin with number `bin`, which is counted from the epoch (zero of time).
     #[inline]
     fn slot(&self, bin: u64) -> usize {
         (bin & (self.bins.count() as u64 - 1)) as usize
     }
 
-    /// True if a bin is so late that the ring of bins does not yet cover its time.
+    /// True if a bin, given by its number since the epoch (zero of time), is too late for the ring.
     #[inline]
     fn is_later(&self, bin: u64) -> bool {
         bin.saturating_sub(self.current) >= self.bins.count() as u64
     }
 
-    /// Adds the changed event of a particle to the queue; the time of the event must be finite.
+    /// Adds the next event of a particle, given by its index, to the queue after it has changed; the time of the event
+    /// in `book` must be finite.
     #[inline]
     pub fn file(&mut self, place: u32, book: EventTable) {
         let time = book.time(place);
@@ -129,8 +137,8 @@ impl EventQueue {
         }
     }
 
-    /// Removes the earliest event, and returns the index of its particle; `None` if no event is earlier than `before`
-    /// [s] since the epoch (zero of the calendar's time).
+    /// Removes the earliest event, and returns the index of its particle. `None` if no event is earlier than `before`
+    /// [s] since the epoch (instant from which times are counted).
     #[inline]
     pub fn next(&mut self, book: EventTable, before: f64) -> Option<u32> {
         loop {
@@ -151,14 +159,15 @@ impl EventQueue {
         }
     }
 
-    /// Index of the particle whose event is number `after` (from 0) in the order of time; `None` if it is not in the
-    /// sorted list.
+    /// Index of the particle whose event comes `after` events after the earliest one (0: the earliest). `None` if this
+    /// event is not yet in the sorted list. The entry may be outdated.
     #[inline]
     pub fn upcoming(&self, after: usize) -> Option<u32> {
         self.near.len().checked_sub(after + 1).map(|at| self.near[at].place)
     }
 
-    /// Advances to the next bin and sorts its events; returns false if no event is queued.
+    /// Makes the next bin that may contain events the present one, and sorts its events; returns false if no event is
+    /// queued.
     fn turn(&mut self, book: EventTable) -> bool {
         if self.filed == 0 {
             // continues with the first of the events that were too far ahead for the ring
@@ -189,7 +198,8 @@ impl EventQueue {
         true
     }
 
-    /// Prefetches into the cache the events of the next bin, and the first leaf of the bin after it.
+    /// Prefetches into the processor's cache the events of the next bin, and the first particle indices of the bin
+    /// after it.
     fn fetch_ahead(&self, book: EventTable) {
         self.bins
             .places(self.slot(self.current + 1))
@@ -197,7 +207,7 @@ impl EventQueue {
         self.bins.fetch(self.slot(self.current + 2));
     }
 
-    /// Adds to the bins those events that were too far ahead for the ring and no longer are.
+    /// Moves from the list `later` to the bins those events that the ring now covers.
     fn refile(&mut self, book: EventTable) {
         let (count, mut kept) = (self.later.len(), 0);
         for k in 0..count {

@@ -1,5 +1,6 @@
-//! Frame of reference of the calendar (the event queue of all particles). The frame falls with gravity. At the epoch,
-//! the instant from which times are counted, it moves with the mean velocity of the particles along the walls.
+//! Frame of reference of the calendar (the event queue of all particles). The frame falls with gravity, so flights are
+//! straight in it. At the epoch, the instant from which times are counted, it moves with the mean velocity of the
+//! particles along the walls.
 
 use crate::walls::Flight;
 use nalgebra::Vector3;
@@ -9,27 +10,27 @@ use serde::{Deserialize, Serialize};
 /// v' + u + g t. Primes denote values in the frame, and t is the time since the epoch (zero of the calendar's time).
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct FallingFrame {
-    /// Position of the frame's origin [m] at the epoch (zero of the calendar's time).
+    /// Position [m] of the frame's origin at the epoch, the zero of t, relative to the origin of the scene.
     pub offset: Vector3<f64>,
-    /// Velocity u [m/s] of the frame at the epoch (zero of the calendar's time).
+    /// Velocity u [m/s] of the frame at the epoch, the zero of t, relative to the scene.
     pub velocity: Vector3<f64>,
-    /// Gravity g [m/s²], with which the frame falls.
+    /// Gravity g [m/s²], the acceleration of the frame.
     pub gravity: Vector3<f64>,
 }
 
 impl FallingFrame {
-    /// Position of the frame's origin [m] at `time` [s] since the epoch (zero of the calendar's time).
+    /// Position [m] of the frame's origin, relative to that of the scene, at `time` [s] since the epoch.
     fn origin(&self, time: f64) -> Vector3<f64> {
         self.offset + (self.velocity + self.gravity * (0.5 * time)) * time
     }
 
-    /// Velocity of the frame [m/s] at `time` [s] since the epoch (zero of the calendar's time).
+    /// Velocity [m/s] of the frame relative to the scene at `time` [s] since the epoch (zero of the calendar's time).
     pub fn velocity_at(&self, time: f64) -> Vector3<f64> {
         self.velocity + self.gravity * time
     }
 
-    /// Flight, relative to the scene, of a body with `position` [m] and `velocity` [m/s] in this frame at `time` [s]
-    /// since the epoch (zero of the calendar's time).
+    /// Flight relative to the scene, from `time` [s] since the epoch on, of a body that has `position` [m] and
+    /// `velocity` [m/s] in this frame at that time.
     pub fn flight(&self, position: &Vector3<f64>, velocity: &Vector3<f64>, time: f64) -> Flight {
         Flight {
             position: position + self.origin(time),
@@ -38,7 +39,7 @@ impl FallingFrame {
         }
     }
 
-    /// This frame described from a new epoch, which is `time` [s] after the old one.
+    /// Describes this frame with a new zero of time (epoch), which is `time` [s] after the old one.
     pub fn from(&self, time: f64) -> Self {
         Self { offset: self.origin(time), velocity: self.velocity_at(time), gravity: self.gravity }
     }

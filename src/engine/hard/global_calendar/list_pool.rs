@@ -5,17 +5,18 @@
 //! unused. Above 64 entries the steps from one size to the next grow, to at most an eighth of the size, so that there
 //! are few different sizes.
 
-/// Number of entries by which the smallest rooms differ; this many neighbours are tested together.
+/// Number of entries by which the smallest rooms (memory blocks of neighbour lists) differ. So many neighbours are
+/// tested together.
 const STEP: u32 = 4;
 
-/// Number of steps of four entries in the smallest room, which fills half a cache line.
+/// Size of the smallest room (memory block of a neighbour list), in steps of four entries. It fills half a cache line.
 const LEAST: u32 = 2;
 
-/// Number of room sizes from one power of two to the next.
+/// Number of sizes of rooms (memory blocks of neighbour lists) from one power of two to the next.
 const PER_OCTAVE: u32 = 8;
 
-/// Number of entries of a room with the size number `room`. Below twice [`PER_OCTAVE`] the size number counts steps of
-/// four entries. Above, there are eight sizes for each power of two.
+/// Number of entries of a room (memory block of a neighbour list) with the size number `room`. Below twice
+/// [`PER_OCTAVE`] the size number counts steps of four entries. Above, there are eight sizes for each power of two.
 #[inline]
 pub fn size(room: u8) -> u32 {
     let room = u32::from(room);
@@ -26,7 +27,7 @@ pub fn size(room: u8) -> u32 {
     }
 }
 
-/// Size number of the smallest room for `count` entries.
+/// Size number of the smallest room (memory block of a neighbour list) that has space for `count` entries.
 #[inline]
 pub fn room_for(count: u32) -> u8 {
     let steps = count.div_ceil(STEP).max(LEAST);
@@ -38,26 +39,27 @@ pub fn room_for(count: u32) -> u8 {
     (PER_OCTAVE * doublings + steps.div_ceil(1 << doublings)) as u8
 }
 
-/// Free rooms, left by neighbour lists that were moved to rooms of other sizes.
+/// Free rooms (memory blocks of neighbour lists), left by lists that were moved to rooms of other sizes.
 #[derive(Clone, Debug, Default)]
 pub struct ListPool {
-    /// Index of the first entry of each free room, grouped by size number.
+    /// For each size number, the indices in the long array at which the free rooms of that size begin.
     free: Vec<Vec<u32>>,
 }
 
 impl ListPool {
-    /// Removes all free rooms (memory blocks of neighbour lists) from the pool.
+    /// Forgets all free rooms (memory blocks of neighbour lists), before the long array is filled again.
     pub fn clear(&mut self) {
         self.free.clear();
     }
 
-    /// Adds a free room of the size number `room` that begins at entry `first`.
+    /// Adds a free room (memory block) with the size number `room`, which begins at entry `first` of the long array.
     pub fn give(&mut self, room: u8, first: u32) {
         self.free.resize(self.free.len().max(usize::from(room) + 1), Vec::new());
         self.free[usize::from(room)].push(first);
     }
 
-    /// Removes a free room of the size number `room`, and returns the index of its first entry; `None` if none is free.
+    /// Removes a free room (memory block) with the size number `room` from the pool. Returns the entry of the long
+    /// array at which the room begins; `None` if no room of this size is free.
     pub fn take(&mut self, room: u8) -> Option<u32> {
         self.free.get_mut(usize::from(room))?.pop()
     }

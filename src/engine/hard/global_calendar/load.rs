@@ -22,23 +22,24 @@ use std::f64::consts::{PI, SQRT_2};
 /// would matter as much as that of positions.
 const CROSSINGS: f64 = 8.0;
 
-/// Number of new shells per particle after which the particles in the store are sorted again. By then, particles near
-/// in memory are no longer near in space.
+/// Number of new shells (balls in which neighbour lists are valid) per particle after which the particles in the store
+/// are sorted again. By then, particles near in memory are no longer near in space.
 const SORT_AFTER: u64 = 40;
 
-/// Type of change of the particle store since the calendar wrote its state to it.
+/// Kind of change that other parts of the program have made to the particle store since the calendar (event queue of
+/// all particles) wrote its state there.
 enum Change {
-    /// No position or velocity has changed.
+    /// No position or velocity has changed, so all predicted events remain valid.
     None,
-    /// Velocities have changed.
+    /// Velocities have changed, so all events must be predicted again.
     Kicked,
-    /// Positions or the order of particles have changed.
+    /// Positions or the order of particles have changed, so all events and neighbour lists must be made again.
     Moved,
 }
 
 impl GlobalCalendar {
-    /// Prepares a time window: reads changes of the particles since the last window, and queues the events of this
-    /// window.
+    /// Prepares a window (time between two exchanges with the gas): adopts changes of the particle store since the last
+    /// window, and queues the events of this one. `outdated` is true if islands have moved particles since then.
     pub(super) fn begin(&mut self, work: &mut Work<Recent>, window: Window, outdated: bool) -> Result<(), Failure> {
         let scene = work.scene;
         if !self.ready {
@@ -88,7 +89,8 @@ impl GlobalCalendar {
         change
     }
 
-    /// Present position [m] and velocity [m/s] of a particle, relative to the scene.
+    /// Present position [m] and velocity [m/s] of a particle, given by its index, relative to the scene at rest. The
+    /// position may be outside the box.
     pub(super) fn seen(&self, place: usize) -> (Vector3<f64>, Vector3<f64>) {
         let body = &self.bodies[place];
         let position = body.position + body.velocity * (self.now - body.time);
@@ -96,8 +98,8 @@ impl GlobalCalendar {
         (flight.position, flight.velocity)
     }
 
-    /// Writes the present positions and velocities of all particles to the particle store. Positions are shifted into
-    /// the box, except across sheared sides, where the velocity would change too.
+    /// Writes the present positions and velocities of all particles, relative to the scene, to the particle store.
+    /// Positions are shifted into the box, except across sheared sides, where the velocity would change too.
     pub(super) fn write(&self, particles: &mut Particles, scene: &Scene) {
         for place in 0..self.bodies.len() {
             let (position, velocity) = self.seen(place);
@@ -106,8 +108,8 @@ impl GlobalCalendar {
         }
     }
 
-    /// Collision history of each particle, by id; empty if there is none. `recently` replaces the stored histories, if
-    /// given.
+    /// Collision history of each particle, by id; empty if no particle has one. If `recently` is given, the histories
+    /// are made from these last collisions instead of those of the calendar.
     fn history(&self, particles: &Particles, recently: Option<&[Recent]>) -> Vec<LastCollision> {
         let nothing = || vec![LastCollision::default(); particles.len()];
         match recently {
@@ -130,16 +132,16 @@ impl GlobalCalendar {
         }
     }
 
-    /// Frees the memory of all data that can be rebuilt from the particle store. The memory is required for other data
-    /// during a rebuild and after a run.
+    /// Frees the memory of flights, events, collision histories, shells and neighbour lists, before they are made again
+    /// or at the end of a run.
     pub fn forget(&mut self) {
         (self.bodies, self.next_events, self.met) = (Vec::new(), Vec::new(), Vec::new());
         self.agenda = EventQueue::default();
         self.shells.forget();
     }
 
-    /// Reads all particles from the particle store, after sorting the store along a curve through the box. `met`
-    /// contains the collision histories of the particles by id.
+    /// Builds the calendar anew: sorts the particle store along a curve through the box, copies its flights, and makes
+    /// shells and neighbour lists. `met` contains the collision histories by id, and `start` [s] is the simulated time.
     fn load(
         &mut self,
         particles: &mut Particles,
@@ -194,7 +196,8 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// Reads the velocities of all particles from the particle store.
+    /// Replaces the velocities of all flights by those in the particle store, after drag or other kicks have changed
+    /// these. `start` [s] is the simulated time.
     fn reload_velocities(&mut self, particles: &Particles, scene: &Scene, start: f64) -> Result<(), Failure> {
         let of_frame = self.frame.velocity_at(self.now);
         for (body, velocity) in self.bodies.iter_mut().zip(&particles.velocity) {
@@ -204,8 +207,8 @@ impl GlobalCalendar {
         self.set_limit(particles, scene, start)
     }
 
-    /// Chooses the length of the epoch (time from one zero of the calendar's time to the next) from the largest speed
-    /// and gravity.
+    /// Chooses the end of the epoch, up to which times have the same zero: the largest speed, gravity towards walls and
+    /// moving walls limit it. `start` [s] is the simulated time. Returns an error if a velocity is not a finite number.
     fn set_limit(&mut self, particles: &Particles, scene: &Scene, start: f64) -> Result<(), Failure> {
         let before = self.limit;
         let fastest = self.bodies.iter().map(|body| body.velocity.norm_squared()).fold(0.0, |a: f64, b| {
@@ -234,7 +237,8 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// Begins a new epoch: from now on, times are counted from the present time `time` [s].
+    /// Begins a new epoch at the simulated time `time` [s]: the calendar counts times from now on, and adapts all
+    /// stored times. If gravity points towards a wall or walls move, the whole calendar is built again.
     pub(super) fn new_epoch(&mut self, work: &mut Work<Recent>, time: f64) -> Result<(), Failure> {
         let (scene, horizon) = (work.scene, self.horizon - self.now);
         if across_walls(scene) != Vector3::zeros() || scene.has_moving_walls() {
@@ -264,7 +268,8 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// True if the particle may touch a wall before it leaves its shell (ball in which its neighbour list is valid).
+    /// True if the particle at an index may touch a wall before it leaves its shell (ball in which its neighbour list
+    /// is valid) or the epoch ends.
     pub(super) fn at_wall(&self, place: usize, scene: &Scene) -> bool {
         if scene.walls.is_empty() {
             return false;
@@ -284,17 +289,18 @@ impl GlobalCalendar {
     }
 }
 
-/// [m/s²] component of gravity that is not parallel to the walls and moves particles towards them.
+/// [m/s²] component of gravity perpendicular to the walls, which moves particles towards them; zero if gravity is
+/// parallel to all walls.
 fn across_walls(scene: &Scene) -> Vector3<f64> {
     scene.gravity - along_walls(scene, scene.gravity)
 }
 
-/// Compares two classes of particles: by radius, and at equal radii by mass.
+/// Order of two classes of particles (combinations of radius and mass): by radius, and at equal radii by mass.
 fn by_size(a: &RadiusClass, b: &RadiusClass) -> Ordering {
     a.radius.total_cmp(&b.radius).then(a.mass.total_cmp(&b.mass))
 }
 
-/// All different combinations of radius and mass, in ascending order.
+/// All different combinations of radius and mass among the particles, in ascending order.
 fn kinds(particles: &Particles) -> Vec<RadiusClass> {
     let tidy = |kinds: &mut Vec<RadiusClass>| {
         kinds.sort_unstable_by(by_size);
@@ -314,8 +320,8 @@ fn kinds(particles: &Particles) -> Vec<RadiusClass> {
     kinds
 }
 
-/// Divides particles into groups whose sizes are within a factor of two, as for the shells (balls in which neighbour
-/// lists are valid). Returns for each group the number density [1/m³] and the largest diameter [m].
+/// Divides particles into groups in which the largest radius is at most twice the smallest, as the grids of shells do.
+/// Returns for each group the number density [1/m³] and the largest diameter [m]; `volume` [m³] is that of the box.
 fn crowds(bodies: &[FlightState], kinds: &[RadiusClass], volume: f64) -> Vec<(f64, f64)> {
     let mut counts = vec![0u32; kinds.len()];
     for body in bodies {
@@ -333,11 +339,13 @@ fn crowds(bodies: &[FlightState], kinds: &[RadiusClass], volume: f64) -> Vec<(f6
     crowds
 }
 
-/// Distance [m] that a particle may move from the centre of its shell (ball in which its neighbour list is valid). It
-/// is the distance with the lowest cost, computed with fixed weights in ns on one core. The weights serve only for this
-/// choice, not for a prediction of run times.
+/// Distance [m] that a particle may move from the centre of its shell (ball in which its neighbour list is valid). A
+/// larger distance needs fewer new shells but longer lists. The cheapest distance is taken, by fixed weights that serve
+/// only for this choice, not for a prediction of run times. `crowds` contains number densities [1/m³] and largest
+/// diameters [m] of groups of similar size.
 fn margin(particles: &Particles, crowds: &[(f64, f64)], scene: &Scene) -> f64 {
-    /// [ns] cost of making a new shell: a fixed part, the cost per distance computed, and the cost per neighbour.
+    /// [ns] cost of making a new shell (ball in which a neighbour list is valid): a fixed part, the cost per distance
+    /// computed, and the cost per neighbour.
     const SHELL: [f64; 3] = [200.0, 3.0, 12.0];
     /// [ns] cost of predicting the events of a particle: a fixed part, and the cost per neighbour (tested in groups of
     /// four). Without groups the second value was 7.0. With 7.0 instead of 3.5, dense gases take 1.03 to 1.05 times as

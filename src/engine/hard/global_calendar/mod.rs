@@ -45,41 +45,45 @@ use walls::WallContacts;
 /// A log of this length stays in the processor's cache.
 const KEPT_IMPACTS: usize = 1 << 8;
 
-/// The event queue of all particles, with their flights, shells (balls in which neighbour lists are valid) and
-/// collision histories.
+/// The event queue of all particles, with copies of their flights, their neighbour lists and their collision histories.
+/// Times are counted from the instant called epoch.
 #[derive(Clone, Default, Serialize, Deserialize)]
 pub struct GlobalCalendar {
     frame: FallingFrame,
-    /// Present time [s] since the epoch (zero of the calendar's time).
+    /// Present time [s], counted from the epoch.
     now: f64,
-    /// Time [s] since the epoch (zero of the calendar's time) at which a new epoch must begin.
+    /// Time [s] since the epoch at which a new epoch must begin, because rounding errors of times grow and the frame
+    /// falls.
     limit: f64,
-    /// Time [s] since the epoch (zero of the calendar's time) up to which events are predicted and queued. It is the
-    /// end of the time window if drag changes velocities in every window, otherwise infinite.
+    /// Time [s] since the epoch up to which events are predicted and queued. It is the end of the window if drag
+    /// changes velocities after every window, otherwise infinite.
     horizon: f64,
-    /// Simulated time [s] of the epoch (zero of the calendar's time), by which the images of a sheared box slide.
+    /// Simulated time [s] at the epoch, the instant from which the calendar counts times. The places of moving walls
+    /// and of the images of a sheared box follow from it.
     epoch: f64,
     bodies: Vec<FlightState>,
     next_events: Vec<NextEvents>,
     ids: Vec<u32>,
-    /// Collision history of each particle, by which inelastic collapse is detected.
+    /// Collision history of each particle, by particle index, by which inelastic collapse (infinitely many impacts in
+    /// finite time) is detected.
     met: Vec<LastCollision>,
     shells: Shells,
-    /// Time [s] since the epoch (zero of the calendar's time) up to which neighbour lists across the sheared sides of the
-    /// box hold; infinite without shear.
+    /// Time [s] since the epoch until which neighbour lists across the sheared sides of the box are valid, since images
+    /// slide there; infinite without shear.
     fresh_until: f64,
-    /// True for axes along which the box is so short that a pair may touch through an image other than the nearest one.
+    /// True for each periodic axis along which the box is so short that a pair may touch through an image other than
+    /// the nearest one.
     far_images: [bool; 3],
-    /// Total number of shells (balls in which neighbour lists are valid) made at the time when the particle store was
-    /// last sorted.
+    /// Number of shells (balls in which neighbour lists are valid) that had been made when the particle store was last
+    /// sorted.
     sorted_at: u64,
-    /// Number of impulses applied so far.
+    /// Number of collisions so far.
     pub events: u64,
     /// Number of touch times computed so far.
     foretold: u64,
-    /// Number of complete rebuilds of the calendar so far.
+    /// Number of times that the event queue of all particles, with all neighbour lists, was built so far.
     pub builds: u64,
-    /// Wall-clock time spent on complete rebuilds so far.
+    /// Wall-clock time that building the event queue and all neighbour lists has taken so far.
     pub building: Duration,
     #[serde(skip)]
     agenda: EventQueue,
@@ -88,42 +92,44 @@ pub struct GlobalCalendar {
     /// True if the data that snapshots of a run do not contain (event queue, cells, walls) have been computed.
     #[serde(skip)]
     ready: bool,
-    /// Contact time t_c [s] of the TC model: a collision is elastic if either particle collided less than t_c before.
+    /// Contact time t_c [s] of the TC model, in which a collision is elastic if either particle collided less than t_c
+    /// before; `None` without this model.
     #[serde(skip)]
     pub contact_time: Option<f64>,
-    /// Clock that measures the wall-clock time of rebuilds.
+    /// Clock that measures the wall-clock time of building the event queue, and receives the progress of the run.
     #[serde(skip)]
     pub clock: Clock,
 }
 
-/// A time window of the run, with its end also given as a time since the epoch (zero of the calendar's time).
+/// A window (time between two exchanges with the gas), with its end in simulated time and in the time of the calendar,
+/// which is counted from the epoch.
 #[derive(Clone, Copy)]
 struct CalendarWindow {
     window: Window,
-    /// End of the time window [s] since the epoch (zero of the calendar's time).
+    /// End of the window [s] since the epoch.
     end: f64,
 }
 
 impl CalendarWindow {
-    /// Time [s] that remains until the end of the time window, at `now` [s] since the epoch (zero of the calendar's
-    /// time).
+    /// Time [s] from `now` [s] since the epoch to the end of the window.
     fn left(&self, now: f64) -> f64 {
         self.end - now
     }
 
-    /// Simulated time [s] that corresponds to `now` [s] since the epoch (zero of the calendar's time).
+    /// Simulated time [s] at `now` [s] since the epoch.
     fn time(&self, now: f64) -> f64 {
         self.window.start + (self.window.duration - self.left(now))
     }
 }
 
 impl GlobalCalendar {
-    /// Moves all particles through a window. `outdated` must be true if islands have moved particles since the last
-    /// call. The collision histories then contain only recent collisions.
+    /// Moves all particles through a window, the time between two exchanges with the gas. `outdated` must be true if
+    /// islands have moved particles since the last call; collision histories are then taken from `work.lasting`, which
+    /// contains recent collisions only.
     ///
     /// # Errors
-    /// Inelastic collapse, or values that are not finite numbers; the store then contains the state at the time of the
-    /// error.
+    /// Inelastic collapse, or velocities that are not finite numbers; the store then contains the state at the time of
+    /// the error.
     pub fn run(&mut self, work: &mut Work<Recent>, window: Window, outdated: bool) -> Result<(), Failure> {
         self.begin(work, window, outdated)?;
         for met in &mut self.met {
@@ -165,8 +171,8 @@ impl GlobalCalendar {
         }
     }
 
-    /// Prefetches the data of the next events into the cache. Data are fetched in stages, one event apart: first a
-    /// particle, then its partner and its neighbour list, then the neighbours.
+    /// Prefetches the data of the next events into the processor's cache. Data are fetched in stages, one event apart:
+    /// first a particle, then its partner and its neighbour list, then the neighbours.
     fn fetch_ahead(&self) {
         let upcoming = |after| self.agenda.upcoming(after).map(|place| &self.next_events[place as usize]);
         if let Some(place) = self.agenda.upcoming(3) {
@@ -201,7 +207,8 @@ impl GlobalCalendar {
         self.shells.neighbours(&card.shell).iter().for_each(|&k| prefetch_index(&self.bodies, k as usize));
     }
 
-    /// Processes the next event of a particle.
+    /// Processes the next event of the particle at index `place`, whose time has come: a collision, a new shell, or the
+    /// second event if the first is void. Predicts the next events of all particles concerned.
     fn event(&mut self, place: u32, work: &mut Work<Recent>, span: &CalendarWindow) -> Result<(), Failure> {
         let scene = work.scene;
         let NextEvents { next, detail, .. } = self.next_events[place as usize];
@@ -228,8 +235,9 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// Relative position and velocity of two bodies, both at the present time. For a wall, `struck` is the number of
-    /// the surface feature (such as a triangle) that is touched.
+    /// Position and velocity of particle `couple.i` relative to the other body at the present time, to which both
+    /// flights must have been advanced. For a wall, `struck` is the number of the surface feature (such as a triangle)
+    /// that is touched.
     fn meet(&self, couple: &Couple, struck: u32, scene: &Scene) -> Encounter {
         let body = &self.bodies[couple.i as usize];
         let radius = self.shells.radius(body);
@@ -255,7 +263,8 @@ impl GlobalCalendar {
         Encounter { normal, gap, velocity, normal_velocity: velocity.dot(&normal) }
     }
 
-    /// Motion of the wall's surface at the point of contact; `None` for a pair of particles.
+    /// Motion of the wall's surface at the point of contact at the present time: velocity, spin and accelerations.
+    /// `None` for a pair of particles.
     fn wall_motion(&self, couple: &Couple, met: &Encounter, scene: &Scene) -> Option<WallMotion> {
         let Other::Wall(at) = couple.other else { return None };
         let (wall, body) = (&scene.walls[at.wall as usize], &self.bodies[couple.i as usize]);
@@ -296,7 +305,8 @@ impl GlobalCalendar {
         self.watch(&collision, scene, time)
     }
 
-    /// Velocity [m/s] along z of the image of the other particle that a particle meets, relative to the other particle.
+    /// Velocity [m/s] along z of the periodic image that particle `couple.i` hits, relative to the stored other
+    /// particle. It is 0 unless the two meet across a sheared side of the box.
     fn image_velocity(&self, couple: &Couple, met: &Encounter, scene: &Scene) -> f64 {
         let Some(j) = couple.j() else { return 0.0 };
         let own = self.bodies[couple.i as usize].velocity.z - self.bodies[j as usize].velocity.z;
@@ -314,13 +324,15 @@ impl GlobalCalendar {
         }
     }
 
-    /// True if one of the partners collided less than the contact time before simulated time `time` [s].
+    /// True if the TC model makes a collision of these bodies at simulated time `time` [s] elastic: one of them
+    /// collided less than the contact time before.
     fn in_contact(&self, couple: &Couple, time: f64) -> bool {
         let Some(contact_time) = self.contact_time else { return false };
         couple.places().into_iter().flatten().any(|i| time - self.met[i as usize].last < contact_time)
     }
 
-    /// Records a collision in the histories of both partners. Returns an error if it shows inelastic collapse.
+    /// Adds a collision at simulated time `time` [s] to the histories of both partners. Returns an error if the
+    /// histories show an inelastic collapse (infinitely many impacts in finite time).
     fn watch(&mut self, collision: &Collision, scene: &Scene, time: f64) -> Result<(), Failure> {
         let couple = collision.couple;
         for i in couple.places().into_iter().flatten() {
@@ -340,24 +352,25 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// Particles that collided less than the contact time before simulated time `time` [s], each with the time of its
-    /// last collision. Empty without a contact time.
+    /// Last collisions of all particles that collided less than the contact time of the TC model before simulated time
+    /// `time` [s]. Empty without a contact time.
     pub fn recent(&self, time: f64) -> impl Iterator<Item = Recent> {
         recent(self.met.iter(), self.contact_time, time)
     }
 
-    /// Number of touch times and distances computed so far, as a measure of work.
+    /// Number of touch times and of distances between shells computed so far, as a measure of work.
     pub fn pair_checks(&self) -> u64 {
         self.foretold + self.shells.checks
     }
 
-    /// Copy of the calendar for a snapshot of the run. It does not depend on the order in which the lists were built.
+    /// Copy of this event queue of all particles for a snapshot of the run. It does not depend on the order in which
+    /// the lists were built.
     pub fn state(&self) -> Self {
         let (shells, next_events) = self.shells.tidy(&self.next_events);
         Self { shells, next_events, agenda: EventQueue::default(), ..self.clone() }
     }
 
-    /// Continues from the stored state of a calendar with equal settings, as `state` returns it.
+    /// Continues from a state that `state` has returned; clock and contact time stay as they are.
     pub fn resume(&mut self, state: Self) {
         let (clock, contact_time) = (self.clock.clone(), self.contact_time);
         *self = Self { clock, contact_time, ..state };

@@ -1,28 +1,31 @@
-//! Flight and next events of one particle, as the calendar (the event queue of all particles) stores them. The epoch is
-//! the instant from which the calendar counts times.
+//! Flight and next events of one particle, as the calendar (the event queue of all particles) stores them. Times are
+//! counted from the instant called epoch.
 
 use super::shells::Shell;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Flight of one particle. The data that a test for touches reads of a neighbour are in one cache line.
+/// Straight flight of one particle. All data that the prediction of touches reads of a neighbour fit into one cache
+/// line.
 #[repr(align(64))]
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct FlightState {
-    /// Position [m] of the particle at the time `time`, in the falling frame of the calendar.
+    /// Position [m] of the particle at the time `time`, in the frame that falls with gravity. It may be outside the
+    /// box.
     pub position: Vector3<f64>,
-    /// Velocity [m/s] of the particle in the falling frame of the calendar.
+    /// Velocity [m/s] of the particle in the frame that falls with gravity.
     pub velocity: Vector3<f64>,
-    /// Time [s] at which the particle is at `position`, counted from the epoch (zero of the calendar's time).
+    /// Time [s] since the epoch at which the particle is at `position`; usually that of its last event.
     pub time: f64,
-    /// Number of the particle's class in the list of all combinations of radius and mass.
+    /// Number of the particle's combination of radius and mass in `Shells::kinds`.
     pub kind: u32,
-    /// Number of the particle's collisions so far, modulo 2³².
+    /// Number of the particle's collisions so far, modulo 2³². A change of this number shows that events predicted with
+    /// this particle are void.
     pub hits: u32,
 }
 
 impl FlightState {
-    /// Moves the particle along its flight to the time `now` [s].
+    /// Moves the particle along its flight to the time `now` [s] since the epoch.
     #[inline]
     pub fn advance(&mut self, now: f64) {
         self.position += self.velocity * (now - self.time);
@@ -30,56 +33,57 @@ impl FlightState {
     }
 }
 
-/// Kind of an event of a particle.
+/// Kind of a coming event of a particle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum EventKind {
-    /// Touch of the particle with this index. The event is valid if that particle does not collide before.
+    /// Touch of the particle with this index. The event is void if that particle collides before.
     Pair(u32),
-    /// Touch of the wall contact with this number; the contacts of all walls are numbered in the order of the scene.
+    /// Touch of the wall contact with this number. A wall may have several contacts, such as one for each side of a
+    /// box; those of all walls are numbered in the order of the scene.
     Wall(u32),
-    /// The particle leaves its shell (the ball in which its neighbour list is valid), so its neighbours must be
-    /// searched again.
+    /// The particle leaves its shell (the ball in which its neighbour list is valid), so it needs a new list.
     Leave,
-    /// No event occurs within the time for which events were predicted, so events must be predicted again.
+    /// No event up to the end of prediction; events must then be predicted again.
     Look,
 }
 
-/// The next two events of one particle and its shell (ball in which its neighbour list is valid), in a second cache
-/// line.
+/// The next two events of one particle, and its shell (ball in which its neighbour list is valid), in one cache line.
+/// Times are counted from the epoch.
 #[repr(align(64))]
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct NextEvents {
-    /// Time [s] of the next event since the epoch (zero of the calendar's time); infinite if there is none.
+    /// Time [s] of the next event since the epoch; infinite if there is none.
     pub time: f64,
-    /// Time [s] of the second event since the epoch (zero of the calendar's time).
+    /// Time [s] of the second event since the epoch; not later than `time` if no second event is stored.
     pub then: f64,
     /// Kind of the next event.
     pub next: EventKind,
-    /// The second event, which becomes the next if the partner of the first event has collided with another body.
+    /// Kind of the second event. It becomes the next event if the first is void, because its partner has collided with
+    /// another body.
     pub after: EventKind,
-    /// Detail of the next event. For a pair it is the number of collisions of the partner when the event was predicted.
-    /// For a wall it is the number of the surface feature that is touched.
+    /// Detail of the next event. For a pair it is the partner's number of collisions when the event was predicted. For
+    /// a wall it is the number of the surface feature (such as a triangle) that is touched.
     pub detail: u32,
-    /// Detail of the second event, with the meaning of `detail`.
+    /// Detail of the second event: number of collisions of the partner, or number of the surface feature of the wall.
     pub detail_after: u32,
-    /// Shell of the particle: the ball in which its neighbour list is valid.
+    /// Shell of the particle, the ball in which its neighbour list is valid.
     pub shell: Shell,
 }
 
 impl NextEvents {
-    /// Makes an entry for a particle without predicted events.
+    /// Makes the entry of a particle for which no events have been predicted yet.
     pub fn blank() -> Self {
         let (never, look) = (f64::INFINITY, EventKind::Look);
         Self { time: never, then: never, next: look, after: look, detail: 0, detail_after: 0, shell: Shell::default() }
     }
 
-    /// True if a second event is stored. It is later than the next event, and can replace it.
+    /// True if a second event is stored, which can replace the next event if that is void.
     #[inline]
     pub fn has_more(&self) -> bool {
         self.then > self.time
     }
 
-    /// Replaces the next event by the second one, after the next event was cancelled.
+    /// Replaces the next event by the second one, after the partner of the next event has collided with another body.
     #[inline]
     pub fn go_on(&mut self) {
         (self.time, self.next, self.detail) = (self.then, self.after, self.detail_after);

@@ -17,16 +17,16 @@ use crate::walls::Touch;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-/// An event of a particle, and the time [s] until it happens.
+/// A predicted event of a particle, with the time `wait` [s] from now until it happens.
 #[derive(Clone, Copy)]
 struct Event {
     wait: f64,
     next: EventKind,
-    /// Number of the surface feature of a wall that is touched; 0 for other events.
+    /// Number of the surface feature (such as a triangle) of a wall that is touched; 0 for other events.
     place: u32,
 }
 
-/// The earliest two events of a particle found so far.
+/// The earliest two of the events of a particle found so far.
 #[derive(Clone, Copy)]
 struct Events {
     first: Event,
@@ -34,8 +34,8 @@ struct Events {
 }
 
 impl Events {
-    /// Adds an event if it is one of the earliest two. If two touches have equal times, the one with the lower id of
-    /// the partner comes first.
+    /// Adds an event if it is earlier than one of the two. If touches of two particles have equal times, that of the
+    /// partner with the lower id comes first. `ids` contains the id of each particle.
     #[inline]
     fn offer(&mut self, event: Event, ids: &[u32]) {
         let before = |other: &Event| match (event.next, other.next) {
@@ -50,7 +50,8 @@ impl Events {
     }
 }
 
-/// Number of groups of four neighbours that are tested before the times of touch with their members are computed.
+/// Number of groups of four neighbours that are tested in a row before times of touch are computed for those that come
+/// near.
 const AT_ONCE: usize = 4;
 
 /// [-] smallest resolvable rate of approach, divided by the distance and by the sum of both speeds. A slower approach
@@ -58,7 +59,8 @@ const AT_ONCE: usize = 4;
 const RESOLUTION: f64 = 4.0 * f64::EPSILON;
 
 impl GlobalCalendar {
-    /// Predicts the events of one particle, whose flight state must be at the present time.
+    /// Predicts the next two events of one particle and puts the first into the event queue. The flight of the particle
+    /// must have been advanced to the present time.
     #[inline]
     pub(super) fn predict_events(&mut self, place: u32, scene: &Scene) {
         let events = self.next_events(place, scene);
@@ -67,7 +69,8 @@ impl GlobalCalendar {
         self.file(place);
     }
 
-    /// Adds the next event of a particle to the queue, if it is earlier than the horizon (the end of prediction).
+    /// Puts the next event of a particle into the event queue. Events after the horizon, the time up to which events
+    /// are predicted, are left out.
     #[inline]
     pub(super) fn file(&mut self, place: u32) {
         if self.next_events[place as usize].time < self.horizon {
@@ -75,7 +78,8 @@ impl GlobalCalendar {
         }
     }
 
-    /// Predicts the events of all particles, whose flight states must be at the present time.
+    /// Predicts the next two events of every particle, without filling the event queue. All flights must have been
+    /// advanced to the present time.
     pub(super) fn foretell_all(&mut self, scene: &Scene) {
         let count = self.bodies.len();
         self.foretold += self.next_events.iter().map(|card| u64::from(card.shell.count())).sum::<u64>();
@@ -111,9 +115,9 @@ impl GlobalCalendar {
         (card.detail, card.detail_after) = details;
     }
 
-    /// The earliest two events of a particle. The candidates are the exit from its shell (ball in which its neighbour
-    /// list is valid), the end of prediction (the horizon), and all touches. A second event is stored only if the first
-    /// is a touch.
+    /// Finds the earliest two events of a particle. The candidates are the exit from its shell (ball in which its
+    /// neighbour list is valid), the end of prediction, and all touches. Only a touch has a second event; otherwise
+    /// both events are equal.
     #[inline]
     fn next_events(&self, place: u32, scene: &Scene) -> Events {
         let (body, shell) = (&self.bodies[place as usize], &self.next_events[place as usize].shell);
@@ -133,7 +137,7 @@ impl GlobalCalendar {
         events
     }
 
-    /// Adds to `events` all touches of a particle with walls.
+    /// Adds to `events` the coming touches of a particle with walls, if they are among the earliest two events.
     fn at_walls(&self, body: &FlightState, scene: &Scene, events: &mut Events) {
         let mut flight = self.frame.flight(&body.position, &body.velocity, self.now);
         flight.position = scene.domain.wrap(&flight.position);
@@ -157,7 +161,8 @@ impl GlobalCalendar {
         near.into_iter().flat_map(|wall| self.walls.of_wall(wall)).for_each(&mut ask);
     }
 
-    /// Adds to `events` all touches of a particle with the nearest images of its neighbours.
+    /// Adds to `events` the coming touches of a particle with the nearest images of its neighbours. The processor's
+    /// vector instructions are used if it has them.
     #[inline]
     fn touches(&self, body: &FlightState, shell: &Shell, domain: &Domain, events: &mut Events) {
         let view = ObservingParticle {
@@ -189,8 +194,9 @@ impl GlobalCalendar {
         self.touches_by(body, shell, |others, touch| view.one_by_one(others, touch, soon), events);
     }
 
-    /// Adds to `events` all touches with neighbours, which are tested four at a time. The neighbours that touch soon
-    /// enough are selected first. This needs no branches, of which the processor would mispredict every second one.
+    /// Adds to `events` the coming touches of a particle with its neighbours. The function `look` tests four neighbours
+    /// at a time and marks those that may touch soon enough; only for these a time of touch is computed. Marking needs
+    /// no branches, of which the processor would mispredict every second one.
     #[inline(always)]
     fn touches_by(
         &self,
@@ -228,8 +234,8 @@ impl GlobalCalendar {
         &self.bodies[place as usize]
     }
 
-    /// Adds to `events` the touch with an approaching neighbour. The neighbour is given by its number in the group of
-    /// four, and by its particle index.
+    /// Adds to `events` the touch of a particle with one approaching neighbour. `k` is the number of the neighbour in
+    /// the group `four`, and `place` its particle index.
     #[inline(always)]
     fn touch(&self, body: &FlightState, four: &FourNeighbours, (k, place): (usize, u32), events: &mut Events) {
         let (closing, gap, discriminant) = (four.closing[k], four.gap[k], four.discriminant[k]);
@@ -246,8 +252,8 @@ impl GlobalCalendar {
         }
     }
 
-    /// Adds to `events` all touches with neighbours across sheared sides, or in a short box, in which images other than
-    /// the nearest may touch.
+    /// Adds to `events` the coming touches of a particle with all images of its neighbours. This is needed near sheared
+    /// sides, and in a box so short that images other than the nearest may touch.
     fn all_images(&self, body: &FlightState, neighbours: &[u32], scene: &Scene, events: &mut Events) {
         let (size, domain) = (&scene.domain.size, self.domain(scene));
         for &j in neighbours {
@@ -270,8 +276,8 @@ impl GlobalCalendar {
     }
 }
 
-/// Time [s] until a particle is `margin` [m] away from the centre of its shell (ball in which its neighbour list is
-/// valid); infinite if the particle does not move.
+/// Time [s] until a particle is `margin` [m] away from the centre [m] of its shell (ball in which its neighbour list is
+/// valid). It is infinite if the particle does not move in the falling frame.
 fn leave(body: &FlightState, centre: &Vector3<f64>, margin: f64) -> f64 {
     let from = body.position - centre;
     let (along, square) = (from.dot(&body.velocity), body.velocity.norm_squared());

@@ -20,19 +20,18 @@ use serde::{Deserialize, Serialize};
 pub struct Shell {
     /// Centre [m] of the shell, inside the box; in single precision, as in the grid of cells.
     centre: [f32; 3],
-    /// Location of the list: the neighbours are `near[first .. first + count]`; `room` is the size number of the memory
-    /// block.
+    /// Location of the list in `Shells::near`: the neighbours are `near[first .. first + count]`. `room` is the size
+    /// number of the memory block that starts at `first`.
     first: u32,
     count: u32,
     room: u8,
-    /// True if the particle may touch a wall before it leaves the shell (the ball in which its neighbour list is
-    /// valid).
+    /// True if the particle may touch a wall before it leaves the shell.
     pub at_wall: bool,
-    /// True if no periodic side lies between the particle and any of its neighbours.
+    /// True if no periodic side of the box lies between the particle and any of its neighbours.
     pub inside: bool,
 }
 
-/// Combination of radius and mass that several particles have in common.
+/// Class of particles: a combination of radius and mass.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RadiusClass {
     /// Radius [m] of each of these particles.
@@ -41,8 +40,8 @@ pub struct RadiusClass {
     pub mass: f64,
 }
 
-/// Grid with the shells of particles whose sizes are within a factor of two. A single grid for all sizes would have
-/// very many small particles in each cell.
+/// Grid with the shells of all particles in a range of radii whose largest is at most twice the smallest. A single grid
+/// for all sizes would have very many small particles in each cell.
 #[derive(Clone, Debug)]
 struct ShellLevel {
     cells: ShellGrid,
@@ -51,22 +50,21 @@ struct ShellLevel {
     largest: f64,
 }
 
-/// The shells of all particles.
+/// The shells of all particles (balls in which neighbour lists are valid), with the lists.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Shells {
-    /// Distance [m] that a particle may move from the centre of its shell (the ball in which its neighbour list is
-    /// valid).
+    /// Distance [m] that a particle may move from the centre of its shell before it needs a new list.
     pub margin: f64,
-    /// All different combinations of radius and mass, in ascending order.
+    /// All different combinations of radius and mass, in ascending order; `FlightState::kind` is an index of this list.
     pub kinds: Vec<RadiusClass>,
-    /// Neighbour lists of all particles; unused entries of a list contain the index of the particle to which it
+    /// Memory of all neighbour lists. Unused entries of a list contain the index of the particle to which the list
     /// belongs.
     near: Vec<u32>,
-    /// Total number of shells made so far.
+    /// Number of shells made since the start of the run.
     pub renewed: u64,
-    /// Number of distances computed so far.
+    /// Number of distances between shells computed since the start of the run.
     pub checks: u64,
-    /// Grids with the centres of shells, one for each range of particle sizes, the smallest first.
+    /// Grids with the centres of shells, one for each range of radii, in ascending order.
     #[serde(skip)]
     levels: Vec<ShellLevel>,
     /// Largest radius [m] of any particle.
@@ -77,17 +75,16 @@ pub struct Shells {
     smallest: f64,
     #[serde(skip)]
     found: Vec<u32>,
-    /// Mark of each particle, by which an update distinguishes old and new neighbours. The mark is twice the number
-    /// (modulo 2³¹) of the last update in which the particle was an old neighbour, plus one if the particle stays a
-    /// neighbour.
+    /// Mark of each particle, by which an update tells old from new neighbours. The mark is twice the number (modulo
+    /// 2³¹) of the last update in which the particle was an old neighbour, plus one if it stays a neighbour.
     #[serde(skip)]
     marks: Vec<u32>,
-    /// Free memory blocks between the neighbour lists.
+    /// Free memory blocks between the neighbour lists, which other lists may use.
     #[serde(skip)]
     free: ListPool,
 }
 
-/// Neighbour lists of several consecutive particles, before the lists are stored with those of other particles.
+/// Neighbour lists of some consecutive particles, before they are stored with those of other particles.
 #[derive(Default)]
 struct Lists {
     /// Neighbours of all these particles, list after list.
@@ -116,7 +113,6 @@ impl Shell {
         widened(&self.centre)
     }
 
-    /// Number of neighbours of the particle to which the shell belongs.
     #[inline]
     pub fn count(&self) -> u32 {
         self.count
@@ -124,7 +120,8 @@ impl Shell {
 }
 
 impl Shells {
-    /// Makes shells about the positions of all particles, which must be inside the box, and their neighbour lists.
+    /// Makes shells about the positions [m] of all particles, which must be inside the box, and their neighbour lists.
+    /// `at_wall` tells for each particle if it may touch a wall within its shell.
     pub fn build(&mut self, next_events: &mut [NextEvents], bodies: &[FlightState], domain: &Domain, at_wall: &[bool]) {
         for ((card, body), &at_wall) in next_events.iter_mut().zip(bodies).zip(at_wall) {
             card.shell = Shell { centre: rounded(&body.position), at_wall, ..Shell::default() };
@@ -151,13 +148,13 @@ impl Shells {
         self.renewed += bodies.len() as u64;
     }
 
-    /// Frees the memory of all lists and cells, before they are built again.
+    /// Frees the memory of all lists and cells, before these are made again.
     pub fn forget(&mut self) {
         (self.near, self.levels) = (Vec::new(), Vec::new());
         self.free.clear();
     }
 
-    /// Makes the neighbour lists of a chunk of particles.
+    /// Makes the neighbour lists of the particles in one chunk, a fixed number of consecutive particles.
     fn look_around_chunk(
         &self,
         chunk: usize,
@@ -174,8 +171,8 @@ impl Shells {
         lists
     }
 
-    /// Reserves memory for the lists in `parts`, after which the first `known` particles have lists. If the memory must
-    /// grow, it is made large enough for all `count` particles.
+    /// Reserves memory for the lists in `parts`, after which the first `known` particles have lists. If memory must
+    /// grow, it is made large enough for all `count` particles, by extrapolation.
     fn reserve(&mut self, parts: &[Lists], known: usize, count: usize) {
         let room: usize =
             parts.iter().flat_map(|lists| &lists.counts).map(|&count| size(room_for(count)) as usize).sum();
@@ -186,7 +183,7 @@ impl Shells {
         }
     }
 
-    /// Stores neighbour lists for the particles from index `first` on.
+    /// Stores the neighbour lists of consecutive particles, the first of which has the index `first`.
     fn hand_out(&mut self, lists: Lists, first: usize, next_events: &mut [NextEvents]) {
         self.checks += lists.checks;
         let mut near = lists.near.as_slice();
@@ -200,7 +197,8 @@ impl Shells {
         }
     }
 
-    /// Sorts the centres of the shells into cells, which snapshots of a run do not contain.
+    /// Makes the grids of cells and sorts the centres of all shells into them. Snapshots of a run do not contain the
+    /// grids, so this is also done when a run is resumed.
     pub fn fill_cells(&mut self, next_events: &[NextEvents], bodies: &[FlightState], domain: &Domain) {
         self.largest = self.kinds.iter().fold(0.0, |most: f64, kind| most.max(kind.radius));
         self.smallest = self.kinds.iter().fold(f64::INFINITY, |least: f64, kind| least.min(kind.radius));
@@ -223,15 +221,15 @@ impl Shells {
         }
     }
 
-    /// Number of the grid (level) to which a particle belongs by its size.
+    /// Number of the grid to which a particle belongs by its radius.
     #[inline]
     fn level(&self, body: &FlightState) -> usize {
         let radius = self.radius(body);
         self.levels.iter().take_while(|level| level.largest < radius).count()
     }
 
-    /// True if a shell's centre [m] is so far from all periodic sides that none lies between the particle and its
-    /// neighbours.
+    /// True if a shell's centre [m] is so far from all periodic sides of the box that none lies between the particle
+    /// and its neighbours.
     fn is_inside(&self, centre: &[f32; 3], domain: &Domain) -> bool {
         let reach = self.sight(domain);
         let within = |axis: usize| {
@@ -241,14 +239,13 @@ impl Shells {
         (0..3).all(|axis| !domain.periodic[axis] || within(axis))
     }
 
-    /// True if a shell is so near to a sheared side that neighbours may be across it.
+    /// True if a shell is so near to a sheared side of the box that its particle may have neighbours across that side.
     pub fn is_at_sheared_side(&self, shell: &Shell, domain: &Domain) -> bool {
         let (y, reach) = (f64::from(shell.centre[1]), self.sight(domain));
         domain.shear.is_some() && !(reach..domain.size.y - reach).contains(&y)
     }
 
-    /// [m] largest distance between the centres of two shells that overlap, and of any of their images across a sheared
-    /// side along y.
+    /// [m] distance between centres beyond which two shells never overlap, with an allowance for rounding.
     fn sight(&self, domain: &Domain) -> f64 {
         2.0 * (self.largest + self.margin) + 2.0 * ROUNDING * domain.size.max()
     }
@@ -283,7 +280,8 @@ impl Shells {
         &self.near[shell.first as usize..(shell.first + shell.count) as usize]
     }
 
-    /// Indices of the neighbours in groups of four; the index of the particle itself fills the last group.
+    /// Indices of the neighbours of a shell's particle in groups of four. If the last group is not full, the index of
+    /// the particle itself fills it.
     #[inline]
     pub fn in_fours(&self, shell: &Shell) -> &[[u32; 4]] {
         let end = shell.first + shell.count.next_multiple_of(4);
@@ -297,8 +295,8 @@ impl Shells {
         (first..last).step_by(PER_LINE).chain([last]).for_each(|at| prefetch_index(&self.near, at));
     }
 
-    /// Appends to `found` all particles whose shells overlap that of particle `i`, and some whose shells nearly do.
-    /// Returns the number of shells tested.
+    /// Appends to `found` the indices of all particles whose shells overlap that of particle `i`, and of some whose
+    /// shells nearly do. Returns the number of shells tested.
     fn look_around(
         &self,
         i: u32,
@@ -331,9 +329,9 @@ impl Shells {
         checks + self.look_across(i, next_events, bodies, domain, found)
     }
 
-    /// Appends to `found` all particles whose shells may overlap an image of that of particle `i` across a sheared side,
-    /// while images slide by [`SLIDE`] margins in either direction from their places in `domain`. Returns the number of shells
-    /// tested.
+    /// Appends to `found` the particles whose shells may overlap an image of the shell of particle `i` across a sheared
+    /// side. Images slide along that side by up to [`SLIDE`] margins in either direction from their places in `domain`.
+    /// Returns the number of shells tested.
     fn look_across(
         &self,
         i: u32,
@@ -363,7 +361,7 @@ impl Shells {
     }
 
     /// Makes a new shell about the position of particle `i`, which must be inside the box. Updates the neighbour lists
-    /// of `i` and of its old and new neighbours.
+    /// of `i`, of its old neighbours and of its new ones.
     pub fn update_neighbour_list(
         &mut self,
         i: u32,
@@ -421,8 +419,8 @@ impl Shells {
         self.renewed += 1;
     }
 
-    /// Returns the shell with another room (memory block): a free one of the given size, or a new one at the end of the
-    /// memory. The content of the new room is undefined.
+    /// Returns the shell with another memory block for its list: a free one with the size number `room`, or a new one
+    /// at the end of the memory. The old block becomes free; the new one still has arbitrary content.
     fn moved(&mut self, shell: &Shell, room: u8) -> Shell {
         self.free.give(shell.room, shell.first);
         let first = self.free.take(room).unwrap_or_else(|| {
@@ -461,8 +459,9 @@ impl Shells {
         shell.count += 1;
     }
 
-    /// Returns a copy in which all lists are in ascending order and without gaps between them, and the corresponding
-    /// `next_events`. Stored data must not depend on the order in which the lists were built.
+    /// Returns a copy of the shells, and of `next_events` with the new locations of the lists. In the copy all lists
+    /// are sorted and follow one another without gaps. Stored data then do not depend on the order in which lists were
+    /// built.
     pub fn tidy(&self, next_events: &[NextEvents]) -> (Self, Vec<NextEvents>) {
         let (mut near, mut next_events) = (Vec::new(), next_events.to_vec());
         for (place, NextEvents { shell, .. }) in (0..).zip(&mut next_events) {

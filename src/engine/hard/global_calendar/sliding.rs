@@ -12,18 +12,20 @@ use crate::particles::SideCrossings;
 use crate::scene::Scene;
 use std::borrow::Cow;
 
-/// [-] distance by which images slide in half an interval, over the margin of the shells. With 1 in place of 3, twice as
-/// many distances are computed in a gas of 1000 spheres at a volume fraction of 0.3.
+/// [-] distance by which images slide in half an interval (time for which lists are made), over the margin of the
+/// shells. With 1 in place of 3, twice as many distances are computed in a gas of 1000 spheres at a volume fraction of
+/// 0.3.
 pub const SLIDE: f64 = 3.0;
 
 impl GlobalCalendar {
-    /// The box with images at their present places.
+    /// The box with the images across its sheared sides at their present places; without shear, the box itself.
     #[inline]
     pub(super) fn domain<'a>(&self, scene: &'a Scene) -> Cow<'a, Domain> {
         scene.domain.at(self.epoch + self.now)
     }
 
-    /// The box with images in the middle of their way in the present interval.
+    /// The box with images at their places in the middle of the present interval, for which neighbour lists across
+    /// sheared sides are made.
     pub(super) fn domain_of_interval<'a>(&self, scene: &'a Scene) -> Cow<'a, Domain> {
         if scene.domain.shear.is_none() {
             return Cow::Borrowed(&scene.domain);
@@ -31,17 +33,18 @@ impl GlobalCalendar {
         scene.domain.at(self.epoch + (self.fresh_until - 0.5 * self.interval(scene)))
     }
 
-    /// Length [s] of an interval in which lists across sheared sides hold; infinite if no images slide.
+    /// Length [s] of an interval in which neighbour lists across sheared sides are valid; infinite if no images slide.
     fn interval(&self, scene: &Scene) -> f64 {
         2.0 * SLIDE * self.shells.margin / scene.domain.sliding().abs()
     }
 
-    /// Begins an interval at the present time.
+    /// Begins, at the present time, an interval in which neighbour lists across sheared sides are valid.
     pub(super) fn begin_interval(&mut self, scene: &Scene) {
         self.fresh_until = self.now + self.interval(scene);
     }
 
-    /// Moves a particle to the present time and into the box, and gives it a new shell.
+    /// Moves the particle at index `place` to the present time and into the box, and gives it a new shell (ball in
+    /// which its neighbour list is valid). Books the work of crossing a sheared side.
     pub(super) fn renew(&mut self, place: u32, work: &mut Work<Recent>) {
         let (now, scene) = (self.now, work.scene);
         let (domain, mass) = (self.domain(scene), self.shells.mass(&self.bodies[place as usize]));
@@ -57,8 +60,9 @@ impl GlobalCalendar {
         self.shells.update_neighbour_list(place, &mut self.next_events, &self.bodies, &domain, at_wall);
     }
 
-    /// Books with the opposite sign what wrapping the particle store has changed since the calendar wrote it: the flights
-    /// of the calendar continue outside the sheared sides until their shells end.
+    /// Takes back what wrapping the particle store into the box has booked in the ledger since the calendar wrote the
+    /// store. The calendar's own flights go on beyond the sheared sides; their crossings are booked when the particles
+    /// get new shells.
     pub(super) fn take_back_crossings(&self, work: &mut Work<Recent>) {
         if work.scene.domain.shear.is_none() {
             return;
@@ -73,8 +77,8 @@ impl GlobalCalendar {
         }
     }
 
-    /// Begins the next interval: makes the shells near the sheared sides anew, and predicts the events of their
-    /// particles.
+    /// Begins the next interval of sliding images: makes the shells near the sheared sides anew, and predicts the
+    /// events of their particles.
     pub(super) fn next_interval(&mut self, work: &mut Work<Recent>) {
         self.begin_interval(work.scene);
         for place in 0..self.next_events.len() as u32 {

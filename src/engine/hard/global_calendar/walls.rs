@@ -10,11 +10,11 @@ use std::ops::Range;
 /// near a point. A wall may have several contacts with a sphere, such as one for each side of a box.
 #[derive(Clone, Debug, Default)]
 pub struct WallContacts {
-    /// The contacts; events refer to them by their number in this list.
+    /// The contacts; a predicted touch of a wall refers to its contact by the number in this list.
     pub contacts: Vec<AtWall>,
-    /// Range of contact numbers of each wall. The contacts of all walls are numbered one after the other.
+    /// Range of the numbers of each wall's contacts in `contacts`, by the number of the wall.
     of: Vec<Range<u32>>,
-    /// Search structure for the walls near a position.
+    /// Search for the walls near a point.
     pub near: NearWalls,
 }
 
@@ -30,21 +30,22 @@ impl WallContacts {
         Self { contacts, of, near: NearWalls::of(&scene.walls) }
     }
 
-    /// Range of contact numbers that belong to a wall.
+    /// Range of the numbers in `contacts` that belong to the wall with the number `wall`.
     pub fn of_wall(&self, wall: u32) -> Range<u32> {
         self.of[wall as usize].clone()
     }
 }
 
 impl GlobalCalendar {
-    /// Time [s] from the instant of a wall to the present; 0 for a wall that does not move.
+    /// Time [s] from the instant for which the scene gives the place of a moving wall to the present; 0 for a wall that
+    /// does not move.
     #[inline]
     pub(super) fn ahead(&self, wall: &Wall) -> f64 {
         wall.moving.as_ref().map_or(0.0, |moving| self.epoch + self.now - moving.time())
     }
 
-    /// Largest distance [m] by which a wall moves from the place of its instant until the end of the epoch (time from one
-    /// zero of the calendar's time to the next).
+    /// Upper limit [m] of the distance by which a wall moves away from its place in the scene until the epoch of the
+    /// calendar ends; 0 for a wall that does not move.
     pub(super) fn travel(&self, wall: &Wall) -> f64 {
         wall.moving.as_ref().map_or(0.0, |moving| moving.travel(self.epoch + self.limit - moving.time()))
     }

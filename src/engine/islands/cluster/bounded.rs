@@ -12,34 +12,37 @@ use crate::neighbours::cells::CellGrid;
 use crate::work_sharing;
 use std::ops::{Deref, DerefMut};
 
-/// Number of contacts in progress beyond which all of them form one crowd (an island moved by uniform steps). In a step
-/// of an island a contact costs four times as much as in a uniform step. With so many contacts, some particles are in
-/// contact at any time, so an island of them would need steps all the time.
+/// Number of contacts in progress above which all of them form one crowd, an island moved by uniform steps. In a step
+/// of a usual island a contact costs four times as much as in a uniform step. With so many contacts, some particles
+/// touch at any time, so an island of them would need steps all the time.
 const MANY_CONTACTS: usize = 16;
 
 /// Number of islands whose surroundings a thread searches in one piece of work.
 const BATCH: usize = 16;
 
-/// Number of islands whose bystanders (particles that members might hit) a thread checks in one piece of work.
+/// Number of islands whose bystanders (particles that fly straight unless a member hits them) a thread checks in one
+/// piece of work.
 const MANY: usize = 512;
 
-/// Result of searching the surroundings of an island.
+/// Result of searching the surroundings of an island for particles that it may meet.
 enum Surroundings {
-    /// Indices of the cold particles that the island might hit.
+    /// The island meets no other island. The list contains the indices of its bystanders, particles that fly straight
+    /// unless a member hits them.
     Bystanders(Few),
-    /// Numbers of other islands that this island might meet. These are all such islands if islands may be crowds (large
-    /// islands moved by uniform steps), otherwise one of them.
+    /// Numbers of other islands that this island may meet. The list contains all of them if the engine takes crowds
+    /// (large islands moved by uniform steps), otherwise only one.
     Islands(Vec<usize>),
-    /// The island is too large to be solved in this part of a time window.
+    /// The island is too large for an interval of time of this length.
     TooLarge,
 }
 
-/// Islands that are found by upper limits on the flights of their members. All members and bystanders of an island are
-/// found before it is solved.
+/// Islands that are found by upper limits on the distances that their members may fly. All particles that an island may
+/// meet are found before it is solved.
 pub struct BoundedIslands<'a> {
     clusters: Clusters<'a>,
     limits: IslandLimits,
-    /// Cells into which the members were last sorted. Members added since are stored only at the end of `members`.
+    /// Cells into which the members were last sorted by the middles of their flights. Members that were added later are
+    /// not in the cells.
     grid: CellGrid,
     pub(super) sorted: Vec<u32>,
 }
@@ -79,7 +82,8 @@ impl<'a> IslandFinder<'a> for BoundedIslands<'a> {
         self.expand_all((0..self.list.len()).collect())
     }
 
-    /// Appends the pairs of a member (number `a`) and those later particles of its island whose balls overlap its ball.
+    /// Appends the pairs of a member with those later particles of its island whose balls overlap its ball. The ball of
+    /// a member contains its path after the first touch; that of a bystander contains its straight flight.
     fn list_pairs(&self, (a, member): (usize, &Member), (places, hot): (&[u32], usize), pairs: &mut Vec<Pair>) {
         // the ball is enlarged to allow for rounding, so that a touch at the very beginning is not lost
         let here = BoundingSphere { reach: member.ball.reach * (1.0 + 1e-9), ..member.ball };
@@ -117,7 +121,7 @@ impl<'a> IslandFinder<'a> for BoundedIslands<'a> {
 }
 
 impl BoundedIslands<'_> {
-    /// Sorts the members of all islands into cells by their positions.
+    /// Sorts the members of all islands into cells by the middles of their straight flights.
     pub(super) fn sort(&mut self) {
         let Clusters { search, members, widest, .. } = &self.clusters;
         let spacing = (search.region.volume() / members.len().max(1) as f64).cbrt();
@@ -127,8 +131,8 @@ impl BoundedIslands<'_> {
         self.grid.sort(members, |member| member.flight.middle, &search.region, edge, &mut self.sorted);
     }
 
-    /// Ball that contains a particle of an island. The ball of a member contains its motion after the first touch, and
-    /// the ball of a bystander (particle that members might hit) its whole straight flight.
+    /// Ball that contains a particle of an island, given by its index in the store. For a member it contains the path
+    /// after the first touch in the island, for a bystander the whole straight flight.
     fn ball_of(&self, place: u32, is_member: bool) -> BoundingSphere {
         match self.search.label[place as usize] {
             Some(label) if is_member => self.members[label.member()].ball,
@@ -136,10 +140,12 @@ impl BoundedIslands<'_> {
         }
     }
 
-    /// Searches the surroundings of islands until no two of them meet; then the bystanders (particles that members
-    /// might hit) of each island are known. Returns false if an island is too large. The searches of a round run in
-    /// parallel, and islands change only between rounds. Islands only grow, so the result does not depend on the order
-    /// of the searches.
+    /// Searches the surroundings of the islands `changed`, and unites islands until no two of them may meet. Then the
+    /// bystanders (particles that fly straight unless a member hits them) of each island are known. Returns false if an
+    /// island is too large.
+    ///
+    /// The searches of a round run in parallel, and islands change only between rounds. Islands only grow, so the
+    /// result does not depend on the order of the searches.
     fn expand_all(&mut self, changed: Vec<usize>) -> bool {
         let mut waiting = changed;
         while !waiting.is_empty() {
@@ -175,7 +181,7 @@ impl BoundedIslands<'_> {
         true
     }
 
-    /// Computes the reach of the members of those islands that have changed.
+    /// Computes the distances that members may reach, for those of the given islands that have changed.
     fn settle_changed(&mut self, islands: &[usize]) {
         for &which in islands {
             let cluster = &self.list[which];
@@ -185,8 +191,8 @@ impl BoundedIslands<'_> {
         }
     }
 
-    /// Adds all particles next to a crowd (large island moved by uniform steps) to the crowd, finds its bystanders, and
-    /// unites the crowd with islands that it may meet. Returns false if the crowd is too large.
+    /// Completes a crowd, an island moved by uniform steps. Particles next to it become members, islands that it may
+    /// meet are united with it, and the bystanders are found. Returns false if the crowd is too large.
     fn expand_crowd(&mut self, which: usize) -> bool {
         let mut which = which;
         while self.list[which].has_to_look() {
@@ -206,15 +212,16 @@ impl BoundedIslands<'_> {
         others.into_iter().fold(which, |which, other| self.unite(which, other))
     }
 
-    /// Stores the bystanders (particles that members might hit) of an island, after a search has shown that the island
-    /// meets no other island.
+    /// Stores the bystanders of an island (particles that fly straight unless a member hits them), after a search has
+    /// shown that the island meets no other one.
     fn has_seen(&mut self, which: usize, bystanders: Few) {
         let cluster = &mut self.list[which];
         cluster.bystanders = bystanders;
         cluster.seen = Some(cluster.version);
     }
 
-    /// Finds the particles and islands that the island `which` might hit.
+    /// Searches the surroundings of the island with the number `which` for particles and islands that its members might
+    /// hit.
     fn look_around(&self, which: usize) -> Surroundings {
         let cluster = &self.list[which];
         if cluster.is_too_large(self.limits.most) && !self.limits.crowds {
@@ -263,8 +270,9 @@ impl BoundedIslands<'_> {
         Surroundings::Bystanders(bystanders)
     }
 
-    /// Unites each island with those islands whose members were its bystanders (particles that members might hit)
-    /// before. `known` is the number of the first new member. Returns one member of each changed island.
+    /// Unites islands with those in which their bystanders have become members. A bystander is a particle that was
+    /// expected to fly straight. `known` is the number of members before the last changes. Returns a member of each
+    /// united island.
     fn unite_with_bystanders(&mut self, known: usize) -> Vec<u32> {
         let mut changed = Vec::new();
         if self.members.len() == known {
@@ -300,14 +308,13 @@ impl BoundedIslands<'_> {
 }
 
 impl Cluster {
-    /// True if the island is a crowd (large island moved by uniform steps), or if it has too many members. The limit is
-    /// the larger of `most` and twice the number of its contacts in progress. A shorter part of the time window would
-    /// not reduce the number of contacts.
+    /// True if the island is a crowd (an island moved by uniform steps), or has more members than `most` and than twice
+    /// the number of its contacts in progress. A shorter interval of time would not reduce the number of contacts.
     fn is_too_large(&self, most: usize) -> bool {
         self.is_crowd() || self.hot.len() > most.max(2 * self.carried.len())
     }
 
-    /// True if the island has changed since its surroundings were last searched, so that a new search is needed.
+    /// True if the island has changed since its surroundings were last searched.
     fn has_to_look(&self) -> bool {
         self.alive && self.seen != Some(self.version)
     }

@@ -1,12 +1,12 @@
-//! Growth of a crowd, which is an island so large that it is moved by uniform steps. Particles next to the crowd are
-//! added to it, so that it need not be solved again when it pushes them.
+//! Growth of a crowd, an island so large that it is moved by uniform steps. Particles next to the crowd are added to
+//! it, so that it need not be solved again when it pushes them.
 
 use super::Member;
 use super::bounded::BoundedIslands;
 
-/// [-] gap between a crowd's member and another particle, divided by the distance of their centres at touch. Particles
-/// with a smaller gap are added to the crowd (large island moved by uniform steps). In a gas few particles are so near,
-/// so this costs little. Without the rule, the crowd would be solved again for each particle that it pushes.
+/// [-] largest gap between a member of a crowd and a particle that is added to the crowd, over the distance of their
+/// centres at touch. In a gas few particles are so near, so this costs little. Without the rule, the crowd would be
+/// solved again for each particle that it pushes.
 const BESIDE: f64 = 0.05;
 
 /// Number of late members, in excess of an eighth of the members in cells, above which all members are sorted into
@@ -14,10 +14,10 @@ const BESIDE: f64 = 0.05;
 const MANY_LATE: usize = 64;
 
 impl BoundedIslands<'_> {
-    /// Adds to a crowd (large island moved by uniform steps) all particles next to its members, then those next to the
-    /// new members, and so on. A new member may raise the speed limits and so the reach of all members. The
-    /// surroundings of members whose reach has grown are searched again, so that the result does not depend on the
-    /// order of the searches.
+    /// Adds to the crowd `which` (an island moved by uniform steps) all particles next to its members, then those next
+    /// to the new members, and so on. A new member may raise the speed limits and so the distances that all members may
+    /// reach. The surroundings of members that may reach farther are then searched again, so that the result does not
+    /// depend on the order of the searches.
     pub(super) fn take_in_beside(&mut self, which: usize) {
         loop {
             let before = self.list[which].hot.len();
@@ -39,7 +39,7 @@ impl BoundedIslands<'_> {
         }
     }
 
-    /// Makes a particle, given by its index in the particle store, a member of the crowd `which`.
+    /// Makes the particle with the index `place` in the store a member of the crowd `which`, if it is in no island.
     fn take_in(&mut self, which: usize, place: u32) {
         if self.search.label[place as usize].is_none() {
             let alone = self.cluster_of(place);
@@ -49,9 +49,8 @@ impl BoundedIslands<'_> {
         }
     }
 
-    /// Indices of the particles in no island that are next to a member of a crowd (large island moved by uniform steps)
-    /// and might be hit by this member. Empty if the surroundings of the member were already searched with its present
-    /// reach.
+    /// Indices of the particles that are next to a member of a crowd, in no island, and within its reach. Empty if this
+    /// member has already been searched with its present reach.
     fn find_beside(&mut self, member: u32) -> Vec<u32> {
         let Member { place, ball, took_in, .. } = self.members[member as usize];
         let mut beside = Vec::new();
@@ -73,7 +72,8 @@ impl BoundedIslands<'_> {
         beside
     }
 
-    /// True if two particles, given by index, are so near that one may soon be pushed against the other.
+    /// True if the gap between two particles, given by index, is so small that one may soon be pushed against the
+    /// other.
     fn is_beside(&self, one: u32, other: u32) -> bool {
         let [a, b] =
             [one, other].map(|place| (self.particles.position[place as usize], self.particles.radius[place as usize]));

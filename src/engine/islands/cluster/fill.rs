@@ -1,5 +1,5 @@
-//! Copying of an island (a group of particles that may meet) into a small scene, with its particles and the pairs that
-//! may touch.
+//! Copying of an island (a group of particles that may meet) into a small scene with its particles, and with the pairs
+//! and walls that may touch.
 
 use super::IslandFinder;
 use crate::encounter::AtWall;
@@ -8,9 +8,9 @@ use crate::neighbours::NearWall;
 use crate::scene::Scene;
 use nalgebra::Vector3;
 
-/// Copies the island `which` into the small scene `island`, without the state carried from earlier parts of a time
-/// window. `fallen` [m/s] is the velocity that gravity has added to the velocities of the particle store since the
-/// window began.
+/// Copies the island with the number `which` into the small scene `island`, but not its contacts in progress. `fallen`
+/// [m/s] is the velocity that gravity has added since the last exchange with the gas; the particle store does not
+/// contain it.
 pub fn fill<'a, C>(
     islands: &impl IslandFinder<'a>,
     which: usize,

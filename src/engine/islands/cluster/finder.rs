@@ -12,72 +12,78 @@ use crate::engine::islands::search::{BoundingSphere, FirstTouch};
 use crate::neighbours::Pair;
 use std::ops::{DerefMut, Range};
 
-/// Limits of the size of islands.
+/// Limits of the number of particles in an island (group of particles that may meet).
 #[derive(Clone, Copy)]
 pub struct IslandLimits {
     /// True if islands may be crowds, which are large islands moved by uniform steps.
     pub crowds: bool,
-    /// Largest number of members of an island that is not a crowd (large island moved by uniform steps).
+    /// Largest number of members of an island that is not moved by uniform steps.
     pub most: usize,
 }
 
-/// Way to find the particles that may meet within a part of a time window.
+/// Method that finds the particles that may meet within a part, a piece of the time between two exchanges with the gas.
+/// It groups them into islands, which an engine solves one by one.
 pub trait IslandFinder<'a>: DerefMut<Target = Clusters<'a>> + Sync + Sized {
-    /// Costs of islands that are found in this way.
+    /// Measured costs of islands that are found by this method.
     const COSTS: PartCosts;
 
-    /// True if, after a part had to be shortened, all later parts of the time window are at most as long.
+    /// True if, after an interval of time had to be shortened because an island was too large, the next intervals until
+    /// the exchange with the gas are not longer than it.
     const KEEPS_SHORTER: bool;
 
-    /// Makes a finder without islands.
+    /// Makes a finder from the data of a part, still without islands.
     fn new(clusters: Clusters<'a>, limits: IslandLimits) -> Self;
 
-    /// Returns the islands found so far.
+    /// Ends the search, and returns the islands found.
     fn into_clusters(self) -> Clusters<'a>;
 
-    /// Makes islands from all touches and from the carried state (such as contacts), whose energies [J] are given.
-    /// Returns false if an island is too large.
+    /// Makes islands of all particles that touch on straight flights or have a carried contact. `carried` contains the
+    /// one or two particles of each contact, and `energy` [J] the energy that it may give back. Returns false if an
+    /// island is too large.
     fn gather(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>) -> bool;
 
-    /// Appends the pairs of one member and those later particles of its island that it may touch. `member` is the
-    /// member with its local index. `island` contains the indices in the particle store of all particles of the island,
-    /// and the number of hot ones.
+    /// Appends to `pairs` the pairs of a member with the particles after it in its island that it may touch. `member`
+    /// is its local index and the member. `island` contains the store indices of all particles of the island, members
+    /// first, and the number of members.
     fn list_pairs(&self, member: (usize, &Member), island: (&[u32], usize), pairs: &mut Vec<Pair>);
 
-    /// Reserves memory for the trajectories of `members` particles.
+    /// Makes an empty store for the trajectories of `members` particles, with the memory reserved; without memory if
+    /// trajectories are not used.
     fn trajectories(_members: usize) -> MemberTrajectories {
         MemberTrajectories::default()
     }
 
-    /// Moves the trajectories of a solved island to `_trajectories`; does nothing if trajectories are not used.
+    /// Moves the trajectories of a solved island to the end of `_trajectories`; does nothing if trajectories are not
+    /// used.
     fn trace<C>(&self, _island: &mut Island<C>, _trajectories: &mut MemberTrajectories) {}
 
-    /// Stores the trajectories of the members of the island `_which`, which are the range `_ways` of those in
+    /// Stores the trajectories of the members of the solved island `_which`, which are the range `_ways` of those in
     /// `_trajectories`. Does nothing if trajectories are not used.
     fn follow(&mut self, _which: usize, _ways: Range<usize>, _trajectories: &MemberTrajectories) {}
 
-    /// Changes the islands that must be solved again, and unites islands that may meet. Returns the number of solved
-    /// islands whose results became invalid because these islands met others. An island is counted if its leader
-    /// (member with the smallest id) satisfies `mine`. Returns `None` if an island is too large.
+    /// Changes the islands in `retries`, and unites islands that may meet, before all these are solved again. Returns
+    /// the number of solved islands whose results became invalid because they met others; `None` if an island is too
+    /// large. Only islands are counted whose leader, the member with the smallest id, satisfies `mine`.
     fn next_round(&mut self, retries: Vec<(usize, Retry)>, mine: impl Fn(u32) -> bool) -> Option<u64>;
 
-    /// Velocity changes of a member; `None` if no trajectory is stored for it.
+    /// Velocity changes of a member in this part, in the order of time; `None` if its trajectory is unknown.
     fn velocity_changes(&self, _member: &Member) -> Option<&[VelocityChange]> {
         None
     }
 
-    /// True if a member may touch a particle of another island. `_place` is the index of that particle in the particle
-    /// store, and `_turns` are its velocity changes.
+    /// True if a member may touch a particle of another island. `_place` is the index of that particle in the store,
+    /// and `_turns` are its velocity changes; without trajectories the result is always true.
     fn may_meet(&self, _member: &Member, _place: u32, _turns: Option<&[VelocityChange]>) -> bool {
         true
     }
 
-    /// Members that are not yet sorted into cells, and that [`for_each_beside`](Self::for_each_beside) skips.
+    /// Members that were added after the last sort into cells, so that [`for_each_beside`](Self::for_each_beside) does
+    /// not find them.
     fn late(&self) -> &[Member] {
         &[]
     }
 
-    /// Calls `visit` with all members that may reach a ball, and with a few others. No member reaches farther than
-    /// `widest` [m] from the middle of its flight.
+    /// Calls `visit` with all members in cells that may come into a ball, and with a few others. `widest` [m] is the
+    /// largest distance of any member from the middle of its straight flight.
     fn for_each_beside(&self, ball: &BoundingSphere, widest: f64, visit: &mut dyn FnMut(&Member));
 }

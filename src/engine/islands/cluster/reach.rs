@@ -12,33 +12,32 @@ use nalgebra::Vector3;
 /// for a small gain of energy in contacts with finite time steps.
 const MARGIN: f64 = 1.05;
 
-/// Largest distances [m] that particles may reach, on straight flights and in islands.
+/// Largest distances [m] that particles may reach in a part, a piece of the time between two exchanges with the gas.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reach {
     /// Largest distance from the middle of a straight flight to any point of the flying particle.
     pub flight: f64,
-    /// Largest distance that a hot particle (member of an island) may reach from the middle of its straight flight.
+    /// Largest distance that a member of an island may reach from the middle of its straight flight.
     pub around: f64,
-    /// Largest radius of the ball in which a hot particle (member of an island) may be after the first touch of its
-    /// island.
+    /// Largest radius of the balls that contain the members of islands after the first touch in their island.
     pub ball: f64,
 }
 
 impl Reach {
-    /// Distance [m] around an island within which a process must store all particles. All flights and balls that may
-    /// meet the island are then stored, and the process can determine whether their particles are hot.
+    /// Distance [m] around an island within which a process must know all particles to solve it. All paths that may
+    /// meet the island are then known, and also which particles touch something on their straight flight.
     pub fn sight(&self) -> f64 {
         self.around.max(self.flight) + 2.0 * self.flight
     }
 
-    /// True if particles can meet only as nearest images. An image other than the nearest is at least half a period [m]
-    /// away.
+    /// True if two particles can meet only as nearest images. Other images are farther away than half the period of the
+    /// box, `half_period` [m].
     pub fn fits(&self, half_period: f64) -> bool {
         self.ball + self.around.max(self.flight) <= half_period
     }
 }
 
-/// The two largest of four values, which are given as two pairs in descending order.
+/// The two largest of the four values a, b, c and d, the largest first. Requires a ≥ b and c ≥ d.
 pub(super) fn two_largest([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
     if a >= c { [a, b.max(c)] } else { [c, d.max(a)] }
 }
@@ -60,9 +59,9 @@ pub(super) fn motion(particles: &Particles, frame: Vector3<f64>, place: u32) -> 
 }
 
 impl Clusters<'_> {
-    /// Speed limit [m/s] of a hot particle (member of an island): the lesser of two bounds. One bound follows from the
-    /// two largest energies in the island, the other from the two largest speeds. Both bounds are exact for two
-    /// particles. More particles rarely exceed the bounds; the island is then solved again with a higher limit.
+    /// Speed limit [m/s] of a member of an island, relative to the moving frame: the lesser of two bounds. One bound
+    /// follows from the two largest energies in the island, the other from the two largest speeds. Both bounds are
+    /// exact for two particles. More particles rarely exceed them; the island is then solved again with a higher limit.
     ///
     /// The two most energetic particles may give all their energy to one particle, which gives the first bound. For the
     /// second, let the two fastest have the speeds s₁ ≥ s₂. Their centre of mass is not faster than s₁, and relative to
@@ -81,8 +80,8 @@ impl Clusters<'_> {
         (of_energy.min(of_momentum) * MARGIN).max(cluster.floor) + self.fall
     }
 
-    /// Computes the reach of the members of all islands, in parallel. This is possible because the data of an island
-    /// depend only on its members, and the reach of a member only on its island.
+    /// Computes, for all islands in parallel, the distances that their members may reach. This is possible because the
+    /// data of an island depend only on its members, and those of a member only on its island.
     pub(super) fn settle_all(&mut self) {
         let mut clusters = std::mem::take(&mut self.list);
         work_sharing::for_each(clusters.chunks_mut(BATCH), |some| {
@@ -96,7 +95,7 @@ impl Clusters<'_> {
         self.members = members;
     }
 
-    /// Computes the distances that all members of an island may reach.
+    /// Computes the distances that the members of the island `which` may reach, after the island has changed.
     pub(super) fn settle(&mut self, which: usize) {
         let mut clusters = std::mem::take(&mut self.list);
         self.put_in_order(&mut clusters[which]);
@@ -106,16 +105,15 @@ impl Clusters<'_> {
         }
     }
 
-    /// Computes the distance that one member of an island may reach.
+    /// Computes the distance that the member with the number `member` may reach, after its island has changed.
     pub(super) fn settle_member(&mut self, member: u32) {
         let mut members = std::mem::take(&mut self.members);
         self.widest = self.widest.max(self.reach_out(&mut members[member as usize]));
         self.members = members;
     }
 
-    /// Sorts the members and the carried state (such as contacts) of an island. Also computes its largest energies and
-    /// speeds, and the sum of the energies of its carried state. The order does not depend on that of the particle
-    /// store, nor on the order in which islands were united.
+    /// Sorts the members and contacts of an island by id and number, and computes its largest energies and speeds. The
+    /// order does not depend on that of the particle store, nor on the order in which islands were united.
     fn put_in_order(&self, cluster: &mut Cluster) {
         cluster.hot.sort_unstable_by_key(|&member| self.particles.id[self.members[member as usize].place as usize]);
         cluster.carried.sort_unstable();
@@ -131,8 +129,8 @@ impl Clusters<'_> {
         cluster.settled = Some(cluster.version);
     }
 
-    /// Computes the ball in which a member of an island is after the first touch. Returns the distance [m] that the
-    /// member may reach from the middle of its straight flight.
+    /// Computes the ball that contains a member of an island after the first touch. Returns the largest distance [m]
+    /// that the member may reach from the middle of its straight flight.
     fn reach_out(&self, member: &mut Member) -> f64 {
         let (cluster, i) = (&self.list[member.cluster as usize], member.place as usize);
         member.flight = self.search.flights[i];
@@ -154,8 +152,8 @@ impl Clusters<'_> {
         Reach { flight: self.search.levels.largest_reach(), around: self.widest, ball }
     }
 
-    /// Distance [m] from an island to the border of the region whose particles this process stores; infinite if the
-    /// process stores all particles.
+    /// Distance [m] from the places that members of an island may reach to the border of the region whose particles
+    /// this process stores. It is negative if they reach beyond, and infinite if the process stores all particles.
     pub(super) fn room(&self, which: usize) -> f64 {
         if self.search.region.is_all() {
             return f64::INFINITY;
@@ -167,8 +165,8 @@ impl Clusters<'_> {
         members.map(room).fold(f64::INFINITY, f64::min)
     }
 
-    /// Smallest distance [m] from an island to the border of the region whose particles this process stores. Only
-    /// islands with a particle for which `chosen` is true are considered.
+    /// Smallest distance [m] from islands to the border of the region whose particles this process stores. Only islands
+    /// with a particle for which `chosen` is true, by its index, are considered. Infinite without such islands.
     pub fn least_room(&self, chosen: impl Fn(u32) -> bool) -> f64 {
         if self.search.region.is_all() {
             return f64::INFINITY;
@@ -177,14 +175,15 @@ impl Clusters<'_> {
         theirs.map(|which| self.room(which)).fold(f64::INFINITY, f64::min)
     }
 
-    /// True if the island contains a particle, given by index, for which `chosen` is true.
+    /// True if the island with the number `which` is in use and contains a particle for which `chosen` is true, by its
+    /// index.
     pub(in crate::engine) fn has(&self, which: usize, chosen: &impl Fn(u32) -> bool) -> bool {
         let Cluster { alive, hot, .. } = &self.list[which];
         *alive && hot.iter().any(|&member| chosen(self.members[member as usize].place))
     }
 
-    /// Index in the particle store of the member of island `which` with the smallest id. The process that owns this
-    /// particle counts the events of the island.
+    /// Index in the store of the leader of an island, its member with the smallest id; `None` if it has no members. The
+    /// process that owns the leader counts the events of the island.
     pub fn leader(&self, which: usize) -> Option<u32> {
         self.list[which].hot.first().map(|&member| self.members[member as usize].place)
     }
@@ -194,7 +193,8 @@ impl Clusters<'_> {
         self.domain
     }
 
-    /// Half the shortest period [m] of the box; infinite without periodic sides.
+    /// Half the shortest period [m] of the box, beyond which images other than the nearest could be hit; infinite
+    /// without periodic sides.
     pub fn half_period(&self) -> f64 {
         self.half_period
     }

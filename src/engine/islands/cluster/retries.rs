@@ -3,13 +3,13 @@
 use super::Clusters;
 use crate::engine::islands::batch::Retry;
 
-/// [-] ratio of the next speed limit to the observed speed, after a particle has exceeded its limit. With this ratio
-/// few repetitions are needed.
+/// [-] ratio of the new lower bound of the speed limits to the speed that a particle has reached, after that particle
+/// has exceeded its limit. With this ratio few repetitions are needed.
 const RAISE: f64 = 1.5;
 
 impl Clusters<'_> {
-    /// Changes the islands that have to be computed again, each as its [`Retry`] demands. The surroundings of islands
-    /// are searched again only afterwards, so the order of the changes does not matter. Returns one member of each
+    /// Changes the islands that must be solved again, given by their numbers. The surroundings of islands are searched
+    /// again only afterwards, so the order of the changes does not matter. Returns the number of one member of each
     /// changed island.
     pub(super) fn apply_retries(&mut self, retries: Vec<(usize, Retry)>) -> Vec<u32> {
         // members identify the islands, since an island may be united with another one before its change is applied
@@ -21,8 +21,8 @@ impl Clusters<'_> {
         retries.into_iter().map(|(member, _)| member).collect()
     }
 
-    /// Changes one island before it is solved again: a bystander (particle that members might hit) becomes a member, a
-    /// speed limit rises, or the island becomes a crowd (large island moved by uniform steps).
+    /// Changes the island of a member before it is solved again. A bystander that was hit becomes a member, a speed
+    /// limit rises, or the island becomes a crowd, which is moved by uniform steps.
     fn apply_retry(&mut self, member: u32, retry: &Retry) {
         let mut which = self.members[member as usize].cluster as usize;
         match retry {

@@ -1,5 +1,5 @@
 //! Islands (groups of particles that may meet) that are found by the trajectories of their members. They are used for
-//! engines that report velocity changes. After islands are solved, their trajectories show which of them meet.
+//! engines that report every velocity change. After islands are solved, their trajectories show which of them meet.
 //!
 //! Each island is first solved as if it were alone. Its trajectories may then meet those of another island, or a
 //! particle that was expected to fly straight. In that case both form one island, which is solved again. In the end
@@ -21,22 +21,21 @@ use crate::neighbours::region::Region;
 use crate::work_sharing;
 use std::ops::{Deref, DerefMut, Range};
 
-/// [-] tolerance relative to the lengths of both paths, because of rounding. Trajectories whose gap is smaller than
-/// this count as touching.
+/// [-] allowance for rounding, over the lengths of both paths: particles with a smaller gap count as touching.
 const NEARLY: f64 = 1e-9;
 
-/// Balls, sorted into cells, that contain the paths of some hot particles (members of islands) after their first
-/// velocity change.
+/// Balls, sorted into cells, each of which contains the path of a member of an island after its first velocity change.
 #[derive(Default)]
 pub struct DeflectedFlights {
-    /// Numbers of these particles among all members of islands.
+    /// For each ball, the number of its particle among the members of all islands.
     members: Vec<u32>,
     levels: SizeLevels,
     packed: PackedBalls,
 }
 
 impl DeflectedFlights {
-    /// Sorts into cells the balls of the members with the numbers `some`; the middles of the balls are in `region`.
+    /// Sorts into cells the balls of the members with the numbers `some` in the list `all`. The middles of the balls
+    /// must be in `region`.
     fn sort(&mut self, some: Vec<u32>, all: &[Member], region: &Region) {
         let ball = |k: usize| all[some[k] as usize].ball;
         self.levels.sort_alike(&some, |&k| all[k as usize].ball.middle, |k| ball(k).reach, region);
@@ -57,14 +56,15 @@ impl DeflectedFlights {
     }
 }
 
-/// Islands that are found by the trajectories of their members. The trajectories of solved islands show which islands
-/// meet.
+/// Islands that are found by solving them first: the trajectories of solved islands show which of them meet, and these
+/// are united and solved again.
 pub struct TracedIslands<'a> {
     clusters: Clusters<'a>,
-    /// Velocity changes of all members; those of one member are consecutive and in the order of time.
+    /// Velocity changes of the members of all solved islands. Those of one member follow one another in the order of
+    /// time.
     turns: Vec<VelocityChange>,
-    /// Balls in cells. The first entry contains the balls of all members, the second those of members whose islands
-    /// have been solved again since the first round.
+    /// Balls that contain paths after the first velocity change, in cells. The first entry is for all members, the
+    /// second for those whose islands have been solved again since the first round.
     deflected: [DeflectedFlights; 2],
 }
 
@@ -99,7 +99,8 @@ impl<'a> IslandFinder<'a> for TracedIslands<'a> {
         true
     }
 
-    /// Appends all pairs of a member, because the path of a member is not bounded before the island is solved.
+    /// Appends all pairs of a member with later particles of its island: before the island is solved, any of them may
+    /// meet.
     fn list_pairs(&self, (a, _): (usize, &Member), (places, _): (&[u32], usize), pairs: &mut Vec<Pair>) {
         pairs.extend((a + 1..places.len()).map(|b| Pair { i: a as u32, j: b as u32 }));
     }
@@ -162,13 +163,13 @@ impl<'a> IslandFinder<'a> for TracedIslands<'a> {
 }
 
 impl TracedIslands<'_> {
-    /// Trajectory of a member of an island.
+    /// Trajectory of a member of an island in this part, a piece of the time between two exchanges with the gas.
     fn trajectory(&self, member: &Member) -> ParticleTrajectory<'_> {
         ParticleTrajectory { place: member.place, turns: member.turns.clone().map(|turns| &self.turns[turns]) }
     }
 
-    /// Trajectory of a hot particle (member of an island), given by index, with the velocity changes `turns`. `first`
-    /// is the number of the first change in the list of all changes.
+    /// Makes the trajectory of a member, given by its index in the store, from its velocity changes `turns`. `first` is
+    /// the number of the first of these in the list that is stored with the trajectory.
     fn way(&self, place: u32, turns: &[VelocityChange], first: usize) -> PiecewiseTrajectory {
         let flight = self.search.flights[place as usize];
         let turned = first..first + turns.len();
@@ -189,9 +190,9 @@ impl TracedIslands<'_> {
         PiecewiseTrajectory { turns: turned, around: flight.reach.max(ball.reach + apart * (1.0 + NEARLY)), ball }
     }
 
-    /// Unites islands whose trajectories meet, and adds the particles that they hit; these islands must be solved
-    /// again. Returns the number of solved islands whose results became invalid in this way. An island is counted if
-    /// its leader (member with the smallest id) satisfies `mine`. Returns `None` if an island is too large.
+    /// Unites solved islands with the islands and single particles that their trajectories meet; these islands must be
+    /// solved again. Returns the number of results that became invalid; `None` if an island is too large. Only islands
+    /// are counted whose leader, the member with the smallest id, satisfies `mine`.
     fn unite_meeting(&mut self, mine: impl Fn(u32) -> bool) -> Option<u64> {
         let is_new = |which: &usize| {
             let cluster = &self.list[*which];
@@ -227,8 +228,8 @@ impl TracedIslands<'_> {
         changed.iter().all(|&which| !self.list[which].is_crowd()).then_some(in_vain)
     }
 
-    /// Sorts balls that contain trajectories into cells. In the first round these are the balls of all members, in
-    /// later rounds only those of islands that were solved again since.
+    /// Sorts into cells the balls that contain deflected paths. In the first round these are the balls of all members.
+    /// Later the balls of the islands in `new` are added to those of earlier rounds, apart from the first.
     fn lay_out(&mut self, new: &[usize]) {
         let Clusters { search, members: known, list, widest, .. } = &mut self.clusters;
         let region = &search.region;
@@ -245,8 +246,8 @@ impl TracedIslands<'_> {
         anew.sort(members, known, region);
     }
 
-    /// Calls `visit` with the members whose balls overlap `ball`. Some members are visited twice, and some whose balls
-    /// only nearly overlap `ball` are visited too.
+    /// Calls `visit` with the members whose deflected path lies in a ball that overlaps `ball`. A member may be visited
+    /// twice, and some members whose balls only nearly overlap `ball` are visited too.
     fn for_each_deflected_beside(&self, ball: &BoundingSphere, mut visit: impl FnMut(&Member)) {
         for turned in &self.deflected {
             let space = (self.domain, &self.search.region);
@@ -254,8 +255,8 @@ impl TracedIslands<'_> {
         }
     }
 
-    /// Indices of the particles that meet the trajectories of an island; `None` if one of its members could meet an
-    /// image other than the nearest.
+    /// Indices in the store of the particles outside the island `which` that touch one of its members on their
+    /// trajectories. `None` if a member could meet an image other than the nearest.
     fn met_by(&self, which: usize) -> Option<Vec<u32>> {
         let mut met = Vec::new();
         // in the first round the surroundings of every island are searched: a search around a deflected flight finds
@@ -287,7 +288,8 @@ impl TracedIslands<'_> {
         Some(met)
     }
 
-    /// True if two particles may touch on their trajectories, after a velocity change of at least one of the two.
+    /// True if two particles may touch on their trajectories after a velocity change of at least one of them. Touches
+    /// on straight flights are already known. True if a trajectory is unknown.
     fn may_touch(&self, one: &ParticleTrajectory, other: &ParticleTrajectory) -> bool {
         let (Some(turns), Some(others)) = (one.turns, other.turns) else { return true };
         let reach = self.particles.radius[one.place as usize] + self.particles.radius[other.place as usize];
@@ -299,8 +301,8 @@ impl TracedIslands<'_> {
         })
     }
 
-    /// Straight piece of a particle's trajectory, given by its number; number 0 is the flight before the first velocity
-    /// change.
+    /// Straight piece of a particle's trajectory. Piece 0 is the flight before the first of the velocity changes
+    /// `turns`, piece k that after change k.
     fn leg(&self, place: u32, turns: &[VelocityChange], number: usize) -> Segment {
         let end = turns.get(number).map_or(self.part, |turn| turn.time);
         match number.checked_sub(1).and_then(|before| turns.get(before)) {
@@ -316,8 +318,8 @@ impl TracedIslands<'_> {
         }
     }
 
-    /// True if the centres of two particles come within `reach` [m] while both particles are on these pieces of their
-    /// trajectories.
+    /// True if the centres of two particles come within `reach` [m] of each other while both are on these straight
+    /// pieces.
     fn pass(&self, one: &Segment, other: &Segment, reach: f64) -> bool {
         let (from, to) = (one.span[0].max(other.span[0]), one.span[1].min(other.span[1]));
         if from > to {

@@ -9,8 +9,8 @@ use crate::engine::soft::wall_contacts::{are_of_one_wall, encounters, is_numbere
 use nalgebra::Vector3;
 
 impl ContactBlock {
-    /// Assigns the present slots to the contacts of `before`, which are in ascending order of slot. Contacts whose
-    /// normal no longer exists are ended.
+    /// Assigns the present slots to the contacts of the previous step, `before`, which are in ascending order of slot.
+    /// Contacts whose normal no longer exists are ended.
     pub(super) fn renumber(
         &mut self,
         view: ContactSearch,

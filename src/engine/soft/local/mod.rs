@@ -75,7 +75,7 @@ pub struct SoftIslands<I = NoInstants> {
     pub integrator: Integrator,
     /// [s] time step within contacts.
     pub step: f64,
-    /// Largest cost of an island; a more expensive island is given up.
+    /// Largest cost of an island. A more expensive island is given up, and its particles are moved by uniform steps.
     pub allowance: Allowance,
     /// Rule that decides which touches are instantaneous.
     pub instants: I,
@@ -84,9 +84,9 @@ pub struct SoftIslands<I = NoInstants> {
 /// [ns/s] largest cost of an island per simulated time. If it is infinite, no island is given up.
 #[derive(Clone, Copy, Debug)]
 pub struct Allowance {
-    /// Part that does not depend on the size of the island.
+    /// [ns/s] part that does not depend on the size of the island.
     pub each: f64,
-    /// Part per hot particle (member) of the island.
+    /// [ns/s] part per hot particle, which is a member of the island.
     pub per_particle: f64,
 }
 
@@ -104,7 +104,7 @@ impl<I> SoftIslands<I> {
 #[derive(Default)]
 pub struct IslandScratch {
     contacts: Vec<Contact>,
-    /// Bodies and contact constants of every slot.
+    /// Bodies and contact constants of every slot (candidate pair, or particle with wall).
     touches: Vec<TouchingPair>,
     /// True for each slot in contact.
     touching: Vec<bool>,
@@ -126,8 +126,8 @@ pub struct IslandScratch {
     /// [rad/s²] angular acceleration of each particle, averaged over the stages of the step with their Runge-Kutta
     /// weights.
     turned: Vec<Vector3<f64>>,
-    /// [W] parts of the friction power, averaged in the same way. The parts of rolling and twisting include the energy
-    /// that springs store.
+    /// [W] parts of the friction power, averaged over the stages with the same weights. The parts of rolling and twisting
+    /// include the energy that springs store.
     losses: FrictionLosses,
 }
 
@@ -264,7 +264,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         steps_cost(*force_evaluations, updates + pair_checks) > allowed
     }
 
-    /// Index of a touched particle that is a bystander or exceeds its speed limit; `None` if there is none.
+    /// Index of a particle in contact, or just struck, that exceeds its speed limit or is not a member of the island; `None`
+    /// if there is none.
     fn out_of_bounds(&mut self) -> Option<usize> {
         let struck = self.struck.take();
         let couples = self.scratch.contacts.iter().map(|contact| contact.touch.couple).chain(struck);
@@ -299,13 +300,13 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         FrameTime::in_free_fall(self.now)
     }
 
-    /// Present gap [m] of a slot and its rate [m/s].
+    /// Present gap [m] of a slot, and rate of change of the gap [m/s]; positive: separating.
     fn gap(&self, slot: usize) -> (f64, f64) {
         let met = self.encounter(slot, &self.scratch.touches[slot].couple, self.moment());
         (met.gap, met.normal_velocity)
     }
 
-    /// Computes the gaps of all slots.
+    /// Computes the present gaps of all slots and their rates, and stores them in `gaps`.
     fn look(&mut self) {
         let mut gaps = std::mem::take(&mut self.scratch.gaps);
         self.island.updates += self.island.list.slots() as u64;

@@ -39,7 +39,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.is_by_distance(slot) && touched.any(|other| are_of_one_wall(couple, other))
     }
 
-    /// Encounter of a slot of a touched wall, found by the normals of its contacts.
+    /// Encounter of a slot (one of the possible contacts with a wall) at the time `moment`. The wall is touched already, and
+    /// its contacts are recognised by their normals.
     fn encounter_by_normal(&self, slot: usize, moment: FrameTime) -> Encounter {
         let touch = &self.scratch.touches[slot];
         let here = |contact: &&Contact| are_of_one_wall(&touch.couple, &contact.touch.couple);

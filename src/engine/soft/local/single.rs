@@ -46,7 +46,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         places.into_iter().flatten().filter(|&place| is_of(couple, place)).count()
     }
 
-    /// [s] time before which the gap of a slot cannot close, within a part that ends at `end` [s]. The velocity of each
+    /// [s] time before which the gap of a slot cannot close, until the time `end` [s] of the window. The velocity of each
     /// body of `couple` may change by `change` [m/s]. The result is negative if the gap is closed.
     fn clear_of(&self, slot: usize, couple: &Couple, change: f64, end: f64) -> f64 {
         let velocity = |place: u32| self.particles.velocity[place as usize];
@@ -62,7 +62,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         gap / (speed + self.shared(slot, couple) as f64 * change)
     }
 
-    /// [m/s] bound of the change of the velocity of a wall that moves; 0 for other bodies.
+    /// [m/s] upper limit of the change of a moving wall's velocity; 0 for a wall that does not move, and for a particle.
     fn swing(&self, couple: &Couple) -> f64 {
         match couple.other {
             Other::Wall(at) => 2.0 * self.scene.walls[at.wall as usize].largest_speed(),

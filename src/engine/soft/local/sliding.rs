@@ -24,7 +24,7 @@ pub(super) enum Phase {
     Waiting,
     /// The force of spring and dashpot is below the limit.
     Stick,
-    /// The force equals the limit.
+    /// The force equals its limit, which friction sets.
     Slide,
     /// The normal force would pull the bodies together (because of the dashpot), so the spring has no force.
     Free,
@@ -53,7 +53,7 @@ pub struct SlidingContact {
     mean: Vector3<f64>,
     /// [m] shear ξ now.
     pub(super) shear: Vector3<f64>,
-    /// Margins of the phase at the start of the step and now. The phase ends when a margin becomes negative.
+    /// Margins [N] or [m/s], at the start of the step and now. The phase ends when one of them becomes negative.
     margins: [[f64; 2]; 2],
 }
 
@@ -72,7 +72,7 @@ impl SlidingContact {
         Self { phase, start: none, now: none, rate, mean, shear, margins }
     }
 
-    /// Sets a new phase, and the vector of its state.
+    /// Begins the phase `phase`. `vector` is the shear [m] of a spring that sticks, or the direction [-] of its force.
     fn take(&mut self, phase: Phase, vector: Vector3<f64>) {
         (self.phase, self.now.vector) = (phase, vector);
     }
@@ -84,7 +84,6 @@ fn along(vector: Vector3<f64>) -> Vector3<f64> {
 }
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
-    /// True if spheres rotate.
     #[inline(always)]
     pub(super) fn rotates(&self) -> bool {
         self.scene.rotation.is_some()
@@ -152,7 +151,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         sliding
     }
 
-    /// Begins the rolling and twisting resistance of contacts that are old enough.
+    /// Begins the rolling and twisting resistance of contacts that have lasted for one contact time.
     fn wake_resistances(&mut self) {
         for k in 0..self.scratch.contacts.len() {
             let memory = self.scratch.contacts[k].course.resistance.unwrap_or_default();
@@ -169,7 +168,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Begins a step: stores the present state, to which trials of the step return.
+    /// Begins resistances that are due, and stores the state at the start of a step, to which every trial of the step returns.
     pub(super) fn keep_springs(&mut self) {
         if self.kinds().len() > 1 {
             self.wake_resistances();
@@ -191,7 +190,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Begins a trial of a step for `count` particles.
+    /// Begins a trial of a step of `count` particles: sets rates and means to zero, and springs to the start of the step.
     pub(super) fn begin_turning(&mut self, count: usize) {
         let scratch = &mut *self.scratch;
         scratch.losses = FrictionLosses::default();
@@ -218,7 +217,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Adds the rates of a stage to their means.
+    /// Adds the rates of a stage, times its `weight` [-], to the means over the step.
     pub(super) fn add_turning(&mut self, weight: f64) {
         let scratch = &mut *self.scratch;
         scratch.turned.iter_mut().zip(&scratch.turning).for_each(|(mean, rate)| *mean += rate * weight);
@@ -427,7 +426,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     }
 
     /// First end of a phase within a step: the estimated fraction [-] of the step, the index of the spring, and the
-    /// index of the margin that becomes negative.
+    /// index of the margin that becomes negative. `None` if no phase ends.
     pub(super) fn first_switch(&self) -> Option<(f64, usize, usize)> {
         let ends = self.scratch.sliding.iter().enumerate().flat_map(|(k, sliding)| {
             let [before, after] = sliding.margins;

@@ -92,7 +92,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         FrictionLosses::new(damped * velocity.norm_squared(), [0.0, rescaling, 0.0, 0.0])
     }
 
-    /// Present energies of all springs.
+    /// Present energies [J] of the springs of all contacts of the island.
     pub(super) fn spring_energies(&self) -> SpringEnergies {
         let mut energies = SpringEnergies::default();
         for (k, contact) in self.scratch.contacts.iter().enumerate() {
@@ -130,7 +130,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Stores the shears of the springs in their contacts.
+    /// Stores the shears [m] and energies [J] of the springs in the contacts, which continue after this island is solved.
     pub(super) fn leave_springs(&mut self) {
         for k in 0..self.scratch.contacts.len() {
             let springs = self.springs_of(k);

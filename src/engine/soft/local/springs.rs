@@ -68,7 +68,7 @@ pub struct SpringMotion {
     pub constants: SpringDashpotSlider,
     /// [-] growth of the shear per length of motion; less than 1 at the touch if the stiffness grows with the overlap.
     pub grown: f64,
-    /// Rates at which a change of the overlap changes the spring.
+    /// [1/s] relative rates at which a change of the overlap changes the shear, the force and the dashpot of the spring.
     pub rates: SpringRates,
     /// [-] largest force of the spring divided by the normal force.
     friction: f64,
