@@ -1,5 +1,6 @@
 //! One variant of a case, checked and converted to SI units. It contains all data on which a simulation depends.
 
+mod defaults;
 mod observe_settings;
 
 pub use observe_settings::{
@@ -318,14 +319,6 @@ pub struct DsmcSettings {
     pub cells: Option<[usize; 3]>,
     /// [-] ratio of the longest time step to the mean free time.
     pub step: f64,
-}
-
-impl Default for DsmcSettings {
-    /// Settings with the Enskog factor, automatic cells, and steps of a fifth of the mean free time
-    /// (docs/design/dsmc.md).
-    fn default() -> Self {
-        Self { enskog: true, cells: None, step: 0.2 }
-    }
 }
 
 /// Method by which the hard engine finds collisions.

@@ -72,6 +72,9 @@ pub mod legible;
 pub mod memory;
 
 #[cfg(feature = "case")]
+pub mod triangles;
+
+#[cfg(feature = "case")]
 pub mod case;
 
 #[cfg(feature = "program")]
@@ -91,6 +94,9 @@ pub mod study;
 #[cfg(feature = "lab")]
 pub mod lab;
 
+#[cfg(feature = "program")]
+pub mod program;
+
 // Names that most programs using the library need.
 pub use nalgebra::Vector3;
 
@@ -102,10 +108,11 @@ pub use engine::hard::{Hard, SteppedHard};
 pub use engine::hybrid::Hybrid;
 pub use engine::soft::Soft;
 pub use engine::{Counters, Engine, Failure, Window};
-pub use experiment::{Experiment, Model};
+pub use experiment::{Experiment, Model, Population, Spheres};
 pub use fluid::{Fluid, Profile};
 pub use outcome::Outcome;
 pub use particles::Particles;
+pub use placement::{initial_state, random_start};
 pub use record::{Histogram, Impact, Impacts, Ledger, Record};
 pub use restitution::RestitutionBySpeed;
 pub use scene::{Elasticity, Scene, Species, Surface};

@@ -16,6 +16,7 @@ mod thermostat;
 mod through_flow;
 mod totals;
 mod turbulence;
+mod until;
 mod weight;
 
 pub use contacts::ContactSummary;
@@ -37,6 +38,7 @@ use crate::placement::FreeRoom;
 use crate::predict::energy::{Bound, broken_contract, too_long};
 use crate::record::Record;
 use crate::scene::Scene;
+use crate::schedule::{Course, Schedule};
 use crate::walls::Repeated;
 use lift::LiftKick;
 use nalgebra::Vector3;
@@ -109,6 +111,9 @@ pub struct Simulation {
     through_flow: Option<Box<ThroughFlow>>,
     /// Free space of each inlet.
     inlet_rooms: Vec<FreeRoom>,
+    /// Position in the windows in which [`run_until`](Self::run_until) runs. The windows have no length before they are
+    /// chosen.
+    course: Course,
 }
 
 /// Wall time spent in each part of a simulation, measured by the clock of the simulation; zero without a clock.
@@ -155,7 +160,8 @@ impl Simulation {
         let mut scene = experiment.scene.clone();
         scene.seed_walls(experiment.run.seed);
         let simulation = Self::with_totals(scene, particles, totals, engine);
-        Self { refused, bound, unseen, seed: experiment.run.seed, ..simulation }
+        let course = Course::new(Schedule::new(experiment));
+        Self { refused, bound, unseen, course, seed: experiment.run.seed, ..simulation }
     }
 
     /// Creates a simulation at time 0 with an engine that the calling program supplies. If processes share the
@@ -206,6 +212,7 @@ impl Simulation {
             unseen: None,
             through_flow: through_flow.map(Box::new),
             inlet_rooms,
+            course: Course::default(),
         }
     }
 

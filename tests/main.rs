@@ -28,7 +28,7 @@ mod drag; // drag laws against independent integrations; order of the splitting
 mod dsmc; // collisions by chance: rates, cooling, walls, conserved quantities, bits, messages
 mod endless; // surfaces of triangles through periodic sides
 mod everyday; // long names, folders in use or emptied, damaged files, large scenes, bad cases read by programs
-mod examples; // the programs of examples/ run
+mod examples; // the programs of examples/ run and are short
 mod files; // files of other programs: each oddity, and each pair of oddities
 mod first_answer; // README, picture, pages and stored runs agree
 mod fluid; // gas profiles against independent solvers, tables, pipes
@@ -49,6 +49,7 @@ mod keys; // the list of keys: complete, ranges as messages name them, the page 
 mod kick; // the tabulated drag kick against its drag law
 #[cfg(feature = "lab")]
 mod lab; // the lab: token, other hosts, limits, protocol, every scene in both panels, commands that reproduce, threads
+mod library; // programs that use the library: defaults, random starts, run_until, files of triangles
 mod lift; // forces across the slip and torque of the gas
 mod limits; // kinds of failures, the TC model, and maps of failures against theory
 mod maps; // the maps of `limits`, which show where each method fails, against theory

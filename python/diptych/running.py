@@ -1,37 +1,19 @@
-"""Starts the diptych binary."""
+"""Starts the program, and loads what it writes."""
 
 import os
-import shutil
 import subprocess
+import sys
 from pathlib import Path
 
+from .errors import InputError, RunError
 from .results import Results, load
 
 
-class InputError(ValueError):
-    """The case or the command is at fault (exit code 2): nothing was written. The message is that of the program."""
-
-
-class RunError(RuntimeError):
-    """An engine stopped on the way (exit code 1). `results` holds what was written until then, or is None."""
-
-    def __init__(self, message: str, results: Results | None):
-        super().__init__(message)
-        self.results = results
-
-
-def binary() -> Path:
-    """The program: the one that the environment variable DIPTYCH names, or one on PATH, or one that cargo has built."""
+def _program() -> list[str]:
+    """Start of a command line: the program that the environment variable DIPTYCH names, or else that of this package."""
     if named := os.environ.get("DIPTYCH"):
-        return Path(named)
-    if found := shutil.which("diptych"):
-        return Path(found)
-    for root in (Path.cwd(), Path(__file__).resolve().parents[2]):
-        for profile in ("release", "debug"):
-            built = root / "target" / profile / "diptych"
-            if built.is_file():
-                return built
-    raise FileNotFoundError("no diptych binary: build it (cargo build --release) or set DIPTYCH to its path")
+        return [named]
+    return [sys.executable, "-m", "diptych"]
 
 
 def _started(line: list[str], out) -> Results:
@@ -53,7 +35,7 @@ def judge(a, b, out, *, settings=None, margin=None, overwrite=False) -> Results:
     def side(files) -> str:
         return ",".join(map(str, files)) if isinstance(files, (list, tuple)) else str(files)
 
-    line = [str(binary()), "judge", side(a), side(b), "--out", str(out), "--quiet"]
+    line = [*_program(), "judge", side(a), side(b), "--out", str(out), "--quiet"]
     for name, value in (("--settings", settings), ("--margin", margin)):
         if value is not None:
             line += [name, str(value)]
@@ -67,7 +49,7 @@ def run(case, out, *, command="compare", model=None, set=None, seed=None, thread
     set: keys of the case and their values as they are typed, {"run.duration": "2 s"}.
     arguments: further ones of the command line, such as ["--save-state"].
     """
-    line = [str(binary()), command, str(case), "--out", str(out), "--quiet"]
+    line = [*_program(), command, str(case), "--out", str(out), "--quiet"]
     for name, value in (("--model", model), ("--seed", seed), ("--threads", threads)):
         if value is not None:
             line += [name, str(value)]
@@ -76,3 +58,18 @@ def run(case, out, *, command="compare", model=None, set=None, seed=None, thread
     if overwrite:
         line.append("--overwrite")
     return _started([*line, *map(str, arguments)], out)
+
+
+def compare(case, out, **options) -> Results:
+    """Compares all variants of a case; `options` are those of `run`."""
+    return run(case, out, command="compare", **options)
+
+
+def sweep(case, out, values, *, only=(), arguments=(), **options) -> Results:
+    """Runs a case at several values of its keys; `variants` of the answer has a row for each run.
+
+    values: keys with lists of values as they are typed, {"contact.restitution": [0.8, 0.9]}. only: names of variants.
+    """
+    axes = [word for key, list_ in values.items() for word in ("--sweep", f"{key}={','.join(map(str, list_))}")]
+    names = [word for name in only for word in ("--only", name)]
+    return run(case, out, command="sweep", arguments=[*axes, *names, *arguments], **options)

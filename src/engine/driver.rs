@@ -69,7 +69,7 @@ pub struct Trial {
 }
 
 /// The methods of an engine that solve single islands and move all particles at once.
-pub trait Solver {
+pub trait Solver: Send {
     /// Type that solves a single island (group of particles that may meet); several threads use it at the same time.
     type Islands: Solve;
 

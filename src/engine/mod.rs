@@ -54,7 +54,7 @@ pub struct Window {
 /// assert!((particles.velocity[0].y + 0.981).abs() < 1e-12); // m/s: it fell for 0.1 s and met nothing
 /// # Ok::<(), diptych::Failure>(())
 /// ```
-pub trait Engine {
+pub trait Engine: Send {
     /// Moves every particle through the window, the time between two exchanges of momentum with the gas. Only gravity and
     /// impacts act. Impacts, energies and impulses are added to `record`.
     ///

@@ -4,7 +4,7 @@
 use super::{Needs, Observer};
 use crate::engine::Failure;
 use crate::experiment::Experiment;
-use crate::schedule::{Schedule, ScheduleStep};
+use crate::schedule::{Course, Schedule};
 use crate::simulation::{Simulation, Snapshot};
 use crate::stored::{StoreError, Stored};
 use serde::{Deserialize, Serialize};
@@ -12,13 +12,7 @@ use serde::{Deserialize, Serialize};
 /// Progress of a run, and the next times of the observers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunLoop {
-    schedule: Schedule,
-    /// Progress of the run: length of the completed windows (times between two exchanges with the gas), in units of the
-    /// shortest window of the schedule.
-    done: u64,
-    /// [s] instant requested by the case at which the current window (time between two exchanges with the gas) was last
-    /// interrupted. `None` if the run is at the end of a window.
-    cut: Option<f64>,
+    course: Course,
     /// [s] time at or after which each observer is called next; `None` if the observer is not called again.
     due: Vec<Option<f64>>,
 }
@@ -36,7 +30,7 @@ pub struct Pause {
 impl RunLoop {
     /// Creates the loop for a run from its start, with the given number of observers.
     pub fn new(schedule: &Schedule, observers: usize) -> Self {
-        Self { schedule: *schedule, done: 0, cut: None, due: vec![Some(0.0); observers] }
+        Self { course: Course::new(*schedule), due: vec![Some(0.0); observers] }
     }
 
     /// Advances the run and calls the observers at their times. At the end of every window the run stops if `pause`
@@ -75,7 +69,7 @@ impl RunLoop {
             if let Some(why) = observers.iter().find_map(|observer| observer.stop()) {
                 return Err(Failure::Unwritten { time: simulation.time, why });
             }
-            if self.done == self.schedule.length() {
+            if self.course.is_over() {
                 return Ok(true);
             }
             // a run that has not advanced since it was resumed must continue; otherwise it would stop at this position
@@ -84,29 +78,15 @@ impl RunLoop {
                 return Ok(false);
             }
             has_moved = true;
-            match self.schedule.piece(self.done, self.now()) {
-                ScheduleStep::Windows(windows) => {
-                    let (before, together) = (self.done, self.schedule.together(self.done));
-                    let window = self.schedule.window * together as f64;
-                    let ran = simulation.run_while(windows, window, &mut |simulation, ran| {
-                        let now = (before + ran * together) as f64 * self.schedule.window;
-                        self.see_between(simulation, (now, 0.5 * window), observers);
-                        !pause()
-                    })?;
-                    self.done += ran * together;
-                    if ran < windows {
-                        return Ok(false);
-                    }
-                }
-                ScheduleStep::ToInstant(instant) => {
-                    simulation.run_while(1, instant - self.now(), &mut |_, _| true)?;
-                    self.cut = Some(instant);
-                }
-                ScheduleStep::ToEnd(end) => {
-                    simulation.run_while(1, end - self.now(), &mut |_, _| true)?;
-                    self.done += self.schedule.together(self.done);
-                    self.cut = None;
-                }
+            let step = self.course.next(f64::INFINITY);
+            let (windows, window) = self.course.lengths(step);
+            let ran = simulation.run_while(windows, window, &mut |simulation, ran| {
+                self.see_between(simulation, (self.course.after(ran), 0.5 * window), observers);
+                !pause()
+            })?;
+            self.course.advance(step, ran);
+            if ran < windows {
+                return Ok(false);
             }
         }
     }
@@ -138,16 +118,10 @@ impl RunLoop {
         }
     }
 
-    /// [s] present time according to the schedule. The time of the simulation itself is not used, since its rounding
-    /// errors add up over millions of windows.
-    fn now(&self) -> f64 {
-        self.cut.unwrap_or(self.done as f64 * self.schedule.window)
-    }
-
-    /// Adds the missing half step of drag to the velocities of a run that was stopped between two samples. A caller
-    /// that does not continue the run must call this function.
+    /// Adds the missing half step of drag to the velocities of a run stopped between two samples. A caller that
+    /// does not continue the run must call this function.
     pub fn settle(&self, simulation: &mut Simulation) {
-        simulation.settle(self.schedule.window * self.schedule.together(self.done) as f64);
+        simulation.settle(self.course.window());
     }
 
     /// Calls the observers that are due at a sample (instant of measurement). If several processes share the run,
@@ -156,11 +130,11 @@ impl RunLoop {
         let by_parts = |place: &usize| {
             matches!(observers[*place].sight(), Needs::Sums | Needs::Parts) && simulation.is_seen_by_all(*place)
         };
-        let (parts, others): (Vec<usize>, Vec<usize>) = self.due(self.now()).into_iter().partition(by_parts);
+        let (parts, others): (Vec<usize>, Vec<usize>) = self.due(self.course.now()).into_iter().partition(by_parts);
         show_parts(simulation, observers, &parts);
-        self.see(simulation, self.now(), observers, &parts);
+        self.see(simulation, self.course.now(), observers, &parts);
         show(simulation, others.iter().map(|place| observers[*place].sight()));
-        self.see(simulation, self.now(), observers, &others);
+        self.see(simulation, self.course.now(), observers, &others);
     }
 
     /// Calls the observers at the end of a run. After a failure of the engine they are called with all particles. If
@@ -176,7 +150,7 @@ impl RunLoop {
         };
         let (parts, others): (Vec<usize>, Vec<usize>) = (0..observers.len()).partition(by_parts);
         show_parts(simulation, observers, &parts);
-        self.see(simulation, self.now(), observers, &parts);
+        self.see(simulation, self.course.now(), observers, &parts);
         if failure.is_none() {
             show(simulation, others.iter().map(|place| sight[*place]));
         } else {
@@ -191,14 +165,14 @@ impl RunLoop {
         for &place in places {
             observers[place].see(simulation);
             // the next time is later than `now`, so that no observer is called twice at one time
-            let later = now + 2.0 * self.schedule.rounding();
-            self.due[place] = observers[place].next(now, &self.schedule).map(|time| time.max(later));
+            let later = now + 2.0 * self.course.schedule().rounding();
+            self.due[place] = observers[place].next(now, self.course.schedule()).map(|time| time.max(later));
         }
     }
 
     /// Indices of the observers that are to be called at `now` [s].
     fn due(&self, now: f64) -> Vec<usize> {
-        let reached = now + self.schedule.rounding();
+        let reached = now + self.course.schedule().rounding();
         let is_due = |(place, due): (usize, &Option<f64>)| due.filter(|due| *due <= reached).map(|_| place);
         self.due.iter().enumerate().filter_map(is_due).collect()
     }
@@ -258,7 +232,7 @@ impl Pause {
     ) -> Result<(Simulation, RunLoop), StoreError> {
         let Self { snapshot, course, observers: stored } = self;
         snapshot.fits(experiment)?;
-        if stored.len() != observers.len() || course.schedule != Schedule::new(experiment) {
+        if stored.len() != observers.len() || *course.course.schedule() != Schedule::new(experiment) {
             return Err(StoreError::misfit());
         }
         for (observer, stored) in observers.iter_mut().zip(&stored) {

@@ -1,7 +1,7 @@
 //! Random positions, sizes and velocities of particles, before overlaps are removed.
 
-use super::{FreeRoom, MARGIN};
-use crate::experiment::{Amount, Experiment, Population};
+use super::{FreeRoom, MARGIN, StartPlan};
+use crate::experiment::{Amount, Population};
 use crate::particles::Particles;
 use crate::scene::Species;
 use nalgebra::Vector3;
@@ -18,17 +18,17 @@ const SPINS: u64 = 0x5350_494e_5350_494e;
 /// The ids are 0 to N - 1 over all populations. Returns the drawn particles for whose position [m] `is_kept` is true,
 /// and all particles with given positions. If some positions are given, `is_kept` must be true everywhere.
 pub fn draw(
-    experiment: &Experiment,
+    plan: StartPlan,
     rooms: &[&FreeRoom],
     random: &mut Xoshiro256PlusPlus,
     is_kept: &dyn Fn(&Vector3<f64>) -> bool,
 ) -> Particles {
     let (mut particles, mut id) = (Particles::default(), 0);
-    let rotates = experiment.scene.rotation.is_some();
+    let rotates = plan.scene.rotation.is_some();
     particles.spin = rotates.then(Vec::new);
     // spins have their own random numbers, so that positions and velocities are equal with and without rotation
-    let mut of_spins = Xoshiro256PlusPlus::seed_from_u64(experiment.run.seed ^ SPINS);
-    for (population, room) in experiment.start.iter().zip(rooms) {
+    let mut of_spins = Xoshiro256PlusPlus::seed_from_u64(plan.seed ^ SPINS);
+    for (population, room) in plan.populations.iter().zip(rooms) {
         let species = &room.scene.species[population.species as usize];
         match &population.amount {
             Amount::Placed(placed) => {

@@ -16,7 +16,7 @@ use crate::experiment::{Amount, Experiment, Population};
 use crate::neighbours::NeighbourList;
 use crate::neighbours::region::Region;
 use crate::particles::Particles;
-use crate::scene::StartRegion;
+use crate::scene::{Scene, StartRegion};
 use crate::work_sharing;
 use nalgebra::Vector3;
 use rand::SeedableRng;
@@ -107,60 +107,90 @@ pub fn initial_state(experiment: &Experiment) -> Result<Particles, Crowded> {
 /// # Errors
 /// If random positions without overlap are not found within that effort.
 pub fn initial_state_within(experiment: &Experiment, effort: u64) -> Result<Particles, Crowded> {
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(experiment.run.seed);
-    let regions = regions(&experiment.start);
-    let room_in =
-        |region: &Option<StartRegion>| FreeRoom::within(&experiment.scene, region.as_ref()).with_effort(effort);
-    let rooms: Vec<FreeRoom> = regions.iter().map(|(region, _)| room_in(region)).collect();
-    let region_of = |population: usize| regions.iter().position(|(_, of)| of.contains(&population)).unwrap_or_default();
-    let room_of: Vec<&FreeRoom> = (0..experiment.start.len()).map(|population| &rooms[region_of(population)]).collect();
-    let mut particles = draw::draw(experiment, &room_of, &mut random, &|_| true);
-    // moves the particles of one region, while those of other regions stay fixed
-    for ((_, populations), room) in regions.iter().zip(&rooms) {
-        let mut is_free = Vec::with_capacity(particles.len());
-        for (index, population) in experiment.start.iter().enumerate() {
-            let free = populations.contains(&index) && matches!(population.amount, Amount::Count(_));
-            is_free.extend(std::iter::repeat_n(free, population.amount.count()));
+    StartPlan::of(experiment).make(effort)
+}
+
+/// Makes the particles of `populations` in a scene, as [`initial_state`] does for an experiment with this seed.
+///
+/// # Errors
+/// If random positions without overlap are not found in a bounded number of rounds.
+pub fn random_start(scene: &Scene, populations: &[Population], seed: u64) -> Result<Particles, Crowded> {
+    StartPlan { scene, populations, seed }.make(u64::MAX)
+}
+
+/// Data on which an initial state depends.
+#[derive(Clone, Copy)]
+struct StartPlan<'a> {
+    scene: &'a Scene,
+    populations: &'a [Population],
+    seed: u64,
+}
+
+impl<'a> StartPlan<'a> {
+    fn of(experiment: &'a Experiment) -> Self {
+        Self { scene: &experiment.scene, populations: &experiment.start, seed: experiment.run.seed }
+    }
+
+    /// Makes the particles within an effort, as [`initial_state_within`] does.
+    fn make(self, effort: u64) -> Result<Particles, Crowded> {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(self.seed);
+        let regions = regions(self.populations);
+        let room_in = |region: &Option<StartRegion>| FreeRoom::within(self.scene, region.as_ref()).with_effort(effort);
+        let rooms: Vec<FreeRoom> = regions.iter().map(|(region, _)| room_in(region)).collect();
+        let region_of =
+            |population: usize| regions.iter().position(|(_, of)| of.contains(&population)).unwrap_or_default();
+        let room_of: Vec<&FreeRoom> =
+            (0..self.populations.len()).map(|population| &rooms[region_of(population)]).collect();
+        let mut particles = draw::draw(self, &room_of, &mut random, &|_| true);
+        // moves the particles of one region, while those of other regions stay fixed
+        for ((_, populations), room) in regions.iter().zip(&rooms) {
+            let mut is_free = Vec::with_capacity(particles.len());
+            for (index, population) in self.populations.iter().enumerate() {
+                let free = populations.contains(&index) && matches!(population.amount, Amount::Count(_));
+                is_free.extend(std::iter::repeat_n(free, population.amount.count()));
+            }
+            if is_free.iter().any(|free| *free) {
+                let fraction = self.volume(|index| populations.contains(&index)) / room.volume();
+                Crowded::refuse_overfull(fraction, room)?;
+                work_sharing::keep_workers_spinning(|| {
+                    separate(&mut particles, &is_free, fraction, room, &mut random)
+                })?;
+            }
         }
-        if is_free.iter().any(|free| *free) {
-            let fraction = volume(experiment, |index| populations.contains(&index)) / room.volume();
-            Crowded::refuse_overfull(fraction, room)?;
-            work_sharing::keep_workers_spinning(|| separate(&mut particles, &is_free, fraction, room, &mut random))?;
+        self.add_mean_flow(&mut particles);
+        self.scene.let_rotate(&mut particles);
+        Ok(particles)
+    }
+
+    /// Adds the mean flow of a sheared box to the velocities of the particles at random positions, which are in the order of
+    /// their ids.
+    fn add_mean_flow(self, particles: &mut Particles) {
+        let mut first = 0;
+        for population in self.populations {
+            let end = first + population.amount.count();
+            if matches!(population.amount, Amount::Count(_)) {
+                let motions = particles.position[first..end].iter().zip(&mut particles.velocity[first..end]);
+                motions.for_each(|(x, v)| *v += self.scene.domain.mean_flow(x));
+            }
+            first = end;
         }
     }
-    add_mean_flow(experiment, &mut particles);
-    experiment.scene.let_rotate(&mut particles);
-    Ok(particles)
-}
 
-/// Adds the mean flow of a sheared box to the velocities of the particles at random positions, which are in the order of
-/// their ids.
-fn add_mean_flow(experiment: &Experiment, particles: &mut Particles) {
-    let mut first = 0;
-    for population in &experiment.start {
-        let end = first + population.amount.count();
-        if matches!(population.amount, Amount::Count(_)) {
-            let motions = particles.position[first..end].iter().zip(&mut particles.velocity[first..end]);
-            motions.for_each(|(x, v)| *v += experiment.scene.domain.mean_flow(x));
-        }
-        first = end;
+    /// [-] volume of all particles over the free volume of `room`, which must contain all particles.
+    fn filled(self, room: &FreeRoom) -> f64 {
+        self.volume(|_| true) / room.volume()
     }
-}
 
-/// [-] volume of all particles over the free volume of `room`, which must contain all particles.
-fn filled(experiment: &Experiment, room: &FreeRoom) -> f64 {
-    volume(experiment, |_| true) / room.volume()
-}
-
-/// [m³] volume of the particles of all populations for whose index `is_meant` returns true.
-fn volume(experiment: &Experiment, is_meant: impl Fn(usize) -> bool) -> f64 {
-    let species = &experiment.scene.species;
-    let meant = experiment.start.iter().enumerate().filter(|(index, _)| is_meant(*index));
-    let of = |population: &Population| {
-        let one = &species[usize::from(population.species)];
-        one.volume() * population.amount.count() as f64
-    };
-    meant.map(|(_, population)| of(population)).fold(0.0, |sum, volume| sum + volume)
+    /// [m³] volume of the particles of those populations for whose index `is_meant` is true.
+    fn volume(self, is_meant: impl Fn(usize) -> bool) -> f64 {
+        let species = &self.scene.species;
+        let meant = self.populations.iter().enumerate().filter(|(index, _)| is_meant(*index));
+        let of = |population: &Population| {
+            let one = &species[usize::from(population.species)];
+            one.volume() * population.amount.count() as f64
+        };
+        meant.map(|(_, population)| of(population)).fold(0.0, |sum, volume| sum + volume)
+    }
 }
 
 /// Moves the free particles (those for whose id `is_free` is true) until nothing overlaps, and then sorts all particles

@@ -3,7 +3,7 @@
 
 use super::draw::draw;
 use super::{
-    Crowded, FreeRoom, INSERTION_LIMIT, MARGIN, ROUNDS, There, displaced, filled, initial_state, look_for_overlaps,
+    Crowded, FreeRoom, INSERTION_LIMIT, MARGIN, ROUNDS, StartPlan, There, displaced, initial_state, look_for_overlaps,
 };
 use crate::communicator::Communicator;
 use crate::domain::blocks::Blocks;
@@ -68,7 +68,7 @@ pub fn comes_in_parts(experiment: &Experiment) -> bool {
     let drawn = experiment.start.iter().all(|population| matches!(population.amount, Amount::Count(_)));
     let anywhere = experiment.start.iter().all(|population| population.region.is_none());
     let is_simple = drawn && anywhere && !experiment.scene.has_sizes() && experiment.scene.domain.shear.is_none();
-    is_simple && filled(experiment, &FreeRoom::of(&experiment.scene)) <= INSERTION_LIMIT
+    is_simple && StartPlan::of(experiment).filled(&FreeRoom::of(&experiment.scene)) <= INSERTION_LIMIT
 }
 
 /// Makes the particles in the block of this process, in the order of their ids.
@@ -82,7 +82,7 @@ fn part(experiment: &Experiment, communicator: &dyn Communicator) -> Result<Part
     let is_near = |x: &Vector3<f64>| around.depth(x, domain) >= 0.0;
     let is_mine = |x: &Vector3<f64>| blocks.owner(x) == rank;
     let mut random = Xoshiro256PlusPlus::seed_from_u64(experiment.run.seed);
-    let mut particles = draw(experiment, &vec![&room; experiment.start.len()], &mut random, &is_near);
+    let mut particles = draw(StartPlan::of(experiment), &vec![&room; experiment.start.len()], &mut random, &is_near);
     particles.radius.iter_mut().for_each(|radius| *radius *= 1.0 + MARGIN);
     let there = There { region: around.clone(), may_move: &|_| true, is_counted: &is_mine };
     let (mut list, mut bad) = (NeighbourList::default(), [0]);
@@ -112,7 +112,7 @@ fn part(experiment: &Experiment, communicator: &dyn Communicator) -> Result<Part
     if bad[0] == 0 {
         return Ok(particles);
     }
-    let wanted = filled(experiment, &room);
+    let wanted = StartPlan::of(experiment).filled(&room);
     let reached = wanted * (1.0 - bad[0] as f64 / experiment.count() as f64).max(0.0);
     Err(Crowded { wanted, reached, room: room.volume(), given_up: false, most: None })
 }

@@ -1,7 +1,6 @@
 //! Makes walls of triangles: reads the file, moves its triangles to their position in the case, and reports its
 //! defects.
 
-use super::triangles::{Heap, TriangleFile, obj, stl};
 use super::walls::{OWN_IMAGE, too_near_its_image};
 use super::{Resolver, short, vector};
 use crate::case::de::Located;
@@ -9,6 +8,7 @@ use crate::case::diagnostic::Diagnostic;
 use crate::case::file::MeshFile;
 use crate::domain::Domain;
 use crate::memory;
+use crate::triangles::{Heap, TriangleFile, TriangleFormat};
 use crate::walls::{Continued, Findings, Mesh, Mismatch, Nested, Sides, continued};
 use nalgebra::{Rotation3, Unit, Vector3};
 
@@ -65,18 +65,14 @@ impl Resolver {
 
     /// Reads a file of triangles, STL or OBJ.
     fn triangles(&mut self, name: &Located<String>) -> Result<TriangleFile, Diagnostic> {
-        let lower = name.value.to_lowercase();
-        let read: fn(&[u8]) -> Result<TriangleFile, String> = if lower.ends_with(".stl") {
-            stl
-        } else if lower.ends_with(".obj") {
-            obj
-        } else {
+        let Some(format) = TriangleFormat::of(&name.value) else {
             return Err(self.refuse(name, "is neither an STL nor an OBJ file").help("the name ends with .stl or .obj"));
         };
         let (path, bytes, kind) = self.bytes_of(name)?;
         self.sources.add_text(&path, "".into(), kind);
-        let file =
-            read(&bytes).map_err(|why| self.refuse(name, why).help("export it anew as STL (binary or text) or OBJ"))?;
+        let file = format
+            .read(&bytes)
+            .map_err(|why| self.refuse(name, why).help("export it anew as STL (binary or text) or OBJ"))?;
         if let Some(lack) = memory::lack(TRIANGLE * file.heap.len() as f64) {
             let what = format!("has {} triangles, which take {lack}", file.heap.len());
             return Err(self.refuse(name, what).help("coarsen the surface in the program that made it"));

@@ -24,7 +24,6 @@ mod sizes;
 mod start;
 mod table;
 mod thermostat;
-mod triangles;
 mod turbulence;
 mod walls;
 

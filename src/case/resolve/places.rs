@@ -4,7 +4,6 @@ use super::Resolver;
 use super::foreign::{COLUMNS, Foreign, OF_CSV};
 use super::start::{FASTEST, Placed};
 use super::table::{DataTable, TableRow};
-use super::triangles::digits;
 use crate::case::de::{Located, suggestion};
 use crate::case::diagnostic::Diagnostic;
 use crate::case::saved::box_lines;
@@ -12,6 +11,7 @@ use crate::case::source::Origin;
 use crate::legible::quote;
 use crate::particles::Particles;
 use crate::scene::{Scene, SizeDistribution};
+use crate::triangles::digits;
 use nalgebra::Vector3;
 use rustc_hash::FxHashSet;
 

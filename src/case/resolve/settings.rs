@@ -8,7 +8,7 @@ use crate::case::time_or_word::{AverageFromFile, WindowFile};
 use crate::contact_law::{ContactLaw, Hertz, KuwabaraKono};
 use crate::experiment::{
     AverageFrom, DsmcSettings, Experiment, HardSettings, HardStepping, HybridSettings, Integrator, Model, Population,
-    RunSettings, SoftSettings, SoftStepping, Spheres, StatisticsSettings, TimeStep,
+    RunSettings, SoftSettings, Spheres, StatisticsSettings, TimeStep,
 };
 use crate::predict::contact::ContactTimes;
 use crate::predict::energy::too_long;
@@ -23,10 +23,6 @@ const GOOD_STEPS: f64 = 15.0;
 /// [N/m] allowed range of spring stiffness, which includes all real bodies: a bubble has 0.1, a diamond sphere of 1 mm
 /// has 1e9. Outside the range, squares of times or frequencies would exceed the range of floating-point numbers.
 pub(super) const SPRINGS: std::ops::RangeInclusive<f64> = 1e-9..=1e20;
-/// [-] number of steps per contact N_c, if the case gives none.
-const DEFAULT_STEPS: f64 = 20.0;
-/// [-] clearance θ of hybrid spheres in contact times, if the case gives none (docs/design/hybrid.md).
-const CLEARANCE: f64 = 2.0;
 
 impl Resolver {
     /// Settings of the soft engine. If the model has no lasting contacts, these settings are not used, and an error in
@@ -36,26 +32,14 @@ impl Resolver {
             Err(error) if !self.model.has_contacts() => {
                 let help = format!("not used by the {} model; correct it for the soft one", self.model.name());
                 self.warnings.push(error.into_warning().help(help));
-                Ok(SoftSettings {
-                    law: None,
-                    time_step: TimeStep::PerContact(DEFAULT_STEPS),
-                    stepping: SoftStepping::Auto,
-                    integrator: Integrator::VelocityVerlet,
-                    allow_unstable: false,
-                })
+                Ok(SoftSettings::default())
             }
             result => result,
         }
     }
 
     fn soft_settings(&mut self, file: &CaseFile) -> Result<SoftSettings, Diagnostic> {
-        let mut settings = SoftSettings {
-            law: None,
-            time_step: TimeStep::PerContact(DEFAULT_STEPS),
-            stepping: SoftStepping::Auto,
-            integrator: Integrator::VelocityVerlet,
-            allow_unstable: false,
-        };
+        let mut settings = SoftSettings::default();
         let Some(soft) = file.soft.as_ref().map(|soft| &soft.value) else { return Ok(settings) };
         settings.law = self.contact_law(soft)?;
         if let Some(steps) = &soft.steps_per_contact {
@@ -185,7 +169,7 @@ impl Resolver {
     }
 
     pub(super) fn hard(&mut self, file: &CaseFile) -> Result<HardSettings, Diagnostic> {
-        let events = HardSettings { stepping: HardStepping::Events, contact_time: None };
+        let events = HardSettings::default();
         let Some(hard) = file.hard.as_ref().map(|hard| &hard.value) else { return Ok(events) };
         let stepping = hard.stepping.as_ref().map_or(HardSteppingFile::Events, |stepping| stepping.value);
         let mut theta = 0.3;
@@ -230,7 +214,7 @@ impl Resolver {
     }
 
     pub(super) fn hybrid(&mut self, file: &CaseFile) -> Result<HybridSettings, Diagnostic> {
-        let mut settings = HybridSettings { clearance: CLEARANCE };
+        let mut settings = HybridSettings::default();
         let Some(typed) = file.hybrid.as_ref().and_then(|hybrid| hybrid.value.clearance.as_ref()) else {
             return Ok(settings);
         };
@@ -349,7 +333,7 @@ impl Resolver {
     }
 
     pub(super) fn statistics(&mut self, file: &CaseFile) -> Result<StatisticsSettings, Diagnostic> {
-        let mut settings = StatisticsSettings { slices: 40, sample_interval: None };
+        let mut settings = StatisticsSettings::default();
         let Some(statistics) = file.statistics.as_ref().map(|statistics| &statistics.value) else {
             return Ok(settings);
         };

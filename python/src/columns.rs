@@ -1,0 +1,79 @@
+//! Columns of the particle store as numpy arrays that share its memory.
+//!
+//! A column owns a share of a store that nothing changes as long as the share exists: before an engine moves particles,
+//! the simulation takes its store back if no array needs it, and otherwise leaves it to the arrays and goes on with a
+//! copy. So no array dangles, and none is read while an engine writes.
+
+use diptych::{Particles, Vector3};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::sync::Arc;
+
+/// Column of a particle store.
+#[derive(Clone, Copy, Debug)]
+pub enum Column {
+    /// [m]
+    Position,
+    /// [m/s]
+    Velocity,
+    /// [rad/s]
+    Spin,
+    /// [m]
+    Radius,
+    /// [kg]
+    Mass,
+    /// Index of the species.
+    Species,
+    /// Number of the particle.
+    Id,
+}
+
+/// Owner of the memory of an array, in the array interface of numpy, version 3.
+#[pyclass(frozen, module = "diptych._engine")]
+pub struct ParticleColumn {
+    particles: Arc<Particles>,
+    column: Column,
+}
+
+// three numbers without padding, as an array of rows of three needs them
+const _: () = assert!(size_of::<Vector3<f64>>() == 3 * size_of::<f64>());
+
+/// Place of a column in memory: address, type of its numbers, and numbers per particle.
+fn place(particles: &Particles, column: Column) -> (usize, &'static str, usize) {
+    let vectors = |rows: &[Vector3<f64>]| (rows.as_ptr() as usize, "f8", 3);
+    match column {
+        Column::Position => vectors(&particles.position),
+        Column::Velocity => vectors(&particles.velocity),
+        Column::Spin => vectors(particles.spins()),
+        Column::Radius => (particles.radius.as_ptr() as usize, "f8", 1),
+        Column::Mass => (particles.mass.as_ptr() as usize, "f8", 1),
+        Column::Species => (particles.species.as_ptr() as usize, "u2", 1),
+        Column::Id => (particles.id.as_ptr() as usize, "u4", 1),
+    }
+}
+
+#[pymethods]
+impl ParticleColumn {
+    #[getter]
+    fn __array_interface__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (address, kind, width) = place(&self.particles, self.column);
+        let order = if cfg!(target_endian = "little") { '<' } else { '>' };
+        let interface = PyDict::new(py);
+        let count = self.particles.len();
+        match width {
+            1 => interface.set_item("shape", (count,))?,
+            _ => interface.set_item("shape", (count, width))?,
+        }
+        interface.set_item("typestr", format!("{order}{kind}"))?;
+        let is_read_only = true;
+        interface.set_item("data", (address, is_read_only))?;
+        interface.set_item("version", 3)?;
+        Ok(interface)
+    }
+}
+
+/// Array of a column, which shares the memory of the store and cannot be written.
+pub fn array<'py>(py: Python<'py>, particles: Arc<Particles>, column: Column) -> PyResult<Bound<'py, PyAny>> {
+    let owner = Bound::new(py, ParticleColumn { particles, column })?;
+    py.import("numpy")?.call_method1("asarray", (owner,))
+}

@@ -1,0 +1,118 @@
+//! A simulation that Python owns: its store is lent to arrays while the engine rests, and Ctrl-C stops a run.
+
+use diptych::work_sharing::keep_workers_spinning;
+use diptych::{Failure, Particles};
+use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
+
+/// Time between two looks for signals while an engine runs.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Simulation with the threads that run it.
+pub struct MovingParticles {
+    simulation: diptych::Simulation,
+    pool: ThreadPool,
+    /// Particles, while arrays may share them; the store of the simulation is then empty.
+    lent: Option<Arc<Particles>>,
+}
+
+/// End of a run.
+#[derive(Clone, Copy)]
+pub enum RunEnd {
+    /// [s] simulated time.
+    Time(f64),
+    /// The end of the present window.
+    Window,
+}
+
+/// Reason why a run did not reach its end.
+pub enum Interruption {
+    /// The engine cannot go on.
+    Failed(Failure),
+    /// Python has handled a signal by this exception, such as `KeyboardInterrupt`.
+    Signal(PyErr),
+}
+
+impl MovingParticles {
+    /// Takes a simulation, which runs on the given number of threads; 0 means all processors.
+    ///
+    /// # Errors
+    /// The threads cannot be started.
+    pub fn new(simulation: diptych::Simulation, threads: usize) -> Result<Self, rayon::ThreadPoolBuildError> {
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build()?;
+        Ok(Self { simulation, pool, lent: None })
+    }
+
+    /// The simulation. Its store is empty while the particles are lent.
+    pub fn simulation(&self) -> &diptych::Simulation {
+        &self.simulation
+    }
+
+    /// The particles at the present time, for arrays. They do not change before [`run`](Self::run) is called.
+    ///
+    /// # Errors
+    /// The check of the present state has failed.
+    pub fn lend(&mut self) -> Result<Arc<Particles>, Failure> {
+        if let Some(lent) = &self.lent {
+            return Ok(Arc::clone(lent));
+        }
+        let Self { simulation, pool, .. } = self;
+        // between two samples, velocities lack half a kick until somebody looks at them
+        pool.install(|| simulation.complete())?;
+        let lent = Arc::new(std::mem::take(&mut self.simulation.particles));
+        self.lent = Some(Arc::clone(&lent));
+        Ok(lent)
+    }
+
+    /// Takes the particles back: those that no array shares as they are, others as a copy.
+    fn take_back(&mut self) {
+        if let Some(lent) = self.lent.take() {
+            self.simulation.particles = Arc::unwrap_or_clone(lent);
+        }
+    }
+
+    /// Runs to its end without the lock of the interpreter. Signals end the run at the end of a window.
+    ///
+    /// # Errors
+    /// The run has not reached its end.
+    pub fn run(&mut self, py: Python<'_>, end: RunEnd) -> Result<(), Interruption> {
+        self.take_back();
+        let Self { simulation, pool, .. } = self;
+        py.detach(|| {
+            let stop = AtomicBool::new(false);
+            pool.in_place_scope(|scope| {
+                let (send, ended) = channel();
+                let (stop, mut signal) = (&stop, None);
+                let (time, is_window) = match end {
+                    RunEnd::Time(time) => (time, false),
+                    RunEnd::Window => (f64::INFINITY, true),
+                };
+                scope.spawn(move |_| {
+                    let mut go_on = |_: &mut diptych::Simulation| !is_window && !stop.load(Ordering::Relaxed);
+                    // the receiver waits for this message, unless the work panics and the scope passes the panic on
+                    let _ = send.send(keep_workers_spinning(|| simulation.run_until_while(time, &mut go_on)));
+                });
+                let result = loop {
+                    match ended.recv_timeout(LOOK) {
+                        Ok(result) => break result,
+                        Err(RecvTimeoutError::Disconnected) => break Ok(false),
+                        Err(RecvTimeoutError::Timeout) if signal.is_none() => {
+                            signal = Python::attach(|py| py.check_signals()).err();
+                            stop.store(signal.is_some(), Ordering::Relaxed);
+                        }
+                        Err(RecvTimeoutError::Timeout) => {}
+                    }
+                };
+                match (result, signal) {
+                    (Err(failure), _) => Err(Interruption::Failed(failure)),
+                    (Ok(_), Some(signal)) => Err(Interruption::Signal(signal)),
+                    (Ok(_), None) => Ok(()),
+                }
+            })
+        })
+    }
+}

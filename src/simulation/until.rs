@@ -1,0 +1,116 @@
+//! Runs a simulation up to a given time, in the windows of its schedule.
+
+use super::Simulation;
+use crate::engine::Failure;
+use crate::experiment::{Experiment, Population, Spheres};
+use crate::particles::Particles;
+use crate::placement::{Crowded, initial_state};
+use crate::schedule::{Course, Schedule};
+
+impl Simulation {
+    /// Creates a simulation from the initial state that the experiment describes.
+    ///
+    /// # Errors
+    /// No random start without overlap was found.
+    pub fn from_start(experiment: &Experiment) -> Result<Self, Crowded> {
+        Ok(Self::new(experiment, initial_state(experiment)?))
+    }
+
+    /// Runs until `time` [s] in the windows that the program uses for the experiment. For a simulation with an engine of
+    /// the calling program, windows are chosen from its particles at the first call, and keep that length. At the end,
+    /// velocities and positions belong to `time`. Nothing happens if the simulation has reached `time` already.
+    ///
+    /// A call that ends at a sample of the schedule changes no bit of the results. At any other time the call divides a
+    /// kick of drag, which changes rounding, and may divide a window.
+    ///
+    /// # Errors
+    /// Errors of [`run`](Self::run).
+    pub fn run_until(&mut self, time: f64) -> Result<(), Failure> {
+        self.run_until_while(time, &mut |_| true)?;
+        self.complete()
+    }
+
+    /// Runs as [`run_until`](Self::run_until) for as long as `go_on` returns true, and returns true if `time` [s] is
+    /// reached. `go_on` is called at the end of every window. After a stop, velocities lack a half-kick of drag at most
+    /// ends of windows. Runs to later times add it, and have the bits of a run that was not stopped.
+    /// [`complete`](Self::complete) adds it at once.
+    ///
+    /// # Errors
+    /// Errors of [`run`](Self::run).
+    pub fn run_until_while(&mut self, time: f64, go_on: &mut dyn FnMut(&mut Self) -> bool) -> Result<bool, Failure> {
+        let result = self.in_pieces(time, go_on);
+        self.show(1);
+        result
+    }
+
+    /// Adds the half-kick of drag that velocities lack after [`run_until_while`](Self::run_until_while) was stopped. This
+    /// divides a kick, which changes rounding.
+    ///
+    /// # Errors
+    /// A particle left the domain, or energy grew more than errors of the scheme explain.
+    pub fn complete(&mut self) -> Result<(), Failure> {
+        if self.half_kicked {
+            return Ok(());
+        }
+        self.settle(self.course.window());
+        self.check()
+    }
+
+    /// [s] end of the present window of the schedule; `None` if no windows are chosen yet.
+    pub fn end_of_window(&self) -> Option<f64> {
+        (self.course.window() > 0.0).then(|| self.course_at_present(*self.course.schedule()).after(1))
+    }
+
+    /// [s] time of the next sample of the schedule; `None` if no windows are chosen yet.
+    pub fn next_sample(&self) -> Option<f64> {
+        (self.course.window() > 0.0).then(|| self.course_at_present(*self.course.schedule()).next_sample())
+    }
+
+    fn in_pieces(&mut self, time: f64, go_on: &mut dyn FnMut(&mut Self) -> bool) -> Result<bool, Failure> {
+        if time.is_nan() || time <= self.time {
+            return Ok(true);
+        }
+        let has_windows = self.course.window() > 0.0;
+        let schedule = if has_windows { *self.course.schedule() } else { self.chosen(time - self.time) };
+        let mut course = self.course_at_present(schedule);
+        loop {
+            let rest = time - course.now();
+            if rest <= course.schedule().rounding() {
+                return Ok(true);
+            }
+            let step = course.next(time);
+            let (windows, window) = course.lengths(step);
+            if window != course.window() {
+                self.complete()?;
+            }
+            let ran = self.run_while(windows, window, &mut |simulation, _| go_on(simulation))?;
+            course.advance(step, ran);
+            self.course = course.clone();
+            if ran < windows {
+                return Ok(false);
+            }
+            if time - course.now() > course.schedule().rounding() && !go_on(self) {
+                return Ok(false);
+            }
+        }
+    }
+
+    /// Position in the schedule, which is searched if the simulation was moved by other methods since.
+    fn course_at_present(&self, schedule: Schedule) -> Course {
+        let known = Some(&self.course).filter(|course| course.window() > 0.0 && course.is_at(self.time));
+        known.cloned().unwrap_or_else(|| Course::at(schedule, self.time))
+    }
+
+    /// Schedule with windows of one length for the particles of this simulation, which move for `duration` [s].
+    fn chosen(&self, duration: f64) -> Schedule {
+        let population = |species: u16| {
+            let is_own = |place: &u32| self.particles.species[*place as usize] == species;
+            let mut own = Particles::default();
+            own.copy_from(&self.particles, &(0..self.particles.len() as u32).filter(is_own).collect::<Vec<u32>>());
+            Population::placed(species, own)
+        };
+        let start = (0..self.scene.species.len() as u16).map(population).collect();
+        let schedule = Schedule::new(&Experiment::new(self.scene.clone(), start, Spheres::Hard, duration));
+        Schedule { longer: Default::default(), ..schedule }
+    }
+}
