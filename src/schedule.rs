@@ -5,13 +5,13 @@
 //! samples at the same times. Windows may become longer during a run if drag is certain to slow the particles down. The
 //! slowing is computed from the drag law alone, which is equal in every model, and not from the moving particles.
 
-mod course;
 mod heat;
 mod inlets;
+mod position;
 
-pub use course::Course;
 pub use heat::longest_for_thermostat;
 pub use inlets::longest_for_inlets;
+pub use position::SchedulePosition;
 
 use crate::experiment::{Amount, Experiment, Population};
 use crate::fluid::Profile;

@@ -38,7 +38,7 @@ use crate::placement::FreeRoom;
 use crate::predict::energy::{Bound, broken_contract, too_long};
 use crate::record::Record;
 use crate::scene::Scene;
-use crate::schedule::{Course, Schedule};
+use crate::schedule::{Schedule, SchedulePosition};
 use crate::walls::Repeated;
 use lift::LiftKick;
 use nalgebra::Vector3;
@@ -113,7 +113,7 @@ pub struct Simulation {
     inlet_rooms: Vec<FreeRoom>,
     /// Position in the windows in which [`run_until`](Self::run_until) runs. The windows have no length before they are
     /// chosen.
-    course: Course,
+    schedule_position: SchedulePosition,
 }
 
 /// Wall time spent in each part of a simulation, measured by the clock of the simulation; zero without a clock.
@@ -160,8 +160,8 @@ impl Simulation {
         let mut scene = experiment.scene.clone();
         scene.seed_walls(experiment.run.seed);
         let simulation = Self::with_totals(scene, particles, totals, engine);
-        let course = Course::new(Schedule::new(experiment));
-        Self { refused, bound, unseen, course, seed: experiment.run.seed, ..simulation }
+        let schedule_position = SchedulePosition::new(Schedule::new(experiment));
+        Self { refused, bound, unseen, schedule_position, seed: experiment.run.seed, ..simulation }
     }
 
     /// Creates a simulation at time 0 with an engine that the calling program supplies. If processes share the
@@ -212,7 +212,7 @@ impl Simulation {
             unseen: None,
             through_flow: through_flow.map(Box::new),
             inlet_rooms,
-            course: Course::default(),
+            schedule_position: SchedulePosition::default(),
         }
     }
 

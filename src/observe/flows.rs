@@ -63,7 +63,8 @@ impl Flows {
         let scene = &experiment.scene;
         let outlets = scene.outlets.iter().map(|outlet| (&outlet.name, false));
         let named = outlets.chain(scene.inlets.iter().map(|inlet| (&inlet.name, true)));
-        let of = |((name, is_inlet), (samples, waiting)): ((&String, bool), (&Vec<FlowSample>, &[u64; 2]))| {
+        let of = |(k, (name, is_inlet)): (usize, (&String, bool))| {
+            let (samples, waiting) = (&self.samples[k], self.waiting[k]);
             let rate = |of: fn(&FlowTotals) -> f64| {
                 let used: Vec<&FlowSample> = samples.iter().filter(|sample| sample.time >= from).collect();
                 let each =
@@ -76,11 +77,11 @@ impl Flows {
                 mass_rate: rate(|totals| totals.mass),
                 rate: rate(|totals| totals.count as f64),
                 totals: samples.last().map(|sample| sample.totals).unwrap_or_default(),
-                waiting: *waiting,
+                waiting,
                 over_time: samples.clone(),
             }
         };
-        named.zip(self.samples.iter().zip(&self.waiting)).map(of).collect()
+        named.enumerate().map(of).collect()
     }
 
     fn take(&mut self, simulation: &Simulation) {

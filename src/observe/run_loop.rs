@@ -4,7 +4,7 @@
 use super::{Needs, Observer};
 use crate::engine::Failure;
 use crate::experiment::Experiment;
-use crate::schedule::{Course, Schedule};
+use crate::schedule::{Schedule, SchedulePosition};
 use crate::simulation::{Simulation, Snapshot};
 use crate::stored::{StoreError, Stored};
 use serde::{Deserialize, Serialize};
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 /// Progress of a run, and the next times of the observers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunLoop {
-    course: Course,
+    schedule_position: SchedulePosition,
     /// [s] time at or after which each observer is called next; `None` if the observer is not called again.
     due: Vec<Option<f64>>,
 }
@@ -23,14 +23,14 @@ pub struct RunLoop {
 pub struct Pause {
     /// State of the simulation at the pause.
     pub snapshot: Snapshot,
-    course: RunLoop,
+    schedule_position: RunLoop,
     observers: Vec<Stored>,
 }
 
 impl RunLoop {
     /// Creates the loop for a run from its start, with the given number of observers.
     pub fn new(schedule: &Schedule, observers: usize) -> Self {
-        Self { course: Course::new(*schedule), due: vec![Some(0.0); observers] }
+        Self { schedule_position: SchedulePosition::new(*schedule), due: vec![Some(0.0); observers] }
     }
 
     /// Advances the run and calls the observers at their times. At the end of every window the run stops if `pause`
@@ -69,7 +69,7 @@ impl RunLoop {
             if let Some(why) = observers.iter().find_map(|observer| observer.stop()) {
                 return Err(Failure::Unwritten { time: simulation.time, why });
             }
-            if self.course.is_over() {
+            if self.schedule_position.is_over() {
                 return Ok(true);
             }
             // a run that has not advanced since it was resumed must continue; otherwise it would stop at this position
@@ -78,13 +78,13 @@ impl RunLoop {
                 return Ok(false);
             }
             has_moved = true;
-            let step = self.course.next(f64::INFINITY);
-            let (windows, window) = self.course.lengths(step);
+            let step = self.schedule_position.next(f64::INFINITY);
+            let (windows, window) = self.schedule_position.lengths(step);
             let ran = simulation.run_while(windows, window, &mut |simulation, ran| {
-                self.see_between(simulation, (self.course.after(ran), 0.5 * window), observers);
+                self.see_between(simulation, (self.schedule_position.after(ran), 0.5 * window), observers);
                 !pause()
             })?;
-            self.course.advance(step, ran);
+            self.schedule_position.advance(step, ran);
             if ran < windows {
                 return Ok(false);
             }
@@ -121,7 +121,7 @@ impl RunLoop {
     /// Adds the missing half step of drag to the velocities of a run stopped between two samples. A caller that
     /// does not continue the run must call this function.
     pub fn settle(&self, simulation: &mut Simulation) {
-        simulation.settle(self.course.window());
+        simulation.settle(self.schedule_position.window());
     }
 
     /// Calls the observers that are due at a sample (instant of measurement). If several processes share the run,
@@ -130,11 +130,12 @@ impl RunLoop {
         let by_parts = |place: &usize| {
             matches!(observers[*place].sight(), Needs::Sums | Needs::Parts) && simulation.is_seen_by_all(*place)
         };
-        let (parts, others): (Vec<usize>, Vec<usize>) = self.due(self.course.now()).into_iter().partition(by_parts);
+        let (parts, others): (Vec<usize>, Vec<usize>) =
+            self.due(self.schedule_position.now()).into_iter().partition(by_parts);
         show_parts(simulation, observers, &parts);
-        self.see(simulation, self.course.now(), observers, &parts);
+        self.see(simulation, self.schedule_position.now(), observers, &parts);
         show(simulation, others.iter().map(|place| observers[*place].sight()));
-        self.see(simulation, self.course.now(), observers, &others);
+        self.see(simulation, self.schedule_position.now(), observers, &others);
     }
 
     /// Calls the observers at the end of a run. After a failure of the engine they are called with all particles. If
@@ -150,7 +151,7 @@ impl RunLoop {
         };
         let (parts, others): (Vec<usize>, Vec<usize>) = (0..observers.len()).partition(by_parts);
         show_parts(simulation, observers, &parts);
-        self.see(simulation, self.course.now(), observers, &parts);
+        self.see(simulation, self.schedule_position.now(), observers, &parts);
         if failure.is_none() {
             show(simulation, others.iter().map(|place| sight[*place]));
         } else {
@@ -165,14 +166,14 @@ impl RunLoop {
         for &place in places {
             observers[place].see(simulation);
             // the next time is later than `now`, so that no observer is called twice at one time
-            let later = now + 2.0 * self.course.schedule().rounding();
-            self.due[place] = observers[place].next(now, self.course.schedule()).map(|time| time.max(later));
+            let later = now + 2.0 * self.schedule_position.schedule().rounding();
+            self.due[place] = observers[place].next(now, self.schedule_position.schedule()).map(|time| time.max(later));
         }
     }
 
     /// Indices of the observers that are to be called at `now` [s].
     fn due(&self, now: f64) -> Vec<usize> {
-        let reached = now + self.course.schedule().rounding();
+        let reached = now + self.schedule_position.schedule().rounding();
         let is_due = |(place, due): (usize, &Option<f64>)| due.filter(|due| *due <= reached).map(|_| place);
         self.due.iter().enumerate().filter_map(is_due).collect()
     }
@@ -183,7 +184,7 @@ impl RunLoop {
     /// The engine or one of the observers cannot be stored.
     pub fn store(&self, simulation: &Simulation, observers: &[&mut dyn Observer]) -> Result<Pause, StoreError> {
         let observers = observers.iter().map(|observer| observer.stored()).collect::<Result<_, _>>()?;
-        Ok(Pause { snapshot: simulation.snapshot()?, course: self.clone(), observers })
+        Ok(Pause { snapshot: simulation.snapshot()?, schedule_position: self.clone(), observers })
     }
 }
 
@@ -230,14 +231,16 @@ impl Pause {
         experiment: &Experiment,
         observers: &mut [&mut dyn Observer],
     ) -> Result<(Simulation, RunLoop), StoreError> {
-        let Self { snapshot, course, observers: stored } = self;
+        let Self { snapshot, schedule_position, observers: stored } = self;
         snapshot.fits(experiment)?;
-        if stored.len() != observers.len() || *course.course.schedule() != Schedule::new(experiment) {
+        if stored.len() != observers.len()
+            || *schedule_position.schedule_position.schedule() != Schedule::new(experiment)
+        {
             return Err(StoreError::misfit());
         }
         for (observer, stored) in observers.iter_mut().zip(&stored) {
             observer.restore(stored)?;
         }
-        Ok((fresh.resume(snapshot)?, course))
+        Ok((fresh.resume(snapshot)?, schedule_position))
     }
 }

@@ -5,7 +5,7 @@ use crate::engine::Failure;
 use crate::experiment::{Experiment, Population, Spheres};
 use crate::particles::Particles;
 use crate::placement::{Crowded, initial_state};
-use crate::schedule::{Course, Schedule};
+use crate::schedule::{Schedule, SchedulePosition};
 
 impl Simulation {
     /// Creates a simulation from the initial state that the experiment describes.
@@ -52,53 +52,56 @@ impl Simulation {
         if self.half_kicked {
             return Ok(());
         }
-        self.settle(self.course.window());
+        self.settle(self.schedule_position.window());
         self.check()
     }
 
     /// [s] end of the present window of the schedule; `None` if no windows are chosen yet.
     pub fn end_of_window(&self) -> Option<f64> {
-        (self.course.window() > 0.0).then(|| self.course_at_present(*self.course.schedule()).after(1))
+        (self.schedule_position.window() > 0.0)
+            .then(|| self.position_at_present(*self.schedule_position.schedule()).after(1))
     }
 
     /// [s] time of the next sample of the schedule; `None` if no windows are chosen yet.
     pub fn next_sample(&self) -> Option<f64> {
-        (self.course.window() > 0.0).then(|| self.course_at_present(*self.course.schedule()).next_sample())
+        (self.schedule_position.window() > 0.0)
+            .then(|| self.position_at_present(*self.schedule_position.schedule()).next_sample())
     }
 
     fn in_pieces(&mut self, time: f64, go_on: &mut dyn FnMut(&mut Self) -> bool) -> Result<bool, Failure> {
         if time.is_nan() || time <= self.time {
             return Ok(true);
         }
-        let has_windows = self.course.window() > 0.0;
-        let schedule = if has_windows { *self.course.schedule() } else { self.chosen(time - self.time) };
-        let mut course = self.course_at_present(schedule);
+        let has_windows = self.schedule_position.window() > 0.0;
+        let schedule = if has_windows { *self.schedule_position.schedule() } else { self.chosen(time - self.time) };
+        let mut schedule_position = self.position_at_present(schedule);
         loop {
-            let rest = time - course.now();
-            if rest <= course.schedule().rounding() {
+            let rest = time - schedule_position.now();
+            if rest <= schedule_position.schedule().rounding() {
                 return Ok(true);
             }
-            let step = course.next(time);
-            let (windows, window) = course.lengths(step);
-            if window != course.window() {
+            let step = schedule_position.next(time);
+            let (windows, window) = schedule_position.lengths(step);
+            if window != schedule_position.window() {
                 self.complete()?;
             }
             let ran = self.run_while(windows, window, &mut |simulation, _| go_on(simulation))?;
-            course.advance(step, ran);
-            self.course = course.clone();
+            schedule_position.advance(step, ran);
+            self.schedule_position = schedule_position.clone();
             if ran < windows {
                 return Ok(false);
             }
-            if time - course.now() > course.schedule().rounding() && !go_on(self) {
+            if time - schedule_position.now() > schedule_position.schedule().rounding() && !go_on(self) {
                 return Ok(false);
             }
         }
     }
 
     /// Position in the schedule, which is searched if the simulation was moved by other methods since.
-    fn course_at_present(&self, schedule: Schedule) -> Course {
-        let known = Some(&self.course).filter(|course| course.window() > 0.0 && course.is_at(self.time));
-        known.cloned().unwrap_or_else(|| Course::at(schedule, self.time))
+    fn position_at_present(&self, schedule: Schedule) -> SchedulePosition {
+        let known = Some(&self.schedule_position)
+            .filter(|schedule_position| schedule_position.window() > 0.0 && schedule_position.is_at(self.time));
+        known.cloned().unwrap_or_else(|| SchedulePosition::at(schedule, self.time))
     }
 
     /// Schedule with windows of one length for the particles of this simulation, which move for `duration` [s].

@@ -9,7 +9,7 @@ const DRIFT: f64 = 1e-3;
 
 /// Position of a run in its schedule. A run may stop at any time within a window; it then completes that window first.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Course {
+pub struct SchedulePosition {
     schedule: Schedule,
     /// Number of completed windows, in units of the shortest windows of the schedule.
     done: u64,
@@ -17,7 +17,7 @@ pub struct Course {
     cut: Option<f64>,
 }
 
-impl Course {
+impl SchedulePosition {
     /// Creates the position at the start of a run.
     pub fn new(schedule: Schedule) -> Self {
         Self { schedule, done: 0, cut: None }
