@@ -329,7 +329,8 @@ pub enum HardStepping {
     Events,
     /// Collisions are found as overlaps at the ends of time steps Δt < θ d/u_r (the paper's section 3.4).
     Steps {
-        /// [-] step criterion θ.
+        /// [-] number θ of this bound, with the smallest diameter d and the mean magnitude u_r of one component of the
+        /// relative velocity. A smaller value misses fewer collisions.
         theta: f64,
     },
 }

@@ -60,7 +60,7 @@ impl From<Surface> for Meeting {
     }
 }
 
-/// Kind of a collision partner.
+/// Type of a body in a contact: a species of particles, or a wall.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {

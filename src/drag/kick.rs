@@ -25,8 +25,8 @@ const TOLERANCE: f64 = 5e-10;
 
 /// Number of coefficients of the polynomial of a piece.
 const TERMS: usize = 5;
-/// Positions in a piece of the table, from 0 to 1, at which the polynomial equals the drag law: Chebyshev points and
-/// both ends. A law may switch between two formulas at any position between two of these.
+/// Positions in a piece of the table, from 0 to 1, at which the polynomial equals the drag law: both ends and the
+/// Chebyshev points between them.
 const NODES: [f64; TERMS] = [0.0, 0.146_446_609_406_726_24, 0.5, 0.853_553_390_593_273_8, 1.0];
 /// Positions in a piece of the table, from 0 to 1, at which the error of the polynomial is largest. The error is
 /// checked there.
@@ -62,8 +62,8 @@ impl Kick {
         Self { law: law.clone(), duration, species, spread: Vec::new() }
     }
 
-    /// Adds the sizes of species whose particles differ in diameter. `diameters` contains the diameter [m] of the
-    /// `Sphere` of each such species. A table is valid for one size only, so the law itself is evaluated for particles
+    /// Lets the particles of some species differ in diameter. `diameters` has one entry per species: the diameter [m] of
+    /// its `Sphere`, or `None` if all its particles have this diameter. A table is valid for one size only, so the law itself is evaluated for particles
     /// of these species.
     pub fn with_sizes(mut self, diameters: Vec<Option<f64>>) -> Self {
         self.spread = diameters;

@@ -39,7 +39,7 @@ pub struct Shift {
 }
 
 impl Shift {
-    /// [-] shift divided by the scale.
+    /// [-] shift of the observable by the changed factor, divided by the scale of the observable.
     pub fn share(&self) -> f64 {
         self.difference / self.scale
     }

@@ -40,7 +40,8 @@ struct LocalStatus {
 
 impl<C> Domains<C> {
     /// Returns the joint decision of all processes about a part, a piece of the time between two exchanges with the
-    /// gas, that they have tried. `failed` is true if, in this process, an island (group of particles that may meet) is
+    /// gas, that they have tried. Its results are accepted, it is repeated with particles from farther away, or it is
+    /// computed without islands. `failed` is true if, in this process, an island (group of particles that may meet) is
     /// too large or the engine failed. All processes must call this function.
     pub fn decide<'a>(
         &mut self,

@@ -33,7 +33,7 @@ pub(super) const SCENE: LabScene = LabScene {
         "On the right every collision is done at its exact instant, from a calendar of events.",
     ],
     equation: "Δt = θ d / u_r",
-    symbols: "Δt: step. θ: how far a typical pair comes in one step, in diameters d. u_r: mean relative speed of spheres.",
+    symbols: "Δt: step. θ: how far a typical pair comes in one step, in diameters d. u_r: mean size of one component of the relative velocity of spheres.",
     question: "How small must θ be for less than one collision in a hundred to be missed?",
     answer: "A little below 0.1. A grazing collision is short, and the longer the step, the more of them begin and end within it: at θ = 0.3, which the literature uses, about one in six is missed, and those that are found come late, from spheres that are deep in one another.",
 };

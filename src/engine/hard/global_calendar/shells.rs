@@ -183,7 +183,8 @@ impl Shells {
         }
     }
 
-    /// Stores the neighbour lists of consecutive particles, the first of which has the index `first`.
+    /// Copies the neighbour lists of consecutive particles, the first of which has the index `first`, to the end of the
+    /// common store, and writes the place of each list to its particle in `next_events`.
     fn hand_out(&mut self, lists: Lists, first: usize, next_events: &mut [NextEvents]) {
         self.checks += lists.checks;
         let mut near = lists.near.as_slice();
