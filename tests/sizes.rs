@@ -73,11 +73,12 @@ fn many_slices() {
     assert_eq!(whole.slices.iter().map(|row| row.samples).sum::<u64>(), 4000);
     let density: f64 = whole.slices.iter().map(|row| row.of(NUMBER_DENSITY).unwrap().value).sum();
     assert!((density / 1e5 - 1.0).abs() < 1e-9, "{density}");
-    // ten times as many slices must take about ten times the time. If each row counted all samples again, it would be a
-    // hundred times. The shortest of three times is used, to reduce the effect of other programs on the machine
+    // A hundred times as many slices must take about a hundred times the time. If each row counted all samples again, it
+    // would be ten thousand times. The shortest of three times is used, and caches and other programs on the machine may
+    // cost a factor of ten.
     let least = |slices: usize| (0..3).map(|_| table(slices).1).fold(f64::INFINITY, f64::min);
-    let growth = least(100_000) / least(10_000);
-    assert!(growth < 40.0, "{growth}");
+    let growth = least(100_000) / least(1_000);
+    assert!(growth < 1000.0, "{growth}");
 }
 
 #[test]
