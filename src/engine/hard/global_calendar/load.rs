@@ -229,10 +229,11 @@ impl GlobalCalendar {
             self.limit = before.min(self.limit);
         }
         let fall = across_walls(scene).norm();
-        if fall > 0.0 {
+        // without particles an epoch has no limit
+        if fall > 0.0 && !self.bodies.is_empty() {
             // the frame must not fall towards walls much faster than the particles move, since shells are enlarged by
             // the distance that the frame falls until the end of the epoch
-            let count = self.bodies.len().max(1) as f64;
+            let count = self.bodies.len() as f64;
             let square = self.bodies.iter().map(|body| body.velocity.norm_squared()).sum::<f64>() / count;
             let diameter = 2.0 * self.bodies.iter().map(|body| self.shells.radius(body)).sum::<f64>() / count;
             self.limit = before.min(square.max(fall * diameter).sqrt() / fall);
