@@ -24,58 +24,16 @@
 
 #![allow(rustdoc::broken_intra_doc_links, reason = "units stand in brackets")]
 
-pub mod clock;
-pub mod noise;
-pub mod stored;
-pub mod work_sharing;
-
-pub mod domain;
-pub mod exact;
-
-pub mod communicator;
-pub mod kinetic_theory;
-pub mod rotation;
-
-pub mod particles;
-pub mod restitution;
-
-pub mod scene;
-
-pub mod contact_law;
-
-pub mod experiment;
-
-pub mod drag;
-pub mod fluid;
-pub mod walls;
-
-pub mod encounter;
-pub mod neighbours;
-pub mod placement;
-pub mod record;
-
-pub mod engine;
-pub mod predict;
-
-pub mod schedule;
-pub mod simulation;
-pub mod statistics;
-
-pub mod observe;
-
-pub mod outcome;
+#[doc(inline)]
+pub use diptych_physics::{
+    clock, communicator, contact_law, domain, drag, encounter, engine, exact, experiment, fluid, kinetic_theory,
+    neighbours, noise, observe, outcome, particles, placement, predict, record, restitution, rotation, scene, schedule,
+    simulation, statistics, stored, walls, work_sharing,
+};
 
 #[cfg(feature = "case")]
-pub mod legible;
-
-#[cfg(feature = "case")]
-pub mod memory;
-
-#[cfg(feature = "case")]
-pub mod triangles;
-
-#[cfg(feature = "case")]
-pub mod case;
+#[doc(inline)]
+pub use diptych_input::{case, legible, memory, triangles};
 
 #[cfg(feature = "program")]
 pub mod cli;

@@ -38,6 +38,12 @@ fn sources() -> Vec<(String, String)> {
     found.iter().map(|path| (name(path), std::fs::read_to_string(path).unwrap())).collect()
 }
 
+/// Path of a source file within its crate: the physics, the input, or the program.
+fn in_crate(path: &str) -> &str {
+    let path = path.trim_start_matches("src/");
+    ["physics/", "input/"].iter().find_map(|folder| path.strip_prefix(folder)).unwrap_or(path)
+}
+
 /// Lines of code of a file: without comments, and without the tests at the end.
 fn code(text: &str) -> String {
     let body = text.split("#[cfg(test)]").next().unwrap_or_default();
@@ -63,14 +69,14 @@ fn imports(code: &str) -> Vec<String> {
 
 #[test]
 fn imports_point_up_the_list_of_modules() {
-    let library = text("src/lib.rs");
-    let order: Vec<&str> =
-        library.lines().filter_map(|line| line.strip_prefix("pub mod ")?.strip_suffix(';')).collect();
-    assert!(order.len() > 15);
+    let libraries = ["src/physics/lib.rs", "src/input/lib.rs", "src/lib.rs"].map(text);
+    let modules = libraries.iter().flat_map(|library| library.lines());
+    let order: Vec<&str> = modules.filter_map(|line| line.strip_prefix("pub mod ")?.strip_suffix(';')).collect();
+    assert!(order.len() > 35);
     let rank = |module: &str| order.iter().position(|known| *known == module);
     let mut wrong = Vec::new();
     for (path, text) in sources() {
-        let module = path.trim_start_matches("src/").trim_end_matches(".rs").split('/').next().unwrap().to_owned();
+        let module = in_crate(&path).trim_end_matches(".rs").split('/').next().unwrap().to_owned();
         let Some(place) = rank(&module) else { continue };
         for import in imports(&code(&text)) {
             let allowed = EXCEPTIONS.contains(&(module.as_str(), import.as_str()));
@@ -183,19 +189,19 @@ fn one_file_writes_to_the_terminal() {
 fn engines_do_not_know_each_other_and_one_file_knows_each_foreign_library() {
     for (path, text) in sources() {
         let code = code(&text);
-        for (own, other) in [("src/engine/soft/", "hard"), ("src/engine/hard/", "soft")] {
+        for (own, other) in [("src/physics/engine/soft/", "hard"), ("src/physics/engine/hard/", "soft")] {
             let named = [format!("engine::{other}"), format!("super::{other}"), format!("super::super::{other}")];
             assert!(!path.starts_with(own) || !named.iter().any(|name| code.contains(name)), "{path} names {other}");
         }
         for (library, only) in [
-            ("parry3d", "src/walls/shape.rs"),
+            ("parry3d", "src/physics/walls/shape.rs"),
             ("kuva", "src/output/figures/chart.rs"),
             ("priority_queue", "calendar.rs"),
         ] {
             let elsewhere = code.contains(&format!("{library}::")) || code.contains(&format!("{library}_f64::"));
             let drawn = ["output/figures/cells.rs", "output/figures/rows.rs"];
             let figure = library == "kuva" && drawn.iter().any(|file| path.ends_with(file));
-            let figure = figure || library == "parry3d" && path.ends_with("src/walls/mesh/tree.rs");
+            let figure = figure || library == "parry3d" && path.ends_with("src/physics/walls/mesh/tree.rs");
             assert!(path.ends_with(only) || figure || !elsewhere, "{path} names {library}");
         }
     }
@@ -204,7 +210,7 @@ fn engines_do_not_know_each_other_and_one_file_knows_each_foreign_library() {
 /// The code of engines, islands and uniform steps is that for one process.
 #[test]
 fn one_folder_of_the_engines_knows_other_processes() {
-    let is_elsewhere = |path: &str| path.starts_with("src/engine/") && !path.starts_with("src/engine/distributed/");
+    let is_elsewhere = |path: &str| path.starts_with("src/physics/engine/") && !path.starts_with("src/physics/engine/distributed/");
     for (path, text) in sources().into_iter().filter(|(path, _)| is_elsewhere(path)) {
         assert!(!code(&text).to_lowercase().contains("communicator"), "{path} names the communicator");
     }
@@ -216,7 +222,7 @@ fn one_folder_of_the_engines_knows_other_processes() {
 fn only_studies_and_the_clock_read_the_time() {
     let reads = |path: &str| ["src/runs/", "src/study/"].iter().any(|floor| path.starts_with(floor));
     for (path, text) in sources().into_iter().filter(|(path, _)| !reads(path)) {
-        assert!(path == "src/clock.rs" || !code(&text).contains("Instant::now"), "{path} reads the time");
+        assert!(path == "src/physics/clock.rs" || !code(&text).contains("Instant::now"), "{path} reads the time");
     }
 }
 
@@ -362,8 +368,8 @@ fn what_is_a_unit() {
 
 /// Number of lines of all files of a module together.
 fn lines_of(module: &str) -> usize {
-    let own = |path: &str| path == format!("src/{module}.rs") || path.starts_with(&format!("src/{module}/"));
-    sources().iter().filter(|(path, _)| own(path)).map(|(_, text)| text.lines().count()).sum()
+    let own = |path: &str| path == format!("{module}.rs") || path.starts_with(&format!("{module}/"));
+    sources().iter().filter(|(path, _)| own(in_crate(path))).map(|(_, text)| text.lines().count()).sum()
 }
 
 #[test]
@@ -388,7 +394,7 @@ fn public_numbers_say_their_unit() {
     let mut wrong = Vec::new();
     for (path, text) in sources() {
         // written tables have the unit in the names of their columns, and the report draws given values
-        if path.starts_with("src/case/file.rs") {
+        if path.starts_with("src/input/case/file.rs") {
             continue;
         }
         let (mut comment, mut whole) = (String::new(), String::new());

@@ -82,7 +82,7 @@ pub const MIXTURE: ValidationCheck = ValidationCheck {
     tier: OtherCodes,
     case: "mixtures/ten-to-one",
     scene: "Hard spheres of 0.4 and 1.2 mm, ten to one in number, φ = 0.2, elastic and in equilibrium: collisions of all pairs per time.",
-    source: "Kinetic theory with the contact values of Boublík (1970, J. Chem. Phys. 53, 471) and Mansoori, Carnahan, Starling and Leland (1971, J. Chem. Phys. 54, 1523), as in src/predict/gas.rs. These papers were not read.",
+    source: "Kinetic theory with the contact values of Boublík (1970, J. Chem. Phys. 53, 471) and Mansoori, Carnahan, Starling and Leland (1971, J. Chem. Phys. 54, 1523), as in src/physics/predict/gas.rs. These papers were not read.",
     not_shown: "The rates of each kind of pair: those of large ones exceed this theory by 1.7 % (docs/validation.md, Collision rates in mixtures).",
     takes_minutes: false,
     measure: mixture,

@@ -1,0 +1,408 @@
+//! One variant of a case, checked and converted to SI units. It contains all data on which a simulation depends.
+
+mod defaults;
+mod observe_settings;
+
+pub use observe_settings::{
+    DiffusionSettings, FieldsSettings, ObserveSettings, PairDistributionSettings, StructureFactorSettings,
+    VelocityDistributionSettings,
+};
+
+use crate::contact_law::ContactLaw;
+use crate::particles::Particles;
+use crate::scene::{Scene, StartRegion};
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// The name of a collision model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum Model {
+    /// Time-stepped spring-dashpot contacts.
+    Soft,
+    /// Instantaneous collisions.
+    Hard,
+    /// Instantaneous collisions where two particles meet alone, spring-dashpot contacts elsewhere.
+    Hybrid,
+    /// Instantaneous collisions of pairs that are drawn at random in cells (direct simulation Monte Carlo).
+    Dsmc,
+}
+
+impl Model {
+    /// Name of the model in a case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Soft => "soft",
+            Self::Hard => "hard",
+            Self::Hybrid => "hybrid",
+            Self::Dsmc => "dsmc",
+        }
+    }
+
+    /// True if contacts of the model last, so that it needs a contact law and a time step.
+    pub fn has_contacts(self) -> bool {
+        match self {
+            Self::Soft | Self::Hybrid => true,
+            Self::Hard | Self::Dsmc => false,
+        }
+    }
+}
+
+/// A collision model with the data it requires.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Spheres {
+    /// Soft spheres, with this contact law between pairs and at walls.
+    Soft(ContactLaw),
+    /// Hard spheres.
+    Hard,
+    /// Hard spheres where two particles meet alone, soft spheres with this contact law elsewhere.
+    Hybrid(ContactLaw),
+    /// Spheres whose collision pairs are drawn at random.
+    Dsmc,
+}
+
+/// Reference with which a variant is compared.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Reference {
+    /// Another variant, by its name.
+    Variant(String),
+    /// A table of values, such as measurements.
+    Table(ReferenceTable),
+}
+
+/// Table of values with which averages of a variant are compared.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ReferenceTable {
+    /// Name of the table in sentences.
+    pub name: String,
+    /// Values, in the order of the table.
+    pub points: Vec<ReferencePoint>,
+}
+
+/// One value of a table in SI units, such as a velocity [m/s] with its error.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ReferencePoint {
+    /// Name of the quantity: a column of `profiles.csv`, or an average over the whole scene.
+    pub quantity: String,
+    /// [m] distance y from the lower side of the domain; `None` for an average over the whole scene.
+    pub y: Option<f64>,
+    /// Value in the SI unit of the quantity.
+    pub value: f64,
+    /// Standard error in the SI unit of the quantity; `None` if the table states none.
+    pub standard_error: Option<f64>,
+}
+
+/// All data on which a simulation depends, in SI units.
+#[derive(Clone, Debug, Serialize)]
+pub struct Experiment {
+    /// Name of the variant.
+    pub name: String,
+    /// Reference with which this variant is compared, if the case names one.
+    pub against: Option<Reference>,
+    /// The scene, which every engine reads.
+    pub scene: Scene,
+    /// Initial state of the particles.
+    pub start: Vec<Population>,
+    /// Settings of the soft engine.
+    pub soft: SoftSettings,
+    /// Settings of the hard engine.
+    pub hard: HardSettings,
+    /// Additional settings of the hybrid engine, which also uses those of the soft engine.
+    pub hybrid: HybridSettings,
+    /// Settings of collisions by chance.
+    pub dsmc: DsmcSettings,
+    /// Duration, window (time between two drag kicks), seed and collision model of the run.
+    pub run: RunSettings,
+    /// Settings of the averages.
+    pub statistics: StatisticsSettings,
+    /// Measurements in addition to the standard ones.
+    #[serde(skip_serializing_if = "ObserveSettings::is_empty")]
+    pub observe: ObserveSettings,
+}
+
+impl Experiment {
+    /// Collision model of the run.
+    pub fn model(&self) -> Model {
+        match self.run.spheres {
+            Spheres::Soft(_) => Model::Soft,
+            Spheres::Hard => Model::Hard,
+            Spheres::Hybrid(_) => Model::Hybrid,
+            Spheres::Dsmc => Model::Dsmc,
+        }
+    }
+
+    /// Contact law of the run; `None` for hard spheres and collisions by chance.
+    pub fn law(&self) -> Option<ContactLaw> {
+        match self.run.spheres {
+            Spheres::Soft(law) | Spheres::Hybrid(law) => Some(law),
+            Spheres::Hard | Spheres::Dsmc => None,
+        }
+    }
+
+    /// Number of particles for predictions of contacts, from the number `now` in the scene: at least two with inlets,
+    /// through which any number may come in, and at least the number at the start with outlets.
+    pub fn most_that_touch(&self, now: usize) -> usize {
+        let scene = &self.scene;
+        let coming = if scene.inlets.is_empty() { 0 } else { 2 };
+        let at_start = if scene.outlets.is_empty() { 0 } else { self.count() };
+        now.max(coming).max(at_start)
+    }
+
+    /// Number of particles at the start.
+    pub fn count(&self) -> usize {
+        self.start.iter().map(|population| population.amount.count()).sum()
+    }
+
+    /// [-] volume of all particles at the start over the volume of the box. If the drag law does not depend on the
+    /// volume fraction, the result is 0.
+    pub fn fraction_for_drag(&self) -> f64 {
+        let drag = self.scene.fluid.as_ref().and_then(|fluid| fluid.drag.as_ref());
+        if drag.is_none_or(|drag| drag.law().cells().is_none()) {
+            return 0.0;
+        }
+        let volumes = self.counts().into_iter().zip(&self.scene.species);
+        volumes.map(|(count, species)| count as f64 * species.volume()).sum::<f64>() / self.scene.domain.volume()
+    }
+
+    /// Number of particles of each species at the start.
+    pub fn counts(&self) -> Vec<usize> {
+        let mut counts = vec![0; self.scene.species.len()];
+        for population in &self.start {
+            counts[usize::from(population.species)] += population.amount.count();
+        }
+        counts
+    }
+}
+
+/// Particles of one species and their initial state.
+#[derive(Clone, Debug, Serialize)]
+pub struct Population {
+    /// Index into [`Scene::species`].
+    pub species: u16,
+    /// Number of particles, or their positions.
+    pub amount: Amount,
+    /// Part of the domain that a random start fills; `None` for the whole domain.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub region: Option<StartRegion>,
+    /// [m/s] mean velocity of a random start. Two or more spheres have exactly this mean.
+    pub velocity_mean: Vector3<f64>,
+    /// [m/s] standard deviation of each velocity component of a random start. Two or more spheres have exactly this
+    /// deviation. The velocity of a single sphere is drawn from a normal distribution of this width about the mean.
+    pub velocity_fluctuation: Vector3<f64>,
+    /// [rad/s] mean spin of a random start.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub spin_mean: Vector3<f64>,
+    /// [rad/s] standard deviation of each spin component of a random start.
+    #[serde(skip_serializing_if = "is_none")]
+    pub spin_fluctuation: f64,
+}
+
+/// True if the spin is zero, so that a stored experiment need not contain it.
+fn is_zero(spin: &Vector3<f64>) -> bool {
+    *spin == Vector3::zeros()
+}
+
+/// True if the deviation is zero, so that a stored experiment need not contain it.
+fn is_none(deviation: &f64) -> bool {
+    *deviation == 0.0
+}
+
+impl Population {
+    /// [m/s] root mean square, over the three components, of the velocity fluctuation of a random start.
+    pub fn mean_fluctuation(&self) -> f64 {
+        let v = self.velocity_fluctuation;
+        // equal components are returned without the rounding of a root
+        if v.x == v.y && v.y == v.z { v.x } else { (v.norm_squared() / 3.0).sqrt() }
+    }
+}
+
+/// Number of particles, or the particles themselves.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[allow(clippy::large_enum_variant, reason = "an experiment has few of these values")]
+pub enum Amount {
+    /// This number of particles, at random positions without overlap.
+    Count(usize),
+    /// These particles, as read from a file.
+    Placed(Particles),
+}
+
+impl Amount {
+    /// Number of particles.
+    pub fn count(&self) -> usize {
+        match self {
+            Self::Count(count) => *count,
+            Self::Placed(particles) => particles.len(),
+        }
+    }
+}
+
+/// Settings of the soft engine.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SoftSettings {
+    /// The contact law that the case names, for pairs and walls; a case that runs only with hard spheres may name
+    /// none.
+    pub law: Option<ContactLaw>,
+    /// Choice of the time step.
+    pub time_step: TimeStep,
+    /// Choice of the particles that a time step moves: all of them, or only those in contact.
+    pub stepping: SoftStepping,
+    /// The time integrator.
+    pub integrator: Integrator,
+    /// True if a run with an unstable time step is allowed; energy may then grow without limit.
+    pub allow_unstable: bool,
+}
+
+/// Choice of the time step of soft spheres.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TimeStep {
+    /// [-] N_c: Δt = shortest contact time / N_c.
+    PerContact(f64),
+    /// [s] Δt itself.
+    Fixed(f64),
+}
+
+/// Particles that a time step of the soft engine moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum SoftStepping {
+    /// Every particle at every time step.
+    Uniform,
+    /// Particles in contact only; all others fly straight.
+    Local,
+    /// Uniform or local stepping, whichever costs less.
+    Auto,
+}
+
+/// Time integrator of the soft engine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Integrator {
+    /// Velocity Verlet, kick-drift-kick; the dashpot force depends on the velocity at half a step.
+    VelocityVerlet,
+    /// Heun's second-order Runge-Kutta method. The paper uses a scheme of this order for its fluid step, and names none
+    /// for contacts.
+    Rk2,
+}
+
+/// Settings of the hard engine.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct HardSettings {
+    /// Method of finding collisions.
+    pub stepping: HardStepping,
+    /// [s] t_c of the TC model: a collision less than t_c after another collision of either particle is elastic. `None`
+    /// if no collision is made elastic.
+    pub contact_time: Option<f64>,
+}
+
+/// Settings of the hybrid engine.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct HybridSettings {
+    /// [-] clearance θ: a touch is an instantaneous collision if no other particle can come near within θ contact
+    /// times.
+    pub clearance: f64,
+}
+
+/// Settings of collisions by chance.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct DsmcSettings {
+    /// True if the collision rate is multiplied by the Enskog factor, which is the contact value at the local volume
+    /// fraction.
+    pub enskog: bool,
+    /// Numbers of cells along x, y and z; `None` if they are chosen from the mean free path and the number of particles.
+    pub cells: Option<[usize; 3]>,
+    /// [-] ratio of the longest time step to the mean free time.
+    pub step: f64,
+}
+
+/// Method by which the hard engine finds collisions.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum HardStepping {
+    /// Collisions happen at the exact instants of touch, which are kept in an event queue.
+    Events,
+    /// Collisions are found as overlaps at the ends of time steps Δt < θ d/u_r (the paper's section 3.4).
+    Steps {
+        /// [-] number θ of this bound, with the smallest diameter d and the mean magnitude u_r of one component of the
+        /// relative velocity. A smaller value misses fewer collisions.
+        theta: f64,
+    },
+}
+
+/// Duration, window (time between two drag kicks), seed and collision model of a run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RunSettings {
+    /// [s] time between instants at which windows must also end, so that all particles can be written at these
+    /// instants.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub instants: Option<f64>,
+    /// Collision model of the run.
+    pub spheres: Spheres,
+    /// [s] simulated time.
+    pub duration: f64,
+    /// Beginning of the averaging period.
+    pub average_from: AverageFrom,
+    /// [s] length h of a window, the time between two drag kicks; `None` if it is to be chosen from the scene.
+    pub window: Option<f64>,
+    /// Seed of the initial state.
+    pub seed: u64,
+}
+
+/// Settings of the files with all particles at several instants.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Trajectories {
+    /// [s] time between two instants, counted from the start.
+    pub every: f64,
+    /// File format.
+    pub format: TrajectoryFormat,
+}
+
+/// File format of trajectories.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum TrajectoryFormat {
+    /// VTK PolyData, for ParaView.
+    Vtp,
+    /// Extended XYZ, for OVITO and ASE.
+    Xyz,
+    /// Both formats: one VTK file and one XYZ frame per instant.
+    Both,
+}
+
+impl TrajectoryFormat {
+    /// True if VTK files are to be written.
+    pub fn is_vtp(self) -> bool {
+        matches!(self, Self::Vtp | Self::Both)
+    }
+
+    /// True if extended XYZ files are to be written.
+    pub fn is_xyz(self) -> bool {
+        matches!(self, Self::Xyz | Self::Both)
+    }
+}
+
+/// Beginning of the averaging period.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum AverageFrom {
+    /// [s] averaging begins at this simulated time.
+    Time(f64),
+    /// Averaging begins when the state is found to be steady, which is detected after the run.
+    Steady,
+}
+
+/// Settings of the averages.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct StatisticsSettings {
+    /// Number of slices normal to y.
+    pub slices: usize,
+    /// [s] time between samples; `None` if it is to be chosen from the scene.
+    pub sample_interval: Option<f64>,
+}
