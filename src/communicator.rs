@@ -1,5 +1,5 @@
 //! Communication among processes that share one run. The program that starts a simulation passes an implementation of
-//! it: MPI, or threads in tests.
+//! the trait [`Communicator`]: MPI, or threads in tests.
 
 use crate::exact::ExactSum;
 
@@ -30,7 +30,7 @@ pub trait Communicator: Send + Sync {
         self.rank() == 0
     }
 
-    /// Replaces each exact sum of this process by the total over all processes.
+    /// Replaces each exact sum of this process by the total of that sum over all processes.
     fn total(&self, sums: &mut [&mut ExactSum]) {
         let mut words: Vec<i64> = sums.iter_mut().flat_map(|sum| *sum.words()).collect();
         self.sum(&mut words);

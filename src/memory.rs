@@ -17,7 +17,7 @@ const SLICE: f64 = 2.0 * 20.0 * 8.0;
 /// (`statistics/profiles.rs`).
 const MOST_BLOCKS: f64 = 512.0;
 
-/// Memory that a run needs [byte].
+/// Estimated memory that a run needs [byte].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Need {
     /// [byte] memory for particles, their neighbours and contacts.

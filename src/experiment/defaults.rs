@@ -1,4 +1,4 @@
-//! Default settings, which are those of a case that gives no others.
+//! Default settings of an experiment. They equal the settings of a case that leaves the keys out.
 
 use super::{
     Amount, AverageFrom, DsmcSettings, Experiment, HardSettings, HardStepping, HybridSettings, Integrator,
@@ -12,8 +12,8 @@ use nalgebra::Vector3;
 const STEPS_PER_CONTACT: f64 = 20.0;
 
 impl Experiment {
-    /// Makes the experiment of a scene with the default settings of a case. The run lasts `duration` [s], its seed is 1,
-    /// and its time step and window are chosen from the scene. Other settings are set in the fields.
+    /// Makes the experiment of a scene with the default settings of a case. The run lasts `duration` [s], its seed is
+    /// 1, and its time step and window are chosen from the scene. The caller changes other settings in the fields.
     ///
     /// ```
     /// use diptych::{ContactLaw, Domain, Experiment, Population, Scene, Simulation, Species, Spheres, Surface, Vector3};
@@ -63,7 +63,7 @@ impl Population {
         }
     }
 
-    /// Population of given particles of one species.
+    /// Population of particles with given positions, all of one species; `species` is an index into [`Scene::species`].
     pub fn placed(species: u16, particles: Particles) -> Self {
         Self { amount: Amount::Placed(particles), ..Self::random(species, 0, 0.0) }
     }

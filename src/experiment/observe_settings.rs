@@ -53,7 +53,7 @@ impl ObserveSettings {
 /// Settings of the pair distribution.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PairDistributionSettings {
-    /// [m] largest distance of two centres, at most half the shortest edge of the box.
+    /// [m] largest distance between two centres that is counted, at most half the shortest edge of the box.
     pub reach: f64,
     /// Number of bins between 0 and the largest distance.
     pub bins: usize,
@@ -68,17 +68,17 @@ pub struct VelocityDistributionSettings {
     pub bins: usize,
 }
 
-/// Settings of the mean squared displacement.
+/// Settings of the measurement of diffusion: mean squared displacement and autocorrelation of the velocities.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DiffusionSettings {
-    /// [s] longest time over which displacements are followed.
+    /// [s] longest time over which the displacement of a particle is followed.
     pub duration: f64,
 }
 
 /// Settings of the structure factor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct StructureFactorSettings {
-    /// [m] shortest wavelength 2π/k.
+    /// [m] shortest wavelength 2π/k, which sets the largest wave number k.
     pub wavelength: f64,
     /// Number of bins between 0 and the largest wave number.
     pub bins: usize,
@@ -87,7 +87,7 @@ pub struct StructureFactorSettings {
 /// Settings of the coarse-grained fields.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FieldsSettings {
-    /// [m] width of the Gaussian, its standard deviation along each axis.
+    /// [m] width of the Gaussian that spreads each particle over the fields: its standard deviation along each axis.
     pub width: f64,
     /// Numbers of cells along x, y and z.
     pub cells: [usize; 3],

@@ -1,10 +1,11 @@
-//! Windows of scenes with inlets.
+//! Lengths of windows in scenes with inlets. A window is the time between two exchanges with the gas; particles come in
+//! at its end.
 
 use crate::experiment::Experiment;
 use crate::scene::Inlet;
 
-/// [-] largest share of the volume of an inlet that the particles of one window fill. Random sequential addition, by which
-/// they come in, is fast at this share; it jams at 0.382 (Talbot, Schaaf and Tarjus 1991).
+/// [-] largest share of the volume of an inlet that the particles of one window fill. At this share, random sequential
+/// addition, which places these particles, is fast; it jams at 0.382 (Talbot, Schaaf and Tarjus 1991).
 const FILLED: f64 = 0.1;
 
 /// [s] longest window with inlets, through which particles come at the ends of windows; infinite without inlets. In one
