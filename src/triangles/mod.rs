@@ -14,7 +14,7 @@ use std::path::Path;
 /// Largest number of triangles of a mesh; this number takes about 15 GB of memory.
 const MOST_TRIANGLES: usize = 20_000_000;
 
-/// Triangles given by their corners, in units of the file.
+/// Triangles, each given by its three corners, in units of the file.
 pub type Heap = Vec<[Vector3<f64>; 3]>;
 
 /// Format of a file of triangles.
@@ -74,7 +74,7 @@ pub struct TriangleFile {
     pub heap: Heap,
     /// Number of corners that differed from others only by rounding, and were merged.
     pub welded: usize,
-    /// Remarks about other properties of the file, in words.
+    /// Remarks in words about properties of the file, such as polygons that are not flat.
     pub notes: Vec<String>,
 }
 

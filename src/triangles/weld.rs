@@ -16,7 +16,7 @@ const SLACK: f64 = 1.01;
 /// one cell must then be searched.
 const CELL: f64 = 8.0;
 
-/// Replaces each corner by an earlier one that differs only by rounding, and returns the number of merged corners.
+/// Replaces each corner by an earlier corner that differs only by rounding, and returns the number of replaced corners.
 ///
 /// The coordinates have at most `digits` [-] significant digits. They are those of the file, before scaling and
 /// translation.
