@@ -121,7 +121,7 @@ impl Store {
     }
 
     /// Checks that the data of every process that belong to a stored state can be read. On failure returns the path of
-    /// the file and the reason.
+    /// the unreadable file and the reason.
     fn has_parts(&self, of: &str, whose: (u64, &RunIdentity), kept: &StoredRun) -> Result<(), (PathBuf, Unreadable)> {
         (0..kept.pause.snapshot.parts).try_for_each(|number| {
             let read = self.read_part(of, whose, number).map(drop);
@@ -193,7 +193,7 @@ impl Store {
         (of == *run).then_some(result)
     }
 
-    /// Removes the files of the checkpoint, and the subfolder too unless it contains other files.
+    /// Removes the files of the checkpoint, and also the subfolder if it contains no other files.
     ///
     /// # Errors
     /// If a file cannot be removed.
