@@ -10,7 +10,7 @@ use std::path::PathBuf;
 pub struct SweepAxis {
     /// Full path of the key.
     pub key: String,
-    /// SI unit of the numbers; `None` if the key has no unit.
+    /// SI unit of the values of the key; `None` if the key has no unit.
     pub unit: Option<String>,
     /// Values as they were typed.
     pub typed: Vec<String>,
@@ -79,7 +79,7 @@ impl Case {
         Ok(axes)
     }
 
-    /// Keys in the `[[sweep]]` list of the case.
+    /// Keys that the `[[sweep]]` list of the case varies, with their values.
     ///
     /// # Errors
     /// An entry has no key or no values, or a key occurs twice.
@@ -122,7 +122,7 @@ impl Case {
     }
 }
 
-/// Reads an argument of the form `key=a,b,c`.
+/// Reads an argument of the form `key=a,b,c` into a key and its values, and adds its text to `sources`.
 fn argument(text: &str, sources: &mut Sources) -> Result<SweepAxis, Diagnostic> {
     let name = format!("--sweep {text}");
     let source = sources.add(Source { name, folder: PathBuf::new(), text: text.into(), kind: SourceKind::Argument });

@@ -10,7 +10,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Value with its source position.
+/// Value in a case, with its position in the source text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaseNode {
     /// Value: a table, a list or a single value.

@@ -9,7 +9,7 @@ use crate::schedule::longest_for_coupling;
 use nalgebra::Vector3;
 
 impl Resolver {
-    /// Two-way coupling of a gas with this profile; `None` if the case asks for none.
+    /// Two-way coupling between particles and a gas with this profile; `None` if the case asks for one-way coupling.
     ///
     /// # Errors
     /// A gas without drag, or a profile without a solution of the k-ε model.

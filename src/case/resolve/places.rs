@@ -155,8 +155,8 @@ impl Resolver {
         Ok(Some((diameter, OF_DIAMETER)))
     }
 
-    /// Refuses a value of a row that differs from the value of its species by more than rounding. The allowed relative
-    /// difference is `factor` times the precision of the text.
+    /// Refuses a value in a row of a table that differs from the value of its species by more than rounding. The
+    /// allowed relative difference is `factor` times the precision of the text.
     fn agree(
         &self,
         row: TableRow<'_>,

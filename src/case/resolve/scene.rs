@@ -17,7 +17,7 @@ use nalgebra::Vector3;
 const SMALL: f64 = 0.01;
 
 impl Resolver {
-    /// Box, with the axes along which it is periodic.
+    /// Box of the case, with its periodic axes and its shear.
     pub(super) fn domain(&mut self, file: &CaseFile) -> Result<Domain, Diagnostic> {
         let domain = self.need(&file.domain, "domain")?;
         let size = self.need(&domain.value.size, "domain.size")?;

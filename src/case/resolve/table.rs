@@ -88,7 +88,7 @@ pub struct DataTable {
     pub head: Vec<(String, String)>,
     /// Index of the column of each wanted name; `None` if the table has no such column.
     pub(super) columns: Vec<Option<usize>>,
-    /// Unit of each wanted name, if the header gives one; `None` means SI.
+    /// Unit of the column of each wanted name, if the header gives one; `None` means SI.
     pub(super) units: Vec<Option<String>>,
     pub(super) rows: Vec<(csv::StringRecord, Origin)>,
 }
@@ -202,7 +202,7 @@ impl Resolver {
         Ok(DataTable { saved, foreign: false, head, columns, units, rows })
     }
 
-    /// One line of the table with its source position.
+    /// Row of the table, made from one line, with its source position.
     fn row(
         &self,
         source: usize,

@@ -49,13 +49,14 @@ fn says(key: &Option<Located<bool>>) -> bool {
     key.as_ref().is_some_and(|key| key.value)
 }
 
-/// Half the edges [m] of the smallest box around a round body with the given axis.
+/// Half the edges [m] of the smallest box around a round body, from its axis (0, 1 or 2), radius [m] and half height
+/// [m].
 fn around(axis: usize, radius: f64, half_height: f64) -> Vector3<f64> {
     Vector3::from_fn(|k, _| if k == axis { half_height } else { radius })
 }
 
 impl Resolver {
-    /// Walls, in the order of the case.
+    /// Walls of the scene, in the order of the case.
     pub(super) fn walls(
         &mut self,
         file: &CaseFile,

@@ -25,10 +25,10 @@ pub const MOMENTUM: usize = 15;
 /// the box are sufficient.
 const IMAGES: [&str; 4] = ["ix", "iy", "iz", "image"];
 
-/// Layout of a line: for each property of a particle, the index of the word that contains it.
+/// Layout of a line of a particle file: for each property of a particle, the index of the word that contains it.
 #[derive(Clone, Debug, Default)]
 pub struct Layout {
-    /// Index of the word in the line for each of [`COLUMNS`]; `None` if the file has no such column.
+    /// Index of the word in the line for each of [`COLUMNS`]; `None` if the file lacks the column.
     pub at: [Option<usize>; COLUMNS.len()],
     /// True if species are given by numbers, counted from 1, instead of names.
     pub counted: bool,
@@ -40,7 +40,7 @@ pub struct Layout {
     pub width: usize,
 }
 
-/// Meaning of a column.
+/// Meaning of a column in a particle file of another program.
 enum Meaning {
     /// Property with this index in [`COLUMNS`]. A column with several words also fills the following indices.
     Known(usize),
