@@ -42,7 +42,7 @@ impl NeededModels {
     }
 }
 
-/// Options of the runs of a study of factors.
+/// Options of the commands that change a case by one factor at a time: `sensitivity` and `needs`.
 #[derive(Clone, Debug, Args)]
 pub struct FactorRuns {
     /// Collision model of the case with which the others are compared [default: that of the case; for `needs` soft, if the

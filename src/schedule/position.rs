@@ -1,4 +1,5 @@
-//! Position of a run in its schedule.
+//! Position of a run in its schedule. A schedule divides a run into windows (times between two exchanges with the gas),
+//! with samples (measurements) at the ends of some windows.
 
 use super::{Schedule, ScheduleStep};
 use serde::{Deserialize, Serialize};

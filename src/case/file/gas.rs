@@ -98,7 +98,8 @@ pub struct CouplingFile {
     /// contains no hydrostatic part. Without this key the flow rate is kept constant.
     #[schemars(example = &"40 Pa/m", extend("x-range" = "-1e6 ..= 1e6 Pa/m"))]
     pub pressure_gradient: Option<Located<PressureGradient>>,
-    /// Effect of the particles on the turbulence of the gas, beyond that of the mean velocity.
+    /// Model of the effect of the particles on the turbulence of the gas. The changed mean velocity acts on the
+    /// turbulence in every case.
     #[schemars(example = &"none", extend("default" = "simonin"))]
     pub modulation: Option<Located<ModulationFile>>,
 }
@@ -107,7 +108,7 @@ pub struct CouplingFile {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ModulationFile {
-    /// No further effect.
+    /// No effect on the turbulence beyond that of the mean velocity.
     None,
     /// Damping of k and ε by the slip of the fluctuations, after Simonin (1996).
     Simonin,
@@ -184,7 +185,7 @@ pub enum ProfileFile {
         #[schemars(example = 42000)]
         #[schemars(extend("x-required" = "always", "x-range" = "10000 ..= 1e8", "minimum" = 6000))]
         reynolds_number: Option<Located<Ratio>>,
-        /// Name of the k-ε model.
+        /// Name of the k-ε model of the channel flow.
         #[schemars(example = &"launder_sharma", extend("default" = "wall_functions"))]
         model: Option<Located<TurbulenceFile>>,
     },
@@ -214,10 +215,10 @@ pub enum ProfileFile {
         /// number.
         #[schemars(example = 42000, extend("x-range" = "6000 ..= 1e8", "x-one-of" = "flow rate"))]
         reynolds_number: Option<Located<Ratio>>,
-        /// Von Kármán's constant κ.
+        /// Von Kármán's constant κ of the logarithmic law.
         #[schemars(example = 0.4, extend("default" = 0.41, "x-range" = "0.2 ..= 0.8"))]
         von_karman: Option<Located<Ratio>>,
-        /// Additive constant B of the law.
+        /// Additive constant B of the logarithmic law, for the velocity over u_τ.
         #[schemars(example = 5.2, extend("default" = 5.0, "x-range" = "-10 ..= 20"))]
         intercept: Option<Located<Ratio>>,
     },

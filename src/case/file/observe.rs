@@ -28,11 +28,11 @@ pub struct ObserveFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PairDistributionFile {
-    /// Largest distance of two centres, at most half the shortest edge of the box. The time of a sample grows with its
-    /// third power.
+    /// Largest distance of two centres that is counted, at most half the shortest edge of the box. The time of a sample
+    /// grows with the third power of this distance.
     #[schemars(example = &"2 mm", extend("x-required" = "always", "x-range" = "1e-9 ..= 1e4 m"))]
     pub reach: Option<Located<Length>>,
-    /// Number of bins between 0 and the largest distance.
+    /// Number of bins of the distance, between 0 and `reach`.
     #[schemars(example = 200, extend("default" = 100, "x-range" = "1 ..= 10000"))]
     pub bins: Option<Located<i64>>,
 }
@@ -65,10 +65,11 @@ pub struct DiffusionFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StructureFactorFile {
-    /// Shortest wavelength 2π/k, at least a hundredth of the longest edge of the box.
+    /// Shortest wavelength 2π/k, at least a hundredth of the longest edge of the box. It sets the largest wave number
+    /// k.
     #[schemars(example = &"0.2 mm", extend("x-required" = "always", "x-range" = "1e-9 ..= 1e4 m"))]
     pub wavelength: Option<Located<Length>>,
-    /// Number of bins between 0 and the largest wave number.
+    /// Number of bins of the wave number k, between 0 and the largest wave number.
     #[schemars(example = 80, extend("default" = 50, "x-range" = "1 ..= 10000"))]
     pub bins: Option<Located<i64>>,
 }
@@ -83,7 +84,7 @@ pub struct ContactNetworkFile {}
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FieldsFile {
-    /// Width of the Gaussian, its standard deviation along each axis.
+    /// Width of the Gaussian that spreads each particle over the grid: its standard deviation along each axis.
     #[schemars(example = &"0.4 mm", extend("x-required" = "always", "x-range" = "1e-9 ..= 1e4 m"))]
     pub width: Option<Located<Length>>,
     /// Numbers of cells along x, y and z, together at most 50000.

@@ -30,17 +30,18 @@ pub enum OutletSideFile {
 }
 
 /// Table `[[outlets]]`: a place where particles leave, of exactly one shape. A particle leaves at the end of the first
-/// window at which its centre is there.
+/// window (time between two drag kicks) at which its centre is there.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OutletFile {
     /// Name of the outlet in results.
     #[schemars(example = &"floor", extend("x-default" = "`outlet 0`, `outlet 1`, …"))]
     pub name: Option<Located<String>>,
-    /// A side of the box along an axis that is not periodic: all that is beyond it.
+    /// Outlet behind a side of the box, which particles cross. The box must not be periodic along the axis of this
+    /// side.
     #[schemars(example = &"-y", extend("x-one-of" = "shape", "x-required" = "or `plane`, `box`, `cylinder`"))]
     pub side: Option<Located<OutletSideFile>>,
-    /// All that is behind a plane, whose normal points to the particles that stay.
+    /// Outlet behind a plane, whose normal points to the particles that stay.
     #[schemars(extend("x-one-of" = "shape"))]
     pub plane: Option<Located<PlaneFile>>,
     /// A block with edges along the axes. Particles that fly through it within one window do not leave.
@@ -63,11 +64,11 @@ pub struct InletFile {
     /// The `name` of the particles that come in. A kind with `count = 0` comes in only here.
     #[schemars(example = &"glass 2 mm", extend("x-required" = "always"))]
     pub particles: Option<Located<String>>,
-    /// A block that contains each new particle wholly.
+    /// A block in which new particles are placed. It contains each of them wholly.
     #[serde(rename = "box")]
     #[schemars(extend("x-one-of" = "region", "x-required" = "or `cylinder`"))]
     pub block: Option<Located<BlockRegionFile>>,
-    /// A cylinder along an axis that contains each new particle wholly.
+    /// A cylinder along an axis, in which new particles are placed. It contains each of them wholly.
     #[schemars(extend("x-one-of" = "region"))]
     pub cylinder: Option<Located<CylinderRegionFile>>,
     /// Number of particles per time, at equal intervals.

@@ -79,7 +79,7 @@ pub struct RoughnessFile {
     pub deviation: Option<Located<Ratio>>,
 }
 
-/// Rotation of the surface of a wall.
+/// Rotation of the surface of a wall along itself; the shape stays at rest.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WallRotationFile {
@@ -96,7 +96,7 @@ pub struct WallRotationFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlaneFile {
-    /// A point on the surface of the wall.
+    /// A point on the plane.
     #[schemars(extend("examples" = [["0 m", "40 mm", "0 m"]], "x-required" = "always"))]
     pub point: Option<Three<Length>>,
     /// Vector from the surface towards the particles, of any length.
@@ -126,7 +126,7 @@ pub struct BoxFile {
     /// Centre of the box.
     #[schemars(extend("examples" = [["10 mm", "10 mm", "10 mm"]], "x-required" = "always"))]
     pub center: Option<Three<Length>>,
-    /// Half the edge lengths along x, y and z.
+    /// Half the edge lengths of the block along x, y and z.
     #[schemars(extend("examples" = [["5 mm", "4 mm", "5 mm"]]))]
     #[schemars(extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub half_extents: Option<Three<Length>>,
@@ -142,7 +142,7 @@ pub struct CuboidFile {
     /// Centre of the block.
     #[schemars(extend("examples" = [["10 mm", "10 mm", "10 mm"]], "x-required" = "always"))]
     pub center: Option<Three<Length>>,
-    /// Half the edge lengths along x, y and z.
+    /// Half the edge lengths of the block along x, y and z.
     #[schemars(extend("examples" = [["2 mm", "1 mm", "2 mm"]]))]
     #[schemars(extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub half_extents: Option<Three<Length>>,
@@ -155,7 +155,7 @@ pub struct CylinderFile {
     /// Centre of the cylinder.
     #[schemars(extend("examples" = [["10 mm", "10 mm", "10 mm"]], "x-required" = "always"))]
     pub center: Option<Three<Length>>,
-    /// Direction of the axis.
+    /// Direction of the axis of the cylinder.
     #[schemars(example = &"x", extend("x-required" = "always"))]
     pub axis: Option<Located<Axis>>,
     /// Radius of the cylinder.
@@ -179,7 +179,7 @@ pub struct ConeFile {
     /// Centre of the cone, half-way between the ends.
     #[schemars(extend("examples" = [["10 mm", "10 mm", "10 mm"]], "x-required" = "always"))]
     pub center: Option<Three<Length>>,
-    /// Direction of the axis.
+    /// Direction of the axis of the cone.
     #[schemars(example = &"z", extend("x-required" = "always"))]
     pub axis: Option<Located<Axis>>,
     /// Radius of the cone at its end with the smaller coordinate along the axis.
@@ -199,7 +199,7 @@ pub struct ConeFile {
     pub open: Option<Located<bool>>,
 }
 
-/// A surface of triangles.
+/// A wall whose surface consists of triangles from a file.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshFile {
@@ -210,7 +210,7 @@ pub struct MeshFile {
     /// Length of one unit of the file, which STL and OBJ files do not state.
     #[schemars(example = &"1 mm", extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub unit: Option<Located<Length>>,
-    /// Factor that all lengths are multiplied by.
+    /// Factor by which all lengths of the file are multiplied, in addition to `unit`.
     #[schemars(example = 0.5, extend("default" = 1, "x-range" = "greater than 0"))]
     pub scale: Option<Located<Ratio>>,
     /// Position of the origin of the file in the box.
