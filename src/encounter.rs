@@ -144,7 +144,7 @@ impl FrameTime {
 pub struct Encounter {
     /// [-] unit normal from the other body to particle `i`.
     pub normal: Vector3<f64>,
-    /// [m] distance between the surfaces; negative if they overlap.
+    /// [m] distance between the surfaces of the two bodies; negative if they overlap.
     pub gap: f64,
     /// [m/s] velocity of particle `i` relative to the other body, at the contact point.
     pub velocity: Vector3<f64>,
@@ -241,7 +241,7 @@ impl Couple {
         scene.surface(species, other)
     }
 
-    /// Species of the particle and kind of the other body.
+    /// Species of particle `i`, and kind of the second body (a species or a wall).
     #[inline]
     pub fn kinds(&self, particles: &Particles) -> (u16, Kind) {
         let other = match self.other {
@@ -365,7 +365,7 @@ impl Couple {
         2.0 * self.j().map_or(radius, |j| radius.min(particles.radius[j as usize]))
     }
 
-    /// The other body, as it is named in results.
+    /// Second body of the couple, as results name it: a particle by its id, or a wall by its index.
     pub fn partner(&self, particles: &Particles) -> Partner {
         match self.other {
             Other::Particle(j) => Partner::Particle(particles.id[j as usize]),

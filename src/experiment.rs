@@ -55,7 +55,7 @@ impl Model {
 pub enum Spheres {
     /// Soft spheres, with this contact law between pairs and at walls.
     Soft(ContactLaw),
-    /// Hard spheres.
+    /// Hard spheres, which collide in an instant.
     Hard,
     /// Hard spheres where two particles meet alone, soft spheres with this contact law elsewhere.
     Hybrid(ContactLaw),
@@ -78,7 +78,7 @@ pub enum Reference {
 pub struct ReferenceTable {
     /// Name of the table, as sentences of reports use it.
     pub name: String,
-    /// Values, in the order of the table.
+    /// Values of the table, in the order of its rows.
     pub points: Vec<ReferencePoint>,
 }
 
@@ -183,7 +183,7 @@ impl Experiment {
 pub struct Population {
     /// Index into [`Scene::species`].
     pub species: u16,
-    /// Number of particles, or their positions.
+    /// Number of particles that start at random positions, or particles with given positions.
     pub amount: Amount,
     /// Part of the domain in which a random start places the particles; `None` for the whole domain.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -193,10 +193,10 @@ pub struct Population {
     /// [m/s] standard deviation of each velocity component of a random start. Two or more spheres have exactly this
     /// deviation. The velocity of a single sphere is drawn from a normal distribution of this width about the mean.
     pub velocity_fluctuation: Vector3<f64>,
-    /// [rad/s] mean spin of a random start.
+    /// [rad/s] mean spin of the particles at a random start.
     #[serde(skip_serializing_if = "is_zero")]
     pub spin_mean: Vector3<f64>,
-    /// [rad/s] standard deviation of each spin component of a random start.
+    /// [rad/s] standard deviation of each spin component of the particles at a random start.
     #[serde(skip_serializing_if = "is_none")]
     pub spin_fluctuation: f64,
 }
@@ -232,7 +232,7 @@ pub enum Amount {
 }
 
 impl Amount {
-    /// Number of particles.
+    /// Number of particles, at random or given positions.
     pub fn count(&self) -> usize {
         match self {
             Self::Count(count) => *count,
@@ -241,17 +241,17 @@ impl Amount {
     }
 }
 
-/// Settings of the soft engine.
+/// Settings of the soft engine: contact law, time step and integrator.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SoftSettings {
     /// The contact law that the case names, for pairs and walls; a case that runs only with hard spheres may name
     /// none.
     pub law: Option<ContactLaw>,
-    /// Choice of the time step.
+    /// Choice of the time step Δt: by a number of steps per contact, or a given time.
     pub time_step: TimeStep,
     /// Choice of the particles that a time step moves: all of them, or only those in contact.
     pub stepping: SoftStepping,
-    /// The time integrator.
+    /// Time integrator of the soft engine: velocity Verlet or second-order Runge-Kutta.
     pub integrator: Integrator,
     /// True if a run with an unstable time step is allowed; energy may then grow without limit.
     pub allow_unstable: bool,
@@ -292,7 +292,7 @@ pub enum Integrator {
     Rk2,
 }
 
-/// Settings of the hard engine.
+/// Settings of the hard engine: method by which it finds collisions, and contact time of the TC model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HardSettings {
     /// Method by which the engine finds collisions: an event queue or time steps.
@@ -345,7 +345,7 @@ pub struct RunSettings {
     pub instants: Option<f64>,
     /// Collision model of the run.
     pub spheres: Spheres,
-    /// [s] simulated time.
+    /// [s] simulated time of the whole run.
     pub duration: f64,
     /// Beginning of the averaging period: a given time, or the steady state.
     pub average_from: AverageFrom,
@@ -361,7 +361,7 @@ pub struct Trajectories {
     /// [s] time between two instants at which the particles are written. The first interval begins at the start of the
     /// run.
     pub every: f64,
-    /// File format.
+    /// File format of the trajectory files.
     pub format: TrajectoryFormat,
 }
 

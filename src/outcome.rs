@@ -169,7 +169,7 @@ pub struct Timing {
     pub flight: f64,
     /// [s] time spent on drag kicks.
     pub drag: f64,
-    /// [s] time spent on sampling.
+    /// [s] time spent on measurements at samples.
     pub statistics: f64,
     /// Number of threads that the run used.
     pub threads: usize,

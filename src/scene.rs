@@ -141,7 +141,7 @@ pub struct Elasticity {
     pub poissons_ratio: f64,
 }
 
-/// One kind of particle.
+/// Kind of particles: spheres of one material, of one size or with a distribution of sizes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Species {
     /// Name as written in the case.

@@ -69,11 +69,11 @@ pub struct Simulation {
     pub particles: Particles,
     /// Impacts, energies and momenta recorded since the start.
     pub record: Record,
-    /// [s] simulated time.
+    /// [s] simulated time that the run has reached.
     pub time: f64,
     /// Number of completed windows (a window is the time between two drag kicks).
     pub windows: u64,
-    /// Time spent in the engine, in drag and in observers.
+    /// Wall time spent in the engine, in drag and in observers.
     pub spent: SimulationTimes,
     clock: Clock,
     scene: Scene,
@@ -119,7 +119,7 @@ pub struct Simulation {
 /// Wall time spent in each part of a simulation, measured by the clock of the simulation; zero without a clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SimulationTimes {
-    /// Time spent in the engine.
+    /// Wall time spent in the engine.
     pub engine: Duration,
     /// Time spent on changes of velocity between the windows: by drag, lift, heat and buoyancy.
     pub drag: Duration,

@@ -69,7 +69,7 @@ pub struct CaseFile {
     /// box extends along positive x, y and z.
     #[schemars(extend("x-required" = "always"))]
     pub domain: Option<Located<DomainFile>>,
-    /// Gravity. Without this table there is no gravity.
+    /// Acceleration by gravity. Without this table there is no gravity.
     pub gravity: Option<Located<GravityFile>>,
     /// The gas. Its flow is prescribed: it drives the particles, and they do not change it (one-way coupling). Without
     /// this table there is no gas.
@@ -150,7 +150,7 @@ impl Axis {
     }
 }
 
-/// Table `[gravity]`.
+/// Table `[gravity]`: acceleration by gravity.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GravityFile {
@@ -262,7 +262,7 @@ pub struct SoftFile {
     /// Time steps per shortest contact, N_c; or give `time_step`. Fewer than 5 are refused without `allow_large_step`.
     #[schemars(example = 50, extend("default" = 20, "x-range" = "greater than 0, up to 1e6", "x-one-of" = "step"))]
     pub steps_per_contact: Option<Located<Ratio>>,
-    /// Time step, Δt; or give `steps_per_contact`.
+    /// Time step of soft contacts, Δt; or give `steps_per_contact`.
     #[schemars(example = &"4e-7 s", extend("x-range" = "greater than 0 s", "x-one-of" = "step"))]
     pub time_step: Option<Located<Time>>,
     /// True: allows a time step longer than a fifth of a contact.
@@ -435,7 +435,7 @@ pub struct CompareFile {
     #[schemars(example = &"hard", extend("x-default" = "the first hard one, or else the first"))]
     pub against: Option<Located<AgainstFile>>,
     // the value is taken from the tree of the case, which contains the source positions
-    /// Keys that differ from the case, by their full names.
+    /// Keys with other values than in the case, by their full names.
     #[schemars(with = "Option<std::collections::BTreeMap<String, serde_json::Value>>")]
     #[schemars(extend("examples" = [{ "contact.restitution": 0.9 }]))]
     pub set: Option<Located<IgnoredAny>>,

@@ -9,7 +9,7 @@ use schemars::transform::RecursiveTransform;
 use serde_json::{Map, Value, json};
 use std::sync::LazyLock;
 
-/// Description of a table of a case.
+/// Description of a table of a case for `diptych keys`: its name, purpose and keys.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KeyTable {
     /// Name of the table, such as `soft.hertz`; empty for the case as a whole.
@@ -24,7 +24,7 @@ pub struct KeyTable {
     pub keys: Vec<Key>,
 }
 
-/// Description of a key of a table.
+/// Description of a key of a table for `diptych keys`: type, unit, default, range and meaning.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Key {
     /// Name of the key within its table, such as `diameter`.

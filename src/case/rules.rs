@@ -27,7 +27,7 @@ pub(super) struct KeyGroup<'a> {
 
 /// Required key that a case lacks.
 pub(super) struct MissingKey<'a> {
-    /// Path of the key.
+    /// Path of the missing key, such as `run.duration`.
     pub path: String,
     /// Keys of the same table that could be given instead.
     pub alternatives: Vec<&'static str>,

@@ -44,7 +44,7 @@ pub struct Origin {
 pub struct Sources(Vec<Arc<Source>>);
 
 impl Sources {
-    /// Adds a source and returns its index.
+    /// Adds a source text and returns its index in the list of texts.
     pub fn add(&mut self, source: Source) -> usize {
         self.0.push(Arc::new(source));
         self.0.len() - 1

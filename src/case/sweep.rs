@@ -8,11 +8,11 @@ use std::path::PathBuf;
 
 /// Key that a sweep varies, with its values in order.
 pub struct SweepAxis {
-    /// Full path of the key.
+    /// Full path of the key, such as `contact.restitution`.
     pub key: String,
     /// SI unit of the values of the key; `None` if the key has no unit.
     pub unit: Option<String>,
-    /// Values as they were typed.
+    /// Values of the key as the user typed them.
     pub typed: Vec<String>,
     /// Values as numbers in the SI unit of the key; `None` if any value is not a number.
     pub numbers: Option<Vec<f64>>,

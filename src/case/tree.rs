@@ -26,7 +26,7 @@ pub enum Value {
     Table(Vec<Entry>),
     /// List, written as `[..]` or `[[..]]`.
     Array(Vec<CaseNode>),
-    /// String.
+    /// Text, typed in quotes.
     String(String),
     /// Whole number.
     Integer(i64),

@@ -4,7 +4,7 @@ use crate::stored::{StoreError, Stored};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// First bytes of every checkpoint file.
+/// First bytes of every checkpoint file, by which such a file is recognized.
 const MAGIC: &[u8] = b"diptych checkpoint\n";
 
 /// Version of the layout of the data. This number must be raised whenever a stored type or the arithmetic changes,

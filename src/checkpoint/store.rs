@@ -18,7 +18,7 @@ const GENERATIONS: [&str; 2] = ["a", "b"];
 /// Prefix of the names of files that contain finished runs.
 const DONE: &str = "done-";
 
-/// Stored data of one run.
+/// Data of one run in a checkpoint: its state, and its end if the run is over.
 #[derive(Serialize, Deserialize)]
 pub struct StoredRun {
     /// State of the run, from which the run continues.
@@ -41,7 +41,7 @@ pub struct Store {
 pub struct Newest {
     /// Identity of the run and its newest usable state; `None` if no file can be used.
     pub found: Option<(RunIdentity, StoredRun)>,
-    /// Files that cannot be used, each with the reason.
+    /// Checkpoint files that cannot be used, each with the reason.
     pub refused: Vec<(PathBuf, Unreadable)>,
 }
 

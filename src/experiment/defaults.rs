@@ -90,7 +90,7 @@ impl Default for SoftSettings {
 }
 
 impl Default for HardSettings {
-    /// Settings of an event queue in which no collision is made elastic.
+    /// Settings with an event queue, in which no collision is made elastic.
     fn default() -> Self {
         Self { stepping: HardStepping::Events, contact_time: None }
     }
@@ -112,7 +112,7 @@ impl Default for DsmcSettings {
 }
 
 impl Default for StatisticsSettings {
-    /// Settings with 40 slices and an interval chosen from the scene.
+    /// Settings with 40 slices, and a time between samples that is chosen from the scene.
     fn default() -> Self {
         Self { slices: 40, sample_interval: None }
     }

@@ -59,7 +59,7 @@ impl SlipChange {
 pub struct Slips {
     /// Number of impacts between bodies that rotate.
     pub count: u64,
-    /// Number of impacts in which the surfaces slide all the time.
+    /// Number of impacts in which the surfaces slide during the whole impact.
     pub sliding: u64,
     squares: ExactSum,
     products: ExactSum,
@@ -96,7 +96,7 @@ impl Slips {
         (squares > 0.0).then(|| -self.products.value() / squares)
     }
 
-    /// [-] share of the impacts in which the surfaces slide all the time; `None` without impacts.
+    /// [-] share of the impacts in which the surfaces slide during the whole impact; `None` without impacts.
     pub fn share_sliding(&self) -> Option<f64> {
         (self.count > 0).then(|| self.sliding as f64 / self.count as f64)
     }
@@ -106,9 +106,9 @@ impl Slips {
 /// contact law.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LeftOut {
-    /// [s] duration of the contact.
+    /// [s] duration that the replaced contact would have had.
     pub duration: f64,
-    /// [-] largest overlap divided by the smaller diameter of the two bodies.
+    /// [-] largest overlap that the replaced contact would have had, divided by the smaller diameter of the two bodies.
     pub overlap: f64,
 }
 

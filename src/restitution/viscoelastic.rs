@@ -17,7 +17,7 @@ const INTERVALS: usize = 1024;
 /// Impact of two viscoelastic spheres, in units of the mass M, the speed of approach u and Hertz's constant k.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViscoelasticImpact {
-    /// [-] restitution e.
+    /// [-] restitution e: speed of rebound over speed of approach.
     pub restitution: f64,
     /// [-] contact time in units of (M²/(k² u))^(1/5).
     pub duration: f64,

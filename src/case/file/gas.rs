@@ -104,7 +104,7 @@ pub struct CouplingFile {
     pub modulation: Option<Located<ModulationFile>>,
 }
 
-/// Name of a model of turbulence modulation.
+/// Name of a model of turbulence modulation, the effect of the particles on the turbulence of the gas.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ModulationFile {
@@ -164,14 +164,14 @@ pub enum DragFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ProfileFile {
-    /// Uniform velocity: equal everywhere.
+    /// Velocity of the gas that is equal everywhere.
     Uniform {
-        /// Velocity along z; 0 means a gas at rest.
+        /// Velocity of the gas along z; 0 means a gas at rest.
         #[schemars(example = &"0 m/s")]
         #[schemars(extend("x-required" = "always", "x-range" = "-1e4 ..= 1e4 m/s"))]
         velocity: Option<Located<Speed>>,
     },
-    /// Velocities from a table in a file.
+    /// Velocities of the gas from a table in a file.
     Table {
         /// Name of a CSV file with the columns `y_m,U_m_s`, relative to the folder of the file that contains this key. For
         /// `fluid.turbulence` it also has the columns `k_m2_s2` and `epsilon_m2_s3`.

@@ -71,11 +71,11 @@ pub struct InletFile {
     /// A cylinder along an axis, in which new particles are placed. It contains each of them wholly.
     #[schemars(extend("x-one-of" = "region"))]
     pub cylinder: Option<Located<CylinderRegionFile>>,
-    /// Number of particles per time, at equal intervals.
+    /// Number of particles that come in per time, at equal intervals.
     #[schemars(example = &"2000 1/s", extend("x-one-of" = "rate", "x-required" = "or `mass_rate`"))]
     #[schemars(extend("x-range" = "greater than 0, up to 1e9 1/s"))]
     pub rate: Option<Located<Spin>>,
-    /// Mass of the particles per time. With `sizes`, the rate in particles follows from the mean mass.
+    /// Mass of the particles that come in per time. With `sizes`, the rate in particles follows from the mean mass.
     #[schemars(example = &"20 g/s", extend("x-one-of" = "rate", "x-range" = "greater than 0, up to 1e6 kg/s"))]
     pub mass_rate: Option<Located<MassRate>>,
     /// Time at which the inlet opens.

@@ -10,11 +10,11 @@ use serde::Deserialize;
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RegionFile {
-    /// A block with edges along the axes.
+    /// A block with edges along the axes, in which the particles start.
     #[serde(rename = "box")]
     #[schemars(extend("x-one-of" = "region", "x-required" = "or `cylinder`, `inside`"))]
     pub block: Option<Located<BlockRegionFile>>,
-    /// A cylinder along an axis.
+    /// A cylinder along an axis, in which the particles start.
     #[schemars(extend("x-one-of" = "region"))]
     pub cylinder: Option<Located<CylinderRegionFile>>,
     /// The `name` of a wall that encloses the centres of the particles: a vessel, a shell with open ends, or an open

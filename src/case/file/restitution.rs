@@ -53,7 +53,7 @@ pub enum RestitutionLawFile {
         /// Restitution of an impact at the normal speed `speed`.
         #[schemars(example = 0.9, extend("x-required" = "always", "x-range" = "0.001 ..= 1"))]
         restitution: Option<Located<Ratio>>,
-        /// Normal speed of an impact with that restitution.
+        /// Normal speed of an impact that has the restitution `restitution`.
         #[schemars(example = &"1 m/s", extend("x-required" = "always", "x-range" = "1e-9 ..= 1e5 m/s"))]
         speed: Option<Located<Speed>>,
     },

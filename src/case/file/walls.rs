@@ -213,7 +213,7 @@ pub struct MeshFile {
     /// Factor by which all lengths of the file are multiplied, in addition to `unit`.
     #[schemars(example = 0.5, extend("default" = 1, "x-range" = "greater than 0"))]
     pub scale: Option<Located<Ratio>>,
-    /// Position of the origin of the file in the box.
+    /// Position, in the box, of the origin of the coordinates in the file.
     #[schemars(extend("examples" = [["10 mm", "0 mm", "10 mm"]], "default" = [0, 0, 0]))]
     pub position: Option<Three<Length>>,
     /// Axis of the rotation, through the origin of the file: a vector of any length.

@@ -53,7 +53,7 @@ use table::{read_bytes, text_of};
 pub struct VariantChoice {
     /// Collision model, if the command line or the variant gives one.
     pub model: Option<Model>,
-    /// Seed, if the command line gives one.
+    /// Seed of the random numbers, if the command line gives one; otherwise the case determines the seed.
     pub seed: Option<u64>,
     /// Name of the variant; `None` means the name of its model.
     pub name: Option<String>,

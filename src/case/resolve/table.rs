@@ -107,7 +107,7 @@ pub struct TableRow<'a> {
 }
 
 impl DataTable {
-    /// True if the table has the column of the wanted name with this index.
+    /// True if the table has the column whose name has the index `wanted` in the list of wanted names.
     pub fn has(&self, wanted: usize) -> bool {
         self.columns.get(wanted).is_some_and(Option::is_some)
     }
@@ -119,7 +119,8 @@ impl DataTable {
 }
 
 impl<'a> TableRow<'a> {
-    /// Text in the column of the wanted name with this index; `None` if the table has no such column.
+    /// Text of this row in the column whose name has the index `wanted` in the list of wanted names. `None` if the
+    /// table has no such column.
     pub fn text(&self, wanted: usize) -> Option<&'a str> {
         let column = (*self.table.columns.get(wanted)?)?;
         self.record.get(column).map(of_cell)

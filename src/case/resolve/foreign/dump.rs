@@ -17,11 +17,11 @@ pub(super) struct DumpFrame {
     pub first: usize,
     /// [s] time of the instant; `None` if the dump does not give it.
     time: Option<f64>,
-    /// Number of the time step.
+    /// Number of the time step; `None` if the dump does not give it.
     step: Option<f64>,
     /// Number of atoms given in the dump, and index of the line with this number.
     count: Option<(usize, usize)>,
-    /// [m] lower and upper corner of the box.
+    /// [m] lower and upper corner of the box; `None` if the dump does not give the box.
     bounds: Option<[Vector3<f64>; 2]>,
     /// Names of the axes along which the box is periodic, separated by blanks.
     periodic: String,

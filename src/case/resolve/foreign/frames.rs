@@ -27,7 +27,7 @@ pub struct ParticleFrame {
     pub particles: Particles,
     /// True if the file gives the masses of the particles.
     pub has_masses: bool,
-    /// Position of the instant in its file.
+    /// Source position of the instant in its file, for messages.
     pub origin: Origin,
 }
 

@@ -33,7 +33,7 @@ struct Outline<'a> {
     moving: Option<usize>,
     /// Index of the line, velocity and angular velocity of each atom, by the id of the atom.
     velocities: FxHashMap<&'a str, (usize, [&'a str; 3], [&'a str; 3])>,
-    /// Mass of each atom type, by the number of the type.
+    /// Text of the mass of each atom type, by the number of the type.
     masses: FxHashMap<&'a str, &'a str>,
     /// True if any atom has an angular velocity other than 0.
     spins: bool,
