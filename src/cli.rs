@@ -227,11 +227,11 @@ fn model_of(name: String) -> Result<Model, String> {
 /// A collision model, or the recommended one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum ModelChoice {
-    /// Time-stepped spring-dashpot contacts.
+    /// Soft spheres: contacts of springs and dashpots, integrated in time steps.
     Soft,
-    /// Instantaneous collisions.
+    /// Hard spheres: instantaneous collisions.
     Hard,
-    /// Instantaneous collisions where two bodies meet alone, spring-dashpot contacts elsewhere.
+    /// Instantaneous collisions where two bodies touch and no other is near, spring-dashpot contacts elsewhere.
     Hybrid,
     /// Instantaneous collisions of pairs that are drawn at random in cells.
     Dsmc,

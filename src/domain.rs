@@ -42,8 +42,8 @@ pub struct Domain {
     /// Shear, by which periodic images above and below the box slide along z; `None` if images do not slide.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shear: Option<Shear>,
-    /// [m] half the edge length along periodic axes, infinity along others. If two particles are farther apart than
-    /// this along an axis, a periodic image of one particle is nearer.
+    /// [m] half the edge length along periodic axes, infinity along others. If two particles are farther apart along an
+    /// axis than this half edge, a periodic image of one particle is nearer.
     #[serde(skip)]
     pub(crate) half: Vector3<f64>,
     /// [m²] square of the shortest half edge length of a periodic axis. If two particles are nearer than this half

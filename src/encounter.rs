@@ -47,8 +47,8 @@ pub enum Other {
     Wall(AtWall),
 }
 
-/// A wall of the scene, with the number of one of the contacts that a sphere can have with it. A sphere in a corner of
-/// a box has several contacts with one wall, at different points.
+/// A wall of the scene, with the number of one of the contacts that a sphere can have with this wall. A sphere in a
+/// corner of a box has several contacts with one wall, at different points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AtWall {
     /// Index of the wall among the walls of the scene.

@@ -19,11 +19,11 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(feature = "case", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Model {
-    /// Time-stepped spring-dashpot contacts.
+    /// Soft spheres: contacts of springs and dashpots, integrated in time steps.
     Soft,
-    /// Instantaneous collisions.
+    /// Hard spheres: instantaneous collisions.
     Hard,
-    /// Instantaneous collisions where two particles meet alone, spring-dashpot contacts elsewhere.
+    /// Instantaneous collisions where two particles touch and no other is near, spring-dashpot contacts elsewhere.
     Hybrid,
     /// Instantaneous collisions of pairs that are drawn at random in cells (direct simulation Monte Carlo).
     Dsmc,
@@ -57,7 +57,8 @@ pub enum Spheres {
     Soft(ContactLaw),
     /// Hard spheres, which collide in an instant.
     Hard,
-    /// Hard spheres where two particles meet alone, soft spheres with this contact law elsewhere.
+    /// Hard spheres where two particles touch and no other particle is near, soft spheres with this contact law
+    /// elsewhere.
     Hybrid(ContactLaw),
     /// Spheres whose collision pairs are drawn at random (direct simulation Monte Carlo).
     Dsmc,
@@ -302,7 +303,8 @@ pub struct HardSettings {
     pub contact_time: Option<f64>,
 }
 
-/// Settings of the hybrid engine, which uses instantaneous collisions where two particles meet alone.
+/// Settings of the hybrid engine, which uses instantaneous collisions where two particles touch and no other particle
+/// is near.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HybridSettings {
     /// [-] clearance θ. A touch of two bodies is an instantaneous collision if no other particle can come near within θ
@@ -326,7 +328,7 @@ pub struct DsmcSettings {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HardStepping {
-    /// Collisions happen at the exact instants of touch, which are kept in an event queue.
+    /// Collisions happen at the exact instants of touch, which are stored in an event queue.
     Events,
     /// Collisions are found as overlaps at the ends of time steps Δt < θ d/u_r (the paper's section 3.4).
     Steps {

@@ -14,7 +14,7 @@ use serde::Serialize;
 pub struct Outcome {
     /// The experiment that was run.
     pub experiment: Experiment,
-    /// Reason why the run stopped early, if it did.
+    /// Reason why the run stopped early; `None` for a complete run.
     pub failure: Option<Failure>,
     /// Number of particles in the run.
     pub particles: usize,

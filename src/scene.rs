@@ -116,7 +116,7 @@ impl Pairs {
         self.0.binary_search_by_key(&key, |(species, other, _)| (*species, *other)).ok().map(|place| &self.0[place].2)
     }
 
-    /// All pairs: a species, the other kind and their contact properties, in ascending order.
+    /// All pairs: a species, another species or a wall, and their contact properties, in ascending order.
     pub fn iter(&self) -> impl Iterator<Item = &(u16, Kind, Meeting)> {
         self.0.iter()
     }

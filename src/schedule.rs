@@ -31,8 +31,8 @@ pub const SPLITTING: f64 = 1e-4;
 /// than `SPLITTING`, because a single particle has no scatter that hides the change.
 pub const SPLITTING_ALONE: f64 = 1e-5;
 
-/// [-] largest distance between the computed path within a window and the exact parabola, divided by the smallest
-/// diameter. The value is that of [`SPLITTING_ALONE`].
+/// [-] largest distance between the computed path of a particle within a window and the exact parabola, divided by the
+/// smallest diameter. The value is that of [`SPLITTING_ALONE`].
 const SAG: f64 = 1e-5;
 
 /// Number of windows in a run without drag. A sample is taken after each of these windows.
@@ -67,8 +67,8 @@ const SHARE: f64 = 1e-3;
 /// [-] smallest share of the windows of a run that growing windows must save; otherwise all windows are equal.
 const WORTH: f64 = 0.1;
 
-/// Windows of a run and samples between them. Either all windows are equal, or the shortest windows are merged into
-/// longer ones from certain samples on.
+/// Windows of a run (times between two drag kicks) and samples between them. Either all windows are equal, or the
+/// shortest windows are merged into longer ones from certain samples on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Schedule {
     /// [s] window h. If windows grow, it is the first and shortest window.
@@ -394,16 +394,16 @@ impl<'a> Slowing<'a> {
 
 /// [s] longest window if buoyancy accelerates species of different densities differently, so that kicks add the
 /// differences. Infinite if all accelerations are equal. With a difference b [m/s²] the path within a window of length
-/// h differs by at most b h²/8 from a parabola. This distance is at most a [`SAG`] of the smallest diameter.
+/// h differs by at most b h²/8 from a parabola. This distance is at most [`SAG`] times the smallest diameter.
 fn longest_with_kicks_of_buoyancy(scene: &Scene) -> f64 {
     let largest = scene.differences_in_gravity().iter().map(|difference| difference.norm()).fold(0.0, f64::max);
     if largest > 0.0 { (8.0 * SAG * scene.smallest_diameter() / largest).sqrt() } else { f64::INFINITY }
 }
 
-/// [s] longest window in which the eddies that particles see are moved apart from the particles; infinite without
-/// turbulence. Within a window of length h the fluctuation changes by a share h r of its standard deviation, with the rate
-/// r of [`Turbulence::largest_rate`](crate::fluid::Turbulence::largest_rate). The error of the splitting is a twelfth of
-/// its square (trapezoidal rule), and at most [`SPLITTING`].
+/// [s] longest window with turbulence, whose fluctuations at the particles change apart from the motion; infinite
+/// without turbulence. Within a window of length h the fluctuation changes by a share h r of its standard deviation,
+/// with the rate r of [`Turbulence::largest_rate`](crate::fluid::Turbulence::largest_rate). The error of the splitting
+/// is a twelfth of its square (trapezoidal rule), and at most [`SPLITTING`].
 pub fn longest_for_eddies(experiment: &Experiment) -> f64 {
     let scene = &experiment.scene;
     let Some(fluid) = &scene.fluid else { return f64::INFINITY };
@@ -416,8 +416,8 @@ pub fn longest_for_eddies(experiment: &Experiment) -> f64 {
     (12.0 * SPLITTING).sqrt() / rates.fold(0.0, f64::max)
 }
 
-/// [-] largest share of the slip that a gas loses to the particles within a window. The gas stands still in a kick, so that
-/// an exchange is explicit: it is stable below 2, and of first order in this share.
+/// [-] largest decrease of the slip by the force on the gas within a window, over the slip. The gas velocity is
+/// constant in a kick, so the exchange is explicit: stable below 2, and of first order in this number.
 const EXCHANGED: f64 = 0.1;
 
 /// [s] longest window with two-way coupling; infinite if particles do not change the gas. The slip of the gas decays at

@@ -375,7 +375,7 @@ macro_rules! columns {
         }
 
         impl $store {
-            /// Removes all particles, but keeps the memory allocated.
+            /// Removes all particles; the allocated memory remains for later use.
             pub fn clear(&mut self) {
                 $(if let Some(values) = Column::values_mut(&mut self.$column) {
                     values.clear();

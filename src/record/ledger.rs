@@ -191,7 +191,8 @@ impl Ledger {
         self.gains().iter().sum()
     }
 
-    /// [J] energies that the particles have gained in other ways than by impacts; negative where they lost some.
+    /// [J] energies that the particles have gained in other ways than by impacts: works of drag, gravity, walls, shear
+    /// and thermostat, and energy by inlets and outlets. A negative number is a loss.
     fn gains(&self) -> [f64; 6] {
         let Self { drag_work, gravity_work, wall_work, shear_work, thermostat_work, flow_energy, .. } = *self;
         [drag_work, gravity_work, wall_work, shear_work, thermostat_work, flow_energy]

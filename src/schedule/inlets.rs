@@ -8,8 +8,9 @@ use crate::scene::Inlet;
 /// addition, which places these particles, is fast; it jams at 0.382 (Talbot, Schaaf and Tarjus 1991).
 const FILLED: f64 = 0.1;
 
-/// [s] longest window with inlets, through which particles come at the ends of windows; infinite without inlets. In one
-/// window the particles of an inlet fill a tenth of its region, and particles at the mean velocity leave a half of it.
+/// [s] longest window with inlets, through which particles come in at the ends of windows; infinite without inlets. In
+/// one window, the particles of an inlet fill at most a tenth of its region, and their mean velocity carries them at
+/// most half-way through the region.
 pub fn longest_for_inlets(experiment: &Experiment) -> f64 {
     let scene = &experiment.scene;
     let longest = |inlet: &Inlet| {

@@ -27,7 +27,7 @@ pub enum TriangleFormat {
 }
 
 impl TriangleFormat {
-    /// Format by the end of the name of a file, `.stl` or `.obj` in any case; `None` for other names.
+    /// Format by the end of the name of a file, `.stl` or `.obj` in small letters or capitals; `None` for other names.
     pub fn of(name: &str) -> Option<Self> {
         let lower = name.to_lowercase();
         let formats = [(".stl", Self::Stl), (".obj", Self::Obj)];

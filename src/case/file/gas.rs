@@ -54,13 +54,13 @@ pub struct SeenTurbulenceFile {
     #[schemars(extend("x-required" = "or `eddy`", "x-one-of" = "law"))]
     pub langevin: Option<Located<LangevinFile>>,
     /// Discrete random walk (Gosman and Ioannides 1983): each particle sees eddies of constant velocity, one after the
-    /// other. It has no drift, so that light particles gather where the turbulence is weak. Prefer `langevin`.
+    /// other. The model has no drift term, so light particles gather where the turbulence is weak. Prefer `langevin`.
     #[schemars(extend("x-one-of" = "law"))]
     pub eddy: Option<Located<LangevinFile>>,
 }
 
-/// Tables `[fluid.turbulence.langevin]` and `[fluid.turbulence.eddy]`. T_L is the integral time, or the mean lifetime of an
-/// eddy without slip.
+/// Tables `[fluid.turbulence.langevin]` and `[fluid.turbulence.eddy]`: constants of the law. T_L is the integral time
+/// of the gas (`langevin`), or the mean lifetime of an eddy without slip (`eddy`).
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LangevinFile {

@@ -50,7 +50,8 @@ pub struct VelocityDistributionFile {
     pub bins: Option<Located<i64>>,
 }
 
-/// Table `[observe.diffusion]`: motion of the particles from an origin on. Origins follow each other without overlap.
+/// Table `[observe.diffusion]`: motion of the particles during a time `duration`. Such times follow each other without
+/// overlap.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DiffusionFile {

@@ -36,8 +36,8 @@ pub struct WallFile {
     /// Name of the wall in `[[contact.pairs]]`; several walls of one material may share a name.
     #[schemars(example = &"steel wall")]
     pub name: Option<Located<String>>,
-    /// Restitution e, the ratio of the normal speeds after and before an impact. 1: elastic; 0: no rebound (hard spheres
-    /// only). A table makes it depend on the normal speed of the impact.
+    /// Restitution e, the ratio of the normal speeds after and before an impact. 1: elastic. 0: no rebound, for hard
+    /// spheres alone. A table makes the restitution depend on the normal speed of the impact.
     #[schemars(example = 0.97, extend("x-required" = "always", "x-range" = "0 ..= 1"))]
     pub restitution: Option<Located<RestitutionFile>>,
     /// Coefficient of sliding friction, μ.

@@ -55,7 +55,7 @@ impl Resolver {
     /// coupling.
     ///
     /// # Errors
-    /// Gravity across the flow of a gas that feels the particles.
+    /// Gravity that is not along the flow of a gas that the particles change.
     pub(super) fn check_coupling(&mut self, file: &CaseFile, experiment: &Experiment) -> Result<(), Diagnostic> {
         let Some(fluid) = &file.fluid else { return Ok(()) };
         let Some(typed) = &fluid.value.coupling else { return Ok(()) };

@@ -13,7 +13,7 @@ use crate::scene::{ADDED_MASS, Scene, Species};
 use nalgebra::Vector3;
 
 /// [-] ratio of a force of the displaced gas (buoyancy or added mass) to the weight. Below this ratio no warning is
-/// given if the case leaves out the force. It equals the usual margin of comparisons.
+/// given if the case leaves out the force. The value equals the default margin of comparisons.
 const SMALL: f64 = 0.01;
 
 impl Resolver {
@@ -57,7 +57,7 @@ impl Resolver {
         Ok(gravity)
     }
 
-    /// Lift of the particles; `None` if the case asks for none.
+    /// Lift of the gas on the particles; `None` if the case gives no lift.
     ///
     /// # Errors
     /// Lift by spin of spheres that do not rotate.

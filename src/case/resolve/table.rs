@@ -12,7 +12,7 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
-/// [byte] largest size of a file that is read. The limit keeps a device or a wrong file from filling the memory.
+/// [byte] largest size of a file that is read. Without this limit, a device or a wrong file could fill the memory.
 const LONGEST_TEXT: u64 = 1 << 28;
 
 /// Reads a whole file into memory.

@@ -137,7 +137,7 @@ impl Resolver {
         Ok(Some(ThermalWall { temperature, seed: 0 }))
     }
 
-    /// [m/s] velocity of the surface of a wall. It must be parallel to the surface, because the shape stays in place.
+    /// [m/s] velocity of the surface of a wall whose shape does not move. The velocity must be parallel to the surface.
     fn wall_velocity(&self, wall: &WallFile, geometry: &WallGeometry) -> Result<Vector3<f64>, Diagnostic> {
         let Some(typed) = &wall.velocity else { return Ok(Vector3::zeros()) };
         for component in &typed.value {
@@ -152,7 +152,7 @@ impl Resolver {
         Ok(velocity)
     }
 
-    /// Rotation of the surface of a wall. It must turn the shape into itself, because the shape stays in place.
+    /// Rotation of the surface of a wall whose shape does not move. The rotation must turn the shape into itself.
     fn wall_turning(
         &self,
         wall: &WallFile,
