@@ -60,8 +60,8 @@ pub enum Command {
     /// Shows in one chart how strongly each result shifts with the contact model, stiffness, restitution, gas and other
     /// inputs.
     Sensitivity(Sensitivity),
-    /// Finds the cheapest set of models (contacts, rotation, turbulence, two-way coupling, lift, ...) that gives the results
-    /// of the richest one.
+    /// Finds the cheapest set of models (contacts, rotation, turbulence, two-way coupling, lift, ...) that gives the
+    /// results of the richest one.
     Needs(NeededModels),
     /// Serves a page on this machine, on which both models run side by side: scenes to try out, sliders, questions.
     #[cfg(feature = "lab")]

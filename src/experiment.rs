@@ -318,7 +318,8 @@ pub struct DsmcSettings {
     /// True if the collision rate is multiplied by the Enskog factor, which is the contact value at the local volume
     /// fraction.
     pub enskog: bool,
-    /// Numbers of cells along x, y and z; `None` if they are chosen from the mean free path and the number of particles.
+    /// Numbers of cells along x, y and z; `None` if they are chosen from the mean free path and the number of
+    /// particles.
     pub cells: Option<[usize; 3]>,
     /// [-] ratio of the longest time step to the mean free time.
     pub step: f64,

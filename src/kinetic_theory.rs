@@ -29,8 +29,8 @@ pub fn heated_a2(restitution: f64) -> f64 {
     16.0 * (1.0 - e) * (1.0 - 2.0 * square) / (241.0 - 177.0 * e + 30.0 * square * (1.0 - e))
 }
 
-/// [m²/s] coefficient of self-diffusion of elastic hard spheres by Enskog's theory, in the first approximation:
-/// 3/(8 n d² χ) sqrt(T/π). n is the `density` [1/m³], d the `diameter` [m], T the granular `temperature` [m²/s²] and χ the
+/// [m²/s] coefficient of self-diffusion of elastic hard spheres by Enskog's theory, in the first approximation: 3/(8 n
+/// d² χ) sqrt(T/π). n is the `density` [1/m³], d the `diameter` [m], T the granular `temperature` [m²/s²] and χ the
 /// contact value (Chapman and Cowling 1970, The Mathematical Theory of Non-Uniform Gases, sections 14.2 and 16.6). The
 /// exact value of a dilute gas is 1.9 % larger.
 pub fn enskog_self_diffusion(density: f64, diameter: f64, temperature: f64, contact_value: f64) -> f64 {

@@ -21,8 +21,8 @@ Diptych runs one particle scene with soft and with hard spheres, and tells wheth
 
 `diptych help` lists all commands, `diptych COMMAND --help` the options of one.";
 
-/// Runs the program with the arguments of a command line, the first of which is the name of the program. Returns the exit
-/// code.
+/// Runs the program with the arguments of a command line, the first of which is the name of the program. Returns the
+/// exit code.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let ranks = match Ranks::join() {
         Ok(ranks) => ranks,

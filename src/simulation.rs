@@ -216,8 +216,8 @@ impl Simulation {
         }
     }
 
-    /// Sets the seed of the random numbers in kicks of turbulence and heat, and in rebounds from rough and thermal walls.
-    /// Without this call it is 0 in kicks, and that of the scene in rebounds ([`Scene::seed_walls`]).
+    /// Sets the seed of the random numbers in kicks of turbulence and heat, and in rebounds from rough and thermal
+    /// walls. Without this call it is 0 in kicks, and that of the scene in rebounds ([`Scene::seed_walls`]).
     pub fn with_seed(mut self, seed: u64) -> Self {
         self.seed = seed;
         self.scene.seed_walls(seed);

@@ -255,8 +255,8 @@ pub struct SoftFile {
     /// law.
     #[schemars(extend("x-one-of" = "contact law"))]
     pub hertz: Option<Located<ElasticityFile>>,
-    /// Contact law: Hertz's law with the damping of viscoelastic spheres by Kuwabara and Kono (1987). Every surface has the
-    /// restitution `{ viscoelastic = ... }` or 1.
+    /// Contact law: Hertz's law with the damping of viscoelastic spheres by Kuwabara and Kono (1987). Every surface has
+    /// the restitution `{ viscoelastic = ... }` or 1.
     #[schemars(extend("x-one-of" = "contact law"))]
     pub kuwabara_kono: Option<Located<ElasticityFile>>,
     /// Time steps per shortest contact, N_c; or give `time_step`. Fewer than 5 are refused without `allow_large_step`.
@@ -429,9 +429,10 @@ pub struct CompareFile {
     /// Collision model of the variant.
     #[schemars(example = &"soft", extend("x-default" = "`run.model`"))]
     pub model: Option<Located<Model>>,
-    /// Reference of this variant: the name of another variant, or `{ table = "points.csv" }`. Such a table has the columns
-    /// `quantity`, `value` and `standard_error`, and `y` for values at a distance from the lower side. Quantities are
-    /// columns of `profiles.csv`, or `granular_temperature`, `pair_impact_rate` and `wall_impact_rate` without `y`.
+    /// Reference of this variant: the name of another variant, or `{ table = "points.csv" }`. Such a table has the
+    /// columns `quantity`, `value` and `standard_error`, and `y` for values at a distance from the lower side.
+    /// Quantities are columns of `profiles.csv`, or `granular_temperature`, `pair_impact_rate` and `wall_impact_rate`
+    /// without `y`.
     #[schemars(example = &"hard", extend("x-default" = "the first hard one, or else the first"))]
     pub against: Option<Located<AgainstFile>>,
     // the value is taken from the tree of the case, which contains the source positions

@@ -71,7 +71,8 @@ columns! {
 /// side with the velocity of their image there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SideCrossings {
-    /// [kg m/s] momentum along z that the particles gained, because each got the velocity of its image at the other side.
+    /// [kg m/s] momentum along z that the particles gained, because each got the velocity of its image at the other
+    /// side.
     pub impulse: f64,
     /// [J] change of the kinetic energy of the particles that crossed a side.
     pub work: f64,

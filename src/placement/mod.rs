@@ -163,8 +163,8 @@ impl<'a> StartPlan<'a> {
         Ok(particles)
     }
 
-    /// Adds the mean flow of a sheared box to the velocities of the particles at random positions, which are in the order of
-    /// their ids.
+    /// Adds the mean flow of a sheared box to the velocities of the particles at random positions, which are in the
+    /// order of their ids.
     fn add_mean_flow(self, particles: &mut Particles) {
         let mut first = 0;
         for population in self.populations {

@@ -89,8 +89,8 @@ pub struct Ledger {
     pub thermostat_work: f64,
     /// [kg m/s] momentum given to the particles by a thermostat; zero but for rounding.
     pub thermostat_impulse: Vector3<f64>,
-    /// [J] kinetic, rotational and elastic energy of the particles that came in through inlets, less that of the particles
-    /// that left through outlets. The elastic energy is that of the contacts that were cut.
+    /// [J] kinetic, rotational and elastic energy of the particles that came in through inlets, less that of the
+    /// particles that left through outlets. The elastic energy is that of the contacts that were cut.
     pub flow_energy: f64,
     /// [kg m/s] momentum of the particles that came in through inlets, less that of those that left through outlets.
     pub flow_impulse: Vector3<f64>,
@@ -185,8 +185,8 @@ impl Ledger {
         self.pair_restitution_loss + self.pair_friction_loss + self.wall_restitution_loss + self.wall_friction_loss
     }
 
-    /// [J] energy that drag, gravity, moving walls, shear and a thermostat have given to the particles, and that came in
-    /// through inlets less that which left through outlets.
+    /// [J] energy that drag, gravity, moving walls, shear and a thermostat have given to the particles, and that came
+    /// in through inlets less that which left through outlets.
     pub fn work(&self) -> f64 {
         self.gains().iter().sum()
     }
@@ -198,8 +198,9 @@ impl Ledger {
         [drag_work, gravity_work, wall_work, shear_work, thermostat_work, flow_energy]
     }
 
-    /// [J] total energy turnover: the sum of the magnitudes of the energy at the start [J] and of all gains but those by
-    /// impacts. These are the works of drag, gravity, walls, shear and a thermostat, and the energy that came in and left.
+    /// [J] total energy turnover: the sum of the magnitudes of the energy at the start [J] and of all gains but those
+    /// by impacts. These are the works of drag, gravity, walls, shear and a thermostat, and the energy that came in and
+    /// left.
     pub fn through(&self, energy_at_start: f64) -> f64 {
         self.gains().iter().fold(energy_at_start.abs(), |sum, gain| sum + gain.abs())
     }

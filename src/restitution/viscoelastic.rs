@@ -1,9 +1,9 @@
 //! Impact of two viscoelastic spheres: one function of one number.
 //!
-//! In units of the mass M, the speed of approach u and Hertz's constant k, the overlap x obeys x'' = -x^(3/2) - β sqrt(x)
-//! x'. At touch x = 0 and x' = 1. The impact ends when x = 0 again. With w = sqrt(x), p = x' and the variable σ,
-//! dt = 2 w dσ, the equations are polynomials: dw/dσ = p, dp/dσ = -2 w² (w² + β p). So the classical Runge-Kutta method
-//! keeps its order at touch and at the end, where force and time have roots.
+//! In units of the mass M, the speed of approach u and Hertz's constant k, the overlap x obeys x'' = -x^(3/2) - β
+//! sqrt(x) x'. At touch x = 0 and x' = 1. The impact ends when x = 0 again. With w = sqrt(x), p = x' and the variable
+//! σ, dt = 2 w dσ, the equations are polynomials: dw/dσ = p, dp/dσ = -2 w² (w² + β p). So the classical Runge-Kutta
+//! method keeps its order at touch and at the end, where force and time have roots.
 
 use std::sync::LazyLock;
 
@@ -107,10 +107,10 @@ static TABLE: LazyLock<Vec<[f64; 3]>> = LazyLock::new(|| {
 
 /// Impact of two viscoelastic spheres with the damping β = 3/2 A (k/M)^(2/5) u^(1/5) [-], β >= 0.
 ///
-/// For small β, e = 1 - C1 β + C2 β² - ... with C1 = 1.15344 and C2 = 3/5 C1² (Ramírez, Pöschel, Brilliantov and Schwager
-/// 1999, Phys. Rev. E 60, 4465). The series diverges for fast impacts; this function is the solution of the equation of
-/// motion, to 2e-9. An impact ends when the overlap is zero, so the force attracts at its end. Beyond β = 9, where e is
-/// below 1e-4, e falls as β^-5, and the duration is that of β = 9.
+/// For small β, e = 1 - C1 β + C2 β² - ... with C1 = 1.15344 and C2 = 3/5 C1² (Ramírez, Pöschel, Brilliantov and
+/// Schwager 1999, Phys. Rev. E 60, 4465). The series diverges for fast impacts; this function is the solution of the
+/// equation of motion, to 2e-9. An impact ends when the overlap is zero, so the force attracts at its end. Beyond β =
+/// 9, where e is below 1e-4, e falls as β^-5, and the duration is that of β = 9.
 pub fn viscoelastic_impact(damping: f64) -> ViscoelasticImpact {
     let stretched = 1.0 + damping;
     let place = (damping / stretched).min(LARGEST) / LARGEST * INTERVALS as f64;

@@ -80,8 +80,8 @@ pub struct LiftFile {
     /// True: lift in sheared gas, after Saffman (1965) and Mei (1992).
     #[schemars(example = true, extend("default" = false))]
     pub shear: Option<Located<bool>>,
-    /// True: lift by spin (Magnus force) after Oesterlé and Bui Dinh (1998), and the torque of the gas on the spin. Spheres
-    /// must rotate.
+    /// True: lift by spin (Magnus force) after Oesterlé and Bui Dinh (1998), and the torque of the gas on the spin.
+    /// Spheres must rotate.
     #[schemars(example = true, extend("default" = false))]
     pub spin: Option<Located<bool>>,
 }
@@ -124,37 +124,37 @@ pub enum DragFile {
     Stokes {},
     /// Drag in suspensions by Wen and Yu (1966).
     WenYu {
-        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A cell is
-        /// at least as wide as a particle.
+        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A
+        /// cell is at least as wide as a particle.
         #[schemars(extend("examples" = [[1, 20, 1]], "x-required" = "always", "x-range" = "1 ..= 10000"))]
         cells: Option<Located<[Located<i64>; 3]>>,
     },
     /// Drag in suspensions by Gidaspow (1994). It is the law of Ergun if the gas fills less than 0.8 of the volume,
     /// else that of Wen and Yu.
     Gidaspow {
-        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A cell is
-        /// at least as wide as a particle.
+        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A
+        /// cell is at least as wide as a particle.
         #[schemars(extend("examples" = [[1, 20, 1]], "x-required" = "always", "x-range" = "1 ..= 10000"))]
         cells: Option<Located<[Located<i64>; 3]>>,
     },
     /// Drag in suspensions by Beetstra, van der Hoef and Kuipers (2007).
     Beetstra {
-        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A cell is
-        /// at least as wide as a particle.
+        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A
+        /// cell is at least as wide as a particle.
         #[schemars(extend("examples" = [[1, 20, 1]], "x-required" = "always", "x-range" = "1 ..= 10000"))]
         cells: Option<Located<[Located<i64>; 3]>>,
     },
     /// Drag in suspensions by Tenneti, Garg and Subramaniam (2011).
     Tenneti {
-        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A cell is
-        /// at least as wide as a particle.
+        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A
+        /// cell is at least as wide as a particle.
         #[schemars(extend("examples" = [[1, 20, 1]], "x-required" = "always", "x-range" = "1 ..= 10000"))]
         cells: Option<Located<[Located<i64>; 3]>>,
     },
     /// Drag in suspensions by Di Felice (1994).
     DiFelice {
-        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A cell is
-        /// at least as wide as a particle.
+        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A
+        /// cell is at least as wide as a particle.
         #[schemars(extend("examples" = [[1, 20, 1]], "x-required" = "always", "x-range" = "1 ..= 10000"))]
         cells: Option<Located<[Located<i64>; 3]>>,
     },
@@ -173,8 +173,8 @@ pub enum ProfileFile {
     },
     /// Velocities of the gas from a table in a file.
     Table {
-        /// Name of a CSV file with the columns `y_m,U_m_s`, relative to the folder of the file that contains this key. For
-        /// `fluid.turbulence` it also has the columns `k_m2_s2` and `epsilon_m2_s3`.
+        /// Name of a CSV file with the columns `y_m,U_m_s`, relative to the folder of the file that contains this key.
+        /// For `fluid.turbulence` it also has the columns `k_m2_s2` and `epsilon_m2_s3`.
         #[schemars(example = &"gas.csv", extend("x-required" = "always"))]
         file: Option<Located<String>>,
     },

@@ -22,7 +22,8 @@ pub struct MotionFile {
     /// shape is at rest.
     #[schemars(extend("x-one-of" = "motion"))]
     pub path: Option<Located<Vec<Located<KnotFile>>>>,
-    /// Rotation of the shape about an axis: a mixer or a drum with lifters. At time 0 the shape is where the case puts it.
+    /// Rotation of the shape about an axis: a mixer or a drum with lifters. At time 0 the shape is where the case puts
+    /// it.
     #[schemars(extend("x-one-of" = "motion"))]
     pub turning: Option<Located<ShapeTurningFile>>,
 }

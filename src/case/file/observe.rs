@@ -5,8 +5,8 @@ use crate::case::quantity::{Length, Ratio, Time};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// Table `[observe]`: measurements in addition to the standard ones. Each is a table, which may be empty where no key is
-/// required. Results are in the report, in a CSV file with the name of the table, and in `observables.csv`.
+/// Table `[observe]`: measurements in addition to the standard ones. Each is a table, which may be empty where no key
+/// is required. Results are in the report, in a CSV file with the name of the table, and in `observables.csv`.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ObserveFile {
@@ -37,8 +37,8 @@ pub struct PairDistributionFile {
     pub bins: Option<Located<i64>>,
 }
 
-/// Table `[observe.velocity_distribution]`: distribution of the velocities relative to the mean velocity of their slice,
-/// in units of sqrt(2T).
+/// Table `[observe.velocity_distribution]`: distribution of the velocities relative to the mean velocity of their
+/// slice, in units of sqrt(2T).
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VelocityDistributionFile {
@@ -55,14 +55,14 @@ pub struct VelocityDistributionFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DiffusionFile {
-    /// Longest time over which the motion is followed: at least ten times `statistics.sample_interval`. Standard errors need
-    /// eight such times in the averaging period.
+    /// Longest time over which the motion is followed: at least ten times `statistics.sample_interval`. Standard errors
+    /// need eight such times in the averaging period.
     #[schemars(example = &"5 ms", extend("x-required" = "always", "x-range" = "greater than 0 s"))]
     pub duration: Option<Located<Time>>,
 }
 
-/// Table `[observe.structure_factor]`: structure factor for the wave vectors that fit into a box that is periodic along x, y
-/// and z.
+/// Table `[observe.structure_factor]`: structure factor for the wave vectors that fit into a box that is periodic along
+/// x, y and z.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StructureFactorFile {
@@ -80,8 +80,8 @@ pub struct StructureFactorFile {
 #[serde(deny_unknown_fields)]
 pub struct ContactNetworkFile {}
 
-/// Table `[observe.fields]`: density, velocity and stress on a grid of cells that fill the box. Particles are spread by a
-/// Gaussian.
+/// Table `[observe.fields]`: density, velocity and stress on a grid of cells that fill the box. Particles are spread by
+/// a Gaussian.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FieldsFile {

@@ -53,8 +53,8 @@ pub struct OutletFile {
     pub cylinder: Option<Located<CylinderRegionFile>>,
 }
 
-/// Table `[[inlets]]`: a place where particles come in, at random positions without overlap. Their sizes, velocities and
-/// spins are those of a table `[[particles]]`.
+/// Table `[[inlets]]`: a place where particles come in, at random positions without overlap. Their sizes, velocities
+/// and spins are those of a table `[[particles]]`.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct InletFile {

@@ -5,9 +5,9 @@ use crate::case::quantity::{Length, Spin};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// Table `[domain.shear]`: uniform shear of a box without walls that is periodic along x, y and z. The mean flow is along
-/// z and grows along y. Images of the particles across y slide along z. Random starts get the mean flow in addition to
-/// their velocities.
+/// Table `[domain.shear]`: uniform shear of a box without walls that is periodic along x, y and z. The mean flow is
+/// along z and grows along y. Images of the particles across y slide along z. Random starts get the mean flow in
+/// addition to their velocities.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ShearFile {

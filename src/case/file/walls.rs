@@ -52,8 +52,8 @@ pub struct WallFile {
     pub twisting_friction: Option<Located<Ratio>>,
     /// Roughness of the wall, for the hard model and collisions by chance. Without this table the wall is smooth.
     pub roughness: Option<Located<RoughnessFile>>,
-    /// Temperature of a thermal wall, for the hard model and collisions by chance: the variance of a velocity component of
-    /// the spheres that leave it, whatever their velocity before. The restitution must be 1, and the friction 0.
+    /// Temperature of a thermal wall, for the hard model and collisions by chance: the variance of a velocity component
+    /// of the spheres that leave it, whatever their velocity before. The restitution must be 1, and the friction 0.
     #[schemars(example = &"0.1 m^2/s^2", extend("x-range" = "greater than 0, up to 1e6 m^2/s^2"))]
     pub temperature: Option<Located<SpecificEnergy>>,
     /// Velocity of the surface in its own plane, such as that of a conveyor belt; the shape stays at rest. Allowed for
