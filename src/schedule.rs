@@ -400,10 +400,10 @@ fn longest_with_kicks_of_buoyancy(scene: &Scene) -> f64 {
     if largest > 0.0 { (8.0 * SAG * scene.smallest_diameter() / largest).sqrt() } else { f64::INFINITY }
 }
 
-/// [s] longest window with turbulence, whose fluctuations at the particles change apart from the motion; infinite
-/// without turbulence. Within a window of length h the fluctuation changes by a share h r of its standard deviation,
-/// with the rate r of [`Turbulence::largest_rate`](crate::fluid::Turbulence::largest_rate). The error of the splitting
-/// is a twelfth of its square (trapezoidal rule), and at most [`SPLITTING`].
+/// [s] longest window with turbulence, if the fluctuations at the particles are advanced separately from the motion;
+/// infinite without turbulence. Within a window of length h the fluctuation changes by a share h r of its standard
+/// deviation, with the rate r of [`Turbulence::largest_rate`](crate::fluid::Turbulence::largest_rate). The error of the
+/// splitting is a twelfth of the square of h r (trapezoidal rule), and at most [`SPLITTING`].
 pub fn longest_for_eddies(experiment: &Experiment) -> f64 {
     let scene = &experiment.scene;
     let Some(fluid) = &scene.fluid else { return f64::INFINITY };

@@ -104,7 +104,7 @@ pub struct PlaneFile {
     pub normal: Option<Three<Ratio>>,
 }
 
-/// Spherical wall, solid or hollow.
+/// Wall in the shape of a sphere: solid, or hollow with the particles inside.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SphereFile {
@@ -119,7 +119,7 @@ pub struct SphereFile {
     pub inside: Option<Located<bool>>,
 }
 
-/// A solid or hollow block along the axes.
+/// Wall in the shape of a block with edges along the axes: solid or hollow.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BoxFile {
@@ -135,7 +135,7 @@ pub struct BoxFile {
     pub inside: Option<Located<bool>>,
 }
 
-/// A solid block along the axes.
+/// Wall in the shape of a solid block with edges along the axes.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CuboidFile {
@@ -148,7 +148,7 @@ pub struct CuboidFile {
     pub half_extents: Option<Three<Length>>,
 }
 
-/// A cylinder along an axis.
+/// Wall in the shape of a cylinder along an axis: solid, hollow, or a thin shell.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CylinderFile {
@@ -172,7 +172,7 @@ pub struct CylinderFile {
     pub open: Option<Located<bool>>,
 }
 
-/// A truncated cone along an axis.
+/// Wall in the shape of a truncated cone along an axis: solid, hollow, or a thin shell.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ConeFile {
