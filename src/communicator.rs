@@ -12,8 +12,8 @@ pub trait Communicator: Send + Sync {
     /// Number of processes that share the run.
     fn size(&self) -> usize;
 
-    /// Sends `outgoing[k]` to process k, for all k. Returns the bytes that each process sent to this one, in the order
-    /// of process numbers.
+    /// Sends `outgoing[k]` to process k, for all k. Returns the bytes that each process sent to this process, in the
+    /// order of process numbers.
     fn exchange(&self, outgoing: Vec<Vec<u8>>) -> Vec<Vec<u8>>;
 
     /// Sends the bytes of the lead to all processes and returns them. The arguments of the other processes are ignored.

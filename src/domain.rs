@@ -155,8 +155,8 @@ impl Domain {
         self.for_each_across(position, reach, visit);
     }
 
-    /// [m] periodic image of a position that is `periods` box heights above it in a sheared box. Its coordinate z is
-    /// wrapped into the box.
+    /// [m] periodic image of `position` in a sheared box, `periods` box heights above `position`. The coordinate z of
+    /// the image is wrapped into the box.
     fn image(&self, position: &Vector3<f64>, periods: f64) -> Vector3<f64> {
         let offset = self.shear.map_or(0.0, |shear| shear.offset);
         let z = position.z + periods * offset;

@@ -245,8 +245,7 @@ impl Amount {
 /// Settings of the soft engine: contact law, time step and integrator.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SoftSettings {
-    /// The contact law that the case names, for pairs and walls; a case that runs only with hard spheres may name
-    /// none.
+    /// Contact law that the case names, for pairs and walls; `None` is allowed if the case runs hard spheres alone.
     pub law: Option<ContactLaw>,
     /// Choice of the time step Δt: by a number of steps per contact, or a given time.
     pub time_step: TimeStep,

@@ -23,8 +23,8 @@ pub fn acts(c: char) -> bool {
             | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}')
 }
 
-/// Text of one or more lines made safe to display: characters with an effect are replaced by escapes. Line ends and
-/// tabs stay.
+/// Text of one or more lines made safe to display: characters that would act on a terminal or change the direction of
+/// writing are replaced by escapes. Line ends and tabs stay.
 pub fn lines(text: &str) -> Cow<'_, str> {
     if !text.contains(|c| acts(c) && !matches!(c, '\n' | '\t')) {
         return Cow::Borrowed(text);
@@ -41,8 +41,8 @@ pub fn lines(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// A message of one line made safe to display: characters with an effect are replaced by escapes. It is cut after
-/// `MESSAGE` characters.
+/// A message of one line made safe to display: characters that would act on a terminal or change the direction of
+/// writing are replaced by escapes. It is cut after `MESSAGE` characters.
 pub fn message(text: &str) -> Cow<'_, str> {
     let is_long = text.len() > MESSAGE && text.chars().nth(MESSAGE).is_some();
     if !is_long && !text.contains(acts) {

@@ -253,7 +253,8 @@ pub struct Scene {
     pub pairs: Pairs,
     /// Species of the particles; `Particles::species` contains indices into this list.
     pub species: Vec<Species>,
-    /// Tangential behaviour of spheres that rotate; `None` if no sphere rotates, and friction then has no memory.
+    /// Tangential behaviour of spheres that rotate; `None` if no sphere rotates. Friction is then computed without a
+    /// spring.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotation: Option<Rotation>,
     /// Heating of the particles from outside; `None` if the particles are not heated.

@@ -314,7 +314,7 @@ fn gas_in_words(text: &mut String, scene: &Scene) {
     }
 }
 
-/// Adds to `text` the turbulence that particles see, and the expected response of the particles to it.
+/// Adds to `text` a description of the turbulence that particles see, and of their expected response to it.
 fn turbulence_in_words(text: &mut String, (scene, fluid): (&Scene, &Fluid), turbulence: &Turbulence) {
     let (profile, height) = (&fluid.profile, scene.domain.size.y);
     let mean = |of: fn(&LocalTurbulence) -> f64| -> f64 {

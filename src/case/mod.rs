@@ -61,8 +61,8 @@ pub type Checked = (Experiment, Vec<Diagnostic>);
 pub struct Case {
     /// Path of the case as given by the user.
     pub path: PathBuf,
-    /// Title: first paragraph of the comment at the beginning, or the name of the file if there is none. The changes of
-    /// the command line follow.
+    /// Title: first paragraph of the comment at the beginning of the file, or the name of a file without such a
+    /// comment. The changes of the command line follow.
     pub title: String,
     /// Whole comment at the beginning of the file, without `#`.
     pub heading: String,

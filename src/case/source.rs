@@ -66,7 +66,7 @@ impl Sources {
         self.0.get(origin.source).map(AsRef::as_ref)
     }
 
-    /// Names of all files read so far.
+    /// Names of all files from which values of the case have been read so far.
     pub fn files(&self) -> impl Iterator<Item = &str> {
         self.0.iter().filter(|source| source.kind != SourceKind::Argument).map(|source| source.name.as_str())
     }

@@ -100,7 +100,7 @@ impl CaseNode {
 /// One step of a path such as `particles[0].count`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum KeyPart {
-    /// Key of a table. A number is also an index if the value is a list (`particles.0.count`).
+    /// Key of a table. A number is also accepted as the index of a list (`particles.0.count`).
     Key(String),
     /// Index `[n]` in a list.
     Index(usize),

@@ -30,7 +30,7 @@ pub struct StoredRun {
 /// Reads and writes the files of a checkpoint, which are in a subfolder of a folder of results.
 pub struct Store {
     place: PathBuf,
-    /// Names of the files in which the two generations of the state are stored in turn.
+    /// Names of the two files in which the states of a run are stored in turn, so that the last two states exist.
     generations: [String; 2],
     /// Number of the next generation. Generations with even numbers are written to the first file, those with odd
     /// numbers to the second.
@@ -58,7 +58,7 @@ impl Store {
         Self { place: self.place.clone(), generations, next: 0 }
     }
 
-    /// Stores a command that begins, and removes the checkpoint of an earlier command.
+    /// Stores a command at its start, and removes the checkpoint of an earlier command.
     ///
     /// # Errors
     /// If a file cannot be written.
@@ -67,7 +67,7 @@ impl Store {
         self.replace_command(command)
     }
 
-    /// Stores a command that continues the runs of an earlier command.
+    /// Stores a command that continues the runs of an earlier command, in place of the earlier one.
     ///
     /// # Errors
     /// If a file cannot be written.

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 /// A value that processes send to each other as bytes of fixed size. For millions of particles, text or an encoding
 /// with variable length would take longer than the transfer.
 pub trait AsBytes: Sized {
-    /// [bytes] size of one value.
+    /// [bytes] size of one value in its packed form.
     const SIZE: usize;
 
     /// Appends the value to `bytes`.

@@ -110,7 +110,8 @@ pub fn initial_state_within(experiment: &Experiment, effort: u64) -> Result<Part
     StartPlan::of(experiment).make(effort)
 }
 
-/// Makes the particles of `populations` in a scene, as [`initial_state`] does for an experiment with this seed.
+/// Makes the initial state of `populations` in a scene. It equals the [`initial_state`] of an experiment with this
+/// scene, these populations and this seed.
 ///
 /// # Errors
 /// If random positions without overlap are not found in a bounded number of rounds.

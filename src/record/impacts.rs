@@ -115,7 +115,7 @@ pub struct LeftOut {
 /// Sums over contacts that an engine replaced by instantaneous impacts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct InstantaneousContacts {
-    /// Number of contacts that were replaced.
+    /// Number of contacts that the engine replaced by instantaneous impacts.
     pub count: u64,
     /// [-] largest overlap that any of the replaced contacts would have reached, divided by the smaller diameter of its
     /// two bodies.

@@ -97,7 +97,7 @@ impl Meetings {
         &mut self.0[place].1
     }
 
-    /// Adds impacts between two kinds to the sums.
+    /// Adds impacts between two kinds of bodies (each a species or a wall) to the sums of this pair of kinds.
     pub fn add_all<'a>(&mut self, between: Between, impacts: impl Iterator<Item = &'a Impact>) {
         let row = |impact: &Impact| {
             let Impact { normal_speed, rebound_speed, .. } = impact;

@@ -59,7 +59,7 @@ pub struct KnotFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ShapeTurningFile {
-    /// Angular velocity, counter-clockwise if the axis points towards the viewer.
+    /// Angular velocity of the rotation, counter-clockwise if the axis points towards the viewer.
     #[schemars(example = &"3 rad/s", extend("x-required" = "always", "x-range" = "-1e7 ..= 1e7 rad/s"))]
     pub rate: Option<Located<Spin>>,
     /// Direction of the axis of rotation: a vector of any length.

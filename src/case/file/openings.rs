@@ -44,11 +44,13 @@ pub struct OutletFile {
     /// Outlet behind a plane, whose normal points to the particles that stay.
     #[schemars(extend("x-one-of" = "shape"))]
     pub plane: Option<Located<PlaneFile>>,
-    /// A block with edges along the axes. Particles that fly through it within one window do not leave.
+    /// Outlet in the shape of a block with edges along the axes. Particles that fly through the block within one window
+    /// do not leave.
     #[serde(rename = "box")]
     #[schemars(extend("x-one-of" = "shape"))]
     pub block: Option<Located<BlockRegionFile>>,
-    /// A cylinder along an axis. Particles that fly through it within one window do not leave.
+    /// Outlet in the shape of a cylinder along an axis. Particles that fly through the cylinder within one window do
+    /// not leave.
     #[schemars(extend("x-one-of" = "shape"))]
     pub cylinder: Option<Located<CylinderRegionFile>>,
 }

@@ -53,7 +53,8 @@ pub struct WallFile {
     /// Roughness of the wall, for the hard model and collisions by chance. Without this table the wall is smooth.
     pub roughness: Option<Located<RoughnessFile>>,
     /// Temperature of a thermal wall, for the hard model and collisions by chance: the variance of a velocity component
-    /// of the spheres that leave it, whatever their velocity before. The restitution must be 1, and the friction 0.
+    /// of the spheres that leave the wall, whatever their velocity before. The restitution must be 1, and the friction
+    /// 0.
     #[schemars(example = &"0.1 m^2/s^2", extend("x-range" = "greater than 0, up to 1e6 m^2/s^2"))]
     pub temperature: Option<Located<SpecificEnergy>>,
     /// Velocity of the surface in its own plane, such as that of a conveyor belt; the shape stays at rest. Allowed for
@@ -83,11 +84,11 @@ pub struct RoughnessFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WallRotationFile {
-    /// Angular velocity, counter-clockwise if the axis points towards the viewer.
+    /// Angular velocity of the rotation, counter-clockwise if the axis points towards the viewer.
     #[schemars(example = &"10 rad/s", extend("x-required" = "always", "x-range" = "-1e7 ..= 1e7 rad/s"))]
     pub rate: Option<Located<Spin>>,
-    /// Direction of the axis: a vector of any length. A plane turns about its normal through its `point`; a cylinder or
-    /// cone turns about its own axis; a sphere turns about any axis through its centre.
+    /// Direction of the axis of rotation: a vector of any length. A plane turns about its normal through its `point`; a
+    /// cylinder or cone turns about its own axis; a sphere turns about any axis through its centre.
     #[schemars(extend("examples" = [[0, 0, 1]], "x-default" = "that of the shape; a sphere has none"))]
     pub axis: Option<Three<Ratio>>,
 }

@@ -63,7 +63,8 @@ pub struct VariantChoice {
 
 /// State of the conversion of a case to an experiment: its texts, its warnings and its model.
 pub(super) struct Resolver {
-    /// All source texts, used in messages. Texts of data tables are added when they are read.
+    /// Texts of all files and arguments from which the case was read, for messages. Texts of data tables are added when
+    /// they are read.
     pub sources: Sources,
     /// Warnings so far; a case with warnings can still be run.
     pub warnings: Vec<Diagnostic>,

@@ -21,7 +21,7 @@ const MOST_BINS: i64 = 10_000;
 const MOST_WAVES: f64 = 100.0;
 /// Largest number of cells of a grid of fields. A cell takes 2.5 KB, for 20 blocks of time.
 const MOST_CELLS: i64 = 50_000;
-/// Smallest number of samples in the longest time of the mean squared displacement.
+/// Smallest number of samples within the longest time of the mean squared displacement.
 const FEWEST_SAMPLES: f64 = 10.0;
 
 impl Resolver {

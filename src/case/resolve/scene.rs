@@ -190,8 +190,8 @@ impl Resolver {
         Ok(Drag::Suspension(SuspensionDrag { law, cells: self.cells(cells, domain, species, help)? }))
     }
 
-    /// Numbers of cells along x, y and z, none of which is narrower than a particle. `help` recommends a number, for
-    /// the error.
+    /// Numbers of cells along x, y and z, none of which is narrower than a particle. The error message contains `help`,
+    /// a recommended number.
     pub(super) fn cells(
         &self,
         typed: &Located<[Located<i64>; 3]>,

@@ -23,7 +23,8 @@ pub struct ParticleFrame {
     pub step: Option<f64>,
     /// Box of the instant; `None` if the file gives none.
     pub domain: Option<Domain>,
-    /// Particles. If the file does not give radii or masses, they are 0 m and 1 kg. Spheres that rotate are solid.
+    /// Particles of the instant. Their radius is 0 m if the file gives no radii, and their mass 1 kg if it gives no
+    /// masses. Spheres that rotate are solid.
     pub particles: Particles,
     /// True if the file gives the masses of the particles.
     pub has_masses: bool,
