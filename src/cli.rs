@@ -60,8 +60,8 @@ pub enum Command {
     /// Shows in one chart how strongly each result shifts with the contact model, stiffness, restitution, gas and other
     /// inputs.
     Sensitivity(Sensitivity),
-    /// Finds the cheapest set of models (contacts, rotation, turbulence, two-way coupling, lift, ...) that gives the results
-    /// of the richest one.
+    /// Finds the cheapest set of models (contacts, rotation, turbulence, two-way coupling, lift, ...) that gives the
+    /// results of the richest one.
     Needs(NeededModels),
     /// Serves a page on this machine, on which both models run side by side: scenes to try out, sliders, questions.
     #[cfg(feature = "lab")]
@@ -128,7 +128,7 @@ pub struct Output {
     pub quiet: bool,
 }
 
-/// Options of every command that can be resumed.
+/// Options of every command that `diptych resume` can continue.
 #[derive(Clone, Debug, Args)]
 pub struct Keep {
     /// Wall time between two checkpoints, from which `diptych resume` continues, such as "90 s" or "1 h"; `never`
@@ -167,12 +167,12 @@ pub struct Effort {
     /// Threads to use; results are the same for any number [default: one per core].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// Seed of the initial state, in place of the seed that the case gives.
+    /// Seed of the random numbers of the start and of the run, in place of the seed that the case gives.
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
 }
 
-/// Number of runs per variant.
+/// Number of runs (replicas) of each variant.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct Repeats {
     /// Runs each variant with N seeds (that of the case and the next ones) and averages over them. `run` and `compare`
@@ -227,11 +227,11 @@ fn model_of(name: String) -> Result<Model, String> {
 /// A collision model, or the recommended one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum ModelChoice {
-    /// Time-stepped spring-dashpot contacts.
+    /// Soft spheres: contacts of springs and dashpots, integrated in time steps.
     Soft,
-    /// Instantaneous collisions.
+    /// Hard spheres: instantaneous collisions.
     Hard,
-    /// Instantaneous collisions where two bodies meet alone, spring-dashpot contacts elsewhere.
+    /// Instantaneous collisions where two bodies touch and no other is near, spring-dashpot contacts elsewhere.
     Hybrid,
     /// Instantaneous collisions of pairs that are drawn at random in cells.
     Dsmc,

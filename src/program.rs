@@ -21,8 +21,8 @@ Diptych runs one particle scene with soft and with hard spheres, and tells wheth
 
 `diptych help` lists all commands, `diptych COMMAND --help` the options of one.";
 
-/// Runs the program with the arguments of a command line, the first of which is the name of the program. Returns the exit
-/// code.
+/// Runs the program with the arguments of a command line, the first of which is the name of the program. Returns the
+/// exit code.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let ranks = match Ranks::join() {
         Ok(ranks) => ranks,
@@ -61,7 +61,8 @@ fn say(why: &clap::Error) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Runs a command and returns the exit code. With `--exit-code` the code is that of the verdict; otherwise it is 0.
+/// Runs a command and returns the exit code of a success. With `--exit-code` the code depends on the verdict; otherwise
+/// it is 0.
 fn command(command: Command, ranks: &Ranks) -> Result<u8, StudyError> {
     let done = match command {
         Command::Run(args) => study::run(&args, ranks),
@@ -89,7 +90,8 @@ fn command(command: Command, ranks: &Ranks) -> Result<u8, StudyError> {
     done.map(|()| 0)
 }
 
-/// Exit code of the result of a command.
+/// Exit code for the result of a command: 1 for a failed run, 2 for bad input, 130 after Ctrl-C, else the code of the
+/// success.
 fn exit_code(result: &Result<u8, StudyError>) -> u8 {
     match result {
         Ok(code) => *code,
@@ -100,8 +102,8 @@ fn exit_code(result: &Result<u8, StudyError>) -> u8 {
     }
 }
 
-/// Exit code for the answer of a comparison if `--exit-code` was given, else 0. Codes 1 and 2 are those of failures and
-/// bad input.
+/// Exit code for the answer of a comparison: 0 for equivalent, 3 for different, 4 for unresolved. It is 0 unless
+/// `--exit-code` was given (`asked`). Codes 1 and 2 stand for failures and bad input.
 fn verdict(asked: bool, answer: Option<Answer>) -> u8 {
     match answer.filter(|_| asked) {
         None | Some(Answer::Equivalent) => 0,

@@ -12,7 +12,7 @@ pub struct StoredCommand {
     pub arguments: Vec<OsString>,
     /// Folder in which the command was started, from which relative paths are resolved.
     pub folder: OsString,
-    /// Checksum of the text of the case.
+    /// Checksum of the text of the case, by which a changed case is detected.
     pub case: u32,
     /// Identities of all runs of the command, in order.
     pub runs: Vec<RunIdentity>,
@@ -78,7 +78,7 @@ impl RunIdentity {
         if self.parts.is_empty() { self.name.clone() } else { format!("{:08x}", self.checksum()) }
     }
 
-    /// Checksum of the name and of all parts.
+    /// Checksum of the name of the run and of all parts of its experiment.
     pub fn checksum(&self) -> u32 {
         let mut all = crc32fast::Hasher::new();
         all.update(self.name.as_bytes());

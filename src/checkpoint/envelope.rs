@@ -4,7 +4,7 @@ use crate::stored::{StoreError, Stored};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// First bytes of every checkpoint file.
+/// First bytes of every checkpoint file, by which such a file is recognized.
 const MAGIC: &[u8] = b"diptych checkpoint\n";
 
 /// Version of the layout of the data. This number must be raised whenever a stored type or the arithmetic changes,
@@ -39,7 +39,7 @@ pub enum Unreadable {
     Unfit(#[from] StoreError),
 }
 
-/// Text that identifies this version of the program, its system and its layout of data in every checkpoint file.
+/// Text in every checkpoint file that identifies the version of the program, the system, and the layout of the data.
 fn program() -> String {
     let (version, system, machine) = (env!("CARGO_PKG_VERSION"), std::env::consts::OS, std::env::consts::ARCH);
     format!("diptych {version} on {system} {machine}, layout {LAYOUT}")

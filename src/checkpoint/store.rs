@@ -18,7 +18,7 @@ const GENERATIONS: [&str; 2] = ["a", "b"];
 /// Prefix of the names of files that contain finished runs.
 const DONE: &str = "done-";
 
-/// Stored data of one run.
+/// Data of one run in a checkpoint: its state, and its end if the run is over.
 #[derive(Serialize, Deserialize)]
 pub struct StoredRun {
     /// State of the run, from which the run continues.
@@ -30,7 +30,7 @@ pub struct StoredRun {
 /// Reads and writes the files of a checkpoint, which are in a subfolder of a folder of results.
 pub struct Store {
     place: PathBuf,
-    /// Names of the files in which the two generations of the state are stored in turn.
+    /// Names of the two files in which the states of a run are stored in turn, so that the last two states exist.
     generations: [String; 2],
     /// Number of the next generation. Generations with even numbers are written to the first file, those with odd
     /// numbers to the second.
@@ -41,7 +41,7 @@ pub struct Store {
 pub struct Newest {
     /// Identity of the run and its newest usable state; `None` if no file can be used.
     pub found: Option<(RunIdentity, StoredRun)>,
-    /// Files that cannot be used, each with the reason.
+    /// Checkpoint files that cannot be used, each with the reason.
     pub refused: Vec<(PathBuf, Unreadable)>,
 }
 
@@ -58,7 +58,7 @@ impl Store {
         Self { place: self.place.clone(), generations, next: 0 }
     }
 
-    /// Stores a command that begins, and removes the checkpoint of an earlier command.
+    /// Stores a command at its start, and removes the checkpoint of an earlier command.
     ///
     /// # Errors
     /// If a file cannot be written.
@@ -67,7 +67,7 @@ impl Store {
         self.replace_command(command)
     }
 
-    /// Stores a command that continues the runs of an earlier command.
+    /// Stores a command that continues the runs of an earlier command, in place of the earlier one.
     ///
     /// # Errors
     /// If a file cannot be written.
@@ -121,7 +121,7 @@ impl Store {
     }
 
     /// Checks that the data of every process that belong to a stored state can be read. On failure returns the path of
-    /// the file and the reason.
+    /// the unreadable file and the reason.
     fn has_parts(&self, of: &str, whose: (u64, &RunIdentity), kept: &StoredRun) -> Result<(), (PathBuf, Unreadable)> {
         (0..kept.pause.snapshot.parts).try_for_each(|number| {
             let read = self.read_part(of, whose, number).map(drop);
@@ -193,7 +193,7 @@ impl Store {
         (of == *run).then_some(result)
     }
 
-    /// Removes the files of the checkpoint, and the subfolder too unless it contains other files.
+    /// Removes the files of the checkpoint, and also the subfolder if it contains no other files.
     ///
     /// # Errors
     /// If a file cannot be removed.

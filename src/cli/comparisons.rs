@@ -75,8 +75,8 @@ pub struct Validate {
     /// Runs one row only, by its name; may be repeated [default: all].
     #[arg(long, value_name = "NAME")]
     pub only: Vec<String>,
-    /// Also gives the answer by the exit code: 0 if all rows agree or are equivalent, 3 if some are different, 4 if some
-    /// are unresolved and none is different.
+    /// Also gives the answer by the exit code: 0 if all rows agree or are equivalent, 3 if some are different, 4 if
+    /// some are unresolved and none is different.
     #[arg(long)]
     pub exit_code: bool,
     /// Threads to use; results are the same for any number [default: one per core].

@@ -13,8 +13,8 @@ pub struct Sensitivity {
     pub case: PathBuf,
     /// Tests only these factors, each with its size if it is not the usual one, as in --factors
     /// restitution=0.8,gas,box=0.25; there are model, stiffness, integrator, stepping, restitution, wall-restitution,
-    /// friction, wall-friction, rotation, tangential-restitution, tangential-stiffness, rolling, gas, drag, box and seed
-    /// [default: all that the scene has].
+    /// friction, wall-friction, rotation, tangential-restitution, tangential-stiffness, rolling, gas, drag, box and
+    /// seed [default: all that the scene has].
     #[arg(long, value_name = "NAME[=SIZE],...", value_delimiter = ',')]
     pub factors: Vec<String>,
     /// A factor of your own: a key of the case at another value, such as --vary "particles[0].density=1100 kg/m^3";
@@ -42,11 +42,11 @@ impl NeededModels {
     }
 }
 
-/// Options of the runs of a study of factors.
+/// Options of the commands that change a case by one factor at a time: `sensitivity` and `needs`.
 #[derive(Clone, Debug, Args)]
 pub struct FactorRuns {
-    /// Collision model of the case with which the others are compared [default: that of the case; for `needs` soft, if the
-    /// case gives a contact law].
+    /// Collision model of the case with which the others are compared [default: that of the case; for `needs` soft, if
+    /// the case gives a contact law].
     #[arg(long, value_parser = PossibleValuesParser::new(MODELS.map(Model::name)).try_map(model_of))]
     pub model: Option<Model>,
     /// Simulated time of each run; the same as --set run.duration=TIME.

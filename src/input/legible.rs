@@ -6,7 +6,7 @@
 
 use std::borrow::Cow;
 
-/// [characters] largest part of a foreign text that a message quotes.
+/// [characters] largest part of a foreign text, such as a name from a file, that a message quotes.
 const QUOTED: usize = 200;
 
 /// [characters] largest length of a message: about 25 lines of a terminal.
@@ -23,7 +23,8 @@ pub fn acts(c: char) -> bool {
             | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}')
 }
 
-/// Text of one or more lines made safe to display; line ends and tabs are kept.
+/// Text of one or more lines made safe to display: characters that would act on a terminal or change the direction of
+/// writing are replaced by escapes. Line ends and tabs stay.
 pub fn lines(text: &str) -> Cow<'_, str> {
     if !text.contains(|c| acts(c) && !matches!(c, '\n' | '\t')) {
         return Cow::Borrowed(text);
@@ -40,7 +41,8 @@ pub fn lines(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// A message of one line made safe to display; it is cut after `MESSAGE` characters.
+/// A message of one line made safe to display: characters that would act on a terminal or change the direction of
+/// writing are replaced by escapes. It is cut after `MESSAGE` characters.
 pub fn message(text: &str) -> Cow<'_, str> {
     let is_long = text.len() > MESSAGE && text.chars().nth(MESSAGE).is_some();
     if !is_long && !text.contains(acts) {
@@ -54,7 +56,7 @@ pub fn message(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// The first `QUOTED` characters of a foreign name or cell, for a message.
+/// First `QUOTED` characters of a foreign name or cell, for a message. A text that was cut ends with an ellipsis.
 pub fn quote(text: &str) -> Cow<'_, str> {
     match text.char_indices().nth(QUOTED) {
         None => Cow::Borrowed(text),
@@ -62,7 +64,7 @@ pub fn quote(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// A JSON text in which characters with an effect are replaced by JSON escapes.
+/// A JSON text in which characters that act on a terminal instead of being visible are replaced by JSON escapes.
 pub fn json(text: &str) -> Cow<'_, str> {
     if !text.contains(|c| acts(c) && c != '\n') {
         return Cow::Borrowed(text);
@@ -79,7 +81,8 @@ pub fn json(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// Appends a character to `to`, or its escape if the character [`acts`].
+/// Appends a character to `to`. A character with an effect instead of a visible shape ([`acts`]) is replaced by its
+/// escape.
 fn show(c: char, to: &mut String) {
     match c {
         '\n' | '\r' | '\t' => to.extend(c.escape_default()),
@@ -93,13 +96,14 @@ fn is_formula(text: &str) -> bool {
     text.trim_start_matches('\'').starts_with(['=', '+', '-', '@', '\t', '\r'])
 }
 
-/// A cell of a table: an apostrophe is put before a text that a spreadsheet would compute; numbers stay unchanged.
+/// Text of a table cell that a spreadsheet does not compute. An apostrophe is put before a text that a spreadsheet
+/// could read as a formula; numbers stay unchanged.
 pub fn cell(text: String) -> String {
     let is_number = || text.parse::<f64>().is_ok_and(f64::is_finite);
     if !is_formula(&text) || is_number() { text } else { format!("'{text}") }
 }
 
-/// Returns the original text of a cell that was made by [`cell`].
+/// Returns the original text of a cell from the text that [`cell`] made of it.
 pub fn of_cell(cell: &str) -> &str {
     cell.strip_prefix('\'').filter(|text| is_formula(text)).unwrap_or(cell)
 }

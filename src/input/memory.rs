@@ -17,7 +17,7 @@ const SLICE: f64 = 2.0 * 20.0 * 8.0;
 /// (`statistics/profiles.rs`).
 const MOST_BLOCKS: f64 = 512.0;
 
-/// Memory that a run needs [byte].
+/// Estimated memory that a run needs [byte].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Need {
     /// [byte] memory for particles, their neighbours and contacts.
@@ -72,7 +72,8 @@ pub fn available() -> Option<f64> {
     None
 }
 
-/// Text that compares `need` [byte] with the free memory; `None` if enough is free, or if the free memory is not known.
+/// Text that states the memory `need` [byte] and the free memory; `None` if enough is free, or if the free memory is
+/// not known.
 pub fn lack(need: f64) -> Option<String> {
     let there = available().filter(|there| need > *there)?;
     Some(format!("about {} of memory, and {} are free for this process", size(need), size(there)))

@@ -7,7 +7,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
-/// Clock that counts wall time from a fixed start, or a stopped clock, whose time is always 0 and which costs nothing.
+/// Clock that counts wall time, or a stopped clock. A wall clock counts from the first reading of time in the program.
+/// A stopped clock always reads 0 and costs nothing.
 ///
 /// A run reads wall time from the clock, and writes to it the simulated time that the run has reached.
 #[derive(Clone, Debug, Default)]
@@ -28,13 +29,13 @@ impl Reached {
 }
 
 impl Clock {
-    /// The wall clock of the machine.
+    /// Creates a clock that counts the wall time of the machine.
     pub fn wall() -> Self {
         static BEGAN: OnceLock<Instant> = OnceLock::new();
         Self { read: Some(|| BEGAN.get_or_init(Instant::now).elapsed()), reached: Some(Reached::default()) }
     }
 
-    /// Wall time since the start of the clock; 0 if the clock is stopped.
+    /// Wall time since the first reading of time in the program; 0 if the clock is stopped.
     pub fn now(&self) -> Duration {
         self.read.map_or(Duration::ZERO, |read| read())
     }
@@ -55,7 +56,8 @@ impl Clock {
         }
     }
 
-    /// Simulated time reported to this clock and to its clones; `None` if the clock is stopped.
+    /// Handle from which another thread can read the simulated time that is reported to this clock or to its clones.
+    /// `None` if the clock is stopped, because a stopped clock stores no reports.
     pub fn reached(&self) -> Option<Reached> {
         self.reached.clone()
     }

@@ -1,5 +1,5 @@
 //! Communication among processes that share one run. The program that starts a simulation passes an implementation of
-//! it: MPI, or threads in tests.
+//! the trait [`Communicator`]: MPI, or threads in tests.
 
 use crate::exact::ExactSum;
 
@@ -12,8 +12,8 @@ pub trait Communicator: Send + Sync {
     /// Number of processes that share the run.
     fn size(&self) -> usize;
 
-    /// Sends `outgoing[k]` to process k, for all k. Returns the bytes that each process sent to this one, in the order
-    /// of process numbers.
+    /// Sends `outgoing[k]` to process k, for all k. Returns the bytes that each process sent to this process, in the
+    /// order of process numbers.
     fn exchange(&self, outgoing: Vec<Vec<u8>>) -> Vec<Vec<u8>>;
 
     /// Sends the bytes of the lead to all processes and returns them. The arguments of the other processes are ignored.
@@ -30,7 +30,7 @@ pub trait Communicator: Send + Sync {
         self.rank() == 0
     }
 
-    /// Replaces each exact sum of this process by the total over all processes.
+    /// Replaces each exact sum of this process by the total of that sum over all processes.
     fn total(&self, sums: &mut [&mut ExactSum]) {
         let mut words: Vec<i64> = sums.iter_mut().flat_map(|sum| *sum.words()).collect();
         self.sum(&mut words);

@@ -21,12 +21,12 @@ pub struct Shear {
     offset: f64,
 }
 
-/// Periodic image of one particle that is nearest to another particle, in a sheared box.
+/// Periodic image of a particle a, the image that is nearest to a particle b, in a sheared box.
 #[derive(Clone, Copy, Debug)]
 struct NearestImage {
-    /// [m] vector from the other particle to the image.
+    /// [m] vector from particle b to the image of particle a.
     apart: Vector3<f64>,
-    /// [m/s] velocity along z of the image relative to the particle itself.
+    /// [m/s] velocity along z of the image of particle a relative to particle a itself.
     velocity: f64,
 }
 
@@ -43,11 +43,11 @@ pub struct Domain {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shear: Option<Shear>,
     /// [m] half the edge length along periodic axes, infinity along others. If two particles are farther apart along an
-    /// axis, another periodic image is nearer.
+    /// axis than this half edge, a periodic image of one particle is nearer.
     #[serde(skip)]
     pub(crate) half: Vector3<f64>,
-    /// [m²] square of the shortest half edge length. If two particles are nearer than this length, no periodic image is
-    /// nearer.
+    /// [m²] square of the shortest half edge length of a periodic axis. If two particles are nearer than this half
+    /// edge, no periodic image of one is nearer to the other.
     #[serde(skip)]
     direct: f64,
 }
@@ -65,15 +65,15 @@ impl Domain {
         Self { shear: Some(Shear { rate, start, offset: 0.0 }), ..self }.at(0.0).into_owned()
     }
 
-    /// Returns a box with other edge lengths [m], and with the periodic axes and the shear of this box. Periodic images
-    /// are at their places of time 0.
+    /// Returns a box with other edge lengths [m], and with the periodic axes and the shear of this box. In the new box,
+    /// periodic images are at their places of time 0.
     pub fn resized(&self, size: Vector3<f64>) -> Self {
         let resized = Self::new(size, self.periodic);
         self.shear.map_or_else(|| resized.clone(), |shear| resized.clone().sheared(shear.rate, shear.start))
     }
 
-    /// Copy of the box whose periodic images do not slide but stay at their present places. It is for code that needs
-    /// only positions, no velocities.
+    /// Returns a copy of the box whose periodic images do not slide but stay at their present places. Code that needs
+    /// positions but no velocities uses this copy.
     pub fn at_rest(&self) -> Self {
         let rest = |shear: Shear| Shear { rate: 0.0, start: shear.offset, ..shear };
         Self { shear: self.shear.map(rest), ..self.clone() }
@@ -85,8 +85,8 @@ impl Domain {
         self.shear.map(|shear| shear.offset)
     }
 
-    /// Returns the box with periodic images at their places of the simulated time `time` [s]. Without shear it is this
-    /// box, not a copy.
+    /// Returns the box with periodic images at their places of the simulated time `time` [s]. Without shear, the box
+    /// itself is returned, not a copy.
     pub fn at(&self, time: f64) -> Cow<'_, Self> {
         self.slid_to(|shear| shear.start + self.sliding() * time)
     }
@@ -104,7 +104,8 @@ impl Domain {
         self.shear.map_or(0.0, |shear| shear.rate * self.size.y)
     }
 
-    /// [m/s] whole multiple of [`sliding`](Self::sliding) nearest to a velocity [m/s]; 0 without shear.
+    /// [m/s] multiple n γ L_y nearest to `velocity` [m/s], with a whole number n; 0 without shear. The velocities of
+    /// periodic images of one particle in a sheared box differ by such multiples.
     pub fn whole_slides(&self, velocity: f64) -> f64 {
         let sliding = self.sliding();
         if sliding == 0.0 { 0.0 } else { sliding * (velocity / sliding).round() }
@@ -115,8 +116,8 @@ impl Domain {
         self.shear.map_or(0.0, |shear| shear.rate.abs())
     }
 
-    /// [m/s] mean flow of the shear at a position [m]; zero without shear. A velocity less this flow is equal for all
-    /// images of a particle.
+    /// [m/s] mean flow of the shear at a position [m]; zero without shear. The velocity minus this flow is equal for
+    /// all periodic images of a particle.
     #[inline]
     pub fn mean_flow(&self, position: &Vector3<f64>) -> Vector3<f64> {
         Vector3::new(0.0, 0.0, self.shear.map_or(0.0, |shear| shear.rate * position.y))
@@ -129,9 +130,9 @@ impl Domain {
         [x, y && self.shear.is_none(), z]
     }
 
-    /// Calls `visit` with the periodic images [m] of `position` beyond the sheared sides (the upper and the lower side)
-    /// that are nearer to the box than `reach` [m]. Along z the images are wrapped into the box. Without shear there
-    /// are none.
+    /// Calls `visit` with the periodic images [m] of `position` beyond the two sheared sides (upper and lower) that are
+    /// nearer to the box than `reach` [m]. Along z the images are wrapped into the box. Without shear, `visit` is not
+    /// called.
     #[inline]
     pub fn for_each_across(&self, position: &Vector3<f64>, reach: f64, mut visit: impl FnMut(Vector3<f64>)) {
         if self.shear.is_none() {
@@ -146,16 +147,16 @@ impl Domain {
         }
     }
 
-    /// Calls `visit` with `position` [m] itself, and then with its images as [`for_each_across`](Self::for_each_across)
-    /// does.
+    /// Calls `visit` with `position` [m] itself, and then with its periodic images beyond the sheared sides. Images
+    /// farther from the box than `reach` [m] are left out ([`for_each_across`](Self::for_each_across)).
     #[inline]
     pub fn for_each_image(&self, position: &Vector3<f64>, reach: f64, mut visit: impl FnMut(Vector3<f64>)) {
         visit(*position);
         self.for_each_across(position, reach, visit);
     }
 
-    /// [m] periodic image of a position that is `periods` box heights above it in a sheared box. Its coordinate z is
-    /// wrapped into the box.
+    /// [m] periodic image of `position` in a sheared box, `periods` box heights above `position`. The coordinate z of
+    /// the image is wrapped into the box.
     fn image(&self, position: &Vector3<f64>, periods: f64) -> Vector3<f64> {
         let offset = self.shear.map_or(0.0, |shear| shear.offset);
         let z = position.z + periods * offset;
@@ -192,8 +193,8 @@ impl Domain {
     }
 
     /// Vector [m] from `b` to the nearest periodic image of `a`, and velocity [m/s] of this image relative to `b`.
-    /// `velocity` [m/s] is that of `a` itself relative to `b`. The positions are those `elapsed` [s] after the time for
-    /// which the box was made.
+    /// `velocity` [m/s] is the velocity of `a` itself relative to `b`. `elapsed` [s] is the time of the positions,
+    /// counted from the time for which the box was made.
     #[inline(always)]
     pub fn relative(
         &self,
@@ -211,8 +212,8 @@ impl Domain {
         (image.apart, Vector3::new(velocity.x, velocity.y, velocity.z + image.velocity))
     }
 
-    /// Nearest periodic image of a particle whose own position minus that of the other particle is `d` [m]. The
-    /// positions are those `elapsed` [s] after the time for which the box was made.
+    /// Nearest periodic image of a particle in a sheared box. `d` [m] is the position of the particle minus that of the
+    /// other particle. `elapsed` [s] is the time of these positions, counted from the time for which the box was made.
     fn nearest(&self, d: &Vector3<f64>, shear: &Shear, elapsed: f64) -> NearestImage {
         let sliding = shear.rate * self.size.y;
         let above = -(d.y / self.size.y).round();

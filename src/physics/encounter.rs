@@ -38,17 +38,17 @@ impl std::fmt::Display for Partner {
     }
 }
 
-/// Second body of a couple, which the particle may touch: another particle or a wall.
+/// Second body of a couple (a particle and a body that it may touch): another particle or a wall.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Other {
     /// Another particle, by its index in the particle store.
     Particle(u32),
-    /// Wall, with the number of one of the contacts that it may have with a sphere.
+    /// Wall, with the number of one of the contacts that a sphere can have with this wall.
     Wall(AtWall),
 }
 
-/// A wall of the scene, with the number of one of the contacts that a sphere can have with it. A sphere in a corner of
-/// a box has several contacts with one wall, at different points.
+/// A wall of the scene, with the number of one of the contacts that a sphere can have with this wall. A sphere in a
+/// corner of a box has several contacts with one wall, at different points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AtWall {
     /// Index of the wall among the walls of the scene.
@@ -58,18 +58,18 @@ pub struct AtWall {
 }
 
 impl AtWall {
-    /// The first contact of the wall with the index `wall` in the scene.
+    /// First contact (number 0) of a sphere with the wall that has the index `wall` in the scene.
     pub fn first(wall: u32) -> Self {
         Self { wall, which: 0 }
     }
 }
 
-/// A particle, by its index in the particle store, and a body that it may meet.
+/// A particle, and a second body that the particle may touch: another particle or a wall.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Couple {
-    /// Index of the particle.
+    /// Index of the particle in the particle store.
     pub i: u32,
-    /// The other body.
+    /// Second body, which particle `i` may touch: another particle or a wall.
     pub other: Other,
 }
 
@@ -81,12 +81,12 @@ pub struct Couple {
 /// of fall describe how long the frame has fallen. All times are in s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameTime {
-    /// Time [s] from the time of the particle store to the computed time; particles fly straight meanwhile.
+    /// [s] time from the time of the particle store to the computed time; particles fly straight meanwhile.
     pub ahead: f64,
-    /// Time [s] of free fall whose displacement g t²/2 must be added to positions relative to a wall. Images in a sheared
-    /// box have slid, and walls have moved, for this time since the instant of the scene.
+    /// [s] time of free fall whose displacement g t²/2 must be added to positions relative to a wall. Images in a
+    /// sheared box have slid, and walls have moved, for this time since the instant of the scene.
     pub sunk: f64,
-    /// Time [s] of free fall whose velocity g t must be added to velocities relative to a wall.
+    /// [s] time of free fall whose velocity g t must be added to velocities relative to a wall.
     pub fallen: f64,
     /// [s] time by which the velocities of the store are earlier than its positions, as half steps of Verlet's method
     /// are. Velocities of walls that move are those of this earlier time.
@@ -94,40 +94,40 @@ pub struct FrameTime {
 }
 
 impl FrameTime {
-    /// Creates the time of the particle store, for positions relative to the walls and velocities in a frame that has
-    /// fallen freely for `time` [s].
+    /// Creates a `FrameTime` at the time of the particle store. The positions in the store are relative to the walls.
+    /// The velocities in the store lack the velocity g t of a free fall of `time` [s].
     pub fn fallen(time: f64) -> Self {
         Self { fallen: time, ..Self::default() }
     }
 
-    /// Creates the time that [`fallen`](Self::fallen) creates, but for velocities in the store that are `lag` [s]
-    /// earlier than the positions.
+    /// Creates a `FrameTime` at the time of the particle store. The velocities in the store lack the velocity g t of a
+    /// free fall of `time` [s], and are `lag` [s] earlier than the positions.
     pub fn lagging(time: f64, lag: f64) -> Self {
         Self { fallen: time, lag, ..Self::default() }
     }
 
-    /// Creates the time of the particle store, for positions and velocities in a frame that has fallen freely for
-    /// `time` [s].
+    /// Creates a `FrameTime` at the time of the particle store. A free fall of `time` [s] is missing in the store: its
+    /// displacement g t²/2 in positions and its velocity g t in velocities.
     pub fn in_free_fall(time: f64) -> Self {
         Self { sunk: time, fallen: time, ..Self::default() }
     }
 
-    /// Creates the time `time` [s] after that of the particle store, for a frame that begins to fall at the time of the
-    /// store.
+    /// Creates a `FrameTime` that is `time` [s] later than the particle store. The frame of reference begins to fall
+    /// freely at the time of the store.
     pub fn ahead(time: f64) -> Self {
         Self { ahead: time, sunk: time, fallen: time, lag: 0.0 }
     }
 
-    /// [m] centre of the particle at index `place` after its straight flight to this time, in the frame of the particle
-    /// store.
+    /// [m] centre of the particle at index `place` after a straight flight of `ahead` [s] from its position in the
+    /// particle store. Gravity is left out.
     #[inline(always)]
     fn position(&self, particles: &Particles, place: usize) -> Vector3<f64> {
         let x = particles.position[place];
         if self.ahead == 0.0 { x } else { x + particles.velocity[place] * self.ahead }
     }
 
-    /// Position, velocity and acceleration of the particle at index `place` relative to a wall at rest, with the effect
-    /// of gravity added.
+    /// Position [m], velocity [m/s] and acceleration [m/s²] of the particle at index `place` relative to a wall at
+    /// rest, with the effect of gravity.
     #[inline(always)]
     pub fn flight(&self, particles: &Particles, scene: &Scene, place: usize) -> Flight {
         let fall = scene.gravity * (0.5 * self.sunk * self.sunk);
@@ -139,12 +139,12 @@ impl FrameTime {
     }
 }
 
-/// Relative position and velocity of two bodies.
+/// Relative position and velocity of two bodies: particle `i` and another particle or a wall.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Encounter {
     /// [-] unit normal from the other body to particle `i`.
     pub normal: Vector3<f64>,
-    /// [m] distance between the surfaces; negative if they overlap.
+    /// [m] distance between the surfaces of the two bodies; negative if they overlap.
     pub gap: f64,
     /// [m/s] velocity of particle `i` relative to the other body, at the contact point.
     pub velocity: Vector3<f64>,
@@ -172,7 +172,7 @@ impl Couple {
         Self { i, other: Other::Particle(j) }
     }
 
-    /// A couple of a particle, by its index in the particle store, and a contact of a wall.
+    /// A couple of a particle, by its index in the particle store, and a wall with the number of a contact.
     pub fn at_wall(i: u32, at: AtWall) -> Self {
         Self { i, other: Other::Wall(at) }
     }
@@ -182,8 +182,8 @@ impl Couple {
         matches!(self.other, Other::Wall(_))
     }
 
-    /// True if the other body is a wall with a constant normal. The motion of a single contact with such a wall is
-    /// computed in one coordinate, along the normal.
+    /// True if the other body is a wall with a constant normal. An engine then computes the motion of a single contact
+    /// in one coordinate, along the normal.
     pub fn is_flat(&self, scene: &Scene) -> bool {
         match self.other {
             Other::Particle(_) => false,
@@ -198,16 +198,15 @@ impl Couple {
         matches!(self.other, Other::Wall(at) if at.which > 0)
     }
 
-    /// True if both couples are contacts of one particle with one wall, and this contact cannot be nearer than the
-    /// contact `other`. Such a statement is possible only for walls that number their contacts by distance, the nearest
-    /// first.
+    /// True if both couples are contacts of one particle with one wall, and this contact is never nearer than the
+    /// contact `other`. The answer is false for walls that do not number their contacts by distance, the nearest first.
     pub fn is_beyond(&self, other: &Self, scene: &Scene) -> bool {
         let (Other::Wall(at), Other::Wall(before)) = (self.other, other.other) else { return false };
         let same = self.i == other.i && at.wall == before.wall && at.which > before.which;
         same && scene.walls[at.wall as usize].geometry.law().is_nearest_first()
     }
 
-    /// Index of the other particle; `None` for a wall.
+    /// Index, in the particle store, of the second particle of a pair; `None` if the other body is a wall.
     pub fn j(&self) -> Option<u32> {
         match self.other {
             Other::Particle(j) => Some(j),
@@ -215,7 +214,7 @@ impl Couple {
         }
     }
 
-    /// Indices of the particles of the couple: two for a pair, one for a wall.
+    /// Indices of the particles of the couple in the particle store: two for a pair, one and `None` for a wall.
     pub fn places(&self) -> [Option<u32>; 2] {
         [Some(self.i), self.j()]
     }
@@ -242,7 +241,7 @@ impl Couple {
         scene.surface(species, other)
     }
 
-    /// Species of the particle and kind of the other body.
+    /// Species of particle `i`, and kind of the second body (a species or a wall).
     #[inline]
     pub fn kinds(&self, particles: &Particles) -> (u16, Kind) {
         let other = match self.other {
@@ -287,7 +286,7 @@ impl Couple {
         }
     }
 
-    /// Masses, sizes and materials of the two bodies, on which the constants of a contact law depend.
+    /// Masses, sizes and materials of the two bodies, from which a contact law computes its constants.
     pub fn bodies(&self, particles: &Particles, scene: &Scene) -> Bodies {
         match self.other {
             Other::Particle(j) => Bodies::pair(scene, particles, self.i as usize, j as usize),
@@ -314,8 +313,9 @@ impl Couple {
     }
 
     /// [m/s] relative velocity w = l_i ω_i + l_j ω_j of two surfaces due to the spins ω, from which the slip follows.
-    /// Also returns the ratio of lever arm l to radius. The lever arms add up to the distance of the centres, `reach` +
-    /// `gap` [m], so that a contact conserves energy and angular momentum. At a wall the lever arm is the radius.
+    /// The second result is the ratio [-] of lever arm l to radius. Lever arms add up to the distance of the centres,
+    /// `reach` + `gap` [m], so that a contact conserves energy and angular momentum. At a wall the lever arm is the
+    /// radius.
     #[inline(always)]
     pub fn surface_velocity(&self, particles: &Particles, reach: f64, gap: f64) -> (Vector3<f64>, f64) {
         let (radii, spins) = (&particles.radius, particles.spins());
@@ -330,7 +330,7 @@ impl Couple {
         }
     }
 
-    /// [rad/s] component along the normal of the mean spin of the two bodies; the spin of a wall is zero.
+    /// [rad/s] component along `normal` of the mean of the two spins. The spin of a wall is zero unless the wall turns.
     #[inline(always)]
     pub fn twist(&self, particles: &Particles, scene: &Scene, normal: &Vector3<f64>) -> f64 {
         let spins = particles.spins();
@@ -344,7 +344,7 @@ impl Couple {
         }
     }
 
-    /// [rad/s] spin of particle i relative to the other body; the spin of a wall is zero.
+    /// [rad/s] spin of particle i minus the spin of the other body. The spin of a wall is zero unless the wall turns.
     #[inline(always)]
     pub fn relative_spin(&self, particles: &Particles, scene: &Scene) -> Vector3<f64> {
         let spins = particles.spins();
@@ -358,13 +358,14 @@ impl Couple {
         }
     }
 
-    /// [m] smaller diameter of the two bodies, by which overlaps are divided; at a wall the diameter of the particle.
+    /// [m] smaller diameter of the two bodies, the divisor of relative overlaps; at a wall the diameter of the
+    /// particle.
     pub fn diameter(&self, particles: &Particles) -> f64 {
         let radius = particles.radius[self.i as usize];
         2.0 * self.j().map_or(radius, |j| radius.min(particles.radius[j as usize]))
     }
 
-    /// The other body, as it is named in results.
+    /// Second body of the couple, as results name it: a particle by its id, or a wall by its index.
     pub fn partner(&self, particles: &Particles) -> Partner {
         match self.other {
             Other::Particle(j) => Partner::Particle(particles.id[j as usize]),
@@ -373,7 +374,7 @@ impl Couple {
     }
 
     /// Relative position and velocity of the two bodies at the instant of a predicted touch. For a wall, `place` is the
-    /// number of the surface feature (such as a triangle) that is touched.
+    /// number of the surface feature (such as a triangle) that is touched; for a pair it is not used.
     #[inline(always)]
     pub fn strike(&self, particles: &Particles, scene: &Scene, moment: FrameTime, place: u32) -> Encounter {
         let Other::Wall(at) = self.other else { return self.meet(particles, scene, moment) };
@@ -393,7 +394,7 @@ impl Couple {
         self.meet_at(self.reach(particles), particles, scene, moment)
     }
 
-    /// [m] distance between the centres of two particles that touch; at a wall the radius.
+    /// [m] distance between the centres of two particles that touch; at a wall the radius of the particle.
     #[inline(always)]
     pub fn reach(&self, particles: &Particles) -> f64 {
         let radius = particles.radius[self.i as usize];
@@ -425,15 +426,16 @@ impl Couple {
         Encounter { normal, gap, velocity, normal_velocity: velocity.dot(&normal) }
     }
 
-    /// [s] time from `moment` until the two bodies touch on their flights; `None` without a touch. Touches after
-    /// `until` [s] may be missed.
+    /// [s] time from `moment` until the two bodies, moving freely, touch; `None` without a touch. A touch more than
+    /// `until` [s] after `moment` may be missed.
     #[inline(always)]
     pub fn touch_time(&self, particles: &Particles, scene: &Scene, moment: FrameTime, until: f64) -> Option<f64> {
         self.touch(particles, scene, moment, until).map(|touch| touch.time)
     }
 
-    /// First touch of the two bodies, with its time as in [`touch_time`](Self::touch_time), and the number of the
-    /// surface feature that is touched.
+    /// First touch of the two bodies, moving freely after `moment`: its time [s] from `moment`, and the number of the
+    /// surface feature (such as a triangle) that is touched. `None` without a touch. A touch more than `until` [s]
+    /// after `moment` may be missed.
     #[inline(always)]
     pub fn touch(&self, particles: &Particles, scene: &Scene, moment: FrameTime, until: f64) -> Option<Touch> {
         let i = self.i as usize;
@@ -454,16 +456,16 @@ impl Couple {
     }
 }
 
-/// False if two particles, given by their indices, certainly do not touch on straight flights from their positions.
-/// True if they may touch.
+/// False if two particles, given by their indices, cannot touch on straight flights from their present positions; true
+/// if they may touch.
 #[inline(always)]
 pub fn may_meet(particles: &Particles, scene: &Scene, [i, j]: [usize; 2]) -> bool {
     let (apart, velocity) = relative(particles, scene, [i, j], FrameTime::default());
     may_touch(&apart, &velocity, particles.radius[i] + particles.radius[j])
 }
 
-/// Separation [m] from the second of two particles to the nearest image of the first, and the velocity [m/s] of the
-/// first relative to the second.
+/// Vector [m] from the second of two particles to the nearest periodic image of the first, and velocity [m/s] of this
+/// image relative to the second particle.
 #[inline(always)]
 pub fn relative(
     particles: &Particles,

@@ -1,4 +1,4 @@
-//! One variant of a case, checked and converted to SI units. It contains all data on which a simulation depends.
+//! One variant of a case, checked and converted to SI units: all data on which a simulation depends.
 
 mod defaults;
 mod observe_settings;
@@ -19,11 +19,11 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Model {
-    /// Time-stepped spring-dashpot contacts.
+    /// Soft spheres: contacts of springs and dashpots, integrated in time steps.
     Soft,
-    /// Instantaneous collisions.
+    /// Hard spheres: instantaneous collisions.
     Hard,
-    /// Instantaneous collisions where two particles meet alone, spring-dashpot contacts elsewhere.
+    /// Instantaneous collisions where two particles touch and no other is near, spring-dashpot contacts elsewhere.
     Hybrid,
     /// Instantaneous collisions of pairs that are drawn at random in cells (direct simulation Monte Carlo).
     Dsmc,
@@ -40,7 +40,7 @@ impl Model {
         }
     }
 
-    /// True if contacts of the model last, so that it needs a contact law and a time step.
+    /// True if contacts of the model last for some time, so that a run needs a contact law and a time step.
     pub fn has_contacts(self) -> bool {
         match self {
             Self::Soft | Self::Hybrid => true,
@@ -55,11 +55,12 @@ impl Model {
 pub enum Spheres {
     /// Soft spheres, with this contact law between pairs and at walls.
     Soft(ContactLaw),
-    /// Hard spheres.
+    /// Hard spheres, which collide in an instant.
     Hard,
-    /// Hard spheres where two particles meet alone, soft spheres with this contact law elsewhere.
+    /// Hard spheres where two particles touch and no other particle is near, soft spheres with this contact law
+    /// elsewhere.
     Hybrid(ContactLaw),
-    /// Spheres whose collision pairs are drawn at random.
+    /// Spheres whose collision pairs are drawn at random (direct simulation Monte Carlo).
     Dsmc,
 }
 
@@ -76,9 +77,9 @@ pub enum Reference {
 /// Table of values with which averages of a variant are compared.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ReferenceTable {
-    /// Name of the table in sentences.
+    /// Name of the table, as sentences of reports use it.
     pub name: String,
-    /// Values, in the order of the table.
+    /// Values of the table, in the order of its rows.
     pub points: Vec<ReferencePoint>,
 }
 
@@ -102,23 +103,23 @@ pub struct Experiment {
     pub name: String,
     /// Reference with which this variant is compared, if the case names one.
     pub against: Option<Reference>,
-    /// The scene, which every engine reads.
+    /// Box, walls, gravity, gas and species, which every engine reads.
     pub scene: Scene,
-    /// Initial state of the particles.
+    /// Initial state: for each population, its particles or their number and random velocities.
     pub start: Vec<Population>,
     /// Settings of the soft engine.
     pub soft: SoftSettings,
     /// Settings of the hard engine.
     pub hard: HardSettings,
-    /// Additional settings of the hybrid engine, which also uses those of the soft engine.
+    /// Settings of the hybrid engine in addition to `soft`, whose settings this engine also uses.
     pub hybrid: HybridSettings,
-    /// Settings of collisions by chance.
+    /// Settings of direct simulation Monte Carlo, in which collision pairs are drawn at random.
     pub dsmc: DsmcSettings,
     /// Duration, window (time between two drag kicks), seed and collision model of the run.
     pub run: RunSettings,
-    /// Settings of the averages.
+    /// Settings of averages: the number of slices and the time between samples.
     pub statistics: StatisticsSettings,
-    /// Measurements in addition to the standard ones.
+    /// Measurements that the case asks for in addition to the standard ones.
     #[serde(skip_serializing_if = "ObserveSettings::is_empty")]
     pub observe: ObserveSettings,
 }
@@ -134,7 +135,8 @@ impl Experiment {
         }
     }
 
-    /// Contact law of the run; `None` for hard spheres and collisions by chance.
+    /// Contact law of the run; `None` for models without lasting contacts (hard spheres, direct simulation Monte
+    /// Carlo).
     pub fn law(&self) -> Option<ContactLaw> {
         match self.run.spheres {
             Spheres::Soft(law) | Spheres::Hybrid(law) => Some(law),
@@ -142,8 +144,8 @@ impl Experiment {
         }
     }
 
-    /// Number of particles for predictions of contacts, from the number `now` in the scene: at least two with inlets,
-    /// through which any number may come in, and at least the number at the start with outlets.
+    /// Number of particles for predictions of contacts, at least the number `now` in the scene. With inlets it is at
+    /// least 2, because any number may come in. With outlets it is at least the number at the start.
     pub fn most_that_touch(&self, now: usize) -> usize {
         let scene = &self.scene;
         let coming = if scene.inlets.is_empty() { 0 } else { 2 };
@@ -156,8 +158,8 @@ impl Experiment {
         self.start.iter().map(|population| population.amount.count()).sum()
     }
 
-    /// [-] volume of all particles at the start over the volume of the box. If the drag law does not depend on the
-    /// volume fraction, the result is 0.
+    /// [-] volume fraction for the drag law: volume of all particles at the start over the volume of the box. It is 0
+    /// if the drag law does not depend on the volume fraction.
     pub fn fraction_for_drag(&self) -> f64 {
         let drag = self.scene.fluid.as_ref().and_then(|fluid| fluid.drag.as_ref());
         if drag.is_none_or(|drag| drag.law().cells().is_none()) {
@@ -182,9 +184,9 @@ impl Experiment {
 pub struct Population {
     /// Index into [`Scene::species`].
     pub species: u16,
-    /// Number of particles, or their positions.
+    /// Number of particles that start at random positions, or particles with given positions.
     pub amount: Amount,
-    /// Part of the domain that a random start fills; `None` for the whole domain.
+    /// Part of the domain in which a random start places the particles; `None` for the whole domain.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub region: Option<StartRegion>,
     /// [m/s] mean velocity of a random start. Two or more spheres have exactly this mean.
@@ -192,20 +194,20 @@ pub struct Population {
     /// [m/s] standard deviation of each velocity component of a random start. Two or more spheres have exactly this
     /// deviation. The velocity of a single sphere is drawn from a normal distribution of this width about the mean.
     pub velocity_fluctuation: Vector3<f64>,
-    /// [rad/s] mean spin of a random start.
+    /// [rad/s] mean spin of the particles at a random start.
     #[serde(skip_serializing_if = "is_zero")]
     pub spin_mean: Vector3<f64>,
-    /// [rad/s] standard deviation of each spin component of a random start.
+    /// [rad/s] standard deviation of each spin component of the particles at a random start.
     #[serde(skip_serializing_if = "is_none")]
     pub spin_fluctuation: f64,
 }
 
-/// True if the spin is zero, so that a stored experiment need not contain it.
+/// True if the mean spin [rad/s] is zero, so that a stored experiment need not contain it.
 fn is_zero(spin: &Vector3<f64>) -> bool {
     *spin == Vector3::zeros()
 }
 
-/// True if the deviation is zero, so that a stored experiment need not contain it.
+/// True if the standard deviation of the spins [rad/s] is zero, so that a stored experiment need not contain it.
 fn is_none(deviation: &f64) -> bool {
     *deviation == 0.0
 }
@@ -219,7 +221,7 @@ impl Population {
     }
 }
 
-/// Number of particles, or the particles themselves.
+/// Number of particles that are placed at random, or particles with given positions.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[allow(clippy::large_enum_variant, reason = "an experiment has few of these values")]
@@ -231,7 +233,7 @@ pub enum Amount {
 }
 
 impl Amount {
-    /// Number of particles.
+    /// Number of particles, at random or given positions.
     pub fn count(&self) -> usize {
         match self {
             Self::Count(count) => *count,
@@ -240,29 +242,28 @@ impl Amount {
     }
 }
 
-/// Settings of the soft engine.
+/// Settings of the soft engine: contact law, time step and integrator.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SoftSettings {
-    /// The contact law that the case names, for pairs and walls; a case that runs only with hard spheres may name
-    /// none.
+    /// Contact law that the case names, for pairs and walls; `None` is allowed if the case runs hard spheres alone.
     pub law: Option<ContactLaw>,
-    /// Choice of the time step.
+    /// Choice of the time step Δt: by a number of steps per contact, or a given time.
     pub time_step: TimeStep,
     /// Choice of the particles that a time step moves: all of them, or only those in contact.
     pub stepping: SoftStepping,
-    /// The time integrator.
+    /// Time integrator of the soft engine: velocity Verlet or second-order Runge-Kutta.
     pub integrator: Integrator,
     /// True if a run with an unstable time step is allowed; energy may then grow without limit.
     pub allow_unstable: bool,
 }
 
-/// Choice of the time step of soft spheres.
+/// Choice of the time step Δt of soft spheres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TimeStep {
-    /// [-] N_c: Δt = shortest contact time / N_c.
+    /// [-] number N_c of time steps per contact: Δt is the shortest contact time over N_c.
     PerContact(f64),
-    /// [s] Δt itself.
+    /// [s] time step Δt that the case gives.
     Fixed(f64),
 }
 
@@ -291,31 +292,33 @@ pub enum Integrator {
     Rk2,
 }
 
-/// Settings of the hard engine.
+/// Settings of the hard engine: method by which it finds collisions, and contact time of the TC model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HardSettings {
-    /// Method of finding collisions.
+    /// Method by which the engine finds collisions: an event queue or time steps.
     pub stepping: HardStepping,
     /// [s] t_c of the TC model: a collision less than t_c after another collision of either particle is elastic. `None`
     /// if no collision is made elastic.
     pub contact_time: Option<f64>,
 }
 
-/// Settings of the hybrid engine.
+/// Settings of the hybrid engine, which uses instantaneous collisions where two particles touch and no other particle
+/// is near.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HybridSettings {
-    /// [-] clearance θ: a touch is an instantaneous collision if no other particle can come near within θ contact
-    /// times.
+    /// [-] clearance θ. A touch of two bodies is an instantaneous collision if no other particle can come near within θ
+    /// contact times; otherwise it is a soft contact.
     pub clearance: f64,
 }
 
-/// Settings of collisions by chance.
+/// Settings of direct simulation Monte Carlo, in which collision pairs are drawn at random in cells.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DsmcSettings {
     /// True if the collision rate is multiplied by the Enskog factor, which is the contact value at the local volume
     /// fraction.
     pub enskog: bool,
-    /// Numbers of cells along x, y and z; `None` if they are chosen from the mean free path and the number of particles.
+    /// Numbers of cells along x, y and z; `None` if they are chosen from the mean free path and the number of
+    /// particles.
     pub cells: Option<[usize; 3]>,
     /// [-] ratio of the longest time step to the mean free time.
     pub step: f64,
@@ -325,12 +328,12 @@ pub struct DsmcSettings {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HardStepping {
-    /// Collisions happen at the exact instants of touch, which are kept in an event queue.
+    /// Collisions happen at the exact instants of touch, which are stored in an event queue.
     Events,
     /// Collisions are found as overlaps at the ends of time steps Δt < θ d/u_r (the paper's section 3.4).
     Steps {
-        /// [-] number θ of this bound, with the smallest diameter d and the mean magnitude u_r of one component of the
-        /// relative velocity. A smaller value misses fewer collisions.
+        /// [-] number θ in the bound Δt < θ d/u_r. Here d is the smallest diameter, and u_r the mean magnitude of one
+        /// component of the relative velocity. A smaller θ misses fewer collisions.
         theta: f64,
     },
 }
@@ -338,28 +341,29 @@ pub enum HardStepping {
 /// Duration, window (time between two drag kicks), seed and collision model of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunSettings {
-    /// [s] time between instants at which windows must also end, so that all particles can be written at these
-    /// instants.
+    /// [s] interval between instants at which all particles can be written. A window also ends at each of these
+    /// instants. `None` if there are no such instants.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub instants: Option<f64>,
     /// Collision model of the run.
     pub spheres: Spheres,
-    /// [s] simulated time.
+    /// [s] simulated time of the whole run.
     pub duration: f64,
-    /// Beginning of the averaging period.
+    /// Beginning of the averaging period: a given time, or the steady state.
     pub average_from: AverageFrom,
     /// [s] length h of a window, the time between two drag kicks; `None` if it is to be chosen from the scene.
     pub window: Option<f64>,
-    /// Seed of the initial state.
+    /// Seed of the random numbers of the initial state and of the run.
     pub seed: u64,
 }
 
-/// Settings of the files with all particles at several instants.
+/// Settings of trajectory files, which contain all particles at several instants.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Trajectories {
-    /// [s] time between two instants, counted from the start.
+    /// [s] time between two instants at which the particles are written. The first interval begins at the start of the
+    /// run.
     pub every: f64,
-    /// File format.
+    /// File format of the trajectory files.
     pub format: TrajectoryFormat,
 }
 
@@ -388,7 +392,7 @@ impl TrajectoryFormat {
     }
 }
 
-/// Beginning of the averaging period.
+/// Beginning of the averaging period: a given time, or the steady state.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AverageFrom {
@@ -398,10 +402,10 @@ pub enum AverageFrom {
     Steady,
 }
 
-/// Settings of the averages.
+/// Settings of averages over slices and time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct StatisticsSettings {
-    /// Number of slices normal to y.
+    /// Number of slices, normal to y, in each of which averages are computed.
     pub slices: usize,
     /// [s] time between samples; `None` if it is to be chosen from the scene.
     pub sample_interval: Option<f64>,

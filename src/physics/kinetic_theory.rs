@@ -12,43 +12,43 @@ pub fn contact_value(a: f64, b: f64, volume_fraction: f64, second_moment: f64) -
 }
 
 /// [-] coefficient a₂ of the velocity distribution in a homogeneous gas of smooth spheres that cools, with the
-/// `restitution` e: 16 (1 - e)(1 - 2e²)/(81 - 17 e + 30 e² (1 - e)) (van Noije and Ernst 1998, Granular Matter 1, 57). It
-/// is linear in a₂, and differs from simulations by some per cent for e above 0.6.
+/// `restitution` e: 16 (1 - e)(1 - 2e²)/(81 - 17 e + 30 e² (1 - e)) (van Noije and Ernst 1998, Granular Matter 1, 57).
+/// The formula comes from equations linear in a₂. It differs from simulations by some per cent for e above 0.6.
 pub fn cooling_a2(restitution: f64) -> f64 {
     let (e, square) = (restitution, restitution * restitution);
     // numbers of van Noije and Ernst 1998 in three dimensions
     16.0 * (1.0 - e) * (1.0 - 2.0 * square) / (81.0 - 17.0 * e + 30.0 * square * (1.0 - e))
 }
 
-/// [-] coefficient a₂ of the velocity distribution in a homogeneous gas of smooth spheres with random accelerations, with
-/// the `restitution` e: 16 (1 - e)(1 - 2e²)/(241 - 177 e + 30 e² (1 - e)) (van Noije and Ernst 1998, Granular Matter 1,
-/// 57). It is linear in a₂.
+/// [-] coefficient a₂ of the velocity distribution in a homogeneous gas of smooth spheres with random accelerations,
+/// with the `restitution` e: 16 (1 - e)(1 - 2e²)/(241 - 177 e + 30 e² (1 - e)) (van Noije and Ernst 1998, Granular
+/// Matter 1, 57). The formula comes from equations linear in a₂.
 pub fn heated_a2(restitution: f64) -> f64 {
     let (e, square) = (restitution, restitution * restitution);
     // numbers of van Noije and Ernst 1998 in three dimensions
     16.0 * (1.0 - e) * (1.0 - 2.0 * square) / (241.0 - 177.0 * e + 30.0 * square * (1.0 - e))
 }
 
-/// [m²/s] coefficient of self-diffusion of elastic hard spheres by Enskog's theory, in the first approximation:
-/// 3/(8 n d² χ) sqrt(T/π). n is the `density` [1/m³], d the `diameter` [m], T the granular `temperature` [m²/s²] and χ the
+/// [m²/s] coefficient of self-diffusion of elastic hard spheres by Enskog's theory, in the first approximation: 3/(8 n
+/// d² χ) sqrt(T/π). n is the `density` [1/m³], d the `diameter` [m], T the granular `temperature` [m²/s²] and χ the
 /// contact value (Chapman and Cowling 1970, The Mathematical Theory of Non-Uniform Gases, sections 14.2 and 16.6). The
 /// exact value of a dilute gas is 1.9 % larger.
 pub fn enskog_self_diffusion(density: f64, diameter: f64, temperature: f64, contact_value: f64) -> f64 {
     3.0 / (8.0 * density * diameter * diameter * contact_value) * (temperature / PI).sqrt()
 }
 
-/// [-] structure factor at k = 0 of hard spheres with the volume fraction φ, by the equation of state of Carnahan and
-/// Starling (1969, J. Chem. Phys. 51, 635): the isothermal compressibility over that of an ideal gas,
-/// (1 - φ)⁴/(1 + 4φ + 4φ² - 4φ³ + φ⁴).
+/// [-] structure factor at the wave number k = 0 of hard spheres with the volume fraction φ: (1 - φ)⁴/(1 + 4φ + 4φ² -
+/// 4φ³ + φ⁴). It is the isothermal compressibility over that of an ideal gas, by the equation of state of Carnahan and
+/// Starling (1969, J. Chem. Phys. 51, 635).
 pub fn compressibility(volume_fraction: f64) -> f64 {
     let phi = volume_fraction;
     // numbers of Carnahan and Starling 1969, from the derivative of φ Z
     (1.0 - phi).powi(4) / (1.0 + 4.0 * phi + 4.0 * phi * phi - 4.0 * phi.powi(3) + phi.powi(4))
 }
 
-/// [-] structure factor S(q) of hard spheres by the Percus-Yevick equation, with the wave number times the diameter q and
-/// the volume fraction φ. 1/S = 1 + 24 φ ∫ x² sin(qx)/(qx) (λ₁ + 6 φ λ₂ x + φ λ₁ x³/2) dx over x from 0 to 1. Here
-/// λ₁ = (1 + 2φ)²/(1 - φ)⁴ and λ₂ = -(1 + φ/2)²/(1 - φ)⁴ (Wertheim 1963, Phys. Rev. Lett. 10, 321; Hansen and McDonald 2013,
+/// [-] structure factor S of hard spheres by the Percus-Yevick equation. `q` is the wave number times the diameter, and
+/// φ the volume fraction. 1/S = 1 + 24 φ ∫ x² sin(qx)/(qx) (λ₁ + 6 φ λ₂ x + φ λ₁ x³/2) dx over x from 0 to 1. Here λ₁ =
+/// (1 + 2φ)²/(1 - φ)⁴ and λ₂ = -(1 + φ/2)²/(1 - φ)⁴ (Wertheim 1963, Phys. Rev. Lett. 10, 321; Hansen and McDonald 2013,
 /// Theory of Simple Liquids, section 4.4).
 pub fn percus_yevick(q: f64, volume_fraction: f64) -> f64 {
     let phi = volume_fraction;

@@ -14,16 +14,16 @@ use rand_distr::{Distribution, StandardNormal};
 /// many. The block counter has 64 bits, so that 32 bits remain for the number of the particle or cell.
 const BLOCKS: u32 = 32;
 
-/// Purpose of random numbers. Different uses have independent numbers for equal seeds.
+/// Purpose of random numbers. Two purposes have independent numbers, even for equal seeds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoiseUse {
-    /// Initial fluctuations of the gas that particles see.
+    /// Initial fluctuations of the gas velocity at the particles.
     FirstEddies = 1,
-    /// Later fluctuations of the gas that particles see.
+    /// Fluctuations of the gas velocity at the particles during the run.
     Eddies = 2,
-    /// Collisions by chance; each cell has separate numbers.
+    /// Collisions of pairs that are drawn at random (direct simulation Monte Carlo); each cell has separate numbers.
     Collisions = 3,
-    /// Facets of rough walls.
+    /// Random inclinations of the facets of rough walls in impacts.
     Facets = 4,
     /// Random accelerations of the particles by a thermostat.
     Thermostat = 5,
@@ -35,8 +35,8 @@ pub enum NoiseUse {
     InletPositions = 8,
 }
 
-/// One number of 64 bits computed from several. If any of them changes, the result changes as if it were drawn at
-/// random. The mixing function is that of SplitMix64 (Steele, Lea and Flood 2014, OOPSLA).
+/// One number of 64 bits computed from several numbers, `words`. If any of these changes, the result changes as if it
+/// were drawn at random. The mixing function is that of SplitMix64 (Steele, Lea and Flood 2014, OOPSLA).
 pub fn mixed(words: &[u64]) -> u64 {
     let mix = |z: u64, shift: u32, factor: u64| (z ^ (z >> shift)).wrapping_mul(factor);
     words.iter().fold(0, |so_far, word| {
@@ -46,7 +46,7 @@ pub fn mixed(words: &[u64]) -> u64 {
     })
 }
 
-/// Random numbers of all particles or cells in one step.
+/// Generator of the random numbers of all particles or cells in one step.
 pub struct Noise(ChaCha8Rng);
 
 impl Noise {
@@ -60,7 +60,7 @@ impl Noise {
         Self(random)
     }
 
-    /// Returns the generator, moved to the first random number of the particle or cell `id`.
+    /// Returns the random generator, set to the first number reserved for the particle or cell `id`.
     #[inline]
     pub fn of(&mut self, id: u32) -> &mut ChaCha8Rng {
         self.0.set_block_pos(u64::from(id) << BLOCKS);
@@ -90,8 +90,8 @@ mod tests {
         assert_eq!(forwards, backwards);
     }
 
-    /// Checks that neighbouring numbers differ in half of their 64 bits: the mean over 1000 pairs has a standard error of
-    /// 4/sqrt(1000) = 0.13 bits, and five of them are allowed.
+    /// Checks that neighbouring numbers differ in half of their 64 bits: the mean over 1000 pairs has a standard error
+    /// of 4/sqrt(1000) = 0.13 bits, and five of them are allowed.
     #[test]
     fn mixed_words_differ_in_half_of_their_bits() {
         let differ = |word: u64| (mixed(&[7, word]) ^ mixed(&[7, word + 1])).count_ones();

@@ -14,7 +14,7 @@ use serde::Serialize;
 pub struct Outcome {
     /// The experiment that was run.
     pub experiment: Experiment,
-    /// Reason why the run stopped early, if it did.
+    /// Reason why the run stopped early; `None` for a complete run.
     pub failure: Option<Failure>,
     /// Number of particles in the run.
     pub particles: usize,
@@ -26,7 +26,7 @@ pub struct Outcome {
     pub simulated_seconds: f64,
     /// Number of completed windows. A window is the time between two exchanges of momentum with the gas.
     pub windows: u64,
-    /// [s] length h of a window.
+    /// [s] length h of a window, the time between two drag kicks; if windows grow, the length of the first.
     pub window: f64,
     /// [s] time between two samples of the statistics.
     pub sample_interval: f64,
@@ -50,9 +50,9 @@ pub struct Outcome {
     pub pairs: Impacts,
     /// Impacts on walls that ended in the averaging period.
     pub walls: Impacts,
-    /// [1/s] pair collisions per time over the averaging period.
+    /// [1/s] number of collisions between particles per time, over the averaging period.
     pub pair_rate: Option<Estimate>,
-    /// [1/s] wall collisions per time over the averaging period.
+    /// [1/s] number of collisions with walls per time, over the averaging period.
     pub wall_rate: Option<Estimate>,
     /// [-] restitution of impacts between particles, measured over the whole run; `None` without an impact. The
     /// estimate has no error if too few intervals between samples had an impact.
@@ -66,8 +66,8 @@ pub struct Outcome {
     /// Collision rates, temperature and shear stress averaged in blocks of time, from which errors are computed.
     #[serde(skip)]
     pub averaged: Averaged,
-    /// [J] part of the change of energy that the balance of the whole run does not explain; its error is the size of
-    /// random fluctuations.
+    /// [J] residual of the energy balance of the whole run: the change of energy that the ledger does not explain. Its
+    /// error is the size of random fluctuations.
     pub energy_residual: Estimate,
     /// [J] kinetic plus elastic energy at the start.
     pub energy_at_start: f64,
@@ -77,10 +77,10 @@ pub struct Outcome {
     pub balance: Balance,
     /// Stress, contacts per particle and volume fraction over the averaging period.
     pub stress: Stress,
-    /// Gas over the averaging period, if it feels the particles.
+    /// Averages of the gas over the averaging period with two-way coupling; `None` if particles do not change the gas.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gas: Option<GasFlow>,
-    /// Flow through each outlet and inlet; empty in a scene without any.
+    /// Flow of particles through each outlet and inlet; empty in a scene without any.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub flows: Vec<FlowAverages>,
     /// Results of the measurements that the case asks for.
@@ -88,7 +88,8 @@ pub struct Outcome {
     pub observations: Vec<Observation>,
     /// Averages over all particles as functions of time.
     pub series: Series,
-    /// Path of every particle; empty unless there are few particles.
+    /// Path of every particle; empty for more than [`MOST_FOLLOWED`](crate::schedule::MOST_FOLLOWED) particles and for
+    /// scenes with inlets or outlets.
     pub paths: Paths,
     /// Counts of the work done by the engine, such as time steps.
     pub counters: Counters,
@@ -110,8 +111,9 @@ impl Outcome {
         uniform.into_iter().chain(local.then_some("fourth-order Runge-Kutta for those in contact")).collect()
     }
 
-    /// Overlaps of a Maxwellian gas with the granular temperature of this run, at walls or between particles. `None`
-    /// for hard spheres, for several species, sizes or surfaces, and for a run without averages.
+    /// Predicted overlaps of a Maxwellian gas with the granular temperature of this run: at walls if `wall` is true,
+    /// else between particles. `None` for models other than soft spheres, for several species, sizes or surfaces, and
+    /// for a run without averages.
     pub fn kinetic_theory(&self, wall: bool) -> Option<Overlaps> {
         let experiment = &self.experiment;
         // the prediction is for soft spheres alone: instantaneous collisions have no overlap
@@ -130,9 +132,9 @@ impl Outcome {
 /// Averages of single quantities in blocks of time. A field is `None` without samples.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Averaged {
-    /// [1/s] pair collisions per time.
+    /// [1/s] number of collisions between particles per time.
     pub pair_rate: Option<Batches>,
-    /// [1/s] wall collisions per time.
+    /// [1/s] number of collisions with walls per time.
     pub wall_rate: Option<Batches>,
     /// [m²/s²] granular temperature.
     pub temperature: Option<Batches>,
@@ -167,7 +169,7 @@ pub struct Timing {
     pub flight: f64,
     /// [s] time spent on drag kicks.
     pub drag: f64,
-    /// [s] time spent on sampling.
+    /// [s] time spent on measurements at samples.
     pub statistics: f64,
     /// Number of threads that the run used.
     pub threads: usize,

@@ -1,4 +1,4 @@
-//! The scene: all data that engines read and do not change.
+//! The scene: walls, gravity, gas and materials, which engines read and do not change.
 
 mod buoyancy;
 mod instants;
@@ -42,7 +42,7 @@ pub struct Meeting {
 }
 
 impl Meeting {
-    /// [-] stiffness, over that of the contact law, of two bodies with an effective mass [kg].
+    /// [-] stiffness of a contact of two bodies with an effective mass [kg], over that of the contact law.
     #[inline]
     pub fn stiffness_of(&self, effective_mass: f64) -> f64 {
         match self.at_mass {
@@ -70,7 +70,7 @@ pub enum Kind {
     Wall(u32),
 }
 
-/// Contact properties of particular pairs of kinds. All other pairs have those of [`Scene::contact`] or of their wall.
+/// Contact properties of particular pairs of bodies. All other pairs have those of [`Scene::contact`] or of their wall.
 ///
 /// ```
 /// # extern crate diptych_physics as diptych;
@@ -98,7 +98,7 @@ pub(crate) fn in_order(species: u16, other: Kind) -> (u16, Kind) {
 }
 
 impl Pairs {
-    /// Sets the contact properties of a species and another kind.
+    /// Sets the contact properties of a species and another species or a wall.
     pub fn set(&mut self, species: u16, other: Kind, meeting: Meeting) {
         let key = in_order(species, other);
         match self.0.binary_search_by_key(&key, |(species, other, _)| (*species, *other)) {
@@ -107,7 +107,7 @@ impl Pairs {
         }
     }
 
-    /// Contact properties of a species and another kind, if they were set for this pair.
+    /// Contact properties of a species and another species or a wall, if they were set for this pair.
     #[inline]
     pub fn find(&self, species: u16, other: Kind) -> Option<&Meeting> {
         if self.0.is_empty() {
@@ -117,17 +117,17 @@ impl Pairs {
         self.0.binary_search_by_key(&key, |(species, other, _)| (*species, *other)).ok().map(|place| &self.0[place].2)
     }
 
-    /// All pairs: a species, the other kind and their contact properties, in ascending order.
+    /// All pairs: a species, another species or a wall, and their contact properties, in ascending order.
     pub fn iter(&self) -> impl Iterator<Item = &(u16, Kind, Meeting)> {
         self.0.iter()
     }
 
-    /// True if no pair has particular contact properties.
+    /// True if contact properties were set for no pair.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Mutable references to the surfaces of all pairs.
+    /// Mutable references to the surfaces (restitution and friction) of all pairs.
     pub fn surfaces_mut(&mut self) -> impl Iterator<Item = &mut Surface> {
         self.0.iter_mut().map(|(_, _, meeting)| &mut meeting.surface)
     }
@@ -142,7 +142,7 @@ pub struct Elasticity {
     pub poissons_ratio: f64,
 }
 
-/// One kind of particle.
+/// Kind of particles: spheres of one material, of one size or with a distribution of sizes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Species {
     /// Name as written in the case.
@@ -152,8 +152,8 @@ pub struct Species {
     pub diameter: f64,
     /// [kg/m³] density ρ_p.
     pub density: f64,
-    /// [kg/m³] added mass (inertia of the gas that a sphere accelerates) over the volume of the sphere. 0 if it is left
-    /// out.
+    /// [kg/m³] added mass (inertia of the gas that a sphere accelerates) over the volume of the sphere. 0 without added
+    /// mass.
     #[serde(skip_serializing_if = "is_zero")]
     pub added_density: f64,
     /// Elasticity of the species; `None` means the elasticity of the contact law.
@@ -205,12 +205,12 @@ impl Species {
         self.inertia_factor * (self.density / self.inertial_density())
     }
 
-    /// [m] smallest possible diameter.
+    /// [m] smallest possible diameter of a sphere of this species.
     pub fn smallest(&self) -> f64 {
         self.sizes.as_ref().map_or(self.diameter, SizeDistribution::smallest)
     }
 
-    /// [m] largest possible diameter.
+    /// [m] largest possible diameter of a sphere of this species.
     pub fn largest(&self) -> f64 {
         self.sizes.as_ref().map_or(self.diameter, SizeDistribution::largest)
     }
@@ -239,7 +239,7 @@ impl Species {
 /// ```
 #[derive(Clone, Debug, Serialize)]
 pub struct Scene {
-    /// Box and periodicity.
+    /// Box with its edge lengths, periodic axes and shear.
     pub domain: Domain,
     /// [m/s²] acceleration of the particles by gravity. With [buoyancy](Self::add_buoyancy), it is the acceleration of
     /// the densest species by weight and buoyancy.
@@ -248,17 +248,18 @@ pub struct Scene {
     pub fluid: Option<Fluid>,
     /// Walls, each with its own surface.
     pub walls: Vec<Wall>,
-    /// Surface between particles, for pairs of species that are not in `pairs`.
+    /// Restitution and friction of contacts between particles, for pairs of species that are not in `pairs`.
     pub contact: Surface,
     /// Particular contact properties of pairs of species, and of pairs of a species and a wall.
     #[serde(skip_serializing_if = "Pairs::is_empty")]
     pub pairs: Pairs,
     /// Species of the particles; `Particles::species` contains indices into this list.
     pub species: Vec<Species>,
-    /// Tangential behaviour of spheres that rotate; `None` if no sphere rotates, and friction then has no memory.
+    /// Tangential behaviour of spheres that rotate; `None` if no sphere rotates. Friction is then computed without a
+    /// spring.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotation: Option<Rotation>,
-    /// Heating of the particles from outside; `None` if there is none.
+    /// Heating of the particles from outside; `None` if the particles are not heated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub thermostat: Option<Thermostat>,
     /// Places where particles leave the scene.
@@ -392,7 +393,7 @@ impl Scene {
         self.pairs.find(species, other).map_or_else(|| self.usual(other), |meeting| &meeting.surface)
     }
 
-    /// Surface of contacts with a kind of body, for pairs that are not in `pairs`.
+    /// Restitution and friction of contacts with a species or a wall, for pairs that are not in `pairs`.
     #[inline]
     fn usual(&self, other: Kind) -> &Surface {
         match other {
@@ -434,7 +435,7 @@ impl Scene {
     }
 
     /// Two copies of the scene: all particles have their smallest diameter in one copy, and their largest in the other.
-    /// Only one copy if every species has one size.
+    /// If every species has one size, the result is one copy.
     pub fn at_extremes(&self) -> Vec<Self> {
         if !self.has_sizes() {
             return vec![self.clone()];
@@ -457,8 +458,8 @@ impl Scene {
         0.01 * (self.gravity.norm() * self.smallest_diameter()).sqrt()
     }
 
-    /// [-] restitution between particles; `None` unless all pairs of species have equal restitution that depends on no
-    /// speed.
+    /// [-] restitution between particles; `None` unless all pairs of species have one restitution, which is independent
+    /// of speed.
     pub fn restitution_of_pairs(&self) -> Option<f64> {
         if self.pairs.is_empty() {
             return constant([self.contact]);
@@ -466,8 +467,8 @@ impl Scene {
         constant(self.meetings().map(|(_, _, meeting)| meeting.surface))
     }
 
-    /// [-] restitution at walls; `None` unless it is equal for all species and walls and depends on no speed, and
-    /// without walls.
+    /// [-] restitution at walls; `None` without walls, and unless all species and walls have one restitution, which is
+    /// independent of speed.
     pub fn restitution_at_walls(&self) -> Option<f64> {
         if self.pairs.is_empty() {
             return constant(self.walls.iter().map(|wall| wall.surface));
@@ -488,7 +489,8 @@ impl Scene {
     }
 }
 
-/// Common constant restitution [-] of all surfaces; `None` if one differs or depends on the speed, or if there are none.
+/// Common constant restitution [-] of all surfaces. `None` if one surface differs or depends on speed, or without
+/// surfaces.
 fn constant(surfaces: impl IntoIterator<Item = Surface>) -> Option<f64> {
     let own = |surface: Surface| surface.by_speed.is_none().then_some(surface.restitution);
     let mut all = surfaces.into_iter().map(own);

@@ -31,11 +31,11 @@ pub const SPLITTING: f64 = 1e-4;
 /// than `SPLITTING`, because a single particle has no scatter that hides the change.
 pub const SPLITTING_ALONE: f64 = 1e-5;
 
-/// [-] largest distance between the computed path within a window and the exact parabola, divided by the smallest
-/// diameter. The value is that of [`SPLITTING_ALONE`].
+/// [-] largest distance between the computed path of a particle within a window and the exact parabola, divided by the
+/// smallest diameter. The value is that of [`SPLITTING_ALONE`].
 const SAG: f64 = 1e-5;
 
-/// Number of windows in a run without drag, with one sample each.
+/// Number of windows in a run without drag. A sample is taken after each of these windows.
 const PIECES: f64 = 200.0;
 
 /// Number of collisions of each particle between two samples, in an elastic gas without drag. After this number of
@@ -54,21 +54,21 @@ pub const MOST_FOLLOWED: usize = 50;
 const ROWS: f64 = 200.0;
 const ROWS_OF_FEW: f64 = 1000.0;
 
-/// Number of samples per response time of drag, well below the time in which velocities change.
+/// Number of samples per response time of drag. It is so large that velocities change little between two samples.
 const SAMPLES_PER_RESPONSE: f64 = 20.0;
 
-/// Largest number of times that the length of windows may be doubled in a run.
+/// Largest number of times that the length of windows may be doubled in a run, when drag has slowed the particles.
 const DOUBLINGS: usize = 4;
 
 /// [-] largest ratio of the longest window to the duration of the run. Curves over time would show steps if windows
 /// were longer.
 const SHARE: f64 = 1e-3;
 
-/// [-] growing windows are used only if they save at least this share of the windows of a run.
+/// [-] smallest share of the windows of a run that growing windows must save; otherwise all windows are equal.
 const WORTH: f64 = 0.1;
 
-/// Windows of a run and samples between them. Either all windows are equal, or the shortest windows are merged into
-/// longer ones from certain samples on.
+/// Windows of a run (times between two drag kicks) and samples between them. Either all windows are equal, or the
+/// shortest windows are merged into longer ones from certain samples on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Schedule {
     /// [s] window h. If windows grow, it is the first and shortest window.
@@ -85,12 +85,12 @@ pub struct Schedule {
     pub instants: Option<f64>,
 }
 
-/// Next piece of a run through which an engine can advance without interruption.
+/// Next piece of a run through which an engine advances without interruption.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ScheduleStep {
-    /// Several whole windows, up to the next sample or up to the window that contains an instant.
+    /// Several whole windows, up to the next sample or up to the window that contains an instant of output.
     Windows(u64),
-    /// A part of a window, up to an instant [s] within the window.
+    /// A part of a window, up to an instant [s] within the window, such as one at which the particles are written.
     ToInstant(f64),
     /// The rest of a window, up to its end at this time [s].
     ToEnd(f64),
@@ -103,9 +103,9 @@ impl Schedule {
         Self { window, windows_per_sample, samples, ..Self::default() }
     }
 
-    /// Schedule of an experiment. No window is longer than the experiment gives. If it gives none, no window is longer
-    /// than the splitting of drag, buoyancy, turbulence, coupling and heat from the motion allows. The duration is a
-    /// whole number of the shortest windows.
+    /// Schedule of an experiment. The experiment can give the longest window. Otherwise no window is longer than the
+    /// splitting of drag, buoyancy, turbulence, coupling and heat from the motion allows. The duration is a whole
+    /// number of the shortest windows.
     pub fn new(experiment: &Experiment) -> Self {
         let duration = experiment.run.duration;
         if duration <= 0.0 {
@@ -167,19 +167,19 @@ impl Schedule {
         best.filter(|best| (best.windows() as f64) < (1.0 - WORTH) * self.windows() as f64).unwrap_or(self)
     }
 
-    /// Length of the next window, as a number of the shortest windows. `done` is the time before it, also as a number
-    /// of the shortest windows.
+    /// Length of the next window, as a number of the shortest windows. `done` is the time at which that window begins,
+    /// also as a number of the shortest windows.
     pub fn together(&self, done: u64) -> u64 {
         let sample = done / self.windows_per_sample.max(1);
         1 << self.longer.iter().flatten().filter(|first| **first <= sample).count()
     }
 
-    /// [s] longest window.
+    /// [s] length of the longest window of the run.
     pub fn longest(&self) -> f64 {
         self.window * (1_u64 << self.longer.iter().flatten().count()) as f64
     }
 
-    /// [s] time between two samples.
+    /// [s] time between two successive samples.
     pub fn interval(&self) -> f64 {
         self.windows_per_sample as f64 * self.window
     }
@@ -303,7 +303,8 @@ impl DragScales {
         sizes.filter_map(|species| Self::at(experiment, species, [slip, fluctuation])).collect()
     }
 
-    /// Time scales for spheres of a species at a slip speed [m/s] and a fluctuation of each velocity component [m/s].
+    /// Time scales for spheres of a species. The slip speed and the fluctuation of each velocity component are in m/s.
+    /// `None` without drag.
     fn at(experiment: &Experiment, species: &Species, [slip, fluctuation]: [f64; 2]) -> Option<Self> {
         let scene = &experiment.scene;
         let fluid = scene.fluid.as_ref()?;
@@ -341,8 +342,8 @@ impl DragScales {
     }
 }
 
-/// Upper limit of the speed of particles of one species in still gas, computed from drag alone. The growth of windows
-/// depends on this limit.
+/// Upper limit of the speed of particles of one species in still gas, computed from drag alone. The limit decides when
+/// windows may become longer.
 ///
 /// Drag decreases the root mean square speed R at least as fast as the speed of one sphere that starts with the speed
 /// R. The reason is that the power of drag, m w²/τ(w), is a convex function of w² for any law whose 1/τ grows with w.
@@ -357,8 +358,8 @@ struct Slowing<'a> {
 }
 
 impl<'a> Slowing<'a> {
-    /// Limit for an experiment. `None` if a moving or turbulent gas, several species or a start without speed make the
-    /// limit useless.
+    /// Speed limit for an experiment. `None` if a moving or turbulent gas, several species or a start without speed
+    /// make the limit useless.
     fn of(experiment: &'a Experiment) -> Option<Self> {
         let fluid =
             experiment.scene.fluid.as_ref().filter(|fluid| fluid.drag.is_some() && fluid.turbulence.is_none())?;
@@ -373,8 +374,8 @@ impl<'a> Slowing<'a> {
         (still && of_one_kind && speed > 0.0).then_some(Self { experiment, speed })
     }
 
-    /// [s] longest window allowed at the time `time` [s] of the run. It grows with time, because the limit of the
-    /// speeds falls.
+    /// [s] longest window allowed at the time `time` [s] of the run. It grows with time, because the upper limit of the
+    /// speeds decreases.
     fn longest_window(&self, time: f64) -> f64 {
         let Self { experiment, speed } = self;
         let scene = &experiment.scene;
@@ -393,16 +394,16 @@ impl<'a> Slowing<'a> {
 
 /// [s] longest window if buoyancy accelerates species of different densities differently, so that kicks add the
 /// differences. Infinite if all accelerations are equal. With a difference b [m/s²] the path within a window of length
-/// h differs by at most b h²/8 from a parabola. This distance is at most a [`SAG`] of the smallest diameter.
+/// h differs by at most b h²/8 from a parabola. This distance is at most [`SAG`] times the smallest diameter.
 fn longest_with_kicks_of_buoyancy(scene: &Scene) -> f64 {
     let largest = scene.differences_in_gravity().iter().map(|difference| difference.norm()).fold(0.0, f64::max);
     if largest > 0.0 { (8.0 * SAG * scene.smallest_diameter() / largest).sqrt() } else { f64::INFINITY }
 }
 
-/// [s] longest window in which the eddies that particles see are moved apart from the particles; infinite without
-/// turbulence. Within a window of length h the fluctuation changes by a share h r of its standard deviation, with the rate
-/// r of [`Turbulence::largest_rate`](crate::fluid::Turbulence::largest_rate). The error of the splitting is a twelfth of
-/// its square (trapezoidal rule), and at most [`SPLITTING`].
+/// [s] longest window with turbulence, if the fluctuations at the particles are advanced separately from the motion;
+/// infinite without turbulence. Within a window of length h the fluctuation changes by a share h r of its standard
+/// deviation, with the rate r of [`Turbulence::largest_rate`](crate::fluid::Turbulence::largest_rate). The error of the
+/// splitting is a twelfth of the square of h r (trapezoidal rule), and at most [`SPLITTING`].
 pub fn longest_for_eddies(experiment: &Experiment) -> f64 {
     let scene = &experiment.scene;
     let Some(fluid) = &scene.fluid else { return f64::INFINITY };
@@ -415,12 +416,12 @@ pub fn longest_for_eddies(experiment: &Experiment) -> f64 {
     (12.0 * SPLITTING).sqrt() / rates.fold(0.0, f64::max)
 }
 
-/// [-] largest share of the slip that a gas loses to the particles within a window. The gas stands still in a kick, so that
-/// an exchange is explicit: it is stable below 2, and of first order in this share.
+/// [-] largest decrease of the slip by the force on the gas within a window, over the slip. The gas velocity is
+/// constant in a kick, so the exchange is explicit: stable below 2, and of first order in this number.
 const EXCHANGED: f64 = 0.1;
 
-/// [s] longest window in which a gas feels the particles; infinite in a frozen gas. The slip of the gas decays at the rate
-/// Σ(m/τ)/(ρ_f V) with the volume V of the gas, and a window lasts a tenth of its inverse.
+/// [s] longest window with two-way coupling; infinite if particles do not change the gas. The slip of the gas decays at
+/// the rate Σ(m/τ)/(ρ_f V) with the volume V of the gas. A window lasts a tenth of the inverse of this rate.
 pub fn longest_for_coupling(experiment: &Experiment) -> f64 {
     let scene = &experiment.scene;
     let Some(fluid) = scene.fluid.as_ref().filter(|fluid| fluid.coupling.is_some()) else { return f64::INFINITY };
@@ -477,7 +478,7 @@ pub fn align(experiments: &mut [&mut Experiment]) {
     }
 }
 
-/// [m/s] mean velocity of a population, and root mean square fluctuation of a velocity component.
+/// [m/s] mean velocity of a population at the start, and root mean square fluctuation of a velocity component.
 fn motion(population: &Population) -> (Vector3<f64>, f64) {
     let Amount::Placed(placed) = &population.amount else {
         return (population.velocity_mean, population.mean_fluctuation());

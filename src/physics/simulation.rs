@@ -66,65 +66,65 @@ use totals::SimulationTotals;
 /// # Ok::<(), diptych::Failure>(())
 /// ```
 pub struct Simulation {
-    /// Particles stored in this process.
+    /// Particles stored in this process; all particles of the run if no other process shares it.
     pub particles: Particles,
-    /// Collisions and other records since the start.
+    /// Impacts, energies and momenta recorded since the start.
     pub record: Record,
-    /// [s] simulated time.
+    /// [s] simulated time that the run has reached.
     pub time: f64,
-    /// Number of completed windows.
+    /// Number of completed windows (a window is the time between two drag kicks).
     pub windows: u64,
-    /// Time spent in the engine, in drag and in observers.
+    /// Wall time spent in the engine, in drag and in observers.
     pub spent: SimulationTimes,
     clock: Clock,
     scene: Scene,
     engine: SimulationEngine,
-    /// Seed of the random numbers of kicks.
+    /// Seed of the random numbers of turbulence and heat, which change velocities between two windows.
     seed: u64,
     spheres: Vec<Sphere>,
-    /// Gas that feels the particles; `None` if the gas of the scene is frozen.
+    /// Gas flow that the particles change (two-way coupling); `None` if particles do not change the gas.
     loaded_flow: Option<Box<LoadedFlow>>,
-    /// Drag kicks for the two durations used last: half a window and a whole window. They are kept because a tabulated
-    /// kick takes long to make.
+    /// Drag kicks for the two durations used last: half a window and a whole window. They are stored because the table
+    /// of a tabulated kick takes long to compute.
     kicks: Vec<Kick>,
-    /// Sums over all particles of all processes.
+    /// Number, mass, momentum and mean radius of the particles of all processes.
     totals: SimulationTotals,
     /// [kg m/s] momentum that walls have given to the particles of all processes since the start.
     by_walls: Vector3<f64>,
     /// Connection to the other processes that share the run; `None` if there are no others.
     share: Option<SharedSimulation>,
-    /// Description of particles gathered from all processes, as long as these replace the particles of the lead
-    /// process. Otherwise `None`.
+    /// Present while the lead process (number 0) holds the gathered particles of all processes in place of its own.
+    /// Otherwise `None`.
     shown: Option<GatheredParticles>,
-    /// True if the kick after the last window has been applied completely, so that velocities and positions belong to
-    /// one time. False if velocities still lack a half-kick.
+    /// True if velocities and positions belong to one time. False if velocities lack the half-kick of drag at the end
+    /// of the last window.
     half_kicked: bool,
     /// Failure that the next call of [`run`](Self::run) returns before any step: a violated contract of the contact
     /// law, or a soft time step that is too long.
     refused: Option<Failure>,
-    /// Largest energy that the particles can have if the growth comes from errors of the soft scheme alone; `None` for
-    /// other models.
+    /// Upper limit of the energy of the particles of soft contacts, if the energy grows by errors of the time
+    /// integrator alone. A run with more energy fails. `None` for other models.
     bound: Option<Bound>,
-    /// [J] elastic energy of the overlaps at the start; `None` after the first window, from which on the soft engine
-    /// knows its contacts.
+    /// [J] elastic energy of the overlaps at the start. `None` after the first window, when the soft engine has found
+    /// its contacts.
     unseen: Option<f64>,
-    /// Particles that have come in and left; `None` in a scene without inlets and outlets.
+    /// Numbers and energies of the particles that have come in and left; `None` in a scene without inlets and outlets.
     through_flow: Option<Box<ThroughFlow>>,
-    /// Free space of each inlet.
+    /// For each inlet, the space in which new particles are placed.
     inlet_rooms: Vec<FreeRoom>,
-    /// Position in the windows in which [`run_until`](Self::run_until) runs. The windows have no length before they are
-    /// chosen.
+    /// Position in the schedule of windows that [`run_until`](Self::run_until) follows. Windows have the length 0 until
+    /// their length is chosen.
     schedule_position: SchedulePosition,
 }
 
 /// Wall time spent in each part of a simulation, measured by the clock of the simulation; zero without a clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SimulationTimes {
-    /// Time spent in the engine.
+    /// Wall time spent in the engine.
     pub engine: Duration,
-    /// Time spent on kicks of drag, lift, heat and buoyancy between the windows.
+    /// Time spent on changes of velocity between the windows: by drag, lift, heat and buoyancy.
     pub drag: Duration,
-    /// Time spent in observers.
+    /// Time spent in observers (measurements during the run).
     pub observers: Duration,
     /// Time from the start to the end of a run, including all parts.
     pub whole: Duration,
@@ -143,8 +143,8 @@ impl Simulation {
         Self::of(experiment, particles, None)
     }
 
-    /// Creates a simulation at time 0. If `others` connects this process with others, `particles` are only those that
-    /// this process has.
+    /// Creates a simulation at time 0. `others` connects this process with the processes that share the run;
+    /// `particles` are then the particles that this process stores.
     fn of(experiment: &Experiment, particles: Particles, others: Option<&dyn Communicator>) -> Self {
         let sample = Sample::part(&particles, others);
         let totals = SimulationTotals::of(&sample);
@@ -217,22 +217,22 @@ impl Simulation {
         }
     }
 
-    /// Sets the seed of the random numbers in kicks of turbulence and heat, and in rebounds from rough and thermal walls.
-    /// Without this call it is 0 in kicks, and that of the scene in rebounds ([`Scene::seed_walls`]).
+    /// Sets the seed of the random numbers in kicks of turbulence and heat, and in rebounds from rough and thermal
+    /// walls. Without this call it is 0 in kicks, and that of the scene in rebounds ([`Scene::seed_walls`]).
     pub fn with_seed(mut self, seed: u64) -> Self {
         self.seed = seed;
         self.scene.seed_walls(seed);
         self
     }
 
-    /// Uses `clock` to time the parts of the simulation.
+    /// Sets the clock that times the parts of the simulation.
     pub fn with_clock(mut self, clock: Clock) -> Self {
         self.engine.use_clock(clock.clone());
         self.clock = clock;
         self
     }
 
-    /// Clock that times the parts of the simulation and receives its progress.
+    /// Clock that times the parts of the simulation and to which the simulation reports its progress.
     pub fn clock(&self) -> Clock {
         self.clock.clone()
     }
@@ -310,7 +310,7 @@ impl Simulation {
         }
     }
 
-    /// Scene in which the particles move.
+    /// Scene in which the particles move, at the present simulated time.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
@@ -328,8 +328,8 @@ impl Simulation {
         self.particles = in_order(std::mem::take(&mut self.particles), &self.scene);
     }
 
-    /// [m/s] momentum of all particles over their mass, from sums that are updated since the start; 0 without
-    /// particles.
+    /// [m/s] momentum of all particles over their mass; 0 without particles. The momentum is a sum that is updated
+    /// since the start.
     pub fn mean_velocity(&self) -> Vector3<f64> {
         if self.totals.mass > 0.0 { self.totals.momentum / self.totals.mass } else { Vector3::zeros() }
     }
@@ -361,12 +361,12 @@ impl Simulation {
         self.engine.in_islands()
     }
 
-    /// Time spent in the parts of the engine.
+    /// Wall time spent in each part of the engine.
     pub fn engine_spent(&self) -> crate::engine::EngineTimes {
         self.engine.work_done().1
     }
 
-    /// Counts of the work that the engine has done since the start.
+    /// Counts of the work that the engine has done since the start, such as time steps.
     pub fn counters(&self) -> Counters {
         self.engine.work_done().0
     }

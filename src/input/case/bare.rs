@@ -44,7 +44,7 @@ fn visit(node: &CaseNode, schema: &serde_json::Value, path: &str, sources: &Sour
     }
 }
 
-/// True if a node is a number other than 0.
+/// True if the value of a node is a number without a unit, other than 0.
 fn is_bare(node: &CaseNode) -> bool {
     match node.value {
         Value::Integer(number) => number != 0,

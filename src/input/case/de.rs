@@ -43,8 +43,8 @@ impl Error {
         Self { kind, at: None }
     }
 
-    /// Adds the source position and the key path. If the error already has a position, this is that of the innermost
-    /// value and is kept.
+    /// Adds the source position and the key path of the value, unless the error already has those of a value inside
+    /// this value.
     fn at(mut self, origin: &Origin, path: &str) -> Self {
         self.at.get_or_insert_with(|| Box::new((origin.clone(), path.to_string())));
         self
@@ -96,7 +96,8 @@ pub fn nearest<'a, S: AsRef<str>>(name: &str, known: &'a [S]) -> Option<&'a str>
     distances.min().filter(|(distance, known)| *distance <= 1 + known.len() / 3).map(|(_, known)| known)
 }
 
-/// List of all known names; before the list, "did you mean `x`?" if a known name is similar.
+/// Text that lists all known names. If a known name is similar to `name`, the question "did you mean `x`?" comes before
+/// the list. `what` is the heading of the list.
 pub(super) fn suggestion<S: AsRef<str>>(name: &str, known: &[S], what: &str) -> String {
     let list = known.iter().map(|known| format!("`{}`", known.as_ref())).collect::<Vec<_>>().join(", ");
     match nearest(name, known) {
@@ -394,7 +395,7 @@ impl<'de> SeqAccess<'de> for PlaceAccess<'de> {
     }
 }
 
-/// Choice of a law by its name, with or without a table of its parameters.
+/// Choice of a law by its name, with or without a table of its parameters, from which serde reads an enum.
 struct NameAccess<'de, 'p> {
     name: &'de str,
     origin: &'de Origin,

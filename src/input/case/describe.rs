@@ -71,7 +71,7 @@ fn run_in_words(experiment: &Experiment) -> String {
     text
 }
 
-/// Adds a line for each outlet and each inlet.
+/// Adds to `text` one line of description for each outlet and each inlet.
 fn openings_in_words(text: &mut String, scene: &Scene) {
     for outlet in &scene.outlets {
         let place = match &outlet.shape {
@@ -314,7 +314,7 @@ fn gas_in_words(text: &mut String, scene: &Scene) {
     }
 }
 
-/// Describes the turbulence that particles see, and the expected response of the particles.
+/// Adds to `text` a description of the turbulence that particles see, and of their expected response to it.
 fn turbulence_in_words(text: &mut String, (scene, fluid): (&Scene, &Fluid), turbulence: &Turbulence) {
     let (profile, height) = (&fluid.profile, scene.domain.size.y);
     let mean = |of: fn(&LocalTurbulence) -> f64| -> f64 {
@@ -347,7 +347,7 @@ fn turbulence_in_words(text: &mut String, (scene, fluid): (&Scene, &Fluid), turb
     }
 }
 
-/// Describes the settings of collisions by chance.
+/// Describes in words the settings of direct simulation Monte Carlo, in which pairs collide by chance.
 fn dsmc_in_words(settings: &DsmcSettings) -> String {
     let cells = settings
         .cells

@@ -69,14 +69,14 @@ pub struct CaseFile {
     /// box extends along positive x, y and z.
     #[schemars(extend("x-required" = "always"))]
     pub domain: Option<Located<DomainFile>>,
-    /// Gravity. Without this table there is no gravity.
+    /// Acceleration by gravity. Without this table there is no gravity.
     pub gravity: Option<Located<GravityFile>>,
     /// The gas. Its flow is prescribed: it drives the particles, and they do not change it (one-way coupling). Without
     /// this table there is no gas.
     pub fluid: Option<Located<FluidFile>>,
     /// The drag law. Without this table the gas exerts no drag.
     pub drag: Option<Located<DragFile>>,
-    /// Heating of the particles from outside. Without this table nothing heats them.
+    /// Heating of the particles from outside. Without this table the particles are not heated.
     pub thermostat: Option<Located<ThermostatFile>>,
     /// One kind of particles. Exactly one of `count`, `volume_fraction`, `file` and `at` determines the number of
     /// particles.
@@ -86,7 +86,7 @@ pub struct CaseFile {
     pub walls: Option<Vec<Located<WallFile>>>,
     /// One place where particles leave. Without such a table all particles stay.
     pub outlets: Option<Vec<Located<OutletFile>>>,
-    /// One place where particles come in. Without such a table none do.
+    /// One place where particles come in. Without such a table no particles come in.
     pub inlets: Option<Vec<Located<InletFile>>>,
     /// Restitution and friction of contacts between particles.
     #[schemars(extend("x-required" = "where two particles can meet"))]
@@ -100,12 +100,12 @@ pub struct CaseFile {
     pub hybrid: Option<Located<HybridFile>>,
     /// Settings of collisions by chance (direct simulation Monte Carlo).
     pub dsmc: Option<Located<DsmcFile>>,
-    /// Duration, drag window, seed and model of a run.
+    /// Duration, window (time between two drag kicks), seed and model of a run.
     #[schemars(extend("x-required" = "always"))]
     pub run: Option<Located<RunFile>>,
     /// Settings of the averages: slices and time between samples.
     pub statistics: Option<Located<StatisticsFile>>,
-    /// Measurements in addition to the standard ones. Without this table there are none.
+    /// Measurements in addition to the standard ones. Without this table no others are made.
     pub observe: Option<Located<ObserveFile>>,
     /// Settings of the trajectory files, which are written in addition to the results of every variant. Without this
     /// table no trajectories are written.
@@ -127,11 +127,11 @@ pub struct DomainFile {
     /// Axes along which the box is periodic.
     #[schemars(extend("examples" = [["x", "z"]], "default" = []))]
     pub periodic: Option<Vec<Located<Axis>>>,
-    /// Uniform shear, by which images across y slide along z.
+    /// Uniform shear of the box. The periodic images above and below the box slide along z.
     pub shear: Option<Located<ShearFile>>,
 }
 
-/// Axis of space, given by its name.
+/// Axis of space, given by its name: x, y or z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Axis {
@@ -144,13 +144,13 @@ pub enum Axis {
 }
 
 impl Axis {
-    /// Index of the axis: 0, 1 or 2.
+    /// Index of the axis in vectors: 0 for x, 1 for y, 2 for z.
     pub fn index(self) -> usize {
         self as usize
     }
 }
 
-/// Table `[gravity]`.
+/// Table `[gravity]`: acceleration by gravity.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GravityFile {
@@ -255,14 +255,14 @@ pub struct SoftFile {
     /// law.
     #[schemars(extend("x-one-of" = "contact law"))]
     pub hertz: Option<Located<ElasticityFile>>,
-    /// Contact law: Hertz's law with the damping of viscoelastic spheres by Kuwabara and Kono (1987). Every surface has the
-    /// restitution `{ viscoelastic = ... }` or 1.
+    /// Contact law: Hertz's law with the damping of viscoelastic spheres by Kuwabara and Kono (1987). Every surface has
+    /// the restitution `{ viscoelastic = ... }` or 1.
     #[schemars(extend("x-one-of" = "contact law"))]
     pub kuwabara_kono: Option<Located<ElasticityFile>>,
     /// Time steps per shortest contact, N_c; or give `time_step`. Fewer than 5 are refused without `allow_large_step`.
     #[schemars(example = 50, extend("default" = 20, "x-range" = "greater than 0, up to 1e6", "x-one-of" = "step"))]
     pub steps_per_contact: Option<Located<Ratio>>,
-    /// Time step, Δt; or give `steps_per_contact`.
+    /// Time step of soft contacts, Δt; or give `steps_per_contact`.
     #[schemars(example = &"4e-7 s", extend("x-range" = "greater than 0 s", "x-one-of" = "step"))]
     pub time_step: Option<Located<Time>>,
     /// True: allows a time step longer than a fifth of a contact.
@@ -294,7 +294,8 @@ pub struct SpringFile {
     pub stiffness: Option<Located<Stiffness>>,
 }
 
-/// `[soft.hertz]`, or the `elasticity` of a kind of particles or of a wall.
+/// Elastic constants of a material: table `[soft.hertz]`, `[soft.kuwabara_kono]`, or the `elasticity` of a kind of
+/// particles or of a wall.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ElasticityFile {
@@ -310,10 +311,11 @@ pub struct ElasticityFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HardFile {
-    /// Method of finding collisions.
+    /// Method by which the hard engine finds collisions.
     #[schemars(example = &"steps", extend("default" = "events"))]
     pub stepping: Option<Located<HardSteppingFile>>,
-    /// Parameter θ of `stepping = "steps"`: a step is shorter than θ d/u_r, with diameter d and relative speed u_r.
+    /// Parameter θ of `stepping = "steps"`: a step is shorter than θ d/u_r. Here d is the smallest diameter, and u_r
+    /// the mean magnitude of one component of the relative velocity.
     #[schemars(example = 0.1, extend("default" = 0.3, "x-range" = "greater than 0, up to 1"))]
     pub theta: Option<Located<Ratio>>,
     /// Contact time t_c of the TC model: a collision is elastic if either particle has collided less than t_c before.
@@ -380,7 +382,7 @@ pub struct RunFile {
     /// Window: time between two kicks by which drag changes the velocities. "auto": chosen from the scene.
     #[schemars(example = &"0.2 ms", extend("default" = "auto"))]
     pub window: Option<Located<WindowFile>>,
-    /// Seed of the random start; `--seed` overrides it.
+    /// Seed of the random numbers of the start and of the run; `--seed` overrides it.
     #[schemars(example = 7, extend("default" = 1, "x-range" = "0 ..= 9223372036854775807"))]
     pub seed: Option<Located<i64>>,
     /// True: allows a run with very many windows or steps, which would take extremely long.
@@ -427,13 +429,14 @@ pub struct CompareFile {
     /// Collision model of the variant.
     #[schemars(example = &"soft", extend("x-default" = "`run.model`"))]
     pub model: Option<Located<Model>>,
-    /// Reference of this variant: the name of another variant, or `{ table = "points.csv" }`. Such a table has the columns
-    /// `quantity`, `value` and `standard_error`, and `y` for values at a distance from the lower side. Quantities are
-    /// columns of `profiles.csv`, or `granular_temperature`, `pair_impact_rate` and `wall_impact_rate` without `y`.
+    /// Reference of this variant: the name of another variant, or `{ table = "points.csv" }`. Such a table has the
+    /// columns `quantity`, `value` and `standard_error`, and `y` for values at a distance from the lower side.
+    /// Quantities are columns of `profiles.csv`, or `granular_temperature`, `pair_impact_rate` and `wall_impact_rate`
+    /// without `y`.
     #[schemars(example = &"hard", extend("x-default" = "the first hard one, or else the first"))]
     pub against: Option<Located<AgainstFile>>,
     // the value is taken from the tree of the case, which contains the source positions
-    /// Keys that differ from the case, by their full names.
+    /// Keys with other values than in the case, by their full names.
     #[schemars(with = "Option<std::collections::BTreeMap<String, serde_json::Value>>")]
     #[schemars(extend("examples" = [{ "contact.restitution": 0.9 }]))]
     pub set: Option<Located<IgnoredAny>>,

@@ -9,25 +9,25 @@ use schemars::transform::RecursiveTransform;
 use serde_json::{Map, Value, json};
 use std::sync::LazyLock;
 
-/// Description of a table of a case.
+/// Description of a table of a case for `diptych keys`: its name, purpose and keys.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KeyTable {
     /// Name of the table, such as `soft.hertz`; empty for the case as a whole.
     pub name: String,
     /// True if a case can have several tables of this name, such as `[[walls]]`.
     pub is_list: bool,
-    /// Purpose of the table.
+    /// Purpose of the table, in words.
     pub about: String,
-    /// Condition under which the table is required, in words.
+    /// Condition under which the table is required, in words; `None` if it never is.
     pub required: Option<String>,
     /// Keys of the table that are not tables themselves.
     pub keys: Vec<Key>,
 }
 
-/// Description of a key of a table.
+/// Description of a key of a table for `diptych keys`: type, unit, default, range and meaning.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Key {
-    /// Name of the key in its table.
+    /// Name of the key within its table, such as `diameter`.
     pub name: String,
     /// Type of the value, in words: "length", "list of 3 lengths", "whole number".
     pub kind: String,
@@ -37,11 +37,11 @@ pub struct Key {
     pub default: Option<String>,
     /// Allowed range, in the same words as in the message about a value out of range.
     pub range: Option<String>,
-    /// Condition under which the key is required, in words.
+    /// Condition under which the key is required, in words; `None` if it never is.
     pub required: Option<String>,
     /// Example of a value, as it would be typed.
     pub example: Option<String>,
-    /// Meaning of the key.
+    /// Meaning of the key, in words.
     pub about: String,
     /// Names that the key accepts, each with its meaning; empty if it accepts other values.
     pub choices: Vec<(String, String)>,
@@ -171,7 +171,7 @@ pub(super) fn is_choice(schema: &Value) -> bool {
     schema.get("oneOf").is_some() && properties(schema).next().is_some()
 }
 
-/// Schema of a whole case, without the key `use`.
+/// JSON schema of a whole case, without the key `use`.
 pub(super) fn root() -> &'static Value {
     &SCHEMA
 }
@@ -266,7 +266,7 @@ fn kind(schema: &Value) -> String {
     }
 }
 
-/// Text of a value as it would be typed in a case.
+/// Text of a JSON value as a user would type it in a case.
 fn typed(value: &Value) -> String {
     toml::Value::try_from(value).map_or_else(|_| value.to_string(), |value| value.to_string())
 }

@@ -6,7 +6,7 @@ use super::tree::{CaseNode, Entry, KeyPart, Value, child_place};
 
 impl CaseNode {
     /// Merges the node `over` into this node, whose key path is `place`. Tables are merged key by key; other values of
-    /// `over` replace those of this node. A new key removes keys of the same group, which it excludes.
+    /// `over` replace those of this node. A new key removes the old keys that it excludes (those of the same group).
     pub fn overlay(&mut self, over: CaseNode, place: &str) {
         let (entries, over_entries) = match (&mut self.value, over.value) {
             (Value::Table(entries), Value::Table(over_entries)) => (entries, over_entries),
@@ -41,8 +41,8 @@ impl CaseNode {
         self.set_at(path, value, key_origin, "", "")
     }
 
-    /// Sets a value below this node. `place` is the key path of the node, by which keys that exclude each other are
-    /// found. `walked` is this path as the user typed it, for messages.
+    /// Sets a value at `path` below this node. `place` is the key path of the node, which determines the keys that
+    /// exclude each other. `walked` is this path as the user typed it, for messages.
     fn set_at(
         &mut self,
         path: &[KeyPart],

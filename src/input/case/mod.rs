@@ -61,8 +61,8 @@ pub type Checked = (Experiment, Vec<Diagnostic>);
 pub struct Case {
     /// Path of the case as given by the user.
     pub path: PathBuf,
-    /// Title: first paragraph of the comment at the beginning, or the name of the file if there is none. The changes of
-    /// the command line follow.
+    /// Title: first paragraph of the comment at the beginning of the file, or the name of a file without such a
+    /// comment. The changes of the command line follow.
     pub title: String,
     /// Whole comment at the beginning of the file, without `#`.
     pub heading: String,
@@ -74,7 +74,7 @@ pub struct Case {
     library: Library,
 }
 
-/// Change of one key. It comes from `--set key=value`, from an entry in the `set` of a variant, or from a value of a
+/// Change of one key of a case. It comes from `--set key=value`, from the `set` of a variant, or from a value of a
 /// sweep.
 struct Setting {
     path: Vec<KeyPart>,
@@ -176,7 +176,7 @@ impl Case {
         self.variants_with(&self.sets.iter().collect::<Vec<_>>(), seed)
     }
 
-    /// Makes the experiments of `compare`. The changes `sets` replace those of the command line.
+    /// Makes the experiments of the command `compare`, with the changes `sets` in place of those of the command line.
     fn variants_with(&self, sets: &[&Setting], seed: Option<u64>) -> Result<Vec<Checked>, Diagnostic> {
         let whole = self.merged(self.tree.clone(), sets)?;
         let Some(list) = whole.file.compare.as_ref().filter(|list| !list.is_empty()) else {
@@ -305,7 +305,8 @@ struct Merged {
 }
 
 impl Merged {
-    /// Makes the experiment of one variant, with all warnings. `choice` gives its model and seed.
+    /// Makes the experiment of one variant, with all warnings. `choice` contains the model, seed, name and reference of
+    /// the variant.
     fn resolve(&self, choice: &VariantChoice) -> Result<Checked, Diagnostic> {
         rules::refuse_conflicts(&self.tree, &self.sources)?;
         let (experiment, warnings) = resolve((&self.file, &self.tree), choice, self.sources.clone())?;
@@ -328,7 +329,7 @@ fn unreadable(name: &str, why: &str) -> Diagnostic {
     Diagnostic::about(name, format!("the case `{name}` cannot be read: {why}")).help(help)
 }
 
-/// Reads an argument of the form `key=value`.
+/// Reads an argument of the form `key=value` into a change of one key, and adds its text to `sources`.
 fn argument(text: &str, sources: &mut Sources) -> Result<Setting, Diagnostic> {
     let name = format!("--set {text}");
     let source = sources.add(Source { name, folder: PathBuf::new(), text: text.into(), kind: SourceKind::Argument });
@@ -408,7 +409,7 @@ pub fn fingerprint(experiment: &Experiment) -> Result<String, serde_json::Error>
     Ok(format!("{:016x}", saved::checksum(&format!("{} {json}", env!("CARGO_PKG_VERSION")))))
 }
 
-/// Name of a model in messages.
+/// Name of a collision model in messages, such as `soft`.
 pub fn name_of(model: Model) -> &'static str {
     model_name(model)
 }

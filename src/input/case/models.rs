@@ -20,7 +20,7 @@ pub struct Library {
 }
 
 impl Library {
-    /// Search path for the sets of a case file.
+    /// Makes the search path for the sets of values that a case file uses.
     pub fn beside(case: &Path) -> Self {
         let folder = case.parent().unwrap_or(Path::new(""));
         let mut folders: Vec<PathBuf> = folder.ancestors().map(|ancestor| ancestor.join("models")).collect();
@@ -32,7 +32,7 @@ impl Library {
         Self { folders }
     }
 
-    /// Search path that consists only of the built-in sets.
+    /// Makes a search path without folders, so that only the built-in sets of values are found.
     pub fn built_in() -> Self {
         Self { folders: Vec::new() }
     }

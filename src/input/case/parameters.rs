@@ -47,7 +47,7 @@ pub fn parameters(experiment: &Experiment) -> Value {
     value
 }
 
-/// Settings of the soft engine. The contact law is a table within them, as in a case.
+/// Settings of the soft engine as JSON. The contact law is a table within them, as in a case.
 fn soft(experiment: &Experiment) -> Value {
     let soft = &experiment.soft;
     let mut value = json!({
@@ -74,7 +74,7 @@ fn soft(experiment: &Experiment) -> Value {
     value
 }
 
-/// Settings of the hard engine. They include the impact rule if spheres rotate.
+/// Settings of the hard engine as JSON. They include the impact rule if spheres rotate.
 fn hard(experiment: &Experiment) -> Value {
     let mut value = match experiment.hard.stepping {
         HardStepping::Events => json!({ "stepping": "events", "contact_time": experiment.hard.contact_time }),
@@ -108,8 +108,8 @@ fn add_resistance(value: &mut Value, own: &ResistanceFriction) {
     }
 }
 
-/// Contact properties of particles: those common to all particles, and those of the pairs that differ. A wall is given
-/// by its index in the case.
+/// Contact properties of particles as JSON: those common to all particles, and those of the pairs that differ. A wall
+/// is given by its index in the case.
 fn contact(experiment: &Experiment) -> Value {
     let scene = &experiment.scene;
     let mut value = surface(&scene.contact);
@@ -190,7 +190,7 @@ pub(super) fn bulk_velocity(fluid: &Fluid, height: f64) -> f64 {
     (0..STRIPS).map(|i| fluid.profile.velocity((i as f64 + 0.5) * strip)).sum::<f64>() / STRIPS as f64
 }
 
-/// [-] share of the volume of the box that all particles fill.
+/// [-] volume of all particles at the start over the volume of the box.
 pub(super) fn volume_fraction(experiment: &Experiment, scene: &Scene) -> f64 {
     let volumes = experiment.start.iter().filter_map(|population| {
         let species = scene.species.get(usize::from(population.species))?;

@@ -30,7 +30,7 @@ pub type Length = Quantity<1, 0, 0>;
 pub type Time = Quantity<0, 0, 1>;
 /// [m/s] speed, or component of a velocity.
 pub type Speed = Quantity<1, 0, -1>;
-/// [rad/s] angular velocity.
+/// [rad/s] angular velocity, or [1/s] a rate or a frequency.
 pub type Spin = Quantity<0, 0, -1>;
 /// [s/m] time per length.
 pub type Slowness = Quantity<-1, 0, 1>;
@@ -156,7 +156,7 @@ pub fn si_unit(exponents: Exponents) -> String {
     }
 }
 
-/// A dimension as a product of powers of the base units.
+/// Text of a dimension as a product of powers of the base units m, kg and s.
 fn powers(exponents: Exponents) -> String {
     let powers = ["m", "kg", "s"].iter().zip(exponents).filter(|(_, power)| *power != 0);
     let powers = powers.map(|(unit, power)| if power == 1 { (*unit).to_string() } else { format!("{unit}^{power}") });
@@ -302,7 +302,7 @@ fn parse_unit(text: &str) -> Result<Unit, String> {
     Ok(unit)
 }
 
-/// Multiplies `unit` by one factor such as `m^-3`, or divides by that factor if `sign` is -1.
+/// Multiplies `unit` by one factor such as `m^-3` if `sign` is 1, or divides `unit` by that factor if `sign` is -1.
 fn multiply(unit: &mut Unit, factor: &str, sign: i32) -> Result<(), String> {
     let plain: String = factor.chars().map(plain_digit).collect();
     let split = plain

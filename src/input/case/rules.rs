@@ -27,16 +27,16 @@ pub(super) struct KeyGroup<'a> {
 
 /// Required key that a case lacks.
 pub(super) struct MissingKey<'a> {
-    /// Path of the key.
+    /// Path of the missing key, such as `run.duration`.
     pub path: String,
     /// Keys of the same table that could be given instead.
     pub alternatives: Vec<&'static str>,
-    /// Source position of the table that lacks the key; `None` for the case as a whole.
+    /// Source position of the table that lacks the key; `None` if the whole case lacks it.
     pub table: Option<&'a Origin>,
 }
 
-/// Groups of keys that exclude each other in the table with this schema. They are either the laws of a choice, or the
-/// keys with a common group name.
+/// Groups of keys that exclude each other in the table with the schema `table`. A group is either all laws of a choice,
+/// or all keys with a common group name.
 pub(super) fn groups(table: &Schema) -> Vec<KeyGroup<'_>> {
     if is_choice(table) {
         return vec![KeyGroup { keys: properties(table).map(|(key, _)| key.as_str()).collect(), required: false }];
@@ -54,14 +54,14 @@ pub(super) fn groups(table: &Schema) -> Vec<KeyGroup<'_>> {
     found.into_iter().map(|(_, group)| group).collect()
 }
 
-/// Keys that exclude each other and of which one is `key`, in the table at `place`. The list is empty if `key` excludes
-/// no other key. In `place`, `[]` means any element of a list.
+/// Group of keys that exclude each other, to which `key` belongs, in the table at the path `place`. The list is empty
+/// if `key` excludes no other key. In `place`, `[]` means any element of a list.
 pub(super) fn alternatives(place: &str, key: &str) -> Vec<&'static str> {
     let groups = schema_at(place).map(groups).unwrap_or_default();
     groups.into_iter().find(|group| group.keys.contains(&key)).map_or(Vec::new(), |group| group.keys)
 }
 
-/// Allowed range of the numbers of a key, in words; `None` if the key has no range.
+/// Allowed range, in words, of the numbers of the key at `path`; `None` if the key has no range.
 pub(super) fn range(path: &str) -> Option<&'static str> {
     // the range of a list is declared with the key of the list, not with its elements
     let key = path.strip_suffix(']').and_then(|path| path.rsplit_once('[')).map_or(path, |(list, _)| list);
@@ -94,7 +94,7 @@ fn words<'a>(schema: &'a Schema, attribute: &str) -> Option<&'a str> {
     schema.get(attribute)?.as_str()
 }
 
-/// Table of a case, with its schema and its path.
+/// Table of a case, with its schema and its key path.
 struct TypedTable<'a> {
     node: &'a CaseNode,
     schema: &'static Schema,
@@ -158,8 +158,8 @@ fn is_required(schema: &Schema) -> bool {
     words(schema, REQUIRED) == Some("always")
 }
 
-/// Required keys of an absent table at `path`, for a message. If the key is not a table, or the table requires no keys,
-/// the result is the key at `path` itself.
+/// Required keys of an absent table at the key path `path`, for a message. If the key at `path` is not a table, or the
+/// table requires no keys, the result is that key itself.
 fn absent<'a>(schema: &'static Schema, path: String, table: Option<&'a Origin>) -> Vec<MissingKey<'a>> {
     let required = properties(schema).filter(|(_, inner)| is_required(inner));
     let keys: Vec<_> = required.flat_map(|(key, inner)| absent(inner, child_place(&path, key), table)).collect();

@@ -36,8 +36,8 @@ pub fn add_limits(schema: &mut Value) {
     add_exclusions(schema);
 }
 
-/// Adds to every table the condition that at most one key of a group is present. The schema of a choice between laws
-/// already contains this condition.
+/// Adds to the schema of every table the condition that at most one key of each group is present. The schema of a
+/// choice between laws already contains this condition.
 fn add_exclusions(schema: &mut Value) {
     let groups = if is_choice(schema) { Vec::new() } else { groups(schema) };
     let groups: Vec<Vec<String>> =
@@ -52,7 +52,7 @@ fn add_exclusions(schema: &mut Value) {
     }
 }
 
-/// Adds to a table the condition that at most one of these keys is present.
+/// Adds to the schema of a table the condition that at most one of `keys` is present.
 fn exclude(table: &mut Map<String, Value>, keys: &[String]) {
     let pairs = keys.iter().enumerate().flat_map(|(k, one)| keys[k + 1..].iter().map(move |other| [one, other]));
     let refused: Vec<Value> = pairs.map(|pair| json!({ "not": { "required": pair } })).collect();
@@ -84,7 +84,7 @@ fn add_ranges(schema: &mut Value) {
     }
 }
 
-/// Adds limits to the schema of a number. Limits that it already has are not changed.
+/// Adds limits, such as `minimum`, to the schema of a number. Limits that the schema already has are not changed.
 fn limit(numbers: &mut Map<String, Value>, limits: &[(&'static str, Value)]) {
     for (key, value) in limits {
         numbers.entry(*key).or_insert_with(|| value.clone());

@@ -6,7 +6,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Text that contains values of a case.
+/// Text from which values of a case are read: a file, a built-in text or an argument.
 #[derive(Clone, Debug)]
 pub struct Source {
     /// Name of the text in messages: the path of a file, or `--set key=value`.
@@ -44,7 +44,7 @@ pub struct Origin {
 pub struct Sources(Vec<Arc<Source>>);
 
 impl Sources {
-    /// Adds a source and returns its index.
+    /// Adds a source text and returns its index in the list of texts.
     pub fn add(&mut self, source: Source) -> usize {
         self.0.push(Arc::new(source));
         self.0.len() - 1
@@ -61,12 +61,12 @@ impl Sources {
         self.add(Source { name: path.display().to_string(), folder, text, kind })
     }
 
-    /// Source text to which an origin refers.
+    /// Source text to which an origin (range of bytes in a source text) refers.
     pub fn get(&self, origin: &Origin) -> Option<&Source> {
         self.0.get(origin.source).map(AsRef::as_ref)
     }
 
-    /// Names of all files read so far.
+    /// Names of all files from which values of the case have been read so far.
     pub fn files(&self) -> impl Iterator<Item = &str> {
         self.0.iter().filter(|source| source.kind != SourceKind::Argument).map(|source| source.name.as_str())
     }
@@ -76,7 +76,7 @@ impl Sources {
         self.0.iter().filter(|source| source.kind == SourceKind::Argument).map(|source| source.text.as_ref())
     }
 
-    /// Typed text at an origin, cut after 60 characters.
+    /// Text that the user typed at an origin (range of bytes in a source text), cut after 60 characters.
     pub fn typed(&self, origin: &Origin) -> String {
         let text = self.get(origin).and_then(|source| source.text.get(origin.span.clone())).unwrap_or("").trim();
         let mut short: String = text.chars().take(60).map(|c| if legible::acts(c) { ' ' } else { c }).collect();

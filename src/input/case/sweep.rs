@@ -8,11 +8,11 @@ use std::path::PathBuf;
 
 /// Key that a sweep varies, with its values in order.
 pub struct SweepAxis {
-    /// Full path of the key.
+    /// Full path of the key, such as `contact.restitution`.
     pub key: String,
-    /// SI unit of the numbers; `None` if the key has no unit.
+    /// SI unit of the values of the key; `None` if the key has no unit.
     pub unit: Option<String>,
-    /// Values as they were typed.
+    /// Values of the key as the user typed them.
     pub typed: Vec<String>,
     /// Values as numbers in the SI unit of the key; `None` if any value is not a number.
     pub numbers: Option<Vec<f64>>,
@@ -79,7 +79,7 @@ impl Case {
         Ok(axes)
     }
 
-    /// Keys in the `[[sweep]]` list of the case.
+    /// Keys that the `[[sweep]]` list of the case varies, with their values.
     ///
     /// # Errors
     /// An entry has no key or no values, or a key occurs twice.
@@ -122,7 +122,7 @@ impl Case {
     }
 }
 
-/// Reads an argument of the form `key=a,b,c`.
+/// Reads an argument of the form `key=a,b,c` into a key and its values, and adds its text to `sources`.
 fn argument(text: &str, sources: &mut Sources) -> Result<SweepAxis, Diagnostic> {
     let name = format!("--sweep {text}");
     let source = sources.add(Source { name, folder: PathBuf::new(), text: text.into(), kind: SourceKind::Argument });
@@ -139,8 +139,8 @@ fn argument(text: &str, sources: &mut Sources) -> Result<SweepAxis, Diagnostic> 
     Ok(SweepAxis::new(text[..start - 1].trim().to_owned(), settings, sources))
 }
 
-/// Parts of a text between commas, each with its byte position in the text. Commas inside brackets and quotes do not
-/// count.
+/// Parts of a text between commas, each with its byte position in the text. Commas inside brackets and quotes divide
+/// nothing.
 fn split(text: &str) -> Vec<(usize, &str)> {
     let (mut parts, mut begin, mut depth, mut quote) = (Vec::new(), 0, 0, None);
     for (place, c) in text.char_indices() {

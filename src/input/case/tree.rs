@@ -10,7 +10,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Value with its source position.
+/// Value in a case, with its position in the source text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaseNode {
     /// Value: a table, a list or a single value.
@@ -26,7 +26,7 @@ pub enum Value {
     Table(Vec<Entry>),
     /// List, written as `[..]` or `[[..]]`.
     Array(Vec<CaseNode>),
-    /// String.
+    /// Text, typed in quotes.
     String(String),
     /// Whole number.
     Integer(i64),
@@ -100,7 +100,7 @@ impl CaseNode {
 /// One step of a path such as `particles[0].count`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum KeyPart {
-    /// Key of a table. A number is also an index if the value is a list (`particles.0.count`).
+    /// Key of a table. A number is also accepted as the index of a list (`particles.0.count`).
     Key(String),
     /// Index `[n]` in a list.
     Index(usize),

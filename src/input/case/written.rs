@@ -55,7 +55,7 @@ fn value(node: &CaseNode) -> toml::Value {
     }
 }
 
-/// Entry of the `[[compare]]` list for a variant.
+/// Entry for a variant in the `[[compare]]` list of the new case file.
 fn variant(variant: &Variant) -> Result<toml::Value, Diagnostic> {
     let mut entry = toml::Table::new();
     entry.insert("name".into(), variant.name.into());

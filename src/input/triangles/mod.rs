@@ -14,7 +14,7 @@ use std::path::Path;
 /// Largest number of triangles of a mesh; this number takes about 15 GB of memory.
 const MOST_TRIANGLES: usize = 20_000_000;
 
-/// Triangles given by their corners, in units of the file.
+/// Triangles, each given by its three corners, in units of the file.
 pub type Heap = Vec<[Vector3<f64>; 3]>;
 
 /// Format of a file of triangles.
@@ -27,7 +27,7 @@ pub enum TriangleFormat {
 }
 
 impl TriangleFormat {
-    /// Format by the end of the name of a file, `.stl` or `.obj` in any case; `None` for other names.
+    /// Format by the end of the name of a file, `.stl` or `.obj` in small letters or capitals; `None` for other names.
     pub fn of(name: &str) -> Option<Self> {
         let lower = name.to_lowercase();
         let formats = [(".stl", Self::Stl), (".obj", Self::Obj)];
@@ -75,7 +75,7 @@ pub struct TriangleFile {
     pub heap: Heap,
     /// Number of corners that differed from others only by rounding, and were merged.
     pub welded: usize,
-    /// Remarks about other properties of the file, in words.
+    /// Remarks in words about properties of the file, such as polygons that are not flat.
     pub notes: Vec<String>,
 }
 

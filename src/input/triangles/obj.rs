@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 use std::ops::Range;
 
 const FORMAT: &str = "OBJ file";
-/// Names of statements that do not affect the surface.
+/// Names of statements of an OBJ file that do not affect the surface, and are ignored.
 const LEFT_ASIDE: [&str; 20] = [
     "vt",
     "vn",
@@ -33,17 +33,17 @@ const LEFT_ASIDE: [&str; 20] = [
     "trace_obj",
     "vc",
 ];
-/// [-] a warning is given if a corner is farther from the plane of its polygon than this share of the length of the
-/// polygon.
+/// [-] distance of a corner from the plane of its polygon, over the length of the polygon, above which a warning is
+/// given.
 const FLAT: f64 = 0.01;
 
-/// Polygon of the file: its line, and the range of its corners in `Reading::named`.
+/// Polygon of an OBJ file: the number of its line, and the range of its corners in `Reading::named`.
 struct Polygon {
     line: usize,
     corners: Range<usize>,
 }
 
-/// Contents of a file read so far.
+/// Contents of an OBJ file that have been read so far.
 #[derive(Default)]
 struct Reading {
     places: Vec<Vector3<f64>>,
@@ -51,7 +51,7 @@ struct Reading {
     polygons: Vec<Polygon>,
     /// Corners of all polygons, one polygon after the other, as indices into `places`.
     named: Vec<usize>,
-    /// First unknown statement, and the number of all unknown statements.
+    /// First statement with an unknown name, and the number of all such statements; `None` if there are none.
     unknown: Option<(String, usize)>,
 }
 
@@ -164,7 +164,7 @@ impl Reading {
         }
     }
 
-    /// Divides all polygons into triangles.
+    /// Divides all polygons into triangles. Adds a remark to `notes` if polygons are not flat.
     fn triangles(&self, notes: &mut Vec<String>) -> Result<Heap, String> {
         let mut heap = Heap::new();
         let (mut bent, mut farthest) = (Vec::new(), 0.0f64);

@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 /// of one triangle.
 const HEAD: usize = 84;
 const TRIANGLE: usize = 50;
-/// [-] number of significant digits that determine a number in single precision.
+/// Number of significant decimal digits that determine a number in single precision.
 const SINGLE: usize = 9;
 const TEXT: &str = "text STL file";
 
@@ -38,12 +38,12 @@ fn begins_as_text(bytes: &[u8]) -> bool {
     first.is_some_and(|word| word.is("solid") || word.is("facet")) && !has_nul(bytes)
 }
 
-/// True if the first bytes contain a zero byte. Their number is the length of a binary head.
+/// True if the first `HEAD` bytes (the length of the head of a binary file) contain a zero byte.
 fn has_nul(bytes: &[u8]) -> bool {
     bytes[..bytes.len().min(HEAD)].contains(&0)
 }
 
-/// Reads a binary file whose head announces `count` triangles.
+/// Reads a binary STL file whose head announces `count` triangles.
 fn binary(bytes: &[u8], count: u32) -> Result<TriangleFile, String> {
     let (body, count) = (&bytes[HEAD..], count as usize);
     let (there, rest) = (body.len() / TRIANGLE, body.len() % TRIANGLE);
@@ -74,7 +74,7 @@ fn binary(bytes: &[u8], count: u32) -> Result<TriangleFile, String> {
     Ok(TriangleFile::new(heap, SINGLE, left.into_iter().collect()))
 }
 
-/// Reads a file in the text format.
+/// Reads an STL file in the text format.
 fn text(bytes: &[u8]) -> Result<TriangleFile, String> {
     let mut words = Words::of(bytes);
     let (mut heap, mut digits) = (Heap::new(), 0);
@@ -109,8 +109,8 @@ fn skip_name(words: &mut Words) {
     }
 }
 
-/// Corners of a facet whose first word `facet` has been read. `line` is the line of that word, and `number` the number
-/// of the triangle.
+/// Corners of a facet (triangle) whose first word `facet` has been read. `line` is the line of that word, and `number`
+/// the number of the triangle. `digits` is raised to the largest number of significant digits read.
 fn facet(words: &mut Words, (line, number): (usize, usize), digits: &mut usize) -> Result<[Vector3<f64>; 3], String> {
     let ended = || wrong(TEXT, line, format!("the file ends in triangle {number}, in the facet that begins here"));
     // the normal is ignored, so that its words may be anything or absent

@@ -16,10 +16,10 @@ const SLACK: f64 = 1.01;
 /// one cell must then be searched.
 const CELL: f64 = 8.0;
 
-/// Replaces each corner by an earlier one that differs only by rounding, and returns the number of merged corners.
+/// Replaces each corner by an earlier corner that differs only by rounding, and returns the number of replaced corners.
 ///
-/// The coordinates have at most `digits` [-] significant digits. They are those of the file, before scaling and
-/// translation.
+/// The coordinates are those of the file, before scaling and translation, and have at most `digits` [-] significant
+/// digits.
 pub fn weld(heap: &mut Heap, digits: usize) -> usize {
     let within = apart(heap, digits);
     if within <= 0.0 {

@@ -75,7 +75,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// Reads the word at the current position; `None` if there is none.
+    /// Reads the word that begins at the current position; `None` at the end of a line or of the text.
     fn here(&mut self) -> Option<Word<'a>> {
         let rest = &self.bytes[self.at..];
         let blank = |byte: &u8| matches!(byte, b' ' | b'\t' | 0x0b | 0x0c | b'\n' | b'\r');

@@ -1,4 +1,4 @@
-//! Default settings, which are those of a case that gives no others.
+//! Default settings of an experiment. They equal the settings of a case that leaves the keys out.
 
 use super::{
     Amount, AverageFrom, DsmcSettings, Experiment, HardSettings, HardStepping, HybridSettings, Integrator,
@@ -12,8 +12,8 @@ use nalgebra::Vector3;
 const STEPS_PER_CONTACT: f64 = 20.0;
 
 impl Experiment {
-    /// Makes the experiment of a scene with the default settings of a case. The run lasts `duration` [s], its seed is 1,
-    /// and its time step and window are chosen from the scene. Other settings are set in the fields.
+    /// Makes the experiment of a scene with the default settings of a case. The run lasts `duration` [s], its seed is
+    /// 1, and its time step and window are chosen from the scene. The caller changes other settings in the fields.
     ///
     /// ```
     /// # extern crate diptych_physics as diptych;
@@ -64,7 +64,7 @@ impl Population {
         }
     }
 
-    /// Population of given particles of one species.
+    /// Population of particles with given positions, all of one species; `species` is an index into [`Scene::species`].
     pub fn placed(species: u16, particles: Particles) -> Self {
         Self { amount: Amount::Placed(particles), ..Self::random(species, 0, 0.0) }
     }
@@ -91,7 +91,7 @@ impl Default for SoftSettings {
 }
 
 impl Default for HardSettings {
-    /// Settings of an event queue in which no collision is made elastic.
+    /// Settings with an event queue, in which no collision is made elastic.
     fn default() -> Self {
         Self { stepping: HardStepping::Events, contact_time: None }
     }
@@ -113,7 +113,7 @@ impl Default for DsmcSettings {
 }
 
 impl Default for StatisticsSettings {
-    /// Settings with 40 slices and an interval chosen from the scene.
+    /// Settings with 40 slices, and a time between samples that is chosen from the scene.
     fn default() -> Self {
         Self { slices: 40, sample_interval: None }
     }

@@ -6,22 +6,23 @@ use serde::Serialize;
 /// ask for costs nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ObserveSettings {
-    /// Pair distribution g(r).
+    /// Settings of the pair distribution g(r); `None` if it is not measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pair_distribution: Option<PairDistributionSettings>,
-    /// Distribution of the velocities, and its Sonine coefficients.
+    /// Settings of the distribution of the velocities and its Sonine coefficients; `None` if it is not measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub velocity_distribution: Option<VelocityDistributionSettings>,
-    /// Mean squared displacement and autocorrelation of the velocities.
+    /// Settings of the mean squared displacement and the autocorrelation of the velocities; `None` if they are not
+    /// measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub diffusion: Option<DiffusionSettings>,
-    /// Static structure factor S(k).
+    /// Settings of the static structure factor S(k); `None` if it is not measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub structure_factor: Option<StructureFactorSettings>,
     /// True if the contact network of soft spheres is measured.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub contact_network: bool,
-    /// Coarse-grained fields on a grid.
+    /// Settings of the fields of density, velocity and stress on a grid; `None` if they are not measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fields: Option<FieldsSettings>,
 }
@@ -53,9 +54,9 @@ impl ObserveSettings {
 /// Settings of the pair distribution.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PairDistributionSettings {
-    /// [m] largest distance of two centres, at most half the shortest edge of the box.
+    /// [m] largest distance between two centres that is counted, at most half the shortest edge of the box.
     pub reach: f64,
-    /// Number of bins between 0 and the largest distance.
+    /// Number of bins of the distance, between 0 and `reach`.
     pub bins: usize,
 }
 
@@ -64,31 +65,31 @@ pub struct PairDistributionSettings {
 pub struct VelocityDistributionSettings {
     /// [-] largest speed of the histogram in units of sqrt(2T), with the granular temperature T.
     pub largest_speed: f64,
-    /// Number of bins of the histogram.
+    /// Number of bins of the histogram of velocities.
     pub bins: usize,
 }
 
-/// Settings of the mean squared displacement.
+/// Settings of the measurement of diffusion: mean squared displacement and autocorrelation of the velocities.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DiffusionSettings {
-    /// [s] longest time over which displacements are followed.
+    /// [s] longest time over which the displacement of a particle is followed.
     pub duration: f64,
 }
 
 /// Settings of the structure factor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct StructureFactorSettings {
-    /// [m] shortest wavelength 2π/k.
+    /// [m] shortest wavelength 2π/k, which sets the largest wave number k.
     pub wavelength: f64,
-    /// Number of bins between 0 and the largest wave number.
+    /// Number of bins of the wave number k, between 0 and the largest wave number.
     pub bins: usize,
 }
 
-/// Settings of the coarse-grained fields.
+/// Settings of the fields of density, velocity and stress on a grid.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FieldsSettings {
-    /// [m] width of the Gaussian, its standard deviation along each axis.
+    /// [m] width of the Gaussian that spreads each particle over the fields: its standard deviation along each axis.
     pub width: f64,
-    /// Numbers of cells along x, y and z.
+    /// Numbers of cells of the grid along x, y and z.
     pub cells: [usize; 3],
 }

@@ -14,7 +14,7 @@ use super::CHUNK;
 use super::values::AsBytes;
 use crate::work_sharing;
 
-/// Operations on one column of a store.
+/// Operations on one column (the values of one quantity for all particles) of a particle store.
 pub trait Column {
     /// Type of the value of one particle.
     type Value: Copy + Default + AsBytes + Send + Sync;
@@ -42,7 +42,7 @@ pub trait Column {
     where
         Self: 'a;
 
-    /// Sets the value at an index of a chunk.
+    /// Sets the value at an index of a chunk; without effect if the store lacks the column.
     fn put(chunk: &mut Self::Chunk<'_>, index: usize, value: Self::Value);
 
     /// Adds the column, with `count` zeros, if the store lacks it and `wanted` is true.
@@ -375,7 +375,7 @@ macro_rules! columns {
         }
 
         impl $store {
-            /// Removes all particles, but keeps the memory allocated.
+            /// Removes all particles; the allocated memory remains for later use.
             pub fn clear(&mut self) {
                 $(if let Some(values) = Column::values_mut(&mut self.$column) {
                     values.clear();

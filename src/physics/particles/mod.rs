@@ -59,8 +59,9 @@ columns! {
         pub mass: Vec<f64>,
         /// Index of each particle's species in [`Scene::species`](crate::scene::Scene::species).
         pub species: Vec<u16>,
-        /// [-] fluctuations of the gas velocity that the particles see, over their standard deviation at the place of each
-        /// particle; `None` if particles see the mean velocity alone. Only kicks of drag change them.
+        /// [-] fluctuations of the gas velocity at the particles, over the standard deviation of this velocity at the
+        /// place of each particle. `None` if particles see the mean velocity alone. Only kicks of drag change the
+        /// fluctuations.
         pub eddies: Option<Vec<Vector3<f64>>>,
         /// Id of each particle, which stays with the particle when the store is reordered.
         pub id: Vec<u32>,
@@ -71,15 +72,16 @@ columns! {
 /// side with the velocity of their image there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SideCrossings {
-    /// [kg m/s] momentum along z that the particles gained, because each got the velocity of its image at the other side.
+    /// [kg m/s] momentum along z that the particles gained, because each got the velocity of its image at the other
+    /// side.
     pub impulse: f64,
-    /// [J] change of the kinetic energy.
+    /// [J] change of the kinetic energy of the particles that crossed a side.
     pub work: f64,
 }
 
 impl SideCrossings {
-    /// Changes by the crossing of one particle of `mass` [kg]. Its velocity along z is `before` [m/s] and changes by
-    /// `change` [m/s].
+    /// Changes of momentum and energy by the crossing of one particle of `mass` [kg]. Its velocity along z is `before`
+    /// [m/s] and changes by `change` [m/s].
     pub fn of(mass: f64, before: f64, change: f64) -> Self {
         Self { impulse: mass * change, work: mass * change * (before + 0.5 * change) }
     }
@@ -152,7 +154,8 @@ impl Particles {
         SideCrossings::default()
     }
 
-    /// Wraps all particles into a sheared box, as [`wrap`](Self::wrap) does.
+    /// Wraps all particles into a sheared box, and returns the sum of the changes of momentum and energy at the sheared
+    /// sides.
     fn cross(&mut self, domain: &Domain) -> SideCrossings {
         let (mut impulse, mut work) = (ExactSum::default(), ExactSum::default());
         let motions = self.position.iter_mut().zip(&mut self.velocity);
@@ -189,12 +192,12 @@ impl Particles {
         Vector3::new(x, y, z)
     }
 
-    /// [J] total translational kinetic energy.
+    /// [J] total translational kinetic energy of all particles.
     pub fn kinetic_energy(&self) -> f64 {
         self.kinetic_energies().value()
     }
 
-    /// [J] exact sum of the translational kinetic energies.
+    /// [J] exact sum, independent of the order of its terms, of the translational kinetic energies of all particles.
     pub fn kinetic_energies(&self) -> ExactSum {
         let [sum] = exact::sums(self.len(), |k| [0.5 * self.mass[k] * self.velocity[k].norm_squared()]);
         sum
@@ -212,7 +215,7 @@ impl Particles {
         }
     }
 
-    /// [rad/s] spins; empty if spheres do not rotate.
+    /// [rad/s] spins of all particles; empty if spheres do not rotate.
     #[inline(always)]
     pub fn spins(&self) -> &[Vector3<f64>] {
         self.spin.as_deref().unwrap_or_default()
@@ -224,14 +227,14 @@ impl Particles {
         self.spin.as_ref().map_or_else(Vector3::zeros, |spins| spins[index])
     }
 
-    /// [J] exact sum of the rotational energies I ω²/2; 0 if spheres do not rotate.
+    /// [J] exact sum of the rotational energies I ω²/2 of all particles; 0 if spheres do not rotate.
     pub fn rotational_energies(&self) -> ExactSum {
         let (Some(spins), Some(inertia)) = (&self.spin, &self.inertia) else { return ExactSum::default() };
         let [sum] = exact::sums(self.len(), |k| [0.5 * inertia[k] * spins[k].norm_squared()]);
         sum
     }
 
-    /// [J] total rotational energy; 0 if spheres do not rotate.
+    /// [J] total rotational energy of all particles; 0 if spheres do not rotate.
     pub fn rotational_energy(&self) -> f64 {
         self.rotational_energies().value()
     }

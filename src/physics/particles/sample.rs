@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 /// they do not depend on how the particles are divided.
 #[derive(Clone, Copy)]
 pub struct Sample<'a> {
-    /// Particles of this process.
+    /// Particles that this process stores.
     pub particles: &'a Particles,
     /// Connection to the processes that store the other particles; `None` if this process stores all particles.
     communicator: Option<&'a dyn Communicator>,
@@ -43,7 +43,7 @@ impl<'a> Sample<'a> {
         Sample { particles, communicator: self.communicator }
     }
 
-    /// Replaces each sum of this process by the total over all processes.
+    /// Replaces each sum over the particles of this process by the total over all processes.
     pub fn total(&self, sums: &mut [&mut ExactSum]) {
         if let Some(communicator) = self.communicator {
             communicator.total(sums);
@@ -127,7 +127,8 @@ impl<'a> Sample<'a> {
         exact::values(&sums).map(|sum| sum / self.count().max(1) as f64)
     }
 
-    /// [J] total rotational energy; 0 if spheres do not rotate. Either all processes store spins, or no process does.
+    /// [J] total rotational energy of the particles in all processes; 0 if spheres do not rotate. Either all processes
+    /// store spins, or no process does.
     pub fn rotational_energy(&self) -> f64 {
         if self.particles.spin.is_none() {
             return 0.0;

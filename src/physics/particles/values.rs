@@ -2,10 +2,10 @@
 
 use nalgebra::Vector3;
 
-/// A value that is sent between processes as bytes of fixed size. For millions of particles, an encoding as text or
+/// A value that processes send to each other as bytes of fixed size. For millions of particles, text or an encoding
 /// with variable length would take longer than the transfer.
 pub trait AsBytes: Sized {
-    /// [bytes] size of one value.
+    /// [bytes] size of one value in its packed form.
     const SIZE: usize;
 
     /// Appends the value to `bytes`.
@@ -45,12 +45,12 @@ impl AsBytes for Vector3<f64> {
     }
 }
 
-/// A value that consists of one or several numbers.
+/// A value of a column that consists of one number or, for a vector, of three.
 pub trait AsNumbers {
     /// The numbers of the value, in the order of the names in the declaration of the column.
     fn numbers(&self) -> &[f64];
 
-    /// The numbers of the value, mutable.
+    /// Mutable access to the numbers of the value, in the order of [`numbers`](Self::numbers).
     fn numbers_mut(&mut self) -> &mut [f64];
 }
 

@@ -67,7 +67,7 @@ pub fn draw(
     particles
 }
 
-/// Diameters of the spheres of a population, from which one sphere after the other takes its diameter.
+/// Diameters of the spheres of a population. Each new sphere takes the next diameter.
 enum Diameters {
     /// [m] equal diameter of all spheres.
     Same(f64),

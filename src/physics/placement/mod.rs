@@ -36,7 +36,7 @@ const ROUNDS: usize = 5000;
 /// fraction of 0.3, fewer than one in 10⁴ spheres still overlap a larger sphere.
 const ROUNDS_OF_INSERTION: usize = 8;
 
-/// Number of pairs in the neighbour list that cost as much of the allowed effort as one particle. In a dense start
+/// Number of pairs in the neighbour list whose search costs as much effort as one particle in a round. In a dense start
 /// there are about as many pairs per particle.
 const PER_PARTICLE: u64 = 32;
 
@@ -110,7 +110,8 @@ pub fn initial_state_within(experiment: &Experiment, effort: u64) -> Result<Part
     StartPlan::of(experiment).make(effort)
 }
 
-/// Makes the particles of `populations` in a scene, as [`initial_state`] does for an experiment with this seed.
+/// Makes the initial state of `populations` in a scene. It equals the [`initial_state`] of an experiment with this
+/// scene, these populations and this seed.
 ///
 /// # Errors
 /// If random positions without overlap are not found in a bounded number of rounds.
@@ -118,7 +119,8 @@ pub fn random_start(scene: &Scene, populations: &[Population], seed: u64) -> Res
     StartPlan { scene, populations, seed }.make(u64::MAX)
 }
 
-/// Data on which an initial state depends.
+/// Data on which a random initial state depends: the scene, the populations (groups of particles with common settings)
+/// and the seed.
 #[derive(Clone, Copy)]
 struct StartPlan<'a> {
     scene: &'a Scene,
@@ -131,7 +133,7 @@ impl<'a> StartPlan<'a> {
         Self { scene: &experiment.scene, populations: &experiment.start, seed: experiment.run.seed }
     }
 
-    /// Makes the particles within an effort, as [`initial_state_within`] does.
+    /// Makes the initial state within a limited `effort`, whose unit is one tried position ([`initial_state_within`]).
     fn make(self, effort: u64) -> Result<Particles, Crowded> {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(self.seed);
         let regions = regions(self.populations);
@@ -162,8 +164,8 @@ impl<'a> StartPlan<'a> {
         Ok(particles)
     }
 
-    /// Adds the mean flow of a sheared box to the velocities of the particles at random positions, which are in the order of
-    /// their ids.
+    /// Adds the mean flow of a sheared box to the velocities of the particles at random positions, which are in the
+    /// order of their ids.
     fn add_mean_flow(self, particles: &mut Particles) {
         let mut first = 0;
         for population in self.populations {
@@ -267,7 +269,7 @@ struct There<'a> {
 
 /// Finds overlapping pairs in which at least one particle may move, and sorts the particles. Returns the indices of
 /// both particles of each pair. Also returns the number of overlaps, with particles and walls, that are deeper than
-/// allowed.
+/// half the enlargement of the radii.
 fn look_for_overlaps(
     particles: &mut Particles,
     list: &mut NeighbourList,
@@ -327,8 +329,8 @@ fn insert_again(
     }
 }
 
-/// Ids and indices of the particles that draw new positions. They are sorted by id, so that the draws do not depend on
-/// the order of the store.
+/// Ids and indices of the particles that draw new positions, one of each overlapping pair. They are sorted by id, so
+/// that the draws do not depend on the order of the store.
 fn displaced(particles: &Particles, overlaps: &[(u32, u32)], may_move: &dyn Fn(u32) -> bool) -> Vec<(u32, u32)> {
     let mut again: Vec<(u32, u32)> = overlaps
         .iter()

@@ -1,5 +1,5 @@
-//! Random starts that several processes make together. Each process draws all particles, and keeps those in its block
-//! of the box and those near it.
+//! Random starts that several processes make together. Each process draws all particles, and keeps the particles in its
+//! block (part of the box) and near that block.
 
 use super::draw::draw;
 use super::{
@@ -26,7 +26,8 @@ pub struct Start {
     pub count: usize,
     /// Checksum of the particles of all processes, as [`Particles::fingerprint`] computes it.
     pub fingerprint: u64,
-    /// True if `particles` are only the particles in the block of this process.
+    /// True if `particles` are the particles in the block (part of the box) of this process; false if they are all
+    /// particles.
     pub is_part: bool,
 }
 
@@ -117,7 +118,8 @@ fn part(experiment: &Experiment, communicator: &dyn Communicator) -> Result<Part
     Err(Crowded { wanted, reached, room: room.volume(), given_up: false, most: None })
 }
 
-/// Removes all particles for which `stays` is false. Its arguments are the particles and the index of one of them.
+/// Removes all particles for which `stays` returns false. The arguments of `stays` are the particles and the index of
+/// one particle.
 fn keep(particles: &mut Particles, stays: impl Fn(&Particles, usize) -> bool) {
     let places: Vec<u32> = (0..particles.len() as u32).filter(|place| stays(particles, *place as usize)).collect();
     particles.reorder(&places);

@@ -66,9 +66,9 @@ pub fn relax(particles: &mut Particles, is_free: &[bool], room: &FreeRoom) -> us
     settle(particles, is_free, room, MARGIN)
 }
 
-/// Moves free particles as [`relax`] does, but with any enlargement of the radii. The caller has already enlarged the
-/// radii by the fraction `margin` [-]. Overlaps of up to half of this enlargement may remain. Returns the number of
-/// deeper overlaps.
+/// Moves the free particles (those for whose id `is_free` is true) until no overlap is too deep, and returns the number
+/// of overlaps that are still too deep. The caller has already enlarged the radii by the fraction `margin` [-]. An
+/// overlap is too deep if it exceeds half of this enlargement.
 fn settle(particles: &mut Particles, is_free: &[bool], room: &FreeRoom, margin: f64) -> usize {
     let scene = &room.scene;
     let (mut list, mut slots) = (NeighbourList::default(), Vec::new());
@@ -113,8 +113,9 @@ fn settle(particles: &mut Particles, is_free: &[bool], room: &FreeRoom, margin: 
     deep
 }
 
-/// Writes the repulsive forces of all overlaps into `force`: each is the overlap [m], along the normal of the two
-/// bodies. Returns the number of overlaps of free particles that are deeper than allowed.
+/// Writes the repulsive forces of all overlaps into `force`: each is the overlap [m] times the unit normal of the two
+/// bodies. Returns the number of overlaps of free particles that exceed half of the enlargement of the radii by
+/// `margin` [-].
 fn overlaps(
     list: &NeighbourList,
     slots: &[u32],

@@ -1,4 +1,4 @@
-//! A histogram whose range adapts to the values.
+//! A histogram whose range grows with the largest value.
 
 use crate::exact::{ExactSum, add_rows};
 use serde::{Deserialize, Serialize};
@@ -11,17 +11,17 @@ const BINS: usize = 512;
 /// doubles when a value lies beyond the last bin. Numbers are in the unit of the quantity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Histogram {
-    /// Width of a bin; 0 before the first positive value.
+    /// Width of a bin, in the unit of the values; 0 before the first positive value.
     pub width: f64,
     /// Number of values in each bin.
     pub counts: Vec<u64>,
     /// Number of values that were counted, over all bins.
     pub total: u64,
-    /// Largest value; 0 before the first value.
+    /// Largest value that was counted, in the unit of the values; 0 before the first value.
     pub maximum: f64,
     /// Exact sum of all values that were counted.
     sum: Box<ExactSum>,
-    /// Sum of the squares of all values.
+    /// Exact sum of the squares of all values that were counted.
     sum_of_squares: Box<ExactSum>,
 }
 
@@ -49,7 +49,7 @@ impl Histogram {
 
     /// Counts several values, with the result of [`add`](Self::add) for each value.
     pub fn add_all(&mut self, mut values: impl Iterator<Item = f64>) {
-        /// Number of values that are collected before one call adds them to the exact sums.
+        /// Number of values that are collected before one call adds all of them to the exact sums.
         const ROWS: usize = 32;
         let mut rows = [[0.0; 2]; ROWS];
         loop {
@@ -70,7 +70,7 @@ impl Histogram {
         }
     }
 
-    /// Counts a value in its bin. Returns true if the value must be added to the sums.
+    /// Counts a value in its bin. Returns true for a positive finite value, which must also be added to the sums.
     fn place(&mut self, value: f64) -> bool {
         if !value.is_finite() {
             return false;
@@ -95,7 +95,7 @@ impl Histogram {
         true
     }
 
-    /// Adds the counts and sums of another histogram.
+    /// Adds the counts and sums of another histogram of the same quantity.
     pub fn merge(&mut self, other: &Self) {
         let mut other = other.clone();
         if self.width == 0.0 || other.width == 0.0 {

@@ -9,19 +9,21 @@ use serde::{Deserialize, Serialize};
 pub struct Impact {
     /// [m/s] normal speed of approach at first touch, positive.
     pub normal_speed: f64,
-    /// [m/s] normal speed of separation at the end of the impact.
+    /// [m/s] normal speed of separation at the end of the impact; positive if the bodies separate.
     pub rebound_speed: f64,
     /// [s] duration of the contact; 0 for a collision.
     pub duration: f64,
-    /// [-] overlap when the impact was first detected, divided by the (smaller) diameter; 0 for an event-driven
-    /// collision.
+    /// [-] overlap when the impact was first detected, divided by the smaller diameter of the two bodies; 0 for an
+    /// event-driven collision.
     pub first_overlap: f64,
-    /// [-] largest overlap during the impact divided by the (smaller) diameter; 0 for an event-driven collision.
+    /// [-] largest overlap during the impact, divided by the smaller diameter of the two bodies; 0 for an event-driven
+    /// collision.
     pub maximum_overlap: f64,
     /// [s] time integral over the impact of the relative overlap (overlap divided by the smaller diameter); 0 for a
     /// collision.
     pub overlap_time: f64,
-    /// Contact that this impact replaces, if an engine with lasting contacts computed the impact as instantaneous.
+    /// Soft contact that this instantaneous impact replaces, in an engine that also has lasting contacts; otherwise
+    /// `None`.
     pub left_out: Option<LeftOut>,
     /// Slip of the surfaces before and after the impact; `None` for spheres without rotation.
     pub slip: Option<SlipChange>,
@@ -35,7 +37,7 @@ pub struct SlipChange {
     /// [m/s] component of the slip at the end in the direction of the slip at first touch; negative if the slip is
     /// reversed.
     pub after: f64,
-    /// True if the surfaces slide all the time: the tangential impulse J_t is at Coulomb's limit μ J_n.
+    /// True if the surfaces slide during the whole impact: the tangential impulse J_t is at Coulomb's limit μ J_n.
     pub slides: bool,
 }
 
@@ -52,12 +54,12 @@ impl SlipChange {
     }
 }
 
-/// Sums over the impacts of bodies that rotate.
+/// Sums over the impacts of bodies that rotate, in which surfaces slip (move tangentially against each other).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Slips {
     /// Number of impacts between bodies that rotate.
     pub count: u64,
-    /// Number of impacts in which the surfaces slide all the time.
+    /// Number of impacts in which the surfaces slide during the whole impact.
     pub sliding: u64,
     squares: ExactSum,
     products: ExactSum,
@@ -94,7 +96,7 @@ impl Slips {
         (squares > 0.0).then(|| -self.products.value() / squares)
     }
 
-    /// [-] share of the impacts in which the surfaces slide all the time; `None` without impacts.
+    /// [-] share of the impacts in which the surfaces slide during the whole impact; `None` without impacts.
     pub fn share_sliding(&self) -> Option<f64> {
         (self.count > 0).then(|| self.sliding as f64 / self.count as f64)
     }
@@ -104,18 +106,19 @@ impl Slips {
 /// contact law.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LeftOut {
-    /// [s] duration of the contact.
+    /// [s] duration that the replaced contact would have had.
     pub duration: f64,
-    /// [-] largest overlap divided by the (smaller) diameter.
+    /// [-] largest overlap that the replaced contact would have had, divided by the smaller diameter of the two bodies.
     pub overlap: f64,
 }
 
 /// Sums over contacts that an engine replaced by instantaneous impacts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct InstantaneousContacts {
-    /// Number of contacts that were replaced.
+    /// Number of contacts that the engine replaced by instantaneous impacts.
     pub count: u64,
-    /// [-] largest overlap that any of these contacts would have reached, divided by the (smaller) diameter.
+    /// [-] largest overlap that any of the replaced contacts would have reached, divided by the smaller diameter of its
+    /// two bodies.
     pub largest_overlap: f64,
     duration: ExactSum,
     overlap: ExactSum,
@@ -130,17 +133,17 @@ pub struct Impacts {
     pub count: u64,
     /// [m/s] normal speed of approach of each impact.
     pub normal_speed: Histogram,
-    /// [-] largest overlap of each impact divided by the (smaller) diameter.
+    /// [-] largest overlap of each impact, divided by the smaller diameter of the two bodies.
     pub maximum_overlap: Histogram,
-    /// [-] first detected overlap of each impact divided by the (smaller) diameter.
+    /// [-] first detected overlap of each impact, divided by the smaller diameter of the two bodies.
     pub first_overlap: Histogram,
     /// [-] realised restitution of each impact: speed of rebound divided by speed of approach.
     pub restitution: Histogram,
-    /// [s] durations of the contacts.
+    /// [s] duration of the contact of each impact; 0 for a collision.
     pub duration: Histogram,
     /// Contacts that an engine replaced by instantaneous impacts.
     pub instants: InstantaneousContacts,
-    /// Slips of impacts between bodies that rotate.
+    /// Sums over the slips (tangential relative velocities) in impacts between bodies that rotate.
     pub slips: Slips,
     rebound_squares: ExactSum,
     overlap_time: ExactSum,
@@ -178,27 +181,29 @@ impl InstantaneousContacts {
         }
     }
 
-    /// [s] sum of the durations that the contacts would have had.
+    /// [s] sum of the durations that the replaced contacts would have had.
     pub fn duration(&self) -> f64 {
         self.duration.value()
     }
 
-    /// [-] sum of the largest overlaps that the contacts would have had, each divided by the (smaller) diameter.
+    /// [-] sum of the largest overlaps that the replaced contacts would have had, each divided by the smaller diameter
+    /// of the two bodies.
     pub fn overlap(&self) -> f64 {
         self.overlap.value()
     }
 
-    /// [m²/s²] sum of the squared normal speeds of approach.
+    /// [m²/s²] sum of the squared normal speeds of approach of the impacts that replaced contacts.
     pub fn approach_squares(&self) -> f64 {
         self.approach_squares.value()
     }
 
-    /// [m²/s²] sum of the squared normal speeds of rebound.
+    /// [m²/s²] sum of the squared normal speeds of rebound of the impacts that replaced contacts.
     pub fn rebound_squares(&self) -> f64 {
         self.rebound_squares.value()
     }
 
-    /// [-] realised restitution of these impacts, defined as in [`Summary`]; `None` without such impacts.
+    /// [-] realised restitution of the impacts that replaced contacts: square root of the ratio of the two sums of
+    /// squared speeds, rebound over approach. `None` without such impacts.
     pub fn restitution(&self) -> Option<f64> {
         (self.count > 0).then(|| (self.rebound_squares() / self.approach_squares()).sqrt())
     }
@@ -260,7 +265,7 @@ impl Impacts {
         }
     }
 
-    /// [m²/s²] sum of the squared normal speeds of rebound.
+    /// [m²/s²] sum of the squared normal speeds of rebound over all impacts.
     pub fn rebound_squares(&self) -> f64 {
         self.rebound_squares.value()
     }
@@ -289,33 +294,37 @@ impl Impacts {
     }
 }
 
-/// Summary of impacts; values are `None` without impacts. Overlaps are relative to the (smaller) diameter.
+/// Means and largest values of impacts; `None` without impacts. Overlaps are divided by the smaller diameter of the two
+/// bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
     /// Number of impacts that have ended.
     pub count: u64,
-    /// [m/s] mean normal speed of approach.
+    /// [m/s] mean normal speed of approach at first touch.
     pub mean_normal_speed: Option<f64>,
     /// [-] realised restitution: square root of the normal kinetic energy after the impacts divided by that before
     /// them, each summed over all impacts. A grazing impact, whose normal turns during the contact, has little normal
     /// energy and so counts little.
     pub mean_restitution: Option<f64>,
-    /// [-] realised tangential restitution β, as in [`Slips::restitution`]; `None` also where spheres do not rotate.
+    /// [-] realised tangential restitution β: -1 without friction, 1 if every slip is reversed
+    /// ([`Slips::restitution`]). `None` without slips, and where spheres do not rotate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tangential_restitution: Option<f64>,
-    /// [-] share of the impacts in which the surfaces slide all the time; `None` also where spheres do not rotate.
+    /// [-] share of the impacts in which the surfaces slide during the whole impact; `None` without impacts, and where
+    /// spheres do not rotate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub share_sliding: Option<f64>,
     /// [s] mean duration of a contact.
     pub mean_duration: Option<f64>,
-    /// [-] mean of the first detected overlaps of the contacts.
+    /// [-] mean of the overlaps at which impacts were first detected, each divided by the smaller diameter.
     pub mean_first_overlap: Option<f64>,
-    /// [-] time average of the overlap during the contacts; `None` also if all impacts were instantaneous.
+    /// [-] time average, during the contacts, of the overlap divided by the smaller diameter. `None` without impacts,
+    /// and if all impacts were instantaneous.
     pub time_mean_overlap: Option<f64>,
-    /// [-] mean of the largest overlaps of the contacts.
+    /// [-] mean of the largest overlaps of the contacts, each divided by the smaller diameter.
     pub mean_maximum_overlap: Option<f64>,
-    /// [-] overlap that is not exceeded in 99 % of the impacts.
+    /// [-] overlap, divided by the smaller diameter, that is not exceeded in 99 % of the impacts.
     pub p99_maximum_overlap: Option<f64>,
-    /// [-] largest overlap of all impacts.
+    /// [-] largest overlap of all impacts, divided by the smaller diameter.
     pub largest_overlap: Option<f64>,
 }

@@ -15,7 +15,7 @@ pub struct Between {
 }
 
 impl Between {
-    /// Makes the sorted pair from two kinds in any order.
+    /// Makes the sorted pair from a species and another species or a wall, in any order.
     #[inline]
     pub fn of(species: u16, other: Kind) -> Self {
         let (species, other) = in_order(species, other);
@@ -54,7 +54,7 @@ impl MeetingTotals {
     }
 }
 
-/// Sums over impacts up to one instant, for every pair of kinds that has had impacts.
+/// Sums over impacts up to one instant, for every pair of kinds (each a species or a wall) that has had impacts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ByKinds(Vec<(Between, MeetingTotals)>);
 
@@ -65,7 +65,7 @@ impl ByKinds {
         place.map_or_else(|_| MeetingTotals::default(), |place| self.0[place].1)
     }
 
-    /// Pairs of kinds that have had impacts, in ascending order.
+    /// Pairs of kinds (each a species or a wall) that have had impacts, in ascending order.
     pub fn met(&self) -> impl Iterator<Item = Between> {
         self.0.iter().map(|(between, _)| *between)
     }
@@ -80,7 +80,8 @@ struct MeetingSums {
     rebound: ExactSum,
 }
 
-/// Exact running sums for every pair of kinds that has had impacts. The order of the impacts does not matter.
+/// Exact running sums for every pair of kinds (each a species or a wall) that has had impacts. Exact sums do not depend
+/// on the order of the impacts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Meetings(Vec<(Between, MeetingSums)>);
 
@@ -96,7 +97,7 @@ impl Meetings {
         &mut self.0[place].1
     }
 
-    /// Adds impacts between two kinds to the sums.
+    /// Adds impacts between two kinds of bodies (each a species or a wall) to the sums of this pair of kinds.
     pub fn add_all<'a>(&mut self, between: Between, impacts: impl Iterator<Item = &'a Impact>) {
         let row = |impact: &Impact| {
             let Impact { normal_speed, rebound_speed, .. } = impact;
@@ -119,7 +120,7 @@ impl Meetings {
         }
     }
 
-    /// Rounded values of the sums over the impacts so far.
+    /// Sums over the impacts so far, rounded to double precision.
     pub fn totals(&self) -> ByKinds {
         let totals = |MeetingSums { count, speed, approach, rebound }: &MeetingSums| MeetingTotals {
             count: *count,

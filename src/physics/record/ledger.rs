@@ -34,7 +34,8 @@ pub const BY_SHEAR: [usize; 4] = [32, 33, 34, 35];
 /// Index, in the array of a ledger, of the work of a thermostat. The three components of its impulse follow.
 const BY_THERMOSTAT: usize = 36;
 
-/// Index of the entry of the energy that came in by flow, which the three entries of its momentum follow.
+/// Index, in the array of a ledger, of the energy of particles that came in less that of particles that left. The three
+/// components of their momentum follow.
 const BY_FLOW: usize = 40;
 
 /// Totals of energy and momentum of an island (a group of particles that may meet), a window (the time between two
@@ -52,15 +53,15 @@ pub struct Ledger {
     pub gravity_work: f64,
     /// [J] work done on the particles by walls whose surface moves tangentially.
     pub wall_work: f64,
-    /// [J] lost to restitution (dashpot) between particles, >= 0.
+    /// [J] energy lost to restitution (dashpot) in impacts between particles, >= 0.
     pub pair_restitution_loss: f64,
-    /// [J] lost to friction between particles, >= 0.
+    /// [J] energy lost to friction in impacts between particles, >= 0.
     pub pair_friction_loss: f64,
-    /// [J] lost to restitution (dashpot) at walls, >= 0 except in the TC model of hard spheres (contact time t_c). In
-    /// that model, a sphere that begins to rest on a wall under the acceleration a_n gains m a_n² t_c²/32 from the
-    /// wall, which is subtracted here.
+    /// [J] energy lost to restitution (dashpot) in impacts on walls, >= 0 except in the TC model of hard spheres
+    /// (contact time t_c). In that model, a sphere that begins to rest on a wall under the acceleration a_n gains m
+    /// a_n² t_c²/32 from the wall, which is subtracted here.
     pub wall_restitution_loss: f64,
-    /// [J] lost to friction at walls, >= 0.
+    /// [J] energy lost to friction in impacts on walls, >= 0.
     pub wall_friction_loss: f64,
     /// [J] energy that collisions would have lost if the TC model had not made them elastic, >= 0. The particles keep
     /// this energy, so it is not part of the balance.
@@ -77,19 +78,19 @@ pub struct Ledger {
     /// as columns. The vector r points from the centre of the first particle to that of the second, and f is the force
     /// on the second particle. For a collision, the impulse takes the place of the integral of f.
     pub pair_virial: Matrix3<f64>,
-    /// Parts of the two losses by friction; 0 for spheres without rotation.
+    /// Parts of the losses by friction between particles and at walls; 0 for spheres without rotation.
     pub friction: FrictionLosses,
     /// [J] work of the shear of a sheared box on the particles in the box: where they cross a sheared side they get the
     /// velocity of their image, and a contact across that side acts on the image.
     pub shear_work: f64,
-    /// [kg m/s] momentum that particles get where they cross a sheared side.
+    /// [kg m/s] momentum that particles gain where they cross a sheared side and get the velocity of their image.
     pub shear_impulse: Vector3<f64>,
     /// [J] energy given to the particles by a thermostat, and by thermal walls beyond their other work.
     pub thermostat_work: f64,
     /// [kg m/s] momentum given to the particles by a thermostat; zero but for rounding.
     pub thermostat_impulse: Vector3<f64>,
-    /// [J] kinetic, rotational and elastic energy of the particles that came in through inlets, less that of the particles
-    /// that left through outlets. The elastic energy is that of the contacts that were cut.
+    /// [J] kinetic, rotational and elastic energy of the particles that came in through inlets, less that of the
+    /// particles that left through outlets. The elastic energy is that of the contacts that were cut.
     pub flow_energy: f64,
     /// [kg m/s] momentum of the particles that came in through inlets, less that of those that left through outlets.
     pub flow_impulse: Vector3<f64>,
@@ -122,17 +123,18 @@ impl std::ops::Neg for Ledger {
 /// rest of the loss is sliding friction ([`Ledger::sliding_loss`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FrictionLosses {
-    /// Loss by the tangential dashpot of a soft contact while its surfaces stick, or loss by a hard impact whose
-    /// surfaces stick under Walton's rule.
+    /// Loss [J] (or its power [W]) by the tangential dashpot of a soft contact while its surfaces stick, or by a hard
+    /// impact whose surfaces stick under Walton's rule.
     pub tangential_restitution: f64,
-    /// Energy stored in the tangential, rolling and twisting springs of contacts at the end of these contacts.
+    /// Energy [J] (or power [W]) lost at the end of contacts: the energy that is then stored in their tangential,
+    /// rolling and twisting springs.
     pub separation: f64,
-    /// Loss by Mindlin's tangential spring when its stiffness changes with the overlap. With the rescaled history the
-    /// spring never gains energy, so the loss is >= 0.
+    /// Loss [J] (or its power [W]) by Mindlin's tangential spring when its stiffness changes with the overlap. With the
+    /// rescaled history the spring never gains energy, so the loss is >= 0.
     pub rescaling: f64,
-    /// Loss by rolling resistance: by the limit of its torque and by its dashpot.
+    /// Loss [J] (or its power [W]) by rolling resistance: by the limit of its torque and by its dashpot.
     pub rolling: f64,
-    /// Loss by twisting resistance: by the limit of its torque and by its dashpot.
+    /// Loss [J] (or its power [W]) by twisting resistance: by the limit of its torque and by its dashpot.
     pub twisting: f64,
 }
 
@@ -173,35 +175,38 @@ impl std::ops::AddAssign for FrictionLosses {
 }
 
 impl Ledger {
-    /// [J] lost to sliding friction: the losses by friction less the other parts of [`FrictionLosses`].
+    /// [J] energy lost to sliding friction: all losses by friction less the five parts of [`FrictionLosses`].
     pub fn sliding_loss(&self) -> f64 {
         self.pair_friction_loss + self.wall_friction_loss - self.friction.sum()
     }
 
-    /// [J] energy that the particles lost in impacts.
+    /// [J] energy that the particles lost in impacts, by restitution and by friction.
     pub fn dissipated(&self) -> f64 {
         self.pair_restitution_loss + self.pair_friction_loss + self.wall_restitution_loss + self.wall_friction_loss
     }
 
-    /// [J] energy that drag, gravity, moving walls, shear and a thermostat have given to the particles, and that came in
-    /// through inlets less that which left through outlets.
+    /// [J] energy that drag, gravity, moving walls, shear and a thermostat have given to the particles, and that came
+    /// in through inlets less that which left through outlets.
     pub fn work(&self) -> f64 {
         self.gains().iter().sum()
     }
 
-    /// [J] energies that the particles have gained in other ways than by impacts; negative where they lost some.
+    /// [J] energies that the particles have gained in other ways than by impacts: works of drag, gravity, walls, shear
+    /// and thermostat, and energy by inlets and outlets. A negative number is a loss.
     fn gains(&self) -> [f64; 6] {
         let Self { drag_work, gravity_work, wall_work, shear_work, thermostat_work, flow_energy, .. } = *self;
         [drag_work, gravity_work, wall_work, shear_work, thermostat_work, flow_energy]
     }
 
-    /// [J] total energy turnover: the sum of the magnitudes of the energy at the start [J] and of all gains but those by
-    /// impacts. These are the works of drag, gravity, walls, shear and a thermostat, and the energy that came in and left.
+    /// [J] total energy turnover: the sum of the magnitudes of the energy at the start [J] and of all gains but those
+    /// by impacts. These are the works of drag, gravity, walls, shear and a thermostat, and the energy that came in and
+    /// left.
     pub fn through(&self, energy_at_start: f64) -> f64 {
         self.gains().iter().fold(energy_at_start.abs(), |sum, gain| sum + gain.abs())
     }
 
-    /// [J] residual of the balance, from kinetic plus elastic energy at the start and now [J].
+    /// [J] residual of the energy balance: the change of energy that work and losses do not explain. Both arguments are
+    /// kinetic plus elastic energy [J]: `energy_at_start` at the start, `energy_now` at present.
     pub fn residual(&self, energy_at_start: f64, energy_now: f64) -> f64 {
         energy_now - energy_at_start - self.work() + self.dissipated()
     }
@@ -269,7 +274,7 @@ impl Ledger {
         *self = Self::from_array(all);
     }
 
-    /// Makes a ledger from its numbers, in the order of `to_array`.
+    /// Makes a ledger from its numbers, in the order of [`to_array`](Self::to_array).
     fn from_array(all: [f64; ENTRIES]) -> Self {
         let vector = |first: usize| Vector3::new(all[first], all[first + 1], all[first + 2]);
         Self {
@@ -354,13 +359,13 @@ impl Books {
         std::array::from_fn(|axis| self.sums[BY_WALLS + axis].clone())
     }
 
-    /// Adds the sums of another ledger.
+    /// Adds the exact sums of another ledger, such as that of another process.
     pub fn merge(&mut self, other: &Self) {
         self.sums.iter_mut().zip(&other.sums).for_each(|(sum, other)| sum.merge(other));
         self.rounded.take();
     }
 
-    /// [kg m/s] momentum given to the particles by walls. Only these three entries are rounded.
+    /// [kg m/s] momentum given to the particles by walls. To save time, no other entry of the ledger is rounded.
     pub fn by_walls(&self) -> Vector3<f64> {
         values(&self.given_by_walls()).into()
     }

@@ -23,12 +23,13 @@ pub struct Log {
     pub impacts: Vec<(Between, Impact)>,
     /// Amounts to add to the ledger of the record.
     pub ledger: Ledger,
-    /// Further amounts for the ledger: one [`Ledger::to_array`] for each island (a group of particles that may meet).
+    /// Amounts for the ledger in addition to `ledger`: one [`Ledger::to_array`] for each island (a group of particles
+    /// that may meet).
     pub islands: Vec<[f64; ENTRIES]>,
 }
 
-/// Number of impacts that one thread counts at a time. For fewer impacts, merging the counts of two threads would take
-/// longer than counting.
+/// Number of impacts that one thread counts at a time. For fewer impacts, two threads would be slower than one, because
+/// their counts must be merged.
 const TOGETHER: usize = 4096;
 
 impl Record {
@@ -83,11 +84,11 @@ impl Record {
 pub struct Record {
     /// Sums and histograms over the impacts between particles.
     pub pairs: Impacts,
-    /// Impacts of particles on walls.
+    /// Sums and histograms over the impacts of particles on walls.
     pub walls: Impacts,
-    /// All impacts, separate for each pair of kinds.
+    /// Sums over all impacts, separate for each pair of kinds (each a species of particles or a wall).
     pub kinds: Meetings,
-    /// Energy and momentum, as exact sums.
+    /// Energies and momenta that particles gained or lost since the start, as exact sums.
     pub ledger: Books,
 }
 

@@ -26,22 +26,22 @@ use viscoelastic::damping_for;
 pub enum RestitutionBySpeed {
     /// Restitution e = min(1, (u/u_c)^-p), measured for ice (Bridges, Hatzes and Lin 1984, Nature 309, 333).
     Bridges {
-        /// [m/s] speed u_c > 0 up to which impacts are elastic.
+        /// [m/s] normal speed u_c > 0 up to which impacts are elastic.
         speed: f64,
-        /// [-] exponent p >= 0.
+        /// [-] exponent p >= 0 in e = (u/u_c)^-p.
         exponent: f64,
     },
     /// Restitution e = max(e_min, 1 - (1 - e_1) (u/u_1)^q). The form 1 - B u^q has q = 1/5 as the first term of
     /// viscoelastic spheres (Kuwabara and Kono 1987, Jpn. J. Appl. Phys. 26, 1230). It has q = 3/4 with e_min = e_1 in
     /// simulations of shaken beds (Bizon et al. 1998, Phys. Rev. Lett. 80, 57).
     Power {
-        /// [-] restitution e_1 at the speed u_1.
+        /// [-] restitution e_1 at the normal speed u_1.
         restitution: f64,
-        /// [m/s] speed u_1 > 0.
+        /// [m/s] normal speed u_1 > 0 at which the restitution is e_1.
         speed: f64,
-        /// [-] exponent q > 0.
+        /// [-] exponent q > 0 in e = 1 - (1 - e_1) (u/u_1)^q.
         exponent: f64,
-        /// [-] smallest restitution e_min.
+        /// [-] smallest restitution e_min, which fast impacts have.
         least: f64,
     },
     /// Restitution of viscoelastic spheres, whose force is k δ^(3/2) + 3/2 A k sqrt(δ) dδ/dt at the overlap δ
@@ -49,9 +49,9 @@ pub enum RestitutionBySpeed {
     /// k [N/m^1.5] is that of Hertz's law, and A [s] a time of the material. With the effective mass M, e is a function
     /// of β = 3/2 A (k/M)^(2/5) u^(1/5) alone ([`viscoelastic_impact`]).
     Viscoelastic {
-        /// [-] restitution e_1 at the speed u_1.
+        /// [-] restitution e_1 at the normal speed u_1.
         restitution: f64,
-        /// [m/s] speed u_1 > 0.
+        /// [m/s] normal speed u_1 > 0 at which the restitution is e_1.
         speed: f64,
         /// [(s/m)^(1/5)] constant β/u^(1/5) of the two bodies, as [`RestitutionBySpeed::viscoelastic`] computes it from
         /// e_1 and u_1.

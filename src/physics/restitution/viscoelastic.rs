@@ -1,36 +1,36 @@
 //! Impact of two viscoelastic spheres: one function of one number.
 //!
-//! In units of the mass M, the speed of approach u and Hertz's constant k, the overlap x obeys x'' = -x^(3/2) - β sqrt(x)
-//! x'. At touch x = 0 and x' = 1. The impact ends when x = 0 again. With w = sqrt(x), p = x' and the variable σ,
-//! dt = 2 w dσ, the equations are polynomials: dw/dσ = p, dp/dσ = -2 w² (w² + β p). So the classical Runge-Kutta method
-//! keeps its order at touch and at the end, where force and time have roots.
+//! In units of the mass M, the speed of approach u and Hertz's constant k, the overlap x obeys x'' = -x^(3/2) - β
+//! sqrt(x) x'. At touch x = 0 and x' = 1. The impact ends when x = 0 again. With w = sqrt(x), p = x' and the variable
+//! σ, dt = 2 w dσ, the equations are polynomials: dw/dσ = p, dp/dσ = -2 w² (w² + β p). So the classical Runge-Kutta
+//! method keeps its order at touch and at the end, where force and time have roots.
 
 use std::sync::LazyLock;
 
-/// [-] step of σ over the time scale of the equations. The error of the method is below 1e-9.
+/// [-] step of the integration variable σ over the time scale of the equations. The error of the method is below 1e-9.
 const STEP: f64 = 0.02;
-/// [-] largest β/(1 + β) of the table: β = 9, where e is 9e-5.
+/// [-] largest β/(1 + β) in the table of impacts, with the damping β: β = 9, where the restitution e is 9e-5.
 const LARGEST: f64 = 0.9;
-/// Number of intervals of the table. Cubic interpolation errs by less than 2e-9 of the values.
+/// Number of intervals of the table of impacts. Cubic interpolation errs by less than 2e-9 of the values.
 const INTERVALS: usize = 1024;
 
 /// Impact of two viscoelastic spheres, in units of the mass M, the speed of approach u and Hertz's constant k.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViscoelasticImpact {
-    /// [-] restitution e.
+    /// [-] restitution e: speed of rebound over speed of approach.
     pub restitution: f64,
-    /// [-] contact time, over (M²/(k² u))^(1/5).
+    /// [-] contact time in units of (M²/(k² u))^(1/5).
     pub duration: f64,
-    /// [-] largest overlap, over (M u²/k)^(2/5).
+    /// [-] largest overlap in units of (M u²/k)^(2/5).
     pub depth: f64,
 }
 
 /// State of an impact at one instant, in units of the mass M, the speed of approach u and Hertz's constant k.
 #[derive(Clone, Copy)]
 struct ImpactState {
-    /// Square root of the overlap.
+    /// [-] square root of x, where x is the overlap in units of (M u²/k)^(2/5).
     root: f64,
-    /// Rate of change of the overlap.
+    /// [-] rate of change of the overlap over the speed of approach u; 1 at touch, negative during the rebound.
     rate: f64,
     time: f64,
 }
@@ -107,10 +107,10 @@ static TABLE: LazyLock<Vec<[f64; 3]>> = LazyLock::new(|| {
 
 /// Impact of two viscoelastic spheres with the damping β = 3/2 A (k/M)^(2/5) u^(1/5) [-], β >= 0.
 ///
-/// For small β, e = 1 - C1 β + C2 β² - ... with C1 = 1.15344 and C2 = 3/5 C1² (Ramírez, Pöschel, Brilliantov and Schwager
-/// 1999, Phys. Rev. E 60, 4465). The series diverges for fast impacts; this function is the solution of the equation of
-/// motion, to 2e-9. An impact ends when the overlap is zero, so the force attracts at its end. Beyond β = 9, where e is
-/// below 1e-4, e falls as β^-5, and the duration is that of β = 9.
+/// For small β, e = 1 - C1 β + C2 β² - ... with C1 = 1.15344 and C2 = 3/5 C1² (Ramírez, Pöschel, Brilliantov and
+/// Schwager 1999, Phys. Rev. E 60, 4465). The series diverges for fast impacts; this function is the solution of the
+/// equation of motion, to 2e-9. An impact ends when the overlap is zero, so the force attracts at its end. Beyond β =
+/// 9, where e is below 1e-4, e falls as β^-5, and the duration is that of β = 9.
 pub fn viscoelastic_impact(damping: f64) -> ViscoelasticImpact {
     let stretched = 1.0 + damping;
     let place = (damping / stretched).min(LARGEST) / LARGEST * INTERVALS as f64;
@@ -132,7 +132,7 @@ pub fn viscoelastic_impact(damping: f64) -> ViscoelasticImpact {
     }
 }
 
-/// [-] damping β with which an impact has the restitution `restitution`, 0 < e <= 1.
+/// [-] damping β of viscoelastic spheres with which an impact has the restitution `restitution`, 0 < e <= 1.
 pub fn damping_for(restitution: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     while viscoelastic_impact(high).restitution > restitution {

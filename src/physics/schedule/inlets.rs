@@ -1,14 +1,16 @@
-//! Windows of scenes with inlets.
+//! Lengths of windows in scenes with inlets. A window is the time between two exchanges with the gas; particles come in
+//! at its end.
 
 use crate::experiment::Experiment;
 use crate::scene::Inlet;
 
-/// [-] largest share of the volume of an inlet that the particles of one window fill. Random sequential addition, by which
-/// they come in, is fast at this share; it jams at 0.382 (Talbot, Schaaf and Tarjus 1991).
+/// [-] largest share of the volume of an inlet that the particles of one window fill. At this share, random sequential
+/// addition, which places these particles, is fast; it jams at 0.382 (Talbot, Schaaf and Tarjus 1991).
 const FILLED: f64 = 0.1;
 
-/// [s] longest window with inlets, through which particles come at the ends of windows; infinite without inlets. In one
-/// window the particles of an inlet fill a tenth of its region, and particles at the mean velocity leave a half of it.
+/// [s] longest window with inlets, through which particles come in at the ends of windows; infinite without inlets. In
+/// one window, the particles of an inlet fill at most a tenth of its region, and their mean velocity carries them at
+/// most half-way through the region.
 pub fn longest_for_inlets(experiment: &Experiment) -> f64 {
     let scene = &experiment.scene;
     let longest = |inlet: &Inlet| {

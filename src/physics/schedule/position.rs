@@ -1,4 +1,5 @@
-//! Position of a run in its schedule.
+//! Position of a run in its schedule. A schedule divides a run into windows (times between two exchanges with the gas),
+//! with samples (measurements) at the ends of some windows.
 
 use super::{Schedule, ScheduleStep};
 use serde::{Deserialize, Serialize};
@@ -7,7 +8,8 @@ use serde::{Deserialize, Serialize};
 /// time add up to less than this part over 10⁶ windows.
 const DRIFT: f64 = 1e-3;
 
-/// Position of a run in its schedule. A run may stop at any time within a window; it then completes that window first.
+/// Position of a run in its schedule. A run may stop at any time within a window; the next run completes that window
+/// first.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SchedulePosition {
     schedule: Schedule,
@@ -36,13 +38,14 @@ impl SchedulePosition {
         &self.schedule
     }
 
-    /// [s] present time according to the schedule. In the time of the simulation itself, rounding errors add up over
-    /// millions of windows.
+    /// [s] present time according to the schedule. It is free of the rounding errors that add up, over millions of
+    /// windows, in the time of the simulation itself.
     pub fn now(&self) -> f64 {
         self.cut.unwrap_or_else(|| self.after(0))
     }
 
-    /// [s] time after `windows` more windows of the present length, from the beginning of the present window.
+    /// [s] time after `windows` more windows, each as long as the present window, from the beginning of the present
+    /// window.
     pub fn after(&self, windows: u64) -> f64 {
         (self.done + windows * self.schedule.together(self.done)) as f64 * self.schedule.window
     }
@@ -58,7 +61,7 @@ impl SchedulePosition {
         ((self.done / windows + 1) * windows) as f64 * self.schedule.window
     }
 
-    /// True if the run has reached the end of its schedule. Runs beyond the end have windows of the last length.
+    /// True if the run has reached the end of its schedule. A run beyond the end has windows of the last length.
     pub fn is_over(&self) -> bool {
         self.done == self.schedule.length()
     }
@@ -91,7 +94,7 @@ impl SchedulePosition {
         }
     }
 
-    /// Number of windows of a piece, and the length [s] of each.
+    /// Number of windows of a piece of the run, and the length [s] of each window.
     pub fn lengths(&self, step: ScheduleStep) -> (u64, f64) {
         match step {
             ScheduleStep::Windows(windows) => (windows, self.window()),
@@ -99,7 +102,7 @@ impl SchedulePosition {
         }
     }
 
-    /// Moves the position to the end of a piece, or of the first `ran` windows of it.
+    /// Moves the position to the end of a piece of the run, or to the end of the first `ran` windows of that piece.
     pub fn advance(&mut self, step: ScheduleStep, ran: u64) {
         let together = self.schedule.together(self.done);
         match step {

@@ -10,8 +10,8 @@ use serde::Deserialize;
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ContactFile {
-    /// Restitution e, the ratio of the normal speeds after and before an impact. 1: elastic; 0: no rebound (hard spheres
-    /// only). A table makes it depend on the normal speed of the impact.
+    /// Restitution e, the ratio of the normal speeds after and before an impact. 1: elastic. 0: no rebound, for hard
+    /// spheres alone. A table makes the restitution depend on the normal speed of the impact.
     #[schemars(example = 0.97)]
     #[schemars(extend("x-required" = "where two particles can meet", "x-range" = "0 ..= 1"))]
     pub restitution: Option<Located<RestitutionFile>>,

@@ -54,13 +54,13 @@ pub struct SeenTurbulenceFile {
     #[schemars(extend("x-required" = "or `eddy`", "x-one-of" = "law"))]
     pub langevin: Option<Located<LangevinFile>>,
     /// Discrete random walk (Gosman and Ioannides 1983): each particle sees eddies of constant velocity, one after the
-    /// other. It has no drift, so that light particles gather where the turbulence is weak. Prefer `langevin`.
+    /// other. The model has no drift term, so light particles gather where the turbulence is weak. Prefer `langevin`.
     #[schemars(extend("x-one-of" = "law"))]
     pub eddy: Option<Located<LangevinFile>>,
 }
 
-/// Tables `[fluid.turbulence.langevin]` and `[fluid.turbulence.eddy]`. T_L is the integral time, or the mean lifetime of an
-/// eddy without slip.
+/// Tables `[fluid.turbulence.langevin]` and `[fluid.turbulence.eddy]`: constants of the law. T_L is the integral time
+/// of the gas (`langevin`), or the mean lifetime of an eddy without slip (`eddy`).
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LangevinFile {
@@ -80,8 +80,8 @@ pub struct LiftFile {
     /// True: lift in sheared gas, after Saffman (1965) and Mei (1992).
     #[schemars(example = true, extend("default" = false))]
     pub shear: Option<Located<bool>>,
-    /// True: lift by spin (Magnus force) after Oesterlé and Bui Dinh (1998), and the torque of the gas on the spin. Spheres
-    /// must rotate.
+    /// True: lift by spin (Magnus force) after Oesterlé and Bui Dinh (1998), and the torque of the gas on the spin.
+    /// Spheres must rotate.
     #[schemars(example = true, extend("default" = false))]
     pub spin: Option<Located<bool>>,
 }
@@ -98,16 +98,17 @@ pub struct CouplingFile {
     /// contains no hydrostatic part. Without this key the flow rate is kept constant.
     #[schemars(example = &"40 Pa/m", extend("x-range" = "-1e6 ..= 1e6 Pa/m"))]
     pub pressure_gradient: Option<Located<PressureGradient>>,
-    /// Effect of the particles on the turbulence of the gas, beyond that of the mean velocity.
+    /// Model of the effect of the particles on the turbulence of the gas. The changed mean velocity acts on the
+    /// turbulence in every case.
     #[schemars(example = &"none", extend("default" = "simonin"))]
     pub modulation: Option<Located<ModulationFile>>,
 }
 
-/// Name of a model of turbulence modulation.
+/// Name of a model of turbulence modulation, the effect of the particles on the turbulence of the gas.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ModulationFile {
-    /// No further effect.
+    /// No effect on the turbulence beyond that of the mean velocity.
     None,
     /// Damping of k and ε by the slip of the fluctuations, after Simonin (1996).
     Simonin,
@@ -123,37 +124,37 @@ pub enum DragFile {
     Stokes {},
     /// Drag in suspensions by Wen and Yu (1966).
     WenYu {
-        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A cell is
-        /// at least as wide as a particle.
+        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A
+        /// cell is at least as wide as a particle.
         #[schemars(extend("examples" = [[1, 20, 1]], "x-required" = "always", "x-range" = "1 ..= 10000"))]
         cells: Option<Located<[Located<i64>; 3]>>,
     },
     /// Drag in suspensions by Gidaspow (1994). It is the law of Ergun if the gas fills less than 0.8 of the volume,
     /// else that of Wen and Yu.
     Gidaspow {
-        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A cell is
-        /// at least as wide as a particle.
+        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A
+        /// cell is at least as wide as a particle.
         #[schemars(extend("examples" = [[1, 20, 1]], "x-required" = "always", "x-range" = "1 ..= 10000"))]
         cells: Option<Located<[Located<i64>; 3]>>,
     },
     /// Drag in suspensions by Beetstra, van der Hoef and Kuipers (2007).
     Beetstra {
-        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A cell is
-        /// at least as wide as a particle.
+        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A
+        /// cell is at least as wide as a particle.
         #[schemars(extend("examples" = [[1, 20, 1]], "x-required" = "always", "x-range" = "1 ..= 10000"))]
         cells: Option<Located<[Located<i64>; 3]>>,
     },
     /// Drag in suspensions by Tenneti, Garg and Subramaniam (2011).
     Tenneti {
-        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A cell is
-        /// at least as wide as a particle.
+        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A
+        /// cell is at least as wide as a particle.
         #[schemars(extend("examples" = [[1, 20, 1]], "x-required" = "always", "x-range" = "1 ..= 10000"))]
         cells: Option<Located<[Located<i64>; 3]>>,
     },
     /// Drag in suspensions by Di Felice (1994).
     DiFelice {
-        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A cell is
-        /// at least as wide as a particle.
+        /// Numbers of equal cells along x, y and z in which the local volume fraction of the particles is computed. A
+        /// cell is at least as wide as a particle.
         #[schemars(extend("examples" = [[1, 20, 1]], "x-required" = "always", "x-range" = "1 ..= 10000"))]
         cells: Option<Located<[Located<i64>; 3]>>,
     },
@@ -163,17 +164,17 @@ pub enum DragFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ProfileFile {
-    /// Uniform velocity: equal everywhere.
+    /// Velocity of the gas that is equal everywhere.
     Uniform {
-        /// Velocity along z; 0 means a gas at rest.
+        /// Velocity of the gas along z; 0 means a gas at rest.
         #[schemars(example = &"0 m/s")]
         #[schemars(extend("x-required" = "always", "x-range" = "-1e4 ..= 1e4 m/s"))]
         velocity: Option<Located<Speed>>,
     },
-    /// Velocities from a table in a file.
+    /// Velocities of the gas from a table in a file.
     Table {
-        /// Name of a CSV file with the columns `y_m,U_m_s`, relative to the folder of the file that contains this key. For
-        /// `fluid.turbulence` it also has the columns `k_m2_s2` and `epsilon_m2_s3`.
+        /// Name of a CSV file with the columns `y_m,U_m_s`, relative to the folder of the file that contains this key.
+        /// For `fluid.turbulence` it also has the columns `k_m2_s2` and `epsilon_m2_s3`.
         #[schemars(example = &"gas.csv", extend("x-required" = "always"))]
         file: Option<Located<String>>,
     },
@@ -184,7 +185,7 @@ pub enum ProfileFile {
         #[schemars(example = 42000)]
         #[schemars(extend("x-required" = "always", "x-range" = "10000 ..= 1e8", "minimum" = 6000))]
         reynolds_number: Option<Located<Ratio>>,
-        /// Name of the k-ε model.
+        /// Name of the k-ε model of the channel flow.
         #[schemars(example = &"launder_sharma", extend("default" = "wall_functions"))]
         model: Option<Located<TurbulenceFile>>,
     },
@@ -214,10 +215,10 @@ pub enum ProfileFile {
         /// number.
         #[schemars(example = 42000, extend("x-range" = "6000 ..= 1e8", "x-one-of" = "flow rate"))]
         reynolds_number: Option<Located<Ratio>>,
-        /// Von Kármán's constant κ.
+        /// Von Kármán's constant κ of the logarithmic law.
         #[schemars(example = 0.4, extend("default" = 0.41, "x-range" = "0.2 ..= 0.8"))]
         von_karman: Option<Located<Ratio>>,
-        /// Additive constant B of the law.
+        /// Additive constant B of the logarithmic law, for the velocity over u_τ.
         #[schemars(example = 5.2, extend("default" = 5.0, "x-range" = "-10 ..= 20"))]
         intercept: Option<Located<Ratio>>,
     },

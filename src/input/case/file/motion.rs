@@ -22,7 +22,8 @@ pub struct MotionFile {
     /// shape is at rest.
     #[schemars(extend("x-one-of" = "motion"))]
     pub path: Option<Located<Vec<Located<KnotFile>>>>,
-    /// Rotation of the shape about an axis: a mixer or a drum with lifters. At time 0 the shape is where the case puts it.
+    /// Rotation of the shape about an axis: a mixer or a drum with lifters. At time 0 the shape is where the case puts
+    /// it.
     #[schemars(extend("x-one-of" = "motion"))]
     pub turning: Option<Located<ShapeTurningFile>>,
 }
@@ -31,25 +32,25 @@ pub struct MotionFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VibrationFile {
-    /// Amplitude A, a vector in the direction of the vibration.
+    /// Amplitude A, the largest displacement, as a vector in the direction of the vibration.
     #[schemars(extend("examples" = [["0 mm", "2 mm", "0 mm"]], "x-required" = "always", "x-range" = "-1e4 ..= 1e4 m"))]
     pub amplitude: Option<Three<Length>>,
-    /// Frequency f.
+    /// Frequency f of the vibration: number of periods per time.
     #[schemars(example = &"20 Hz", extend("x-required" = "always", "x-range" = "greater than 0, up to 1e7 Hz"))]
     pub frequency: Option<Located<Spin>>,
-    /// Phase φ at time 0.
+    /// Phase φ of the vibration, the angle of the sine at time 0.
     #[schemars(example = &"90 deg", extend("default" = 0, "x-range" = "-1e3 ..= 1e3"))]
     pub phase: Option<Located<Ratio>>,
 }
 
-/// Time and displacement in `walls.motion.path`.
+/// One entry of `walls.motion.path`: a time, and the displacement of the shape at this time.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct KnotFile {
-    /// Time, later than that of the entry before.
+    /// Time of this displacement, later than the time of the entry before.
     #[schemars(example = &"0.5 s", extend("x-required" = "always", "x-range" = "-1e9 ..= 1e9 s"))]
     pub time: Option<Located<Time>>,
-    /// Displacement of the shape at this time.
+    /// Displacement, at this time, of the shape from where the case puts it.
     #[schemars(extend("examples" = [["0 mm", "-4 mm", "0 mm"]], "x-required" = "always", "x-range" = "-1e4 ..= 1e4 m"))]
     pub displacement: Option<Three<Length>>,
 }
@@ -58,13 +59,13 @@ pub struct KnotFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ShapeTurningFile {
-    /// Angular velocity, counter-clockwise if the axis points towards the viewer.
+    /// Angular velocity of the rotation, counter-clockwise if the axis points towards the viewer.
     #[schemars(example = &"3 rad/s", extend("x-required" = "always", "x-range" = "-1e7 ..= 1e7 rad/s"))]
     pub rate: Option<Located<Spin>>,
-    /// Direction of the axis: a vector of any length.
+    /// Direction of the axis of rotation: a vector of any length.
     #[schemars(extend("examples" = [[0, 0, 1]], "x-required" = "always"))]
     pub axis: Option<Three<Ratio>>,
-    /// A point of the axis.
+    /// A point on the axis of rotation.
     #[schemars(extend("examples" = [["10 mm", "10 mm", "0 mm"]], "x-required" = "always"))]
     pub center: Option<Three<Length>>,
 }

@@ -5,8 +5,8 @@ use crate::case::quantity::{Length, Ratio, Time};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// Table `[observe]`: measurements in addition to the standard ones. Each is a table, which may be empty where no key is
-/// required. Results are in the report, in a CSV file with the name of the table, and in `observables.csv`.
+/// Table `[observe]`: measurements in addition to the standard ones. Each is a table, which may be empty where no key
+/// is required. Results are in the report, in a CSV file with the name of the table, and in `observables.csv`.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ObserveFile {
@@ -28,17 +28,17 @@ pub struct ObserveFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PairDistributionFile {
-    /// Largest distance of two centres, at most half the shortest edge of the box. The time of a sample grows with its
-    /// third power.
+    /// Largest distance of two centres that is counted, at most half the shortest edge of the box. The time of a sample
+    /// grows with the third power of this distance.
     #[schemars(example = &"2 mm", extend("x-required" = "always", "x-range" = "1e-9 ..= 1e4 m"))]
     pub reach: Option<Located<Length>>,
-    /// Number of bins between 0 and the largest distance.
+    /// Number of bins of the distance, between 0 and `reach`.
     #[schemars(example = 200, extend("default" = 100, "x-range" = "1 ..= 10000"))]
     pub bins: Option<Located<i64>>,
 }
 
-/// Table `[observe.velocity_distribution]`: distribution of the velocities relative to the mean velocity of their slice,
-/// in units of sqrt(2T).
+/// Table `[observe.velocity_distribution]`: distribution of the velocities relative to the mean velocity of their
+/// slice, in units of sqrt(2T).
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VelocityDistributionFile {
@@ -50,25 +50,27 @@ pub struct VelocityDistributionFile {
     pub bins: Option<Located<i64>>,
 }
 
-/// Table `[observe.diffusion]`: motion of the particles from an origin on. Origins follow each other without overlap.
+/// Table `[observe.diffusion]`: motion of the particles during a time `duration`. Such times follow each other without
+/// overlap.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DiffusionFile {
-    /// Longest time over which the motion is followed: at least ten times `statistics.sample_interval`. Standard errors need
-    /// eight such times in the averaging period.
+    /// Longest time over which the motion is followed: at least ten times `statistics.sample_interval`. Standard errors
+    /// need eight such times in the averaging period.
     #[schemars(example = &"5 ms", extend("x-required" = "always", "x-range" = "greater than 0 s"))]
     pub duration: Option<Located<Time>>,
 }
 
-/// Table `[observe.structure_factor]`: structure factor for the wave vectors that fit into a box that is periodic along x, y
-/// and z.
+/// Table `[observe.structure_factor]`: structure factor for the wave vectors that fit into a box that is periodic along
+/// x, y and z.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StructureFactorFile {
-    /// Shortest wavelength 2π/k, at least a hundredth of the longest edge of the box.
+    /// Shortest wavelength 2π/k, at least a hundredth of the longest edge of the box. It sets the largest wave number
+    /// k.
     #[schemars(example = &"0.2 mm", extend("x-required" = "always", "x-range" = "1e-9 ..= 1e4 m"))]
     pub wavelength: Option<Located<Length>>,
-    /// Number of bins between 0 and the largest wave number.
+    /// Number of bins of the wave number k, between 0 and the largest wave number.
     #[schemars(example = 80, extend("default" = 50, "x-range" = "1 ..= 10000"))]
     pub bins: Option<Located<i64>>,
 }
@@ -78,12 +80,12 @@ pub struct StructureFactorFile {
 #[serde(deny_unknown_fields)]
 pub struct ContactNetworkFile {}
 
-/// Table `[observe.fields]`: density, velocity and stress on a grid of cells that fill the box. Particles are spread by a
-/// Gaussian.
+/// Table `[observe.fields]`: density, velocity and stress on a grid of cells that fill the box. Particles are spread by
+/// a Gaussian.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FieldsFile {
-    /// Width of the Gaussian, its standard deviation along each axis.
+    /// Width of the Gaussian that spreads each particle over the grid: its standard deviation along each axis.
     #[schemars(example = &"0.4 mm", extend("x-required" = "always", "x-range" = "1e-9 ..= 1e4 m"))]
     pub width: Option<Located<Length>>,
     /// Numbers of cells along x, y and z, together at most 50000.

@@ -30,30 +30,33 @@ pub enum OutletSideFile {
 }
 
 /// Table `[[outlets]]`: a place where particles leave, of exactly one shape. A particle leaves at the end of the first
-/// window at which its centre is there.
+/// window (time between two drag kicks) at which its centre is there.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OutletFile {
     /// Name of the outlet in results.
     #[schemars(example = &"floor", extend("x-default" = "`outlet 0`, `outlet 1`, …"))]
     pub name: Option<Located<String>>,
-    /// A side of the box along an axis that is not periodic: all that is beyond it.
+    /// Outlet behind a side of the box, which particles cross. The box must not be periodic along the axis of this
+    /// side.
     #[schemars(example = &"-y", extend("x-one-of" = "shape", "x-required" = "or `plane`, `box`, `cylinder`"))]
     pub side: Option<Located<OutletSideFile>>,
-    /// All that is behind a plane, whose normal points to the particles that stay.
+    /// Outlet behind a plane, whose normal points to the particles that stay.
     #[schemars(extend("x-one-of" = "shape"))]
     pub plane: Option<Located<PlaneFile>>,
-    /// A block with edges along the axes. Particles that fly through it within one window do not leave.
+    /// Outlet in the shape of a block with edges along the axes. Particles that fly through the block within one window
+    /// do not leave.
     #[serde(rename = "box")]
     #[schemars(extend("x-one-of" = "shape"))]
     pub block: Option<Located<BlockRegionFile>>,
-    /// A cylinder along an axis. Particles that fly through it within one window do not leave.
+    /// Outlet in the shape of a cylinder along an axis. Particles that fly through the cylinder within one window do
+    /// not leave.
     #[schemars(extend("x-one-of" = "shape"))]
     pub cylinder: Option<Located<CylinderRegionFile>>,
 }
 
-/// Table `[[inlets]]`: a place where particles come in, at random positions without overlap. Their sizes, velocities and
-/// spins are those of a table `[[particles]]`.
+/// Table `[[inlets]]`: a place where particles come in, at random positions without overlap. Their sizes, velocities
+/// and spins are those of a table `[[particles]]`.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct InletFile {
@@ -63,18 +66,18 @@ pub struct InletFile {
     /// The `name` of the particles that come in. A kind with `count = 0` comes in only here.
     #[schemars(example = &"glass 2 mm", extend("x-required" = "always"))]
     pub particles: Option<Located<String>>,
-    /// A block that contains each new particle wholly.
+    /// A block in which new particles are placed. It contains each of them wholly.
     #[serde(rename = "box")]
     #[schemars(extend("x-one-of" = "region", "x-required" = "or `cylinder`"))]
     pub block: Option<Located<BlockRegionFile>>,
-    /// A cylinder along an axis that contains each new particle wholly.
+    /// A cylinder along an axis, in which new particles are placed. It contains each of them wholly.
     #[schemars(extend("x-one-of" = "region"))]
     pub cylinder: Option<Located<CylinderRegionFile>>,
-    /// Number of particles per time, at equal intervals.
+    /// Number of particles that come in per time, at equal intervals.
     #[schemars(example = &"2000 1/s", extend("x-one-of" = "rate", "x-required" = "or `mass_rate`"))]
     #[schemars(extend("x-range" = "greater than 0, up to 1e9 1/s"))]
     pub rate: Option<Located<Spin>>,
-    /// Mass of the particles per time. With `sizes`, the rate in particles follows from the mean mass.
+    /// Mass of the particles that come in per time. With `sizes`, the rate in particles follows from the mean mass.
     #[schemars(example = &"20 g/s", extend("x-one-of" = "rate", "x-range" = "greater than 0, up to 1e6 kg/s"))]
     pub mass_rate: Option<Located<MassRate>>,
     /// Time at which the inlet opens.

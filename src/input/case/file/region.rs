@@ -1,4 +1,4 @@
-//! The part of the domain that a random start fills.
+//! The part of the domain in which a random start places particles: the key `in` of `[[particles]]`.
 
 use super::{Axis, Three};
 use crate::case::de::Located;
@@ -6,15 +6,15 @@ use crate::case::quantity::Length;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// `particles.in`: exactly one of `box`, `cylinder` and `inside`.
+/// Table `particles.in`: region of a random start, exactly one of `box`, `cylinder` and `inside`.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RegionFile {
-    /// A block with edges along the axes.
+    /// A block with edges along the axes, in which the particles start.
     #[serde(rename = "box")]
     #[schemars(extend("x-one-of" = "region", "x-required" = "or `cylinder`, `inside`"))]
     pub block: Option<Located<BlockRegionFile>>,
-    /// A cylinder along an axis.
+    /// A cylinder along an axis, in which the particles start.
     #[schemars(extend("x-one-of" = "region"))]
     pub cylinder: Option<Located<CylinderRegionFile>>,
     /// The `name` of a wall that encloses the centres of the particles: a vessel, a shell with open ends, or an open
@@ -23,27 +23,27 @@ pub struct RegionFile {
     pub inside: Option<Located<String>>,
 }
 
-/// Block in which particles start.
+/// Block with edges along the axes, in which particles start, come in or leave.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BlockRegionFile {
     /// Centre of the block.
     #[schemars(extend("examples" = [["10 mm", "10 mm", "10 mm"]], "x-required" = "always"))]
     pub center: Option<Three<Length>>,
-    /// Half the edge lengths along x, y and z.
+    /// Half the edge lengths of the block along x, y and z.
     #[schemars(extend("examples" = [["5 mm", "4 mm", "5 mm"]]))]
     #[schemars(extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub half_extents: Option<Three<Length>>,
 }
 
-/// Cylinder in which particles start.
+/// Cylinder along an axis, in which particles start, come in or leave.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CylinderRegionFile {
     /// Centre of the cylinder.
     #[schemars(extend("examples" = [["10 mm", "10 mm", "10 mm"]], "x-required" = "always"))]
     pub center: Option<Three<Length>>,
-    /// Direction of the axis.
+    /// Direction of the axis of the cylinder.
     #[schemars(example = &"z", extend("x-required" = "always"))]
     pub axis: Option<Located<Axis>>,
     /// Radius of the cylinder.

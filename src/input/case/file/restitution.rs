@@ -8,15 +8,15 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, IntoDeserializer, MapAccess, Visitor};
 use std::borrow::Cow;
 
-/// Names of the laws.
+/// Names of the laws by which the restitution depends on the speed.
 const LAWS: &[&str] = &["bridges", "power", "viscoelastic"];
 
 /// Restitution of a contact.
 #[derive(Clone, Debug)]
 pub enum RestitutionFile {
-    /// One number for all speeds.
+    /// Restitution [-] that is equal at all speeds.
     Constant(Ratio),
-    /// Law by which it depends on the speed.
+    /// Law by which the restitution depends on the normal speed of the impact.
     BySpeed(Box<RestitutionLawFile>),
 }
 
@@ -26,34 +26,34 @@ pub enum RestitutionFile {
 pub enum RestitutionLawFile {
     /// Restitution e = min(1, (u/u_c)^-p), measured for ice by Bridges, Hatzes and Lin (1984).
     Bridges {
-        /// Speed u_c up to which impacts are elastic.
+        /// Normal speed u_c up to which impacts are elastic.
         #[schemars(example = &"0.077 mm/s", extend("x-required" = "always", "x-range" = "1e-9 ..= 1e5 m/s"))]
         speed: Option<Located<Speed>>,
-        /// Exponent p.
+        /// Exponent p of the law e = (u/u_c)^-p.
         #[schemars(example = 0.234, extend("x-required" = "always", "x-range" = "0 ..= 10"))]
         exponent: Option<Located<Ratio>>,
     },
     /// Restitution e = max(e_min, 1 - (1 - e_1) (u/u_1)^q). Bizon et al. (1998) take q = 0.75 and e_min = e_1.
     Power {
-        /// Restitution e_1 at the speed u_1.
+        /// Restitution e_1 of an impact at the normal speed u_1.
         #[schemars(example = 0.9, extend("x-required" = "always", "x-range" = "0 ..= 1"))]
         restitution: Option<Located<Ratio>>,
-        /// Speed u_1.
+        /// Normal speed u_1 of an impact with the restitution e_1.
         #[schemars(example = &"1 m/s", extend("x-required" = "always", "x-range" = "1e-9 ..= 1e5 m/s"))]
         speed: Option<Located<Speed>>,
-        /// Exponent q.
+        /// Exponent q of the law e = 1 - (1 - e_1) (u/u_1)^q.
         #[schemars(example = 0.2, extend("x-required" = "always", "x-range" = "greater than 0, up to 10"))]
         exponent: Option<Located<Ratio>>,
-        /// Smallest restitution, e_min. 0 is for hard spheres only.
+        /// Smallest restitution, e_min. The value 0 is for hard spheres alone.
         #[schemars(example = 0.5, extend("x-required" = "always", "x-range" = "0 ..= 1"))]
         least: Option<Located<Ratio>>,
     },
     /// Restitution of viscoelastic spheres (Ramírez et al. 1999), whose soft law is `[soft.kuwabara_kono]`.
     Viscoelastic {
-        /// Restitution at the speed `speed`.
+        /// Restitution of an impact at the normal speed `speed`.
         #[schemars(example = 0.9, extend("x-required" = "always", "x-range" = "0.001 ..= 1"))]
         restitution: Option<Located<Ratio>>,
-        /// Normal speed of an impact with that restitution.
+        /// Normal speed of an impact that has the restitution `restitution`.
         #[schemars(example = &"1 m/s", extend("x-required" = "always", "x-range" = "1e-9 ..= 1e5 m/s"))]
         speed: Option<Located<Speed>>,
     },
@@ -102,7 +102,7 @@ impl JsonSchema for RestitutionFile {
         "NumberOrLaw".into()
     }
 
-    /// A choice between a number and the laws.
+    /// Schema of a restitution: a number, or a table with the name of a law.
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         let mut laws = RestitutionLawFile::json_schema(generator);
         let number = Ratio::json_schema(generator).to_value();

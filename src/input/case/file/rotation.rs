@@ -103,8 +103,8 @@ pub struct TwistingFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ImpactRuleFile {
-    /// Walton's rule: an impact changes the slip s to -β_0 s, unless friction is too small for this. The surfaces then
-    /// slide throughout the impact.
+    /// Walton's rule: an impact changes the slip s to -β_0 s, unless friction is too small for this change. With too
+    /// little friction the surfaces slide throughout the impact.
     Walton {
         /// Coefficient β_0 of an impact without sliding, which changes the slip s to -β_0 s. -1: smooth spheres, whose
         /// slip does not change. 0: the slip stops. 1: the slip is reversed.
@@ -114,6 +114,7 @@ pub enum ImpactRuleFile {
     /// Rule computed from the tangential spring of the case: the impulse in impacts of stiff soft spheres, at every
     /// angle of impact. It is the default if the case has such a spring.
     OfSpring {},
-    /// An impact stops the slip, or the surfaces slide: Walton's rule with β_0 = 0.
+    /// Walton's rule with β_0 = 0: an impact stops the slip, or the surfaces slide throughout the impact if friction is
+    /// too small.
     Coulomb {},
 }

@@ -35,9 +35,9 @@ pub enum SizesFile {
         #[schemars(example = &"800 um", extend("x-required" = "always", "x-range" = "1e-7 m ..= 1 m"))]
         to: Option<Located<Length>>,
     },
-    /// A list of diameters, such as those of sieves.
+    /// List of diameters, such as those of sieves, with the share of each.
     Table {
-        /// Diameters of the list.
+        /// Diameters of the particles, each with a share in `fractions`.
         #[schemars(extend("examples" = [["300 um", "400 um"]], "x-required" = "always"))]
         #[schemars(extend("x-range" = "1e-7 m ..= 1 m"))]
         diameters: Option<Located<Vec<Located<Length>>>>,

@@ -5,15 +5,15 @@ use crate::case::quantity::{DissipationRate, Spin};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// Tables `[thermostat.*]`: choice of a thermostat, which heats all particles from outside. It keeps the total momentum and
-/// does not act on spins.
+/// Tables `[thermostat.*]`: choice of a thermostat, which heats all particles from outside. It keeps the total momentum
+/// and does not act on spins.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ThermostatFile {
     /// Random accelerations, white in time and independent for each particle (Williams and MacKintosh 1996).
     Stochastic {
-        /// Growth rate of the granular temperature without collisions: the variance that each velocity component gains per
-        /// time.
+        /// Growth rate of the granular temperature without collisions: the variance that each velocity component gains
+        /// per time.
         #[schemars(example = &"10 m^2/s^3", extend("x-required" = "always"))]
         #[schemars(extend("x-range" = "greater than 0, up to 1e12 m^2/s^3"))]
         heating: Option<Located<DissipationRate>>,

@@ -36,8 +36,8 @@ pub struct WallFile {
     /// Name of the wall in `[[contact.pairs]]`; several walls of one material may share a name.
     #[schemars(example = &"steel wall")]
     pub name: Option<Located<String>>,
-    /// Restitution e, the ratio of the normal speeds after and before an impact. 1: elastic; 0: no rebound (hard spheres
-    /// only). A table makes it depend on the normal speed of the impact.
+    /// Restitution e, the ratio of the normal speeds after and before an impact. 1: elastic. 0: no rebound, for hard
+    /// spheres alone. A table makes the restitution depend on the normal speed of the impact.
     #[schemars(example = 0.97, extend("x-required" = "always", "x-range" = "0 ..= 1"))]
     pub restitution: Option<Located<RestitutionFile>>,
     /// Coefficient of sliding friction, μ.
@@ -52,8 +52,9 @@ pub struct WallFile {
     pub twisting_friction: Option<Located<Ratio>>,
     /// Roughness of the wall, for the hard model and collisions by chance. Without this table the wall is smooth.
     pub roughness: Option<Located<RoughnessFile>>,
-    /// Temperature of a thermal wall, for the hard model and collisions by chance: the variance of a velocity component of
-    /// the spheres that leave it, whatever their velocity before. The restitution must be 1, and the friction 0.
+    /// Temperature of a thermal wall, for the hard model and collisions by chance: the variance of a velocity component
+    /// of the spheres that leave the wall, whatever their velocity before. The restitution must be 1, and the friction
+    /// 0.
     #[schemars(example = &"0.1 m^2/s^2", extend("x-range" = "greater than 0, up to 1e6 m^2/s^2"))]
     pub temperature: Option<Located<SpecificEnergy>>,
     /// Velocity of the surface in its own plane, such as that of a conveyor belt; the shape stays at rest. Allowed for
@@ -79,15 +80,15 @@ pub struct RoughnessFile {
     pub deviation: Option<Located<Ratio>>,
 }
 
-/// Rotation of the surface of a wall.
+/// Rotation of the surface of a wall along itself; the shape stays at rest.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WallRotationFile {
-    /// Angular velocity, counter-clockwise if the axis points towards the viewer.
+    /// Angular velocity of the rotation, counter-clockwise if the axis points towards the viewer.
     #[schemars(example = &"10 rad/s", extend("x-required" = "always", "x-range" = "-1e7 ..= 1e7 rad/s"))]
     pub rate: Option<Located<Spin>>,
-    /// Direction of the axis: a vector of any length. A plane turns about its normal through its `point`; a cylinder or
-    /// cone turns about its own axis; a sphere turns about any axis through its centre.
+    /// Direction of the axis of rotation: a vector of any length. A plane turns about its normal through its `point`; a
+    /// cylinder or cone turns about its own axis; a sphere turns about any axis through its centre.
     #[schemars(extend("examples" = [[0, 0, 1]], "x-default" = "that of the shape; a sphere has none"))]
     pub axis: Option<Three<Ratio>>,
 }
@@ -96,7 +97,7 @@ pub struct WallRotationFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlaneFile {
-    /// A point on the surface of the wall.
+    /// A point on the plane.
     #[schemars(extend("examples" = [["0 m", "40 mm", "0 m"]], "x-required" = "always"))]
     pub point: Option<Three<Length>>,
     /// Vector from the surface towards the particles, of any length.
@@ -104,7 +105,7 @@ pub struct PlaneFile {
     pub normal: Option<Three<Ratio>>,
 }
 
-/// Spherical wall, solid or hollow.
+/// Wall in the shape of a sphere: solid, or hollow with the particles inside.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SphereFile {
@@ -119,14 +120,14 @@ pub struct SphereFile {
     pub inside: Option<Located<bool>>,
 }
 
-/// A solid or hollow block along the axes.
+/// Wall in the shape of a block with edges along the axes: solid or hollow.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BoxFile {
     /// Centre of the box.
     #[schemars(extend("examples" = [["10 mm", "10 mm", "10 mm"]], "x-required" = "always"))]
     pub center: Option<Three<Length>>,
-    /// Half the edge lengths along x, y and z.
+    /// Half the edge lengths of the block along x, y and z.
     #[schemars(extend("examples" = [["5 mm", "4 mm", "5 mm"]]))]
     #[schemars(extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub half_extents: Option<Three<Length>>,
@@ -135,27 +136,27 @@ pub struct BoxFile {
     pub inside: Option<Located<bool>>,
 }
 
-/// A solid block along the axes.
+/// Wall in the shape of a solid block with edges along the axes.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CuboidFile {
     /// Centre of the block.
     #[schemars(extend("examples" = [["10 mm", "10 mm", "10 mm"]], "x-required" = "always"))]
     pub center: Option<Three<Length>>,
-    /// Half the edge lengths along x, y and z.
+    /// Half the edge lengths of the block along x, y and z.
     #[schemars(extend("examples" = [["2 mm", "1 mm", "2 mm"]]))]
     #[schemars(extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub half_extents: Option<Three<Length>>,
 }
 
-/// A cylinder along an axis.
+/// Wall in the shape of a cylinder along an axis: solid, hollow, or a thin shell.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CylinderFile {
     /// Centre of the cylinder.
     #[schemars(extend("examples" = [["10 mm", "10 mm", "10 mm"]], "x-required" = "always"))]
     pub center: Option<Three<Length>>,
-    /// Direction of the axis.
+    /// Direction of the axis of the cylinder.
     #[schemars(example = &"x", extend("x-required" = "always"))]
     pub axis: Option<Located<Axis>>,
     /// Radius of the cylinder.
@@ -172,14 +173,14 @@ pub struct CylinderFile {
     pub open: Option<Located<bool>>,
 }
 
-/// A truncated cone along an axis.
+/// Wall in the shape of a truncated cone along an axis: solid, hollow, or a thin shell.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ConeFile {
     /// Centre of the cone, half-way between the ends.
     #[schemars(extend("examples" = [["10 mm", "10 mm", "10 mm"]], "x-required" = "always"))]
     pub center: Option<Three<Length>>,
-    /// Direction of the axis.
+    /// Direction of the axis of the cone.
     #[schemars(example = &"z", extend("x-required" = "always"))]
     pub axis: Option<Located<Axis>>,
     /// Radius of the cone at its end with the smaller coordinate along the axis.
@@ -199,7 +200,7 @@ pub struct ConeFile {
     pub open: Option<Located<bool>>,
 }
 
-/// A surface of triangles.
+/// A wall whose surface consists of triangles from a file.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshFile {
@@ -210,10 +211,10 @@ pub struct MeshFile {
     /// Length of one unit of the file, which STL and OBJ files do not state.
     #[schemars(example = &"1 mm", extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub unit: Option<Located<Length>>,
-    /// Factor that all lengths are multiplied by.
+    /// Factor by which all lengths of the file are multiplied, in addition to `unit`.
     #[schemars(example = 0.5, extend("default" = 1, "x-range" = "greater than 0"))]
     pub scale: Option<Located<Ratio>>,
-    /// Position of the origin of the file in the box.
+    /// Position, in the box, of the origin of the coordinates in the file.
     #[schemars(extend("examples" = [["10 mm", "0 mm", "10 mm"]], "default" = [0, 0, 0]))]
     pub position: Option<Three<Length>>,
     /// Axis of the rotation, through the origin of the file: a vector of any length.

@@ -9,7 +9,7 @@ use crate::schedule::longest_for_coupling;
 use nalgebra::Vector3;
 
 impl Resolver {
-    /// Two-way coupling of a gas with this profile; `None` if the case asks for none.
+    /// Two-way coupling between particles and a gas with this profile; `None` if the case asks for one-way coupling.
     ///
     /// # Errors
     /// A gas without drag, or a profile without a solution of the k-ε model.
@@ -51,11 +51,11 @@ impl Resolver {
         Ok(Some(Coupling { slices, held, modulation }))
     }
 
-    /// Checks that the scene is symmetric about the axis of the gas flow, and warns of a window that is too long for the
-    /// coupling.
+    /// Checks that the scene is symmetric about the axis of the gas flow, and warns of a window that is too long for
+    /// the coupling.
     ///
     /// # Errors
-    /// Gravity across the flow of a gas that feels the particles.
+    /// Gravity that is not along the flow of a gas that the particles change.
     pub(super) fn check_coupling(&mut self, file: &CaseFile, experiment: &Experiment) -> Result<(), Diagnostic> {
         let Some(fluid) = &file.fluid else { return Ok(()) };
         let Some(typed) = &fluid.value.coupling else { return Ok(()) };

@@ -115,8 +115,8 @@ impl Resolver {
     }
 
     /// Checks that the rows of a gas table cover all possible positions of particle centres. For the smallest
-    /// particles, of `radius` [m], these are all heights from y = `radius` to y = `height` - `radius` [m]. If some are
-    /// not covered, a warning is given. Fewer than two rows within the domain are an error.
+    /// particles, of `radius` [m], these are all heights from y = `radius` to y = `height` - `radius` [m]. A gap gives
+    /// a warning, fewer than two rows within the domain an error.
     pub(super) fn check_cover(
         &mut self,
         name: &Located<String>,

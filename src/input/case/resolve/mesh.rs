@@ -42,7 +42,8 @@ impl Resolver {
         Ok(made)
     }
 
-    /// Adds copies of the triangles beyond those periodic sides of the box that the surface crosses.
+    /// Continues a surface of triangles beyond those periodic sides of the box that it crosses, by copies of its
+    /// triangles.
     fn through_the_sides(
         &self,
         mesh: &Located<MeshFile>,

@@ -53,7 +53,7 @@ use table::{read_bytes, text_of};
 pub struct VariantChoice {
     /// Collision model, if the command line or the variant gives one.
     pub model: Option<Model>,
-    /// Seed, if the command line gives one.
+    /// Seed of the random numbers, if the command line gives one; otherwise the case determines the seed.
     pub seed: Option<u64>,
     /// Name of the variant; `None` means the name of its model.
     pub name: Option<String>,
@@ -63,7 +63,8 @@ pub struct VariantChoice {
 
 /// State of the conversion of a case to an experiment: its texts, its warnings and its model.
 pub(super) struct Resolver {
-    /// All source texts, used in messages. Texts of data tables are added when they are read.
+    /// Texts of all files and arguments from which the case was read, for messages. Texts of data tables are added when
+    /// they are read.
     pub sources: Sources,
     /// Warnings so far; a case with warnings can still be run.
     pub warnings: Vec<Diagnostic>,

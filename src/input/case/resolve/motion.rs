@@ -9,8 +9,8 @@ use crate::experiment::{Experiment, Model};
 use crate::walls::{MovingShape, PiecewisePath, PrescribedMotion, Turning, Wall};
 use nalgebra::Vector3;
 
-/// [-] share of a length that counts as rounding. It is also the allowed difference of a cosine from 1 for planes that
-/// count as parallel.
+/// [-] share of a length that counts as rounding. This number is also the allowed difference of a cosine from 1 for
+/// planes that count as parallel.
 const ROUNDING: f64 = 1e-9;
 
 impl Resolver {
@@ -162,8 +162,8 @@ fn leaves(moving: &MovingShape, domain: &Domain, duration: f64) -> Option<(&'sta
     })
 }
 
-/// [m] smallest distance between a moving plane and an opposite plane within the first `duration` [s]; `None` for other
-/// walls.
+/// [m] smallest distance between a moving plane wall and an opposite plane wall within the first `duration` [s]; `None`
+/// for other walls.
 fn room(wall: &Wall, other: &Wall, duration: f64) -> Option<f64> {
     let moving = wall.moving.as_ref()?;
     let still = |wall: &Wall| {

@@ -16,15 +16,16 @@ use crate::schedule::Schedule;
 
 /// Largest number of bins of a histogram.
 const MOST_BINS: i64 = 10_000;
-/// Largest number of waves along an edge of the box. The list of wave vectors grows with its third power.
+/// Largest number of wavelengths along an edge of the box. The list of wave vectors grows with the third power of this
+/// number.
 const MOST_WAVES: f64 = 100.0;
-/// Largest number of cells of a grid of fields. Each takes 2.5 KB, for 20 blocks of time.
+/// Largest number of cells of a grid of fields. A cell takes 2.5 KB, for 20 blocks of time.
 const MOST_CELLS: i64 = 50_000;
-/// Smallest number of samples in the longest time of the mean squared displacement.
+/// Smallest number of samples within the longest time of the mean squared displacement.
 const FEWEST_SAMPLES: f64 = 10.0;
 
 impl Resolver {
-    /// Measurements that a case asks for.
+    /// Settings of the measurements that a case asks for in addition to the standard ones.
     ///
     /// # Errors
     /// Settings out of range, or a scene in which the measurement has no meaning.
@@ -157,7 +158,7 @@ impl Resolver {
         Err(self.refuse(typed, allowed).help(help))
     }
 
-    /// Number of bins of a histogram.
+    /// Number of bins of a histogram: the number in the case, or else `default`.
     fn bins(&self, typed: &Option<Located<i64>>, default: usize) -> Result<usize, Diagnostic> {
         typed.as_ref().map_or(Ok(default), |bins| self.whole(bins, 1, MOST_BINS, "the number of bins of a histogram"))
     }

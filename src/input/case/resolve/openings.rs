@@ -15,7 +15,7 @@ use crate::walls::{Hollow, Plane};
 use nalgebra::Vector3;
 
 impl Resolver {
-    /// Outlets of a case.
+    /// Outlets of a case (places where particles leave), in the order of the case.
     ///
     /// # Errors
     /// A shape that is out of range, or a box whose images slide.
@@ -41,7 +41,8 @@ impl Resolver {
         Ok(OutletShape::Body(self.opening_body((block, cylinder), scene, "outlets.side")?))
     }
 
-    /// Body of an inlet or outlet. If the case gives none, the error names the missing `key`.
+    /// Body (block or cylinder) that an inlet or outlet occupies. If the case gives no body, the error names the
+    /// missing `key`.
     fn opening_body(
         &self,
         (block, cylinder): (&Option<Located<BlockRegionFile>>, &Option<Located<CylinderRegionFile>>),
@@ -83,7 +84,8 @@ impl Resolver {
         Err(self.sources.error(&typed.origin, message).help("leave it out, or [domain.shear]"))
     }
 
-    /// Inlets of a case, for the populations of its start.
+    /// Inlets of a case (places where particles come in), in the order of the case. Each inlet takes its velocities
+    /// from one population of `start`.
     ///
     /// # Errors
     /// A value that is out of range, particles that the case does not define, or a region without room for a particle.

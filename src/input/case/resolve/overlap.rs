@@ -22,7 +22,7 @@ const ENOUGH: usize = 100;
 /// The particles then start within a contact.
 const SOFT_LIMIT: f64 = 0.01;
 
-/// Rule for overlaps in the initial state.
+/// Rule by which overlaps in the initial state are accepted or refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Rule {
     /// Hard spheres may not overlap; soft spheres may start in a contact.
@@ -37,9 +37,9 @@ pub(super) enum Rule {
 struct InitialOverlap {
     i: usize,
     with: OverlappedBody,
-    /// [-] ratio of the overlap to the smaller diameter.
+    /// [-] overlap over the smaller diameter of the two bodies; at a wall over the diameter of the particle.
     ratio: f64,
-    /// [-] largest ratio with which the model can start.
+    /// [-] largest value of `ratio` with which the model can start.
     limit: f64,
 }
 

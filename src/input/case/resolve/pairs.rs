@@ -10,7 +10,7 @@ use crate::experiment::SoftSettings;
 use crate::scene::{Kind, Meeting, Pairs, Scene, Surface};
 use std::f64::consts::PI;
 
-/// Contact stiffness that one key in the table of a pair asks for.
+/// Contact stiffness of a pair that follows from one key in the table of the pair, such as `contact_time`.
 struct Wanted<'a> {
     /// [N/m] stiffness that follows from the key.
     stiffness: f64,

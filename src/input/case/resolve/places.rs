@@ -15,7 +15,8 @@ use crate::triangles::digits;
 use nalgebra::Vector3;
 use rustc_hash::FxHashSet;
 
-/// Indices in [`COLUMNS`] of columns that a file may lack. `OF_SPIN` is the first of three columns.
+/// Indices in [`COLUMNS`], the properties of a particle, of columns that a file may lack. `OF_SPIN` is the first of
+/// three columns.
 const OF_DIAMETER: usize = 6;
 const OF_SPECIES: usize = 7;
 const OF_ID: usize = 8;
@@ -155,8 +156,8 @@ impl Resolver {
         Ok(Some((diameter, OF_DIAMETER)))
     }
 
-    /// Refuses a value of a row that differs from the value of its species by more than rounding. The allowed relative
-    /// difference is `factor` times the precision of the text.
+    /// Refuses a value in a row of a table that differs from the value of its species by more than rounding. The
+    /// allowed relative difference is `factor` times the precision of the text.
     fn agree(
         &self,
         row: TableRow<'_>,

@@ -15,8 +15,8 @@ const RATIO: &str =
     "restitution is the ratio of normal speeds after and before an impact: 1 elastic, 0 without rebound";
 
 impl Resolver {
-    /// Restitution and friction of a surface. The value that predictions use for a restitution by speed is that at 1
-    /// m/s here. It is replaced when the speeds at the start are known ([`Surface::represent`]).
+    /// Restitution and friction of a surface. For a restitution that depends on speed, predictions first use its value
+    /// at 1 m/s. This value is replaced when the speeds at the start are known ([`Surface::represent`]).
     pub(super) fn surface(
         &self,
         restitution: &Option<Located<RestitutionFile>>,

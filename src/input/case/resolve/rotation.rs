@@ -54,14 +54,14 @@ impl Resolver {
         })
     }
 
-    /// [-] ratio of the moment of inertia to m r².
+    /// [-] ratio of the moment of inertia of a sphere, about its centre, to m r²; 2/5 if the case gives no ratio.
     pub(super) fn inertia_factor(&self, kind: &Located<ParticlesFile>) -> Result<f64, Diagnostic> {
         let Some(typed) = &kind.value.inertia_factor else { return Ok(SOLID_SPHERE) };
         let help = "0.4 is a solid sphere, 0.667 a thin shell";
         self.in_range(typed, help)
     }
 
-    /// [rad/s] spin of a placed particle.
+    /// [rad/s] spin of a particle with a given position; zero if the case gives no spin.
     pub(super) fn spin(&mut self, typed: Option<&Three<Spin>>, scene: &Scene) -> Result<Vector3<f64>, Diagnostic> {
         let Some(typed) = typed else { return Ok(Vector3::zeros()) };
         for component in &typed.value {
@@ -248,8 +248,9 @@ impl Resolver {
         Ok(Some(TwistingLaw { damping }))
     }
 
-    /// Rule of impacts whose restitution depends on the speed; `None` if no restitution does. The rule of a spring needs
-    /// one restitution. So models with instantaneous impacts refuse it; soft spheres do not use the rule.
+    /// Impact rule of spheres that rotate, if the restitution of any impact depends on speed; otherwise `None`. The
+    /// rule of a tangential spring needs one restitution, so models with instantaneous impacts refuse that rule. Soft
+    /// spheres use no impact rule.
     fn rule_by_speed(&self, file: &CaseFile, scene: &Scene) -> Result<Option<ImpactRule>, Diagnostic> {
         let depends = scene.depends_on_speed();
         let typed = file.hard.as_ref().and_then(|hard| hard.value.friction.as_ref()).map(|rule| &rule.origin);

@@ -13,11 +13,11 @@ use crate::scene::{ADDED_MASS, Scene, Species};
 use nalgebra::Vector3;
 
 /// [-] ratio of a force of the displaced gas (buoyancy or added mass) to the weight. Below this ratio no warning is
-/// given if the case leaves out the force. It equals the usual margin of comparisons.
+/// given if the case leaves out the force. The value equals the default margin of comparisons.
 const SMALL: f64 = 0.01;
 
 impl Resolver {
-    /// Box, with the axes along which it is periodic.
+    /// Box of the case, with its periodic axes and its shear.
     pub(super) fn domain(&mut self, file: &CaseFile) -> Result<Domain, Diagnostic> {
         let domain = self.need(&file.domain, "domain")?;
         let size = self.need(&domain.value.size, "domain.size")?;
@@ -57,7 +57,7 @@ impl Resolver {
         Ok(gravity)
     }
 
-    /// Lift of the particles; `None` if the case asks for none.
+    /// Lift of the gas on the particles; `None` if the case gives no lift.
     ///
     /// # Errors
     /// Lift by spin of spheres that do not rotate.
@@ -190,8 +190,8 @@ impl Resolver {
         Ok(Drag::Suspension(SuspensionDrag { law, cells: self.cells(cells, domain, species, help)? }))
     }
 
-    /// Numbers of cells along x, y and z, none of which is narrower than a particle. `help` recommends a number, for
-    /// the error.
+    /// Numbers of cells along x, y and z, none of which is narrower than a particle. The error message contains `help`,
+    /// a recommended number.
     pub(super) fn cells(
         &self,
         typed: &Located<[Located<i64>; 3]>,

@@ -15,7 +15,7 @@ use crate::predict::energy::too_long;
 use crate::scene::{Elasticity, Scene};
 use crate::simulation::soft_step;
 
-/// [-] smallest number of steps per contact N_c by which a contact is resolved; fewer are refused.
+/// [-] smallest number of time steps per contact N_c that resolves a contact. Fewer steps are refused.
 const FEWEST_STEPS: f64 = 5.0;
 /// [-] number of steps per contact N_c below which a warning is given (the paper's section 3.4: steps T_c/50 to
 /// T_c/15).
@@ -227,7 +227,8 @@ impl Resolver {
         Ok(settings)
     }
 
-    /// Settings of collisions by chance.
+    /// Settings of direct simulation Monte Carlo, in which pairs collide by chance. If the model is another one, an
+    /// error in these settings is only a warning.
     pub(super) fn dsmc(
         &mut self,
         file: &CaseFile,
@@ -245,7 +246,8 @@ impl Resolver {
         }
     }
 
-    /// Settings of collisions by chance, for a start with this number of `particles`.
+    /// Settings of direct simulation Monte Carlo, in which pairs collide by chance, for a start with this number of
+    /// `particles`.
     fn dsmc_settings(&mut self, dsmc: &DsmcFile, scene: &Scene, particles: usize) -> Result<DsmcSettings, Diagnostic> {
         let mut settings = DsmcSettings::default();
         if let Some(enskog) = &dsmc.enskog {

@@ -28,7 +28,7 @@ const BYTES: f64 = 300.0;
 /// [m/s] largest allowed component of a velocity; particles in a gas are slower.
 pub(super) const FASTEST: f64 = 1e5;
 
-/// Text for messages: a number of particles, the memory that they require, and the allowed number.
+/// Text for messages: a number of particles, the memory that these particles require, and the allowed number.
 fn too_many(count: f64) -> String {
     let gigabytes = count * BYTES / 1e9;
     format!("{count:.3e} particles, which take about {gigabytes:.3e} GB of memory; allowed: up to {MOST_PARTICLES}")
@@ -146,7 +146,7 @@ impl Resolver {
         Ok(start)
     }
 
-    /// Moves overlapping placed particles apart, and reports the largest displacement.
+    /// Moves overlapping particles with given positions apart, and reports the largest displacement.
     fn push_apart(
         &mut self,
         relax: &Located<bool>,
@@ -291,8 +291,8 @@ impl Resolver {
         Ok((mean, fluctuation))
     }
 
-    /// Placed particles of the species with the given `index`; `None` if its positions are random. The particles are
-    /// also added to `particles`.
+    /// Particles with given positions of the species with the given `index`; `None` if the case gives no positions. The
+    /// particles are also added to `particles`.
     fn placed(
         &mut self,
         kind: &Located<ParticlesFile>,

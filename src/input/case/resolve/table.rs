@@ -12,7 +12,7 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
-/// [byte] largest size of a file that is read. The limit keeps a device or a wrong file from filling the memory.
+/// [byte] largest size of a file that is read. Without this limit, a device or a wrong file could fill the memory.
 const LONGEST_TEXT: u64 = 1 << 28;
 
 /// Reads a whole file into memory.
@@ -88,7 +88,7 @@ pub struct DataTable {
     pub head: Vec<(String, String)>,
     /// Index of the column of each wanted name; `None` if the table has no such column.
     pub(super) columns: Vec<Option<usize>>,
-    /// Unit of each wanted name, if the header gives one; `None` means SI.
+    /// Unit of the column of each wanted name, if the header gives one; `None` means SI.
     pub(super) units: Vec<Option<String>>,
     pub(super) rows: Vec<(csv::StringRecord, Origin)>,
 }
@@ -107,7 +107,7 @@ pub struct TableRow<'a> {
 }
 
 impl DataTable {
-    /// True if the table has the column of the wanted name with this index.
+    /// True if the table has the column whose name has the index `wanted` in the list of wanted names.
     pub fn has(&self, wanted: usize) -> bool {
         self.columns.get(wanted).is_some_and(Option::is_some)
     }
@@ -119,7 +119,8 @@ impl DataTable {
 }
 
 impl<'a> TableRow<'a> {
-    /// Text in the column of the wanted name with this index; `None` if the table has no such column.
+    /// Text of this row in the column whose name has the index `wanted` in the list of wanted names. `None` if the
+    /// table has no such column.
     pub fn text(&self, wanted: usize) -> Option<&'a str> {
         let column = (*self.table.columns.get(wanted)?)?;
         self.record.get(column).map(of_cell)
@@ -202,7 +203,7 @@ impl Resolver {
         Ok(DataTable { saved, foreign: false, head, columns, units, rows })
     }
 
-    /// One line of the table with its source position.
+    /// Row of the table, made from one line, with its source position.
     fn row(
         &self,
         source: usize,

@@ -8,7 +8,7 @@ use crate::scene::Thermostat;
 use crate::schedule::longest_for_thermostat;
 
 impl Resolver {
-    /// Thermostat that the case gives; `None` if it gives none.
+    /// Thermostat that the case gives; `None` if the particles are not heated.
     ///
     /// # Errors
     /// A rate out of range.

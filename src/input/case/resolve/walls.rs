@@ -49,13 +49,14 @@ fn says(key: &Option<Located<bool>>) -> bool {
     key.as_ref().is_some_and(|key| key.value)
 }
 
-/// Half the edges [m] of the smallest box around a round body with the given axis.
+/// Half the edges [m] of the smallest box around a round body, from its axis (0, 1 or 2), radius [m] and half height
+/// [m].
 fn around(axis: usize, radius: f64, half_height: f64) -> Vector3<f64> {
     Vector3::from_fn(|k, _| if k == axis { half_height } else { radius })
 }
 
 impl Resolver {
-    /// Walls, in the order of the case.
+    /// Walls of the scene, in the order of the case.
     pub(super) fn walls(
         &mut self,
         file: &CaseFile,
@@ -136,7 +137,7 @@ impl Resolver {
         Ok(Some(ThermalWall { temperature, seed: 0 }))
     }
 
-    /// [m/s] velocity of the surface of a wall. It must be parallel to the surface, because the shape stays in place.
+    /// [m/s] velocity of the surface of a wall whose shape does not move. The velocity must be parallel to the surface.
     fn wall_velocity(&self, wall: &WallFile, geometry: &WallGeometry) -> Result<Vector3<f64>, Diagnostic> {
         let Some(typed) = &wall.velocity else { return Ok(Vector3::zeros()) };
         for component in &typed.value {
@@ -151,7 +152,7 @@ impl Resolver {
         Ok(velocity)
     }
 
-    /// Rotation of the surface of a wall. It must turn the shape into itself, because the shape stays in place.
+    /// Rotation of the surface of a wall whose shape does not move. The rotation must turn the shape into itself.
     fn wall_turning(
         &self,
         wall: &WallFile,

@@ -3,32 +3,32 @@
 use super::{COLUMNS, ForeignReader, Lines};
 use crate::case::diagnostic::Diagnostic;
 
-/// Index of the x component of the position in [`COLUMNS`].
+/// Index of the x component of the position in [`COLUMNS`], the properties of a particle.
 const POSITION: usize = 0;
-/// Index of the x component of the velocity in [`COLUMNS`].
+/// Index of the x component of the velocity in [`COLUMNS`], the properties of a particle.
 pub const VELOCITY: usize = 3;
-/// Index of the diameter in [`COLUMNS`].
+/// Index of the diameter in [`COLUMNS`], the properties of a particle.
 pub const DIAMETER: usize = 6;
-/// Index of the species in [`COLUMNS`].
+/// Index of the species in [`COLUMNS`], the properties of a particle.
 pub const SPECIES: usize = 7;
-/// Index of the x component of the spin in [`COLUMNS`].
+/// Index of the x component of the spin in [`COLUMNS`], the properties of a particle.
 pub const SPIN: usize = 9;
-/// Index of the radius in [`COLUMNS`].
+/// Index of the radius in [`COLUMNS`], the properties of a particle.
 pub const RADIUS: usize = 12;
-/// Index of the density in [`COLUMNS`].
+/// Index of the density in [`COLUMNS`], the properties of a particle.
 pub const DENSITY: usize = 13;
-/// Index of the mass in [`COLUMNS`].
+/// Index of the mass in [`COLUMNS`], the properties of a particle.
 pub const MASS: usize = 14;
-/// Index of the x component of the momentum in [`COLUMNS`].
+/// Index of the x component of the momentum in [`COLUMNS`], the properties of a particle.
 pub const MOMENTUM: usize = 15;
 /// Names of columns with the numbers of periodic images of the box. These columns are ignored, because positions within
 /// the box are sufficient.
 const IMAGES: [&str; 4] = ["ix", "iy", "iz", "image"];
 
-/// Layout of a line: for each property of a particle, the index of the word that contains it.
+/// Layout of a line of a particle file: for each property of a particle, the index of the word that contains it.
 #[derive(Clone, Debug, Default)]
 pub struct Layout {
-    /// Index of the word in the line for each of [`COLUMNS`]; `None` if the file has no such column.
+    /// Index of the word in the line for each of [`COLUMNS`]; `None` if the file lacks the column.
     pub at: [Option<usize>; COLUMNS.len()],
     /// True if species are given by numbers, counted from 1, instead of names.
     pub counted: bool,
@@ -36,11 +36,11 @@ pub struct Layout {
     pub scaled: [bool; 3],
     /// Names of the columns that are ignored and reported.
     left: Vec<String>,
-    /// Number of words in a line.
+    /// Number of words in the line of each particle.
     pub width: usize,
 }
 
-/// Meaning of a column.
+/// Meaning of a column in a particle file of another program.
 enum Meaning {
     /// Property with this index in [`COLUMNS`]. A column with several words also fills the following indices.
     Known(usize),

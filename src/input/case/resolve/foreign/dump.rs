@@ -10,20 +10,20 @@ use nalgebra::Vector3;
 
 const HELP: &str = "a dump of atoms in text has the items TIMESTEP, NUMBER OF ATOMS, BOX BOUNDS and ATOMS";
 
-/// Items of one instant in a dump.
+/// Items of one instant in a text dump of LAMMPS or LIGGGHTS.
 #[derive(Clone, Default)]
 pub(super) struct DumpFrame {
-    /// Index of the first line of the instant.
+    /// Index in the file of the first line of the instant.
     pub first: usize,
-    /// [s] time of the instant.
+    /// [s] time of the instant; `None` if the dump does not give it.
     time: Option<f64>,
-    /// Number of the time step.
+    /// Number of the time step; `None` if the dump does not give it.
     step: Option<f64>,
     /// Number of atoms given in the dump, and index of the line with this number.
     count: Option<(usize, usize)>,
-    /// [m] lower and upper corner of the box.
+    /// [m] lower and upper corner of the box; `None` if the dump does not give the box.
     bounds: Option<[Vector3<f64>; 2]>,
-    /// Axes along which the box is periodic.
+    /// Names of the axes along which the box is periodic, separated by blanks.
     periodic: String,
     /// Index of the line with the names of the columns; the lines of the atoms follow.
     atoms: Option<usize>,
@@ -51,7 +51,7 @@ impl ForeignReader<'_> {
         Ok(self.dump_instant(lines, last)?.start)
     }
 
-    /// Reads the particles of one instant.
+    /// Reads the particles of one instant of a dump, whose items have already been read.
     pub(super) fn dump_instant(&mut self, lines: &Lines, instant: &DumpFrame) -> Result<ForeignInstant, Diagnostic> {
         let (Some((count, _)), Some(header)) = (instant.count, instant.atoms) else {
             return Err(self.wrong(lines, instant.first, "this instant has no atoms", HELP));

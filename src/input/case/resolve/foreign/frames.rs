@@ -23,11 +23,12 @@ pub struct ParticleFrame {
     pub step: Option<f64>,
     /// Box of the instant; `None` if the file gives none.
     pub domain: Option<Domain>,
-    /// Particles. If the file does not give radii or masses, they are 0 m and 1 kg. Spheres that rotate are solid.
+    /// Particles of the instant. Their radius is 0 m if the file gives no radii, and their mass 1 kg if it gives no
+    /// masses. Spheres that rotate are solid.
     pub particles: Particles,
     /// True if the file gives the masses of the particles.
     pub has_masses: bool,
-    /// Position of the instant in its file.
+    /// Source position of the instant in its file, for messages.
     pub origin: Origin,
 }
 
@@ -68,7 +69,7 @@ pub fn particle_frames(
 }
 
 impl ForeignReader<'_> {
-    /// Particles of an instant, with the texts of its cells converted to numbers.
+    /// Makes the particles of an instant from the texts of its cells.
     fn frame(&self, lines: &Lines, instant: ForeignInstant) -> Result<ParticleFrame, Diagnostic> {
         let ForeignInstant { start, time, step, first } = instant;
         let mut particles = Particles::default();
@@ -112,7 +113,8 @@ impl ForeignReader<'_> {
         number.map(Some).ok_or_else(wrong)
     }
 
-    /// Three numbers in consecutive columns from `first` on; `None` if the file lacks them.
+    /// Three numbers in consecutive columns, the first of which has the index `first`; `None` if the file lacks one of
+    /// these columns.
     fn vector(&self, cells: &Cells, first: usize, origin: &Origin) -> Result<Option<Vector3<f64>>, Diagnostic> {
         let mut vector = Vector3::zeros();
         for axis in 0..3 {
@@ -128,8 +130,8 @@ impl ForeignReader<'_> {
         Ok(self.number(cells, RADIUS, origin)?.or(half))
     }
 
-    /// [kg] mass of a particle. If the file does not give it, it is computed from radius and density. `None` if these
-    /// are missing too.
+    /// [kg] mass of a particle. If the file gives no mass, the mass is computed from radius and density. `None` if
+    /// radius or density is also missing.
     fn mass(&self, cells: &Cells, origin: &Origin) -> Result<Option<f64>, Diagnostic> {
         let (radius, density) = (self.radius(cells, origin)?, self.number(cells, DENSITY, origin)?);
         let of_sphere = radius.zip(density).map(|(radius, density)| 4.0 / 3.0 * PI * radius.powi(3) * density);
@@ -141,8 +143,8 @@ impl ForeignReader<'_> {
         Ok(mass)
     }
 
-    /// [m/s] velocity of a particle. If the file does not give it, it is the momentum over the mass. `None` if these
-    /// are missing too.
+    /// [m/s] velocity of a particle. If the file gives no velocity, the velocity is the momentum over `mass` [kg].
+    /// `None` if momentum or mass is also missing.
     fn velocity(&self, cells: &Cells, mass: Option<f64>, origin: &Origin) -> Result<Option<Vector3<f64>>, Diagnostic> {
         let of_momentum = self.vector(cells, MOMENTUM, origin)?.zip(mass).map(|(momentum, mass)| momentum / mass);
         Ok(self.vector(cells, VELOCITY, origin)?.or(of_momentum))

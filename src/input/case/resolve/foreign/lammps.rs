@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 
-/// Section `Atoms` of a data file: the place of its columns and lines.
+/// Section `Atoms` of a LAMMPS data file: the indices of its columns and lines.
 #[derive(Clone)]
 struct Atoms {
     /// Column of the diameter, if there is one; the density is in the next column.
@@ -19,7 +19,7 @@ struct Atoms {
     lines: Range<usize>,
 }
 
-/// Contents of a data file, except the lines of the atoms.
+/// Contents of a LAMMPS data file, except the lines of the atoms.
 #[derive(Default)]
 struct Outline<'a> {
     /// [m] lower corner of the box; `high` is the upper corner.
@@ -31,9 +31,9 @@ struct Outline<'a> {
     atoms: Option<Atoms>,
     /// Index of the header line of the section `Velocities`.
     moving: Option<usize>,
-    /// Line, velocity and angular velocity of each atom, by the id of the atom.
+    /// Index of the line, velocity and angular velocity of each atom, by the id of the atom.
     velocities: FxHashMap<&'a str, (usize, [&'a str; 3], [&'a str; 3])>,
-    /// Mass of each atom type, by the number of the type.
+    /// Text of the mass of each atom type, by the number of the type.
     masses: FxHashMap<&'a str, &'a str>,
     /// True if any atom has an angular velocity other than 0.
     spins: bool,
@@ -42,7 +42,7 @@ struct Outline<'a> {
 }
 
 impl ForeignReader<'_> {
-    /// Reads the particles of a data file.
+    /// Reads the particles of a LAMMPS data file.
     pub(super) fn lammps(&mut self, lines: &Lines) -> Result<ForeignStart, Diagnostic> {
         match lines.get(0).split_once("units = ").map(|(_, units)| units.trim()) {
             Some("si") => {}
@@ -165,7 +165,7 @@ impl ForeignReader<'_> {
         Ok(())
     }
 
-    /// Columns of a section `Atoms`, which depend on the atom style given in its header.
+    /// Indices of the columns of a section `Atoms`, which depend on the atom style in the header of the section.
     fn atoms(&self, lines: &Lines, header: usize, body: Range<usize>) -> Result<Atoms, Diagnostic> {
         let help = "write `Atoms # sphere` or `Atoms # atomic`";
         match lines.get(header).split_once('#').map(|(_, style)| style.trim()) {
@@ -176,7 +176,8 @@ impl ForeignReader<'_> {
         }
     }
 
-    /// Reads the line of one atom.
+    /// Reads the line of one atom in the section `Atoms`, and adds the velocity of this atom from the section
+    /// `Velocities`.
     fn atom(
         &self,
         lines: &Lines,

@@ -23,7 +23,7 @@ pub(super) const COLUMNS: [&str; 18] = [
     "x", "y", "z", "vx", "vy", "vz", "diameter", "species", "id", "wx", "wy", "wz", "radius", "density", "mass", "px",
     "py", "pz",
 ];
-/// Number of the first [`COLUMNS`] that a CSV table may have.
+/// Number of columns, counted from the first of [`COLUMNS`], that a CSV table may have.
 pub(super) const OF_CSV: usize = 12;
 /// Index of the column with the ids of particles.
 const ID: usize = 8;
@@ -110,9 +110,9 @@ type Cells = [String; COLUMNS.len()];
 /// Particles in a file of another program, and the box that the file gives.
 struct ForeignStart {
     rows: Vec<(Cells, Origin)>,
-    /// [m] edges of the box.
+    /// [m] edges of the box; `None` if the file does not give the box.
     edges: Option<Vector3<f64>>,
-    /// Axes along which the box is periodic.
+    /// Names of the axes along which the box is periodic, separated by blanks; `None` if the file does not give them.
     periodic: Option<String>,
     /// True if species are given by numbers, counted from 1 in the order of the case, instead of names.
     counted: bool,
@@ -125,7 +125,7 @@ struct ForeignInstant {
     time: Option<f64>,
     /// Number of the time step, if the file gives it.
     step: Option<f64>,
-    /// Index of the first line of the instant.
+    /// Index in the file of the first line of the instant.
     first: usize,
 }
 
@@ -242,7 +242,8 @@ impl ForeignReader<'_> {
         Ok(())
     }
 
-    /// Adds a warning, unless there is one with the same words, since all instants of a file may cause it.
+    /// Adds a warning, unless there is already one with the same words. Without this check each instant of a file would
+    /// add the warning again.
     fn warn(&mut self, origin: &Origin, message: impl Into<String>, help: impl Into<String>) {
         let warning = self.sources.warning(origin, message).help(help);
         if self.warnings.iter().all(|known| known.message != warning.message) {

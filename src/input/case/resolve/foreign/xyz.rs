@@ -13,13 +13,13 @@ const HELP: &str = "an extended XYZ file begins with the number of particles, th
 struct Header {
     /// [m] lower corner of the box.
     origin: [f64; 3],
-    /// [m] edges of the box.
+    /// [m] edges of the box; `None` if the line does not give the box.
     edges: Option<Vector3<f64>>,
-    /// Axes along which the box is periodic.
+    /// Names of the axes along which the box is periodic, separated by blanks; `None` if the line does not give them.
     periodic: Option<String>,
-    /// [s] time of the instant.
+    /// [s] time of the instant; `None` if the line does not give it.
     time: Option<f64>,
-    /// Number of the time step.
+    /// Number of the time step; `None` if the line does not give it.
     step: Option<f64>,
     layout: Layout,
 }
@@ -131,7 +131,7 @@ impl ForeignReader<'_> {
         Ok(layout)
     }
 
-    /// Reads the line of one particle.
+    /// Reads the texts of one particle from its line.
     fn particle(&self, lines: &Lines, number: usize, header: &Header) -> Result<Cells, Diagnostic> {
         let words = self.words_of(lines, number, &header.layout)?;
         let mut row: Cells = std::array::from_fn(|column| header.layout.text(&words, column).to_owned());
