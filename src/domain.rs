@@ -24,9 +24,9 @@ pub struct Shear {
 /// Periodic image of one particle that is nearest to another particle, in a sheared box.
 #[derive(Clone, Copy, Debug)]
 struct NearestImage {
-    /// [m] vector from the other particle to the image.
+    /// [m] vector to this image from the particle that the image is nearest to.
     apart: Vector3<f64>,
-    /// [m/s] velocity along z of the image relative to the particle itself.
+    /// [m/s] velocity of this image along z, relative to the particle of which it is an image.
     velocity: f64,
 }
 
@@ -46,8 +46,8 @@ pub struct Domain {
     /// axis, another periodic image is nearer.
     #[serde(skip)]
     pub(crate) half: Vector3<f64>,
-    /// [m²] square of the shortest half edge length. If two particles are nearer than this length, no periodic image is
-    /// nearer.
+    /// [m²] square of half the shortest edge length along the periodic axes; infinite without periodic axes. No
+    /// periodic image is nearer than the particle itself if the square of their distance is below this number.
     #[serde(skip)]
     direct: f64,
 }
@@ -104,7 +104,7 @@ impl Domain {
         self.shear.map_or(0.0, |shear| shear.rate * self.size.y)
     }
 
-    /// [m/s] whole multiple of [`sliding`](Self::sliding) nearest to a velocity [m/s]; 0 without shear.
+    /// [m/s] whole multiple of γ L_y ([`sliding`](Self::sliding)) that is nearest to `velocity` [m/s]; 0 without shear.
     pub fn whole_slides(&self, velocity: f64) -> f64 {
         let sliding = self.sliding();
         if sliding == 0.0 { 0.0 } else { sliding * (velocity / sliding).round() }
@@ -146,8 +146,8 @@ impl Domain {
         }
     }
 
-    /// Calls `visit` with `position` [m] itself, and then with its images as [`for_each_across`](Self::for_each_across)
-    /// does.
+    /// Calls `visit` with `position` [m] itself, and then with its images [m] beyond the sheared sides that are nearer
+    /// to the box than `reach` [m].
     #[inline]
     pub fn for_each_image(&self, position: &Vector3<f64>, reach: f64, mut visit: impl FnMut(Vector3<f64>)) {
         visit(*position);

@@ -58,7 +58,7 @@ pub struct AtWall {
 }
 
 impl AtWall {
-    /// The first contact of the wall with the index `wall` in the scene.
+    /// Contact number 0 with the wall that has the index `wall` in the scene.
     pub fn first(wall: u32) -> Self {
         Self { wall, which: 0 }
     }
@@ -69,7 +69,7 @@ impl AtWall {
 pub struct Couple {
     /// Index of the particle.
     pub i: u32,
-    /// The other body.
+    /// Second body of the couple, which the particle may meet: another particle or a wall.
     pub other: Other,
 }
 
@@ -88,32 +88,32 @@ pub struct FrameTime {
     pub sunk: f64,
     /// Time [s] of free fall whose velocity g t must be added to velocities relative to a wall.
     pub fallen: f64,
-    /// [s] time by which the velocities of the store are earlier than its positions, as half steps of Verlet's method
-    /// are. Velocities of walls that move are those of this earlier time.
+    /// [s] time by which the velocities of the store are earlier than its positions, as in half steps of Verlet's
+    /// method. Velocities of moving walls are computed for this earlier time.
     pub lag: f64,
 }
 
 impl FrameTime {
-    /// Creates the time of the particle store, for positions relative to the walls and velocities in a frame that has
-    /// fallen freely for `time` [s].
+    /// Creates a frame time equal to the time of the particle store. Positions in the store are relative to the walls.
+    /// Velocities in the store are those in a frame that has fallen freely for `time` [s].
     pub fn fallen(time: f64) -> Self {
         Self { fallen: time, ..Self::default() }
     }
 
-    /// Creates the time that [`fallen`](Self::fallen) creates, but for velocities in the store that are `lag` [s]
-    /// earlier than the positions.
+    /// Creates a frame time equal to the time of the particle store, for velocities in a frame that has fallen freely
+    /// for `time` [s]. The velocities in the store are `lag` [s] earlier than the positions.
     pub fn lagging(time: f64, lag: f64) -> Self {
         Self { fallen: time, lag, ..Self::default() }
     }
 
-    /// Creates the time of the particle store, for positions and velocities in a frame that has fallen freely for
-    /// `time` [s].
+    /// Creates a frame time equal to the time of the particle store. Both positions and velocities in the store are
+    /// those in a frame that has fallen freely for `time` [s].
     pub fn in_free_fall(time: f64) -> Self {
         Self { sunk: time, fallen: time, ..Self::default() }
     }
 
-    /// Creates the time `time` [s] after that of the particle store, for a frame that begins to fall at the time of the
-    /// store.
+    /// Creates a frame time that is `time` [s] after the time of the particle store. The frame begins to fall at the
+    /// time of the store.
     pub fn ahead(time: f64) -> Self {
         Self { ahead: time, sunk: time, fallen: time, lag: 0.0 }
     }
@@ -191,16 +191,16 @@ impl Couple {
         }
     }
 
-    /// True if the other body is a wall, and this contact is not the first (number 0) of the contacts that a sphere can
-    /// have with that wall.
+    /// True if the second body is a wall, and the couple is not the first contact (number 0) that the sphere can have
+    /// with this wall.
     #[inline]
     pub fn is_further(&self) -> bool {
         matches!(self.other, Other::Wall(at) if at.which > 0)
     }
 
-    /// True if both couples are contacts of one particle with one wall, and this contact cannot be nearer than the
-    /// contact `other`. Such a statement is possible only for walls that number their contacts by distance, the nearest
-    /// first.
+    /// True if this couple and `other` are contacts of one particle with one wall, and the contact of this couple is
+    /// never nearer to the particle than that of `other`. Only walls that number their contacts by distance, the
+    /// nearest first, allow this statement.
     pub fn is_beyond(&self, other: &Self, scene: &Scene) -> bool {
         let (Other::Wall(at), Other::Wall(before)) = (self.other, other.other) else { return false };
         let same = self.i == other.i && at.wall == before.wall && at.which > before.which;
@@ -215,7 +215,8 @@ impl Couple {
         }
     }
 
-    /// Indices of the particles of the couple: two for a pair, one for a wall.
+    /// Indices of the particles of the couple in the particle store: two for a pair; one, then `None`, for a particle
+    /// at a wall.
     pub fn places(&self) -> [Option<u32>; 2] {
         [Some(self.i), self.j()]
     }
@@ -235,14 +236,14 @@ impl Couple {
         self == couple || couple.j().is_some_and(|j| *self == Self::pair(j, couple.i))
     }
 
-    /// Restitution and friction of an impact between the two bodies.
+    /// Surface properties (restitution and friction) for an impact between the two bodies of the couple.
     #[inline]
     pub fn surface<'s>(&self, particles: &Particles, scene: &'s Scene) -> &'s Surface {
         let (species, other) = self.kinds(particles);
         scene.surface(species, other)
     }
 
-    /// Species of the particle and kind of the other body.
+    /// Index of the species of the particle, and the kind of the second body: its species, or its wall.
     #[inline]
     pub fn kinds(&self, particles: &Particles) -> (u16, Kind) {
         let other = match self.other {
@@ -364,7 +365,7 @@ impl Couple {
         2.0 * self.j().map_or(radius, |j| radius.min(particles.radius[j as usize]))
     }
 
-    /// The other body, as it is named in results.
+    /// Second body of the couple, as results name it: a particle by its id, or a wall by its index in the case.
     pub fn partner(&self, particles: &Particles) -> Partner {
         match self.other {
             Other::Particle(j) => Partner::Particle(particles.id[j as usize]),
@@ -372,8 +373,8 @@ impl Couple {
         }
     }
 
-    /// Relative position and velocity of the two bodies at the instant of a predicted touch. For a wall, `place` is the
-    /// number of the surface feature (such as a triangle) that is touched.
+    /// Relative position and velocity of the two bodies at the instant `moment` of a predicted touch. At a wall,
+    /// `place` is the number of the surface feature (such as a triangle) that the particle touches.
     #[inline(always)]
     pub fn strike(&self, particles: &Particles, scene: &Scene, moment: FrameTime, place: u32) -> Encounter {
         let Other::Wall(at) = self.other else { return self.meet(particles, scene, moment) };
@@ -425,15 +426,15 @@ impl Couple {
         Encounter { normal, gap, velocity, normal_velocity: velocity.dot(&normal) }
     }
 
-    /// [s] time from `moment` until the two bodies touch on their flights; `None` without a touch. Touches after
-    /// `until` [s] may be missed.
+    /// [s] time from `moment` until the two bodies first touch on their flights; `None` if they do not touch. The
+    /// search may miss touches more than `until` [s] after `moment`.
     #[inline(always)]
     pub fn touch_time(&self, particles: &Particles, scene: &Scene, moment: FrameTime, until: f64) -> Option<f64> {
         self.touch(particles, scene, moment, until).map(|touch| touch.time)
     }
 
-    /// First touch of the two bodies, with its time as in [`touch_time`](Self::touch_time), and the number of the
-    /// surface feature that is touched.
+    /// First touch of the two bodies on their flights: the time [s] from `moment` to the touch, and the number of the
+    /// touched surface feature. The search may miss touches more than `until` [s] after `moment`.
     #[inline(always)]
     pub fn touch(&self, particles: &Particles, scene: &Scene, moment: FrameTime, until: f64) -> Option<Touch> {
         let i = self.i as usize;
@@ -462,8 +463,8 @@ pub fn may_meet(particles: &Particles, scene: &Scene, [i, j]: [usize; 2]) -> boo
     may_touch(&apart, &velocity, particles.radius[i] + particles.radius[j])
 }
 
-/// Separation [m] from the second of two particles to the nearest image of the first, and the velocity [m/s] of the
-/// first relative to the second.
+/// Separation [m] at the time `moment` from particle j to the nearest periodic image of particle i, and the velocity
+/// [m/s] of this image relative to j.
 #[inline(always)]
 pub fn relative(
     particles: &Particles,

@@ -27,7 +27,7 @@ use serde::{Deserialize, Serialize};
 /// Properties of the contact between two kinds of bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Meeting {
-    /// Restitution and friction, for all engines.
+    /// Restitution and friction of the two bodies, which all engines use.
     pub surface: Surface,
     /// [-] stiffness of soft contacts of the pair over that of the contact law.
     pub stiffness_ratio: f64,
@@ -36,7 +36,8 @@ pub struct Meeting {
     /// does not depend on the masses.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at_mass: Option<f64>,
-    /// Coefficients of rolling and twisting friction of this pair. A coefficient that is missing is taken from the law.
+    /// Coefficients of rolling and twisting friction of this pair. A coefficient that is missing is taken from the
+    /// rolling or twisting law.
     #[serde(skip_serializing_if = "ResistanceFriction::is_of_law")]
     pub resistance: ResistanceFriction,
 }
@@ -53,8 +54,8 @@ impl Meeting {
 }
 
 impl From<Surface> for Meeting {
-    /// Makes the contact properties of a pair with this surface. The stiffness and the rolling and twisting friction
-    /// are those of the laws.
+    /// Makes the contact properties of a pair with the surface `surface`. Its stiffness is that of the contact law, and
+    /// its rolling and twisting friction are those of the rolling and twisting laws.
     fn from(surface: Surface) -> Self {
         Self { surface, stiffness_ratio: 1.0, at_mass: None, resistance: ResistanceFriction::default() }
     }
@@ -70,7 +71,8 @@ pub enum Kind {
     Wall(u32),
 }
 
-/// Contact properties of particular pairs of kinds. All other pairs have those of [`Scene::contact`] or of their wall.
+/// Contact properties of particular pairs of kinds. A pair that is not listed has the surface [`Scene::contact`]
+/// between particles, or the surface of its wall.
 ///
 /// ```
 /// use diptych::scene::{Kind, Pairs};
@@ -106,7 +108,7 @@ impl Pairs {
         }
     }
 
-    /// Contact properties of a species and another kind, if they were set for this pair.
+    /// Contact properties of a species and another kind; `None` if none were set for this pair.
     #[inline]
     pub fn find(&self, species: u16, other: Kind) -> Option<&Meeting> {
         if self.0.is_empty() {
@@ -126,7 +128,7 @@ impl Pairs {
         self.0.is_empty()
     }
 
-    /// Mutable references to the surfaces of all pairs.
+    /// Mutable references to the surfaces of all pairs that have contact properties of their own.
     pub fn surfaces_mut(&mut self) -> impl Iterator<Item = &mut Surface> {
         self.0.iter_mut().map(|(_, _, meeting)| &mut meeting.surface)
     }
@@ -285,7 +287,7 @@ impl Scene {
         }
     }
 
-    /// [m³] volume available to particles: the volume of the domain, or of the smallest vessel in it.
+    /// [m³] volume available to particles: the volume of the domain, or of the smallest vessel (hollow wall) in it.
     pub fn room(&self) -> f64 {
         let vessels = self.walls.iter().filter_map(|wall| wall.geometry.law().vessel_volume(&self.domain.size));
         vessels.fold(self.domain.volume(), f64::min)
@@ -365,7 +367,7 @@ impl Scene {
         kinds
     }
 
-    /// Contact properties of particles of a species with a species or a wall.
+    /// Contact properties of a particle of the species with the index `species` and a body of the kind `other`.
     #[inline]
     pub fn meeting(&self, species: u16, other: Kind) -> Meeting {
         match self.pairs.find(species, other) {
@@ -374,7 +376,8 @@ impl Scene {
         }
     }
 
-    /// Rolling and twisting friction of a species and another species or a wall.
+    /// Coefficients of rolling and twisting friction of the species with the index `species` and a body of the kind
+    /// `other`.
     #[inline]
     pub fn resistance(&self, species: u16, other: Kind) -> ResistanceFriction {
         match (self.pairs.find(species, other), other) {
@@ -384,13 +387,13 @@ impl Scene {
         }
     }
 
-    /// Restitution and friction of a species and another species or a wall.
+    /// Restitution and friction of the species with the index `species` and a body of the kind `other`.
     #[inline]
     pub fn surface(&self, species: u16, other: Kind) -> &Surface {
         self.pairs.find(species, other).map_or_else(|| self.usual(other), |meeting| &meeting.surface)
     }
 
-    /// Surface of contacts with a kind of body, for pairs that are not in `pairs`.
+    /// Surface of contacts with a body of the kind `other`, for pairs without contact properties of their own.
     #[inline]
     fn usual(&self, other: Kind) -> &Surface {
         match other {
@@ -455,8 +458,8 @@ impl Scene {
         0.01 * (self.gravity.norm() * self.smallest_diameter()).sqrt()
     }
 
-    /// [-] restitution between particles; `None` unless all pairs of species have equal restitution that depends on no
-    /// speed.
+    /// [-] restitution between particles, if it is equal for all pairs of species and does not depend on the speed;
+    /// otherwise `None`.
     pub fn restitution_of_pairs(&self) -> Option<f64> {
         if self.pairs.is_empty() {
             return constant([self.contact]);
@@ -464,8 +467,8 @@ impl Scene {
         constant(self.meetings().map(|(_, _, meeting)| meeting.surface))
     }
 
-    /// [-] restitution at walls; `None` unless it is equal for all species and walls and depends on no speed, and
-    /// without walls.
+    /// [-] restitution at walls, if it is equal for all species and walls and does not depend on the speed; otherwise
+    /// `None`. `None` also for a scene without walls.
     pub fn restitution_at_walls(&self) -> Option<f64> {
         if self.pairs.is_empty() {
             return constant(self.walls.iter().map(|wall| wall.surface));
@@ -473,8 +476,8 @@ impl Scene {
         constant(self.meetings_at_walls().map(|(_, _, meeting)| meeting.surface))
     }
 
-    /// Surfaces at all walls and, if `particles` > 1, between particles. The pairs with contact properties of their own
-    /// are included.
+    /// Surfaces of all contacts that can occur: at the walls and, if the number `particles` is above 1, between
+    /// particles. Pairs with contact properties of their own are included.
     pub fn surfaces(&self, particles: usize) -> Vec<Surface> {
         if self.pairs.is_empty() {
             let walls = self.walls.iter().map(|wall| wall.surface);
@@ -486,7 +489,8 @@ impl Scene {
     }
 }
 
-/// Common constant restitution [-] of all surfaces; `None` if one differs or depends on the speed, or if there are none.
+/// Common restitution [-] of all surfaces. `None` if two surfaces differ, if one depends on the speed, or if there is
+/// no surface.
 fn constant(surfaces: impl IntoIterator<Item = Surface>) -> Option<f64> {
     let own = |surface: Surface| surface.by_speed.is_none().then_some(surface.restitution);
     let mut all = surfaces.into_iter().map(own);

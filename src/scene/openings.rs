@@ -5,13 +5,13 @@ use crate::walls::{Geometry, Hollow, Plane};
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// Part of space in which particles leave the scene. A particle leaves at the end of the first window at which its centre
-/// is there.
+/// Part of space in which particles leave the scene. A particle leaves at the end of the first window (time between two
+/// exchanges with the gas) at which its centre is in this part.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Outlet {
     /// Name in results.
     pub name: String,
-    /// Part of space.
+    /// Shape of the part of space in which particles leave.
     pub shape: OutletShape,
 }
 
@@ -26,7 +26,8 @@ pub enum OutletShape {
 }
 
 impl Outlet {
-    /// True if a particle whose centre is at `position` [m], inside the box along periodic axes, leaves here.
+    /// True if a particle with its centre at `position` [m] leaves the scene in this outlet. The position must be
+    /// inside the box along periodic axes.
     pub fn takes(&self, position: &Vector3<f64>) -> bool {
         match &self.shape {
             OutletShape::Behind(plane) => plane.nearest(position).distance < 0.0,
@@ -45,7 +46,7 @@ pub struct Inlet {
     pub species: u16,
     /// Body that contains each new particle wholly.
     pub region: Hollow,
-    /// [1/s] number of particles per time.
+    /// [1/s] number of particles per time that come in while the inlet is open.
     pub rate: f64,
     /// [s] time at which the inlet opens.
     pub start: f64,
@@ -62,8 +63,8 @@ pub struct Inlet {
 }
 
 impl Inlet {
-    /// Number of particles that are due from the start of the run to a time [s]: the first one at the opening, the next
-    /// one an interval of 1/rate later, and so on.
+    /// Number of particles that must have come in from the start of the run to the time `time` [s]. The first particle
+    /// comes in at the opening, and each further one 1/`rate` after the one before.
     pub fn due(&self, time: f64) -> u64 {
         // a millionth of an interval is added, since the time is a sum of windows with rounding errors
         let open = time.min(self.end) - self.start;

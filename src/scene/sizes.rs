@@ -64,7 +64,7 @@ impl SizeDistribution {
         }
     }
 
-    /// [m] diameter below or at which the share `share` [-] of the particles lies, 0 to 1.
+    /// [m] quantile of the diameter: the share `share` [-], from 0 to 1, of the particles has at most this diameter.
     pub fn quantile(&self, share: f64) -> f64 {
         let diameter = match self {
             Self::Uniform { from, to } => from + share * (to - from),
@@ -86,7 +86,7 @@ impl SizeDistribution {
         diameter.clamp(self.smallest(), self.largest())
     }
 
-    /// [-] share of the log-normal distribution that lies between its limits `from` and `to`; 1 for other
+    /// [-] share of the uncut log-normal distribution that lies between its limits `from` and `to`; 1 for other
     /// distributions.
     pub fn left(&self) -> f64 {
         match self {
