@@ -5,7 +5,7 @@ use super::{ContactLaw, Spring};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Contract that a contact law violates between two bodies.
+/// Contract (condition on a contact law) that the law violates between two given bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum BrokenContract {
     /// The elastic force at touch is not zero. A contact detected a part of a step after touch would then gain or lose
@@ -57,10 +57,10 @@ impl fmt::Display for BrokenContract {
     }
 }
 
-/// [-] largest relative error that passes the check. It is the quadrature error with `POINTS` intervals, for a force
-/// with an infinite slope at touch.
+/// [-] largest relative error that passes the check. It is the error of a quadrature with `POINTS` intervals for a
+/// force whose slope is infinite at touch.
 const TOLERANCE: f64 = 1e-3;
-/// Number of intervals of the quadrature of the force over the overlap.
+/// Number of intervals of the quadrature that integrates the elastic force over the overlap.
 const POINTS: u32 = 1000;
 
 impl ContactLaw {

@@ -68,12 +68,12 @@ impl Law for LinearSpringDashpot {
         damping_ratio(spring.restitution)
     }
 
-    /// Returns the length sqrt(π E/(2 k_n)) [m].
+    /// Returns the length sqrt(π E/(2 k_n)) [m], with E = `energy` [J].
     fn thermal_overlap(&self, spring: &Spring, energy: f64) -> f64 {
         (PI * energy / (2.0 * spring.stiffness)).sqrt()
     }
 
-    /// Returns overlap [m] and rate [m/s] as a function of time, by Eq. 6 of the paper.
+    /// Returns the overlap [m] and its rate [m/s] as functions of the time [s] since touch, by Eq. 6 of the paper.
     fn course(&self, spring: &Spring, speed: f64) -> Box<dyn Fn(f64) -> (f64, f64)> {
         let ratio = damping_ratio(spring.restitution);
         let damping = ratio * undamped(spring);
