@@ -39,13 +39,14 @@ pub struct WallApproach {
 }
 
 impl WallRoughness {
-    /// [-] unit normal of the facet that an impact meets. `restitution` is e > 0 [-] at a normal speed [m/s]. The draw is a
-    /// function of the seed, the wall, the particle and its velocity. An impact that does not approach meets the smooth
-    /// wall; so does one that leaves the wall by none of many facets, as with e = 0.
+    /// [-] unit normal of the facet that an impact meets. `restitution` gives e > 0 [-] for a normal speed [m/s]. The
+    /// draw is a function of the seed, the wall, the particle and its velocity. The result is the normal of the smooth
+    /// wall if the sphere does not approach, or if it leaves the wall by none of `MOST` drawn facets, as with e = 0.
     pub fn facet(&self, impact: &WallApproach, restitution: impl Fn(f64) -> f64) -> Vector3<f64> {
-        /// [-] tilt over Δγ beyond which a facet is not expected: its probability is exp(-50).
+        /// [-] tilt over Δγ that is taken as the largest expected one: the probability of larger tilts is exp(-50).
         const FAR: f64 = 10.0;
-        /// Largest number of facets that are drawn. Even at normal incidence with e = 0.01 and Δγ = 0.6, one in 72 is left.
+        /// Largest number of facets that are drawn for one impact. Even at normal incidence with e = 0.01 and Δγ = 0.6,
+        /// the sphere leaves the wall by one facet in 72.
         const MOST: u32 = 100_000;
         let WallApproach { velocity, normal, id, wall } = *impact;
         if velocity.dot(&normal) >= 0.0 {

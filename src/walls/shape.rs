@@ -75,8 +75,8 @@ impl Obstacle {
         (corners.into_iter().map(|corner| self.center + self.turn(&from_parry(corner))).collect(), triangles)
     }
 
-    /// Exchanges two components of a vector: y, and the component along the body's axis. A second call restores the
-    /// vector.
+    /// Exchanges two components of a vector: y, and the component along the body's axis. This converts between the axes
+    /// of the domain and those of the shape, in both directions.
     fn turn(&self, vector: &Vector3<f64>) -> Vector3<f64> {
         let mut turned = *vector;
         turned.swap((1, 0), (self.axis, 0));

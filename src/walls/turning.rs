@@ -49,7 +49,8 @@ impl Wall {
         }
     }
 
-    /// [m/s] velocity of the surface along itself, relative to the shape, at `point` [m] of the shape without displacement.
+    /// [m/s] velocity of the surface along itself, relative to the shape, at `point` [m] of the shape where the case
+    /// puts it.
     #[inline(always)]
     pub fn sliding_velocity(&self, point: &Vector3<f64>) -> Vector3<f64> {
         match &self.turning {
@@ -58,7 +59,8 @@ impl Wall {
         }
     }
 
-    /// [m/s] part of the velocity at `point` [m] by rotation. Each periodic image of a body turns about its own axis.
+    /// [m/s] part of the surface velocity at `point` [m] that comes from the rotation `turning` of the surface. Each
+    /// periodic image of a body turns about its own axis.
     fn turning_velocity(&self, turning: &Turning, point: &Vector3<f64>) -> Vector3<f64> {
         let near = match self.moving.as_ref().map_or(&self.geometry, MovingShape::shape) {
             WallGeometry::Repeated(body) => body.near(point),
