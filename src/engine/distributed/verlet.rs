@@ -102,8 +102,8 @@ impl<'a> OtherProcesses<'a> {
         ListSettings::together(own, sizes, scene, between_uses, &*self.communicator)
     }
 
-    /// Builds the neighbour list again with the settings `plan`; each process builds its share. Particles that have
-    /// left a block are first sent to the process that owns their new block.
+    /// Builds the neighbour list again with the settings `plan`; each process builds the part for its own particles.
+    /// Particles that have left a block are first sent to the process that owns their new block.
     fn rebuild_by(&mut self, plan: &ListSettings, solver: &mut SoftSolver, particles: &mut Particles, scene: &Scene) {
         let (mut log, mut record) = (Log::default(), Record::default());
         let mut work = Work { particles, scene, lasting: &mut *self.lasting, log: &mut log, record: &mut record };

@@ -116,8 +116,8 @@ pub struct CollisionCells {
 }
 
 impl CollisionCells {
-    /// Makes the cells for particles of these sizes, still without particles. The settings may give the numbers of
-    /// cells.
+    /// Makes empty cells for particles of the sizes `sizes`. The numbers of cells along the axes are those in the
+    /// settings, or are chosen from the scene and the sizes.
     pub fn new(scene: &Scene, sizes: &RadiusSummary, settings: &DsmcSettings) -> Self {
         let [low, high] = corners(scene, 0.0);
         // limits the radius, so that a box narrower than its particles keeps some width

@@ -22,7 +22,7 @@ pub struct CellState<'a> {
     pub scene: &'a Scene,
     /// Indices in the store of the particles in the cell.
     pub members: &'a [u32],
-    /// Part [m³] of the cell's volume in which centres of particles can be.
+    /// [m³] part of the cell's volume in which centres of particles can be.
     pub open: f64,
     /// Local volume fraction, from which the Enskog factor follows; `None` if that factor is left out.
     pub crowding: Option<Crowding>,
@@ -47,7 +47,7 @@ pub struct CellCollisions {
     pub broken: bool,
 }
 
-/// Scratch memory of a thread, used for one cell after the other.
+/// Scratch memory of a thread, used for the collisions in one cell after another.
 #[derive(Default)]
 pub struct CellMemory {
     velocity: Vec<Vector3<f64>>,

@@ -90,7 +90,8 @@ impl LastCollision {
 }
 
 /// Speed [m/s] at which a particle slides along a curved wall, hitting the wall at ever smaller angles. Impacts then
-/// accumulate although no particle comes to rest. `None` if the collision is not of this kind.
+/// accumulate although no particle comes to rest. `None` if the wall is flat, if the particle does not slide, or at a
+/// particle.
 pub fn sliding(collision: &Collision, scene: &Scene) -> Option<f64> {
     /// [-] ratio of tangential speed to speed of approach above which a particle slides along a curved wall.
     const FLAT: f64 = 1e3;

@@ -174,15 +174,15 @@ impl EventLoop {
         (end, Ok(None))
     }
 
-    /// Number of the surface feature (such as a triangle of a mesh) that the particle at a slot will touch next; 0 if
-    /// the slot, a number in the neighbour list, is that of a pair.
+    /// Number of the surface feature (such as a triangle of a mesh) that the particle at the slot `slot` will touch
+    /// next. A slot is the number of a candidate in the neighbour list. 0 for a pair of particles.
     fn place(&self, slot: usize) -> u32 {
         let near = slot.checked_sub(self.list.pairs.len());
         near.and_then(|near| self.places.get(near)).copied().unwrap_or_default()
     }
 
-    /// Puts the next touch of the two bodies at a slot (number in the neighbour list) into the event queue; `None` if
-    /// they will not touch. The time of the touch is in s since the start of the part.
+    /// Puts the next touch of the two bodies at `slot` (their number in the neighbour list) into the event queue. With
+    /// `None` for `touch`, no touch is coming. The time of the touch is in s since the start of the part.
     fn predict_events(&mut self, slot: usize, touch: Option<Touch>) {
         if let (Some(near), Some(touch)) = (slot.checked_sub(self.list.pairs.len()), touch) {
             self.places[near] = touch.place;

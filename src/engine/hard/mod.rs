@@ -161,11 +161,12 @@ impl Solver for HardSolver {
         self.memory.outdated = true;
     }
 
-    /// Does nothing, because the calendar sees from the ids that it must be made anew. It then keeps the whole collision
-    /// histories, which an outdated calendar would not.
+    /// Does nothing, because the event queue of all particles compares the ids, and so finds that it must be made anew.
+    /// It then keeps the whole collision histories.
     fn repopulate(&mut self) {}
 
-    /// Does nothing, because recent collisions are already returned at the end of each window.
+    /// Does nothing, because the recent collisions are returned at the end of each window in which all particles were
+    /// moved at once.
     fn hand_over(&mut self, _lasting: &mut Vec<Recent>) {}
 
     fn for_each_kept(&self, _visit: &mut dyn FnMut(Recent)) {}

@@ -8,7 +8,7 @@ use crate::particles::Particles;
 use crate::record::{Ledger, Log};
 use nalgebra::Vector3;
 
-/// Largest number of particles among which a linear search for one of them is faster than a binary search.
+/// Largest number of particles in an island for which a linear search for one particle is faster than a binary search.
 const FEW: usize = 32;
 
 /// An island as a small separate scene for an engine. Local indices number the particles: first the members (hot
@@ -67,8 +67,8 @@ pub struct Island<C> {
     pub(super) flow: Vec<Vector3<f64>>,
 }
 
-/// Speed limits of the members of an island. A faster member might meet particles that were not expected, so the island
-/// must be solved again.
+/// Speed limits of the members of an island (group of particles that may meet). A faster member might meet particles
+/// that are not in the island, so the island must then be solved again.
 pub struct Bounds<'a> {
     /// Speed limit [m/s] of each member, by local index, relative to the moving frame.
     limits: &'a [f64],
@@ -211,8 +211,8 @@ impl<C> Island<C> {
         frame_of(place, self.frame, &self.flow)
     }
 
-    /// Upper limit [m/s] of the difference between a speed in the frame with the velocity `frame` [m/s] and the speed
-    /// in the frame of the speed limits, without mean flow.
+    /// Upper limit [m/s] of the difference between two speeds of one particle: relative to a frame with the velocity
+    /// `frame` [m/s], and relative to the frame of the speed limits without mean flow.
     pub fn apart_from(&self, frame: &Vector3<f64>) -> f64 {
         (frame - self.frame).norm()
     }

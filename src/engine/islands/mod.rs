@@ -83,7 +83,7 @@ pub trait Solve: Sync {
         [0.0; 3]
     }
 
-    /// The two bodies of a carried contact; `None` if the carried item is not a contact.
+    /// The two bodies of a carried contact; `None` for a recent collision.
     fn touching(&self, carried: &Self::Carried) -> Option<Couple>;
 
     /// True if the engine can solve crowds. A crowd is an island without a list of pairs, which is moved by uniform

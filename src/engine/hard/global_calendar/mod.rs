@@ -370,7 +370,8 @@ impl GlobalCalendar {
         Self { shells, next_events, agenda: EventQueue::default(), ..self.clone() }
     }
 
-    /// Continues from a state that `state` has returned; clock and contact time stay as they are.
+    /// Continues from a state that [`state`](Self::state) has returned. The clock and the contact time of this event
+    /// queue stay as they are.
     pub fn resume(&mut self, state: Self) {
         let (clock, contact_time) = (self.clock.clone(), self.contact_time);
         *self = Self { clock, contact_time, ..state };

@@ -52,9 +52,10 @@ pub enum EventKind {
 #[repr(align(64))]
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct NextEvents {
-    /// Time [s] of the next event since the epoch; infinite if there is none.
+    /// [s] time of the next event since the epoch (zero of time); infinite if there is none.
     pub time: f64,
-    /// Time [s] of the second event since the epoch; not later than `time` if no second event is stored.
+    /// [s] time of the second event since the epoch (zero of time). It is not later than `time` if no second event is
+    /// stored.
     pub then: f64,
     /// Kind of the next event.
     pub next: EventKind,
@@ -77,7 +78,8 @@ impl NextEvents {
         Self { time: never, then: never, next: look, after: look, detail: 0, detail_after: 0, shell: Shell::default() }
     }
 
-    /// True if a second event is stored, which can replace the next event if that is void.
+    /// True if a second event is stored. It replaces the next event if the partner of the next event has collided
+    /// before.
     #[inline]
     pub fn has_more(&self) -> bool {
         self.then > self.time

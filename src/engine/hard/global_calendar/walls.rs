@@ -30,7 +30,7 @@ impl WallContacts {
         Self { contacts, of, near: NearWalls::of(&scene.walls) }
     }
 
-    /// Range of the numbers in `contacts` that belong to the wall with the number `wall`.
+    /// Range of numbers in `contacts` of the contacts with the wall that has the index `wall` in the scene.
     pub fn of_wall(&self, wall: u32) -> Range<u32> {
         self.of[wall as usize].clone()
     }

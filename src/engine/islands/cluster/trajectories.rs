@@ -9,7 +9,7 @@ use std::ops::Range;
 /// A change of a particle's velocity, which ends one straight flight and begins another.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct VelocityChange {
-    /// Time [s] of the change since the start of the part, a piece of the time between two exchanges with the gas.
+    /// [s] time of the change since the start of the part, a piece of the time between two exchanges with the gas.
     pub time: f64,
     /// Position [m] that the particle would have had at the start of the part if it had always moved on the line of the
     /// new flight.
@@ -29,14 +29,15 @@ pub struct ParticleTrajectory<'a> {
     pub turns: Option<&'a [VelocityChange]>,
 }
 
-/// Trajectory of a member of a solved island, and balls that contain it.
+/// Trajectory of a member of a solved island (group of particles that may meet), with balls that contain the
+/// trajectory.
 #[derive(Clone)]
 pub struct PiecewiseTrajectory {
     /// Range of the particle's velocity changes in `MemberTrajectories::turns`, in the order of time.
     pub turns: Range<usize>,
     /// Ball that contains the path after the first velocity change; without a change, the straight flight.
     pub ball: BoundingSphere,
-    /// Radius [m] of a ball about the middle of the straight flight that contains the whole trajectory.
+    /// [m] radius of a ball about the middle of the straight flight that contains the whole trajectory.
     pub around: f64,
 }
 
