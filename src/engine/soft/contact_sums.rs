@@ -9,8 +9,8 @@ use crate::record::{AT_WALLS, BY_SHEAR, FrictionLosses, Ledger, OF_PAIRS, OF_SPR
 use crate::scene::Scene;
 use nalgebra::{Matrix3, Vector3};
 
-/// Number of rows that are condensed together: 3 kB, which stay in the cache. With 128 rows the dense scene takes 9 %
-/// longer.
+/// Number of rows that are condensed at the same time. They take 3 kB, which stays in the processor's cache. With 128
+/// rows a dense scene takes 9 % longer.
 const BATCH: usize = 32;
 
 /// Powers [W] and forces [N] of one contact, in the order of [`OF_PAIRS`] or [`AT_WALLS`].
@@ -19,7 +19,7 @@ type SumRow = [f64; SOME];
 /// Powers [W] that the springs of one contact lose, in the order of [`OF_SPRINGS`].
 type SpringRow = [f64; 4];
 
-/// Power [W] of the shear on one contact, and three numbers 0, in the order of [`BY_SHEAR`].
+/// Power [W] of the shear of the box on one contact, in the order of [`BY_SHEAR`], followed by three zeros.
 type ShearRow = [f64; 4];
 
 /// Rows of powers and forces, one per contact, separate for pairs and for walls. Contacts whose springs lose energy
@@ -33,15 +33,15 @@ pub struct ContactRows {
 }
 
 impl ContactRows {
-    /// Adds the row of a contact force. It acts when `at.1` [s] remain until the end of the window. Full batches of rows
-    /// are condensed: few rows with equal sums are added to `few`.
+    /// Adds the row of one contact force. `at` contains the scene and the time [s] from the action of the force to the
+    /// end of the window. Full batches of rows are condensed: a few rows with equal sums are added to `few`.
     #[inline(always)]
     pub fn add(&mut self, couple: &Couple, force: &ContactForce, at: (&Scene, f64), few: &mut Self) {
         self.add_row(couple, force, 0.0, at, few);
     }
 
-    /// Adds the rows of a contact between rotating bodies as [`add`](Self::add) does; `losses` [W] are the parts of its
-    /// friction power.
+    /// Adds the rows of a contact between rotating bodies, with the arguments of [`add`](Self::add). `losses` [W] are
+    /// the parts of the friction power of the force.
     #[inline(always)]
     pub fn add_rotating(
         &mut self,

@@ -17,7 +17,7 @@ pub(in crate::engine) struct Fastest {
 }
 
 impl Fastest {
-    /// Raises both limits to a speed [m/s] that a particle had after a force was applied.
+    /// Raises the limits `all` and `pushed` to the speed `now` [m/s] that a particle had after a force was applied.
     pub(super) fn rise(&mut self, now: f64) {
         (self.all, self.pushed) = (self.all.max(now), self.pushed.max(now));
     }

@@ -35,7 +35,7 @@ impl ContactTorque {
     }
 }
 
-/// Index in the particle store. An `Option` of it takes no more memory than a number.
+/// Index in the particle store. An `Option` of this type takes no more memory than an index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StoreIndex(NonZeroU32);
 
@@ -121,8 +121,8 @@ impl ForceBuffer {
         self.couples.clear();
     }
 
-    /// Keeps only the forces on particles for which `chosen`, by index, is true. One particle of each contact must be chosen.
-    /// If it is particle j, it becomes particle i of its entry.
+    /// Removes the forces on particles for which `chosen`, by index, is false. One particle of each contact must be
+    /// chosen. If the chosen particle is j, it becomes particle i of its entry.
     pub fn leave(&mut self, chosen: &[bool]) {
         let is_chosen = |place: u32| chosen[place as usize];
         for (k, push) in self.list.iter_mut().enumerate() {
@@ -211,8 +211,8 @@ pub struct Spins<'a> {
     pub per_torque: PerTorque<'a>,
 }
 
-/// Radius over moment of inertia r/I [1/(kg m)]. A torque divided by the radius, times this ratio, is an angular
-/// acceleration.
+/// Radius over moment of inertia, r/I [1/(kg m)], of particles. A torque divided by the radius, times r/I, is an
+/// angular acceleration.
 #[derive(Clone, Copy)]
 pub enum PerTorque<'a> {
     /// r/I [1/(kg m)] and 1/I [1/(kg m²)], equal for all particles.
@@ -222,7 +222,7 @@ pub enum PerTorque<'a> {
 }
 
 impl PerTorque<'_> {
-    /// r/I [1/(kg m)] of the particle at an index.
+    /// r/I [1/(kg m)] of the particle at the index `place`.
     #[inline(always)]
     fn of(&self, place: usize) -> f64 {
         match self {
@@ -231,7 +231,7 @@ impl PerTorque<'_> {
         }
     }
 
-    /// 1/I [1/(kg m²)] of the particle at an index.
+    /// 1/I [1/(kg m²)] of the particle at the index `place`.
     #[inline(always)]
     fn of_couple(&self, place: usize) -> f64 {
         match self {

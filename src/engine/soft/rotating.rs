@@ -25,7 +25,7 @@ pub struct SurfaceMotion {
 }
 
 impl SurfaceMotion {
-    /// Motion of the surfaces of two bodies; `reach` [m] is their distance at touch ([`reach`](Couple::reach)).
+    /// Motion of the surfaces of two bodies. `reach` [m] is the distance of the centres at touch; at a wall the radius.
     #[inline(always)]
     pub fn of(couple: &Couple, reach: f64, met: &Encounter, (particles, scene): (&Particles, &Scene)) -> Self {
         let (surface, arm) = couple.surface_velocity(particles, reach, met.gap);
@@ -139,8 +139,8 @@ impl ContactConstants {
         RotatingForce { force, torque, shear, losses }
     }
 
-    /// Resistance to rolling and twisting at the end of a step; zero while the contact is too young to resist. It is a
-    /// separate function, because few scenes have resistance.
+    /// Resistance to rolling and twisting at the end of a step; zero until the contact has lasted for one contact time.
+    /// This is a separate function, because few scenes have resistance.
     #[inline(never)]
     fn resist(
         &self,

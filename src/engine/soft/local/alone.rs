@@ -55,7 +55,7 @@ impl IsolatedContact<'_> {
         with_law!(self.law, law => self.step_by(law, from, dt, sums))
     }
 
-    /// Makes the step of [`step`](Self::step) for a law of known type.
+    /// Makes the step of [`step`](Self::step) for a contact law whose type is known when the code is compiled.
     #[inline(always)]
     fn step_by(&self, law: &(impl Law + ?Sized), from: &OrbitState, dt: f64, sums: &mut AlongNormal) -> OrbitState {
         let (mut moved, mut kicked, mut turned) = (0.0, 0.0, 0.0);

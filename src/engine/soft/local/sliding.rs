@@ -30,7 +30,7 @@ pub(super) enum Phase {
     Free,
 }
 
-/// State of a spring, and the normal to which it refers.
+/// State of a spring, and the normal of the contact for which the state is valid.
 #[derive(Clone, Copy, Debug)]
 struct SpringState {
     /// Shear ξ [m] of a spring that sticks, or direction e [-] of the force of one that slides. It is normal to
@@ -45,13 +45,13 @@ pub struct SlidingContact {
     pub(super) phase: Phase,
     /// State at the start of the step.
     start: SpringState,
-    /// State now.
+    /// State at the present time of the island.
     now: SpringState,
     /// Rate of change of the state [unit of the state per s] at the last stage, in the plane of the start.
     rate: Vector3<f64>,
     /// Weighted mean of the rates of all stages so far.
     mean: Vector3<f64>,
-    /// [m] shear ξ now.
+    /// [m] shear ξ at the present time of the island.
     pub(super) shear: Vector3<f64>,
     /// Margins [N] or [m/s], at the start of the step and now. The phase ends when one of them becomes negative.
     margins: [[f64; 2]; 2],
@@ -99,7 +99,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Appends the springs of a contact; `met` is the present encounter of its two bodies.
+    /// Appends the springs of the contact `touch`; `met` is the present encounter of its two bodies.
     pub(super) fn open_springs(&mut self, touch: &TouchingPair, course: &ContactState, met: &Encounter) {
         let motion = ContactMotion::of(self, touch, met, true);
         for &kind in self.kinds() {
@@ -226,7 +226,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Moves spins and springs by `dt` [s] at their mean rates, after positions and velocities have been moved.
+    /// Moves spins and springs by `dt` [s] at their mean rates, after the step has moved positions and velocities.
     pub(super) fn end_turning(&mut self, dt: f64) {
         let scratch = &mut *self.scratch;
         if let Some(spins) = &mut self.particles.spin {
