@@ -78,7 +78,7 @@ pub struct Simulation {
     clock: Clock,
     scene: Scene,
     engine: SimulationEngine,
-    /// Seed of the random numbers of kicks.
+    /// Seed of the random numbers of kicks by turbulence and heat.
     seed: u64,
     spheres: Vec<Sphere>,
     /// Gas that feels the particles; `None` if the gas of the scene is frozen.
@@ -309,7 +309,7 @@ impl Simulation {
         }
     }
 
-    /// Scene in which the particles move.
+    /// Scene in which the particles move, at the present simulated time.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
@@ -360,7 +360,7 @@ impl Simulation {
         self.engine.in_islands()
     }
 
-    /// Time spent in the parts of the engine.
+    /// Wall-clock time that the engine has spent on the search for neighbours and on straight flight so far.
     pub fn engine_spent(&self) -> crate::engine::EngineTimes {
         self.engine.work_done().1
     }

@@ -128,7 +128,7 @@ impl HalfChannel {
         1.0 - y / self.reynolds_tau
     }
 
-    /// [-] shear stress at a face.
+    /// [-] shear stress at the face number `face`, in units of the wall stress of the gas alone.
     pub fn stress_at_face(&self, face: usize) -> f64 {
         self.face_stress.as_ref().map_or_else(|| self.stress(self.face[face]), |stress| stress[face])
     }

@@ -13,7 +13,7 @@ const C_EPSILON_3: f64 = 1.2;
 /// particles have damped the turbulence. The unit u_τ is that of the gas alone.
 const LEAST: f64 = 1e-12;
 
-/// Settings of the two-way coupling between gas and particles.
+/// Settings of the two-way coupling, in which gas and particles change each other's momentum.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Coupling {
     /// Number of slices of equal width from the wall to the centre plane or the axis, in which the force on the particles
@@ -64,7 +64,7 @@ pub struct SliceSums {
 pub struct LoadedFlow {
     coupling: Coupling,
     model: TurbulenceModel,
-    /// Flow in wall units of the gas alone.
+    /// Flow in wall units: the unit of velocity is the friction velocity of the gas without particles.
     channel: HalfChannel,
     /// [m] full width of the channel, or diameter of the pipe.
     height: f64,
@@ -220,8 +220,8 @@ impl LoadedFlow {
         self.channel.face.windows(2).map(cell).collect()
     }
 
-    /// Books momentum along z [kg m/s] that lift has given to the particles, one number per slice. The next step takes
-    /// it from the gas.
+    /// Stores momentum along z [kg m/s] that lift has given to the particles, one number per slice. The gas loses this
+    /// momentum in the next step.
     pub fn owe(&mut self, impulses: impl IntoIterator<Item = f64>) {
         self.owed.iter_mut().zip(impulses).for_each(|(owed, impulse)| *owed += impulse);
     }
@@ -387,7 +387,7 @@ impl LoadedFlow {
         stress.signum() * stress.abs().sqrt() * self.unit_velocity()
     }
 
-    /// The flow at present, from which a velocity profile can be made.
+    /// Flow at the present time, from which a velocity profile can be made.
     ///
     /// # Errors
     /// A velocity that is not finite.

@@ -58,7 +58,7 @@ impl Pipe {
         self.half.slope(depth)
     }
 
-    /// [m/s] gas velocity at the coordinate `y` [m], in the plane x = const through the axis.
+    /// [m/s] gas velocity at the coordinate `y` [m], on the line through the axis along y.
     #[inline]
     pub fn velocity(&self, y: f64) -> f64 {
         self.half.value(self.radius() - (y - self.center[1]).abs())

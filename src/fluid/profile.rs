@@ -36,7 +36,7 @@ pub struct WallScale {
     pub length: f64,
 }
 
-/// A channel flow: the profile in one half is mirrored at the centre plane.
+/// A channel flow; the profile in its lower half is mirrored at the centre plane.
 #[derive(Clone, Debug, Serialize)]
 pub struct Channel {
     half: VelocityTable,
