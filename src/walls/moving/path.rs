@@ -7,13 +7,13 @@ use serde::Serialize;
 /// is at rest.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PiecewisePath {
-    /// [s] instants, in ascending order, and [m] the displacement at each.
+    /// Instants [s] in ascending order, each with the displacement [m] of the wall at this instant.
     knots: Vec<(f64, Vector3<f64>)>,
 }
 
 impl PiecewisePath {
-    /// Makes a path from its instants [s] and displacements [m]. `None` unless there is an instant and all are finite
-    /// and in strictly ascending order.
+    /// Makes a path from its instants [s] and displacements [m]. `None` if the list is empty, a number is not finite,
+    /// or the instants do not strictly ascend.
     pub fn new(knots: Vec<(f64, Vector3<f64>)>) -> Option<Self> {
         let finite = knots.iter().all(|(time, place)| time.is_finite() && place.iter().all(|x| x.is_finite()));
         let ascends = knots.windows(2).all(|two| two[0].0 < two[1].0);
@@ -51,7 +51,7 @@ impl PiecewisePath {
         self.knots.windows(2).map(|two| slope(&two[0], &two[1]).norm()).fold(0.0, f64::max)
     }
 
-    /// [m] least and largest component of the displacement along a unit vector.
+    /// [m] least and largest component of the displacement along the unit vector `direction`, over all times.
     pub fn range_along(&self, direction: &Vector3<f64>) -> [f64; 2] {
         let along = self.knots.iter().map(|(_, place)| place.dot(direction));
         along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], place| [low.min(place), high.max(place)])
