@@ -81,12 +81,12 @@ pub struct Couple {
 /// of fall describe how long the frame has fallen. All times are in s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameTime {
-    /// Time [s] from the time of the particle store to the computed time; particles fly straight meanwhile.
+    /// [s] time from the time of the particle store to the computed time; particles fly straight meanwhile.
     pub ahead: f64,
-    /// Time [s] of free fall whose displacement g t²/2 must be added to positions relative to a wall. Images in a sheared
-    /// box have slid, and walls have moved, for this time since the instant of the scene.
+    /// [s] time of free fall whose displacement g t²/2 must be added to positions relative to a wall. Images in a
+    /// sheared box have slid, and walls have moved, for this time since the instant of the scene.
     pub sunk: f64,
-    /// Time [s] of free fall whose velocity g t must be added to velocities relative to a wall.
+    /// [s] time of free fall whose velocity g t must be added to velocities relative to a wall.
     pub fallen: f64,
     /// [s] time by which the velocities of the store are earlier than its positions, as in half steps of Verlet's
     /// method. Velocities of moving walls are computed for this earlier time.

@@ -21,12 +21,12 @@ use nalgebra::Vector3;
 pub struct DeflectedFlight {
     /// Index of the particle in its island.
     pub place: u32,
-    /// Time [s] of the collision with which the flight begins, since the start of the part.
+    /// [s] time of the collision with which the flight begins, since the start of the part.
     pub time: f64,
-    /// Position [m] that the particle would have had at the start of the part if it had always moved on the line of
+    /// [m] position that the particle would have had at the start of the part if it had always moved on the line of
     /// this flight.
     pub origin: Vector3<f64>,
-    /// Velocity [m/s] of the particle after the collision.
+    /// [m/s] velocity of the particle after the collision.
     pub velocity: Vector3<f64>,
 }
 
@@ -36,7 +36,7 @@ pub struct DeflectedFlight {
 pub struct WindowPart {
     /// The window from the start of this part on; its start is the zero of times in the event loop.
     pub window: Window,
-    /// Length [s] of the part.
+    /// [s] length of the part.
     pub end: f64,
 }
 

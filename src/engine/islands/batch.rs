@@ -33,7 +33,7 @@ pub struct Stop {
     pub place: u32,
     /// True if the particle is a bystander, which was expected to fly straight; false if it is a member of the island.
     pub bystander: bool,
-    /// Speed [m/s] of the particle, relative to the moving frame in which speed limits are given.
+    /// [m/s] speed of the particle, relative to the moving frame in which speed limits are given.
     pub speed: f64,
 }
 
@@ -137,7 +137,7 @@ pub struct IslandResults<'a, C> {
     pub landing: &'a Landing,
     /// Results of the islands; one thread has solved all islands of a batch.
     pub batches: &'a [Batch<C>],
-    /// Velocity [m/s] that gravity adds from the last exchange with the gas to the end of the part. Velocities in the
+    /// [m/s] velocity that gravity adds from the last exchange with the gas to the end of the part. Velocities in the
     /// particle store do not contain it yet.
     pub fallen: Vector3<f64>,
 }
@@ -245,10 +245,10 @@ pub struct Task<'a, S: Solve> {
     pub solver: &'a S,
     pub scene: &'a Scene,
     pub window: Window,
-    /// Velocity [m/s] that gravity adds from the last exchange with the gas to the start of the part. Velocities in the
+    /// [m/s] velocity that gravity adds from the last exchange with the gas to the start of the part. Velocities in the
     /// particle store do not contain it yet.
     pub fallen: Vector3<f64>,
-    /// Length [s] of the part.
+    /// [s] length of the part.
     pub part: f64,
     /// Contacts or recent collisions at the start of the part, for all islands; they contain indices of particles in
     /// the store.

@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// Typical and largest speed of all particles, for estimates of costs.
 #[derive(Clone, Copy, Serialize, Deserialize)]
 pub struct SpeedSummary {
-    /// Velocity [m/s] of the frame in which speeds are measured: the mean velocity of all particles along the walls.
+    /// [m/s] velocity of the frame in which speeds are measured: the mean velocity of all particles along the walls.
     pub frame: Vector3<f64>,
     /// [m/s] root of the mean square speed of all particles relative to the frame.
     pub mean: f64,
@@ -57,7 +57,7 @@ impl WindowPiece<'_> {
 pub struct PartLimits {
     /// [s] time from the start of the part to the end of the window, which the part cannot exceed.
     pub left: f64,
-    /// Cost [ns/s] of the classical algorithm (all particles at once), per particle and simulated time. Islands must be
+    /// [ns/s] cost of the classical algorithm (all particles at once), per particle and simulated time. Islands must be
     /// cheaper.
     pub fallback_cost: f64,
     /// Number of contacts in progress. In every part their particles are copied into a crowd (an island moved by

@@ -114,11 +114,11 @@ pub struct Landing {
 pub struct Space<'a> {
     /// Scene with walls, box and gravity at the start of the part.
     pub scene: &'a Scene,
-    /// Velocity [m/s] of the moving frame in which speeds are measured.
+    /// [m/s] velocity of the moving frame in which speeds are measured.
     pub frame: Vector3<f64>,
-    /// Length [s] of the part.
+    /// [s] length of the part.
     pub part: f64,
-    /// Mass [kg] of the lightest particle of the run.
+    /// [kg] mass of the lightest particle of the run.
     pub lightest: f64,
 }
 

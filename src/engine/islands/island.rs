@@ -54,7 +54,7 @@ pub struct Island<C> {
     /// Local indices of further particles that exceeded their speed limit or were hit unexpectedly, besides the one
     /// that the solver returns.
     pub also: Vec<usize>,
-    /// Largest speed [m/s] of any particle so far, relative to the frame of the speed limits. Solvers set it if they
+    /// [m/s] largest speed of any particle so far, relative to the frame of the speed limits. Solvers set it if they
     /// cannot stop at the moment when a limit is exceeded; otherwise it is 0.
     pub fastest: f64,
     /// Speed limit [m/s] of each member, relative to the moving frame `frame`. If a member becomes faster, it may leave

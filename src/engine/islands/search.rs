@@ -26,7 +26,7 @@ const BATCH: usize = 64;
 /// begins.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct BoundingSphere {
-    /// Centre [m] of the ball, inside the box along periodic axes. For a straight flight it is the middle of the
+    /// [m] centre of the ball, inside the box along periodic axes. For a straight flight it is the middle of the
     /// flight.
     pub middle: Vector3<f64>,
     /// [m] radius of the ball. For a straight flight it is the radius of the particle plus half the length of the

@@ -47,19 +47,20 @@ impl StepRecord<'_> {
 /// Time of a force evaluation, and the time for which its forces act. All times in s.
 #[derive(Clone, Copy, Debug)]
 pub struct EvaluationTime {
-    /// Simulated time at the start of the window.
+    /// [s] simulated time at the start of the window.
     pub start: f64,
-    /// Time of the positions, since the start of the window.
+    /// [s] time of the positions, since the start of the window.
     pub elapsed: f64,
-    /// Time until the end of the window.
+    /// [s] time until the end of the window.
     pub remaining: f64,
-    /// Time step.
+    /// [s] time step.
     pub dt: f64,
-    /// Time since the last evaluation, during which touching surfaces have slipped.
+    /// [s] time since the last evaluation, during which touching surfaces have slipped.
     pub shear_time: f64,
-    /// Time of the velocities, since the start of the window. The velocities do not yet contain gravity over this time.
+    /// [s] time of the velocities, since the start of the window. The velocities do not yet contain gravity over this
+    /// time.
     pub fall: f64,
-    /// Time from the given velocities to the middle of the kick, for which powers are computed.
+    /// [s] time from the given velocities to the middle of the kick, for which powers are computed.
     pub to_middle: f64,
     /// [-] fraction of the time step for which these forces act in the kick that follows.
     pub weight: f64,

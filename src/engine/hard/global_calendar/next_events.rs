@@ -10,12 +10,12 @@ use serde::{Deserialize, Serialize};
 #[repr(align(64))]
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct FlightState {
-    /// Position [m] of the particle at the time `time`, in the frame that falls with gravity. It may be outside the
+    /// [m] position of the particle at the time `time`, in the frame that falls with gravity. It may be outside the
     /// box.
     pub position: Vector3<f64>,
-    /// Velocity [m/s] of the particle in the frame that falls with gravity.
+    /// [m/s] velocity of the particle in the frame that falls with gravity.
     pub velocity: Vector3<f64>,
-    /// Time [s] since the epoch at which the particle is at `position`; usually that of its last event.
+    /// [s] time since the epoch at which the particle is at `position`; usually that of its last event.
     pub time: f64,
     /// Number of the particle's combination of radius and mass in `Shells::kinds`.
     pub kind: u32,

@@ -11,10 +11,10 @@ use std::ops::Range;
 pub struct VelocityChange {
     /// [s] time of the change since the start of the part, a piece of the time between two exchanges with the gas.
     pub time: f64,
-    /// Position [m] that the particle would have had at the start of the part if it had always moved on the line of the
+    /// [m] position that the particle would have had at the start of the part if it had always moved on the line of the
     /// new flight.
     pub origin: Vector3<f64>,
-    /// New velocity [m/s], relative to the moving frame in which the speed of this particle is limited; in a sheared
+    /// [m/s] new velocity, relative to the moving frame in which the speed of this particle is limited; in a sheared
     /// box that frame contains the mean flow.
     pub velocity: Vector3<f64>,
 }
@@ -43,12 +43,12 @@ pub struct PiecewiseTrajectory {
 
 /// A straight piece of a trajectory between two successive velocity changes.
 pub struct Segment {
-    /// Times [s] of the beginning and the end of the piece since the start of the part.
+    /// [s] times of the beginning and the end of the piece since the start of the part.
     pub span: [f64; 2],
-    /// Position [m] that the particle would have had at the start of the part if it had always moved on the line of
+    /// [m] position that the particle would have had at the start of the part if it had always moved on the line of
     /// this piece.
     pub origin: Vector3<f64>,
-    /// Velocity [m/s] on this piece, relative to the moving frame of the search, which is common to all particles.
+    /// [m/s] velocity on this piece, relative to the moving frame of the search, which is common to all particles.
     pub velocity: Vector3<f64>,
 }
 
