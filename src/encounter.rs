@@ -23,9 +23,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Partner {
-    /// Another particle, by id.
+    /// Another particle, given by its id.
     Particle(u32),
-    /// A wall, by its index in the case.
+    /// A wall, given by its index among the walls of the case.
     Wall(u32),
 }
 
@@ -67,7 +67,7 @@ impl AtWall {
 /// A particle, by its index in the particle store, and a body that it may meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Couple {
-    /// Index of the particle.
+    /// Index of the first particle in the particle store.
     pub i: u32,
     /// Second body of the couple, which the particle may meet: another particle or a wall.
     pub other: Other,
@@ -139,12 +139,12 @@ impl FrameTime {
     }
 }
 
-/// Relative position and velocity of two bodies.
+/// Position and velocity of one body relative to another at one instant.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Encounter {
-    /// [-] unit normal from the other body to particle `i`.
+    /// [-] unit normal from the second body (particle or wall) to the first particle `i` of the couple.
     pub normal: Vector3<f64>,
-    /// [m] distance between the surfaces; negative if they overlap.
+    /// [m] distance between the surfaces of the two bodies; negative if they overlap.
     pub gap: f64,
     /// [m/s] velocity of particle `i` relative to the other body, at the contact point.
     pub velocity: Vector3<f64>,

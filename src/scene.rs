@@ -143,15 +143,15 @@ pub struct Elasticity {
     pub poissons_ratio: f64,
 }
 
-/// One kind of particle.
+/// A species: particles with common material and sizes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Species {
-    /// Name as written in the case.
+    /// Name of the species, as written in the case.
     pub name: String,
     /// [m] diameter d. For spheres of different sizes it is the diameter of the mean volume, the cube root of the
     /// mean of d³.
     pub diameter: f64,
-    /// [kg/m³] density ρ_p.
+    /// [kg/m³] density ρ_p of the particles.
     pub density: f64,
     /// [kg/m³] added mass (inertia of the gas that a sphere accelerates) over the volume of the sphere. 0 if it is left
     /// out.
@@ -206,12 +206,12 @@ impl Species {
         self.inertia_factor * (self.density / self.inertial_density())
     }
 
-    /// [m] smallest possible diameter.
+    /// [m] smallest diameter that a particle of the species can have.
     pub fn smallest(&self) -> f64 {
         self.sizes.as_ref().map_or(self.diameter, SizeDistribution::smallest)
     }
 
-    /// [m] largest possible diameter.
+    /// [m] largest diameter that a particle of the species can have.
     pub fn largest(&self) -> f64 {
         self.sizes.as_ref().map_or(self.diameter, SizeDistribution::largest)
     }
@@ -239,7 +239,7 @@ impl Species {
 /// ```
 #[derive(Clone, Debug, Serialize)]
 pub struct Scene {
-    /// Box and periodicity.
+    /// Box of the scene, with its periodic sides.
     pub domain: Domain,
     /// [m/s²] acceleration of the particles by gravity. With [buoyancy](Self::add_buoyancy), it is the acceleration of
     /// the densest species by weight and buoyancy.

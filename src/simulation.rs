@@ -65,15 +65,15 @@ use totals::SimulationTotals;
 /// # Ok::<(), diptych::Failure>(())
 /// ```
 pub struct Simulation {
-    /// Particles stored in this process.
+    /// Particles that are stored in this process: all, or its share of them.
     pub particles: Particles,
     /// Collisions and other records since the start.
     pub record: Record,
-    /// [s] simulated time.
+    /// [s] present simulated time.
     pub time: f64,
-    /// Number of completed windows.
+    /// Number of windows (times between two exchanges with the gas) completed since the start.
     pub windows: u64,
-    /// Time spent in the engine, in drag and in observers.
+    /// Wall-clock time spent in the engine, in drag and in observers.
     pub spent: SimulationTimes,
     clock: Clock,
     scene: Scene,
@@ -109,7 +109,7 @@ pub struct Simulation {
     unseen: Option<f64>,
     /// Particles that have come in and left; `None` in a scene without inlets and outlets.
     through_flow: Option<Box<ThroughFlow>>,
-    /// Free space of each inlet.
+    /// Free space of each inlet, in which new particles are placed.
     inlet_rooms: Vec<FreeRoom>,
     /// Position in the windows in which [`run_until`](Self::run_until) runs. The windows have no length before they are
     /// chosen.
@@ -119,11 +119,11 @@ pub struct Simulation {
 /// Wall time spent in each part of a simulation, measured by the clock of the simulation; zero without a clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SimulationTimes {
-    /// Time spent in the engine.
+    /// Wall-clock time spent in the engine.
     pub engine: Duration,
     /// Time spent on kicks of drag, lift, heat and buoyancy between the windows.
     pub drag: Duration,
-    /// Time spent in observers.
+    /// Wall-clock time spent in observers (measurements).
     pub observers: Duration,
     /// Time from the start to the end of a run, including all parts.
     pub whole: Duration,

@@ -124,12 +124,12 @@ impl Bodies {
     }
 }
 
-/// Constants of a contact law between two given bodies.
+/// Constants of a contact law for the contact of two given bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spring {
-    /// [kg] effective mass M.
+    /// [kg] effective mass M of the two bodies.
     pub effective_mass: f64,
-    /// [-] restitution e of an isolated impact.
+    /// [-] restitution e that an isolated impact of the two bodies has.
     pub restitution: f64,
     /// [N/m] stiffness of a linear spring; for Hertz's law, k_H [N/m^1.5] in the force k_H δ^(3/2) at the overlap δ.
     pub stiffness: f64,

@@ -16,7 +16,7 @@ pub enum BrokenContract {
     },
     /// The stored energy is not equal to the work of the elastic force.
     Energy {
-        /// [m] overlap at which energy and work differ.
+        /// [m] overlap at which the stored energy and the work of the elastic force differ.
         overlap: f64,
         /// [J] stored energy at this overlap, as the law returns it.
         stored: f64,
@@ -32,7 +32,7 @@ pub enum BrokenContract {
     },
     /// The law cannot stop an impact: at no overlap does the stored energy reach the kinetic energy of the impact.
     Bottomless {
-        /// [m/s] normal speed of the impact.
+        /// [m/s] normal speed of the impact that no overlap can stop.
         speed: f64,
     },
 }

@@ -19,7 +19,7 @@ pub struct Slip {
     pub acceleration: Vector3<f64>,
 }
 
-/// Tangential force of a contact, and its power.
+/// Tangential force of friction between two touching bodies, and its power.
 #[derive(Clone, Copy, Debug)]
 pub struct Friction {
     /// [N] friction force on the other body; the force on particle i is its negative.

@@ -106,7 +106,7 @@ impl Law for Hertz {
         (spring.stiffness * overlap * root, -spring.dashpot * root.sqrt() * normal_velocity)
     }
 
-    /// Returns the energy 2/5 k_H δ^(5/2) [J].
+    /// Returns the energy 2/5 k_H δ^(5/2) [J] that the elastic force stores at the overlap δ.
     #[inline]
     fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64 {
         0.4 * spring.stiffness * overlap * overlap * overlap.abs().sqrt()

@@ -14,11 +14,11 @@ use std::f64::consts::PI;
 /// ω_0 = sqrt(k_n/M) (the paper, below Eq. 6).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearSpringDashpot {
-    /// [N/m] normal stiffness k_n.
+    /// [N/m] normal stiffness k_n of the linear spring.
     pub stiffness: f64,
 }
 
-/// [1/s] undamped angular frequency ω_0 = sqrt(k_n/M).
+/// [1/s] angular frequency ω_0 = sqrt(k_n/M) of the spring and the effective mass M, without damping.
 fn undamped(spring: &Spring) -> f64 {
     (spring.stiffness / spring.effective_mass).sqrt()
 }

@@ -83,8 +83,8 @@ pub trait Law: std::fmt::Debug + Send + Sync {
     /// [J] energy stored at overlap δ [m]: the work of the elastic force since touch.
     fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64;
 
-    /// All numbers in which two laws of one type can differ. They are used to compare laws and to recognise stored
-    /// runs. The first is the elastic constant that a user increases for a stiffer contact.
+    /// All numbers in which two laws of one type can differ. Programs compare laws by them, and recognise stored runs.
+    /// The first number is the elastic constant that a user increases for a stiffer contact.
     fn parameters(&self) -> Vec<Parameter>;
 
     /// Name of the law, for use in a sentence.
@@ -166,9 +166,9 @@ pub struct Parameter {
     pub key: &'static str,
     /// Name of the parameter for use in a sentence.
     pub name: &'static str,
-    /// Symbol of the parameter.
+    /// Symbol of the parameter in formulas.
     pub symbol: &'static str,
-    /// Value in SI units.
+    /// Value of the parameter in SI units, those of `unit`.
     pub value: f64,
     /// SI unit of the value.
     pub unit: &'static str,
@@ -211,7 +211,7 @@ pub enum ContactLaw {
     LinearSpringDashpot(LinearSpringDashpot),
     /// Hertz's law for elastic spheres, with a viscous force.
     Hertz(Hertz),
-    /// Hertz's law for viscoelastic spheres.
+    /// Hertz's law for viscoelastic spheres, with the damping of Kuwabara and Kono.
     KuwabaraKono(KuwabaraKono),
     /// A law of the calling program, which a case cannot contain.
     Other(&'static dyn Law),
@@ -307,7 +307,7 @@ impl ContactLaw {
 }
 
 impl PartialEq for ContactLaw {
-    /// Compares two laws by their parameters.
+    /// Compares two laws by their names and parameters.
     fn eq(&self, other: &Self) -> bool {
         self.title() == other.title() && self.parameters() == other.parameters()
     }

@@ -44,11 +44,11 @@ fn undamped_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -> Op
 /// An impact of two bodies, integrated in time steps from touch on.
 #[derive(Clone, Debug)]
 pub struct IntegratedImpact {
-    /// [s] time step.
+    /// [s] time step of the integration.
     step: f64,
     /// Overlap [m] and rate of the overlap [m/s] at the start of each step, and at the end of the impact.
     states: Vec<[f64; 2]>,
-    /// [s] duration of the impact.
+    /// [s] duration of the impact: time from touch to the end of the overlap.
     duration: f64,
 }
 
@@ -91,7 +91,7 @@ impl IntegratedImpact {
         self.duration
     }
 
-    /// [m/s] normal speed at which the bodies separate.
+    /// [m/s] normal speed at which the two bodies separate after the impact.
     pub fn rebound_speed(&self) -> f64 {
         -self.states[self.states.len() - 1][1]
     }

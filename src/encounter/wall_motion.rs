@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 pub struct WallMotion {
     /// [m/s] velocity of the surface at the contact point.
     pub velocity: Vector3<f64>,
-    /// [rad/s] angular velocity of the surface.
+    /// [rad/s] angular velocity of the surface of the wall; zero if the surface does not turn.
     pub spin: Vector3<f64>,
     /// [m/s] part of `velocity` that comes from a motion of the wall's shape. It is zero for a conveyor belt, whose
     /// surface moves but whose shape is at rest.

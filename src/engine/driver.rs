@@ -30,7 +30,7 @@ pub struct Work<'a, C> {
     /// State carried from one time window to the next, such as contacts; it contains indices of particles in the
     /// particle store.
     pub lasting: &'a mut Vec<C>,
-    /// Log of the impacts in the time window.
+    /// Log of the impacts, energies and impulses in the time window.
     pub log: &'a mut Log,
     /// Record of the run, to which the log is added at the end of the time window. A solver with a full log may add it
     /// earlier.
@@ -59,7 +59,7 @@ impl<C> Work<'_, C> {
 /// collision.
 pub type Lasting<S> = <<S as Solver>::Islands as Solve>::Carried;
 
-/// Result of trying to solve islands in a time window.
+/// Result of trying to solve islands (groups of particles that may meet) in a time window.
 #[derive(Clone, Copy)]
 pub struct Trial {
     /// [s] simulated time, from the beginning of the window, through which islands were solved.
@@ -143,7 +143,7 @@ pub trait Solver: Send {
     /// collisions.
     fn state(&self) -> Self::State;
 
-    /// Continues from a stored state of the solver.
+    /// Continues from a state that [`state`](Self::state) has returned.
     fn resume(&mut self, state: Self::State);
 }
 
@@ -152,13 +152,13 @@ pub trait Solver: Send {
 struct DriverState<C, S> {
     /// Contacts in progress (soft spheres), or times of recent collisions (hard spheres).
     lasting: Vec<C>,
-    /// True after the first time window.
+    /// True if the engine has completed its first time window.
     begun: bool,
-    /// Counts of the work in islands.
+    /// Counts of the work done in islands (groups of particles that may meet).
     islands: IslandCounters,
-    /// Wall-clock time spent on islands.
+    /// Wall-clock time spent on islands (groups of particles that may meet).
     spent: EngineTimes,
-    /// State that the solver stores.
+    /// State that the solver stores, apart from contacts or recent collisions.
     solver: S,
 }
 
@@ -174,7 +174,7 @@ pub struct Driver<S: Solver> {
 }
 
 impl<S: DistributedSolver> Driver<S> {
-    /// Makes an engine before its first time window.
+    /// Makes an engine with the solver `solver`, before its first time window.
     pub(super) fn with(solver: S) -> Self {
         Self {
             solver,

@@ -116,7 +116,7 @@ pub trait Engine: Send {
     fn repopulate(&mut self, place_of: &[Option<u32>]) -> f64;
 }
 
-/// Overlap of two bodies.
+/// Overlap of two touching bodies, and the diameter to which it is compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Overlap {
     /// [m] depth δ of the overlap.
@@ -234,7 +234,7 @@ pub enum Failure {
     /// A contact law of the calling program violates a contract on which engines rely.
     #[error("at t = 0 s the contact law cannot be used ({law}): {broken}")]
     BrokenContract {
-        /// Name of the contact law, in words.
+        /// Name of the contact law that cannot be used.
         law: String,
         /// The contract that the law violates.
         broken: BrokenContract,
@@ -334,7 +334,7 @@ pub enum Failure {
     Gas {
         /// Time [s] of the failure.
         time: f64,
-        /// Reason, in words.
+        /// Reason, in words, why the flow has no finite solution.
         why: String,
     },
     /// A signal from outside stopped the run; no error occurred.

@@ -21,7 +21,7 @@ pub struct PopulationSummary {
     pub mean_radius: [f64; 2],
     /// [-] volume fraction: volume of the particles divided by the volume open to them.
     pub filled: f64,
-    /// True if the particles have different radii.
+    /// True if not all particles have equal radii.
     pub mixed: bool,
     /// Number of particles in each range of sizes; `None` if the sizes differ so little that a single grid of cells
     /// serves for all.

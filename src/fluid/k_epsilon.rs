@@ -108,13 +108,13 @@ impl std::fmt::Display for TurbulenceModel {
 pub struct GridNode {
     /// [m] distance y from the wall.
     pub y: f64,
-    /// [m/s] mean streamwise velocity U.
+    /// [m/s] mean streamwise velocity U at this distance.
     pub u: f64,
-    /// [m²/s²] turbulent kinetic energy k.
+    /// [m²/s²] turbulent kinetic energy k at this distance.
     pub k: f64,
     /// [m²/s³] dissipation rate ε of k. For the Launder-Sharma model it is the full rate, ε̃ + 2ν (d√k/dy)².
     pub epsilon: f64,
-    /// [m²/s] eddy viscosity ν_t.
+    /// [m²/s] eddy viscosity ν_t at this distance.
     pub nu_t: f64,
 }
 
@@ -159,9 +159,9 @@ pub struct ChannelFlow {
 /// dissipation plus wall flux.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct KBudget {
-    /// [-] ∫ ν_t (dU/dy)² dy.
+    /// [-] production of k: ∫ ν_t (dU/dy)² dy over the half channel.
     pub production: f64,
-    /// [-] ∫ ε dy, with the full dissipation rate ε.
+    /// [-] dissipation of k: ∫ ε dy over the half channel, with the full dissipation rate ε.
     pub dissipation: f64,
     /// [-] ν dk/dy at the wall, the flux of k into the wall; 0 with wall functions.
     pub wall_flux: f64,

@@ -53,7 +53,7 @@ fn buffer_source(channel: &HalfChannel, cell: usize) -> f64 {
     2.0 * channel.nu_t[cell] * curvature * curvature
 }
 
-/// [-] turbulence Reynolds number Re_t = k²/(ν ε̃).
+/// [-] turbulence Reynolds number Re_t = k²/(ν ε̃) in the cell number `cell`.
 fn reynolds_t(channel: &HalfChannel, cell: usize) -> f64 {
     channel.k[cell].powi(2) / channel.epsilon[cell]
 }

@@ -21,7 +21,7 @@ pub struct Coupling {
     pub slices: usize,
     /// Quantity that is kept constant while the particles change the flow.
     pub held: HeldFlow,
-    /// Effect of the particles on the turbulence.
+    /// Effect of the particles on the turbulence of the gas.
     pub modulation: Modulation,
 }
 
@@ -29,7 +29,7 @@ pub struct Coupling {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HeldFlow {
-    /// Flow rate of the gas.
+    /// Flow rate of the gas, which stays at its value at the start of the run.
     FlowRate,
     /// Pressure drop per length [Pa/m], without the hydrostatic part; positive if it drives the gas along +z.
     PressureGradient(f64),
@@ -51,9 +51,9 @@ pub enum Modulation {
 pub struct SliceSums {
     /// [kg m/s] momentum along z that the gas has given to the particles.
     pub impulse: f64,
-    /// [m³] volume of the particles.
+    /// [m³] volume of the particles in the slice.
     pub volume: f64,
-    /// [kg] mass of the particles.
+    /// [kg] mass of the particles in the slice.
     pub mass: f64,
     /// [kg/s] Σ m/τ, with the response time τ of each particle.
     pub exchange: f64,
@@ -186,12 +186,12 @@ impl LoadedFlow {
         self.coupling.slices
     }
 
-    /// Settings of the coupling.
+    /// Settings of the coupling between gas and particles.
     pub fn coupling(&self) -> &Coupling {
         &self.coupling
     }
 
-    /// [m³] volume of one slice.
+    /// [m³] volume of the slice with the index `slice`, in the whole box.
     fn slice_volume(&self, slice: usize) -> f64 {
         let width = self.channel.reynolds_tau / self.coupling.slices as f64;
         let middle = (slice as f64 + 0.5) * width;

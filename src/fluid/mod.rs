@@ -39,9 +39,9 @@ use serde::Serialize;
 /// A gas: its properties, its velocity profile, and its drag law.
 #[derive(Clone, Debug, Serialize)]
 pub struct Fluid {
-    /// [kg/m³] density ρ_f.
+    /// [kg/m³] density ρ_f of the gas.
     pub density: f64,
-    /// [m²/s] kinematic viscosity ν.
+    /// [m²/s] kinematic viscosity ν of the gas.
     pub kinematic_viscosity: f64,
     /// Streamwise gas velocity as a function of y, or of the distance from the axis of a pipe.
     pub profile: Profile,

@@ -69,7 +69,7 @@ impl Pipe {
         [self.center[1] - self.radius(), self.center[1] + self.radius()]
     }
 
-    /// [m/s] largest velocity, on the axis.
+    /// [m/s] largest gas velocity of the profile, on the axis of the pipe.
     pub fn maximum(&self) -> f64 {
         self.half.maximum()
     }

@@ -25,7 +25,7 @@ pub struct Turbulence {
     pub statistics: TurbulenceStatistics,
     /// Law of the gas velocity along the path of a particle.
     pub law: EddyLaw,
-    /// Constants of the law.
+    /// Constants of the Langevin equation, which both laws use.
     pub langevin: Langevin,
 }
 
@@ -59,9 +59,9 @@ pub enum TurbulenceStatistics {
 /// or the coordinate y.
 #[derive(Clone, Debug, Serialize)]
 pub struct TurbulenceProfile {
-    /// [m/s] standard deviation σ of a velocity component.
+    /// [m/s] standard deviation σ of a component of the gas velocity.
     deviation: VelocityTable,
-    /// [s] turnover time k/ε.
+    /// [s] turnover time k/ε of the eddies.
     turnover: VelocityTable,
 }
 
@@ -70,7 +70,7 @@ pub struct TurbulenceProfile {
 pub struct LocalTurbulence {
     /// [m/s] standard deviation σ = sqrt(2k/3) of each velocity component.
     pub deviation: f64,
-    /// [1/s] gradient of the standard deviation σ.
+    /// [1/s] gradient of the standard deviation σ at the position.
     pub gradient: Vector3<f64>,
     /// [s] Lagrangian integral time T_L of the gas.
     pub time: f64,

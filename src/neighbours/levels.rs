@@ -55,7 +55,7 @@ pub struct SortedSizes<'a> {
 /// Sizes of the spheres in all processes that share a run, for each level (range of sizes).
 #[derive(Clone, Debug)]
 pub struct Everyone {
-    /// [m] largest and smallest radius of all spheres.
+    /// [m] largest and smallest radius of the spheres in all processes.
     pub range: [f64; 2],
     /// Number of spheres in each level (range of sizes).
     pub count: [i64; MOST_LEVELS],

@@ -34,9 +34,9 @@ const ROWS: usize = 64;
 /// Two particles that may touch, by their indices in the particle store.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pair {
-    /// Index of the first particle.
+    /// Index of the first particle in the particle store.
     pub i: u32,
-    /// Index of the second particle.
+    /// Index of the second particle in the particle store.
     pub j: u32,
 }
 
@@ -58,7 +58,7 @@ impl Pair {
 /// A particle and a wall that may touch.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NearWall {
-    /// Index of the particle.
+    /// Index of the particle in the particle store.
     pub particle: u32,
     /// Wall, and number of the contact that the particle may have with this wall.
     pub at: AtWall,
@@ -133,7 +133,7 @@ impl NeighbourList {
         self.builds
     }
 
-    /// Wall-clock time spent on building the list.
+    /// Wall-clock time spent on building the list so far.
     pub fn building(&self) -> Duration {
         self.building
     }

@@ -14,7 +14,7 @@ pub struct Region {
     period: [Option<f64>; 3],
     /// True for each periodic axis along which the block fills the box.
     periodic: [bool; 3],
-    /// True if the block is the whole box.
+    /// True if the block is the whole box, so that no coordinates need shifting.
     is_all: bool,
 }
 

@@ -52,7 +52,7 @@ pub enum SceneInTime<'a> {
 }
 
 impl<'a> SceneInTime<'a> {
-    /// Prepares a scene for several instants.
+    /// Prepares a scene for requests at several instants. A scene that changes with time is copied.
     pub fn of(scene: &'a Scene) -> Self {
         if scene.changes() { Self::Changing(Box::new(scene.clone())) } else { Self::Fixed(scene) }
     }

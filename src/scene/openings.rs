@@ -9,7 +9,7 @@ use serde::Serialize;
 /// exchanges with the gas) at which its centre is in this part.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Outlet {
-    /// Name in results.
+    /// Name of the outlet in results.
     pub name: String,
     /// Shape of the part of space in which particles leave.
     pub shape: OutletShape,
@@ -21,7 +21,7 @@ pub struct Outlet {
 pub enum OutletShape {
     /// The half-space behind a plane, whose normal points to the particles that stay. A side of the box is such a plane.
     Behind(Plane),
-    /// The interior of a body.
+    /// The interior of a hollow body.
     Body(Hollow),
 }
 
@@ -40,7 +40,7 @@ impl Outlet {
 /// normally distributed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Inlet {
-    /// Name in results.
+    /// Name of the inlet in results.
     pub name: String,
     /// Index of the species of the particles in [`Scene::species`].
     pub species: u16,
@@ -54,11 +54,11 @@ pub struct Inlet {
     pub end: f64,
     /// [m/s] mean velocity of new particles.
     pub velocity_mean: Vector3<f64>,
-    /// [m/s] standard deviation of each velocity component.
+    /// [m/s] standard deviation of each velocity component of new particles.
     pub velocity_fluctuation: Vector3<f64>,
     /// [rad/s] mean spin of new particles.
     pub spin_mean: Vector3<f64>,
-    /// [rad/s] standard deviation of each spin component.
+    /// [rad/s] standard deviation of each spin component of new particles.
     pub spin_fluctuation: f64,
 }
 

@@ -32,7 +32,7 @@ pub(super) fn rooms(scene: &Scene) -> Vec<FreeRoom> {
 struct SphereInTheWay {
     /// [m] position of the centre, inside the box along periodic axes.
     position: Vector3<f64>,
-    /// [m] radius.
+    /// [m] radius of the sphere.
     radius: f64,
 }
 
@@ -46,11 +46,11 @@ impl SphereInTheWay {
 
 /// A particle that is due at an inlet, before it has a position.
 struct NewParticle {
-    /// [m] radius.
+    /// [m] radius of the particle.
     radius: f64,
-    /// [m/s] velocity.
+    /// [m/s] velocity of the particle.
     velocity: Vector3<f64>,
-    /// [rad/s] spin, which only spheres that rotate have.
+    /// [rad/s] spin of the particle, which is used if spheres rotate.
     spin: Vector3<f64>,
 }
 

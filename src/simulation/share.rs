@@ -59,7 +59,7 @@ pub enum Order {
     ///
     /// At the first call in this way, an observer continues from the data that its copy in the lead process has stored.
     See(f64, Vector3<f64>, Vec<(usize, Option<Stored>)>),
-    /// The run is over.
+    /// End the work of the other processes, because the run is over.
     End,
 }
 

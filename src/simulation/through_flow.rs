@@ -16,20 +16,20 @@ const SUMS: usize = 8;
 /// Sums over the particles that have passed through an inlet or outlet since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FlowTotals {
-    /// Number of particles.
+    /// Number of particles that have passed.
     pub count: u64,
-    /// [kg] mass of the particles.
+    /// [kg] mass of the particles that have passed.
     pub mass: f64,
-    /// [kg m/s] momentum of the particles.
+    /// [kg m/s] momentum of the particles when they passed.
     pub momentum: Vector3<f64>,
-    /// [J] kinetic energy of their translation.
+    /// [J] kinetic energy of the translation of the particles when they passed.
     pub kinetic_energy: f64,
-    /// [J] rotational energy.
+    /// [J] rotational energy of the particles when they passed.
     pub rotational_energy: f64,
     /// [J] potential energy -m g·x in the gravity of the scene, which is 0 at the origin. The ledger has the work of gravity
     /// in its place, so this energy is not part of the balance.
     pub potential_energy: f64,
-    /// [m/s] sum of the speeds.
+    /// [m/s] sum of the speeds of the particles when they passed.
     pub speed: f64,
 }
 
@@ -40,7 +40,7 @@ pub struct OpeningFlow {
     sums: [ExactSum; SUMS],
     /// Number of particles that are due at an inlet and have not found a place.
     waiting: u64,
-    /// Largest number of particles that waited.
+    /// Largest number of particles that waited at an inlet at one time.
     most_waiting: u64,
 }
 
@@ -51,7 +51,7 @@ impl Default for OpeningFlow {
 }
 
 impl OpeningFlow {
-    /// Sums since the start, each rounded once.
+    /// Sums over the particles that have passed since the start, each rounded once.
     pub fn totals(&self) -> FlowTotals {
         let [mass, x, y, z, kinetic_energy, rotational_energy, potential_energy, speed] = values(&self.sums);
         let (count, momentum) = (self.count, Vector3::new(x, y, z));

@@ -85,7 +85,7 @@ pub(super) fn mirror_at_walls(particles: &mut Particles, scene: &Scene, window: 
 pub(super) struct TurbulentKick<'a> {
     /// Profile of the mean velocity of the gas.
     pub profile: &'a Profile,
-    /// Turbulence of the gas.
+    /// Turbulence of the gas: statistics, and law of the fluctuations that particles see.
     pub turbulence: &'a Turbulence,
     /// Kick of drag in a gas of constant velocity.
     pub kick: &'a Kick,

@@ -416,7 +416,7 @@ pub struct Wall {
 }
 
 impl Wall {
-    /// Makes a wall whose surface does not move.
+    /// Makes a wall with a shape and a surface; neither of them moves.
     pub fn new(geometry: WallGeometry, surface: Surface) -> Self {
         let (velocity, resistance) = (Vector3::zeros(), ResistanceFriction::default());
         let (turning, moving, roughness, thermal) = (None, None, None, None);

@@ -21,20 +21,20 @@ use serde::Serialize;
 pub struct WallRoughness {
     /// [rad] standard deviation Δγ of the tilt in each of two directions, > 0.
     pub deviation: f64,
-    /// Seed of the tilts.
+    /// Seed of the random numbers from which the tilts are drawn.
     pub seed: u64,
 }
 
-/// An impact on a wall whose rebounds are random.
+/// Data of an impact on a rough or thermal wall, from which the random rebound is drawn.
 #[derive(Clone, Copy, Debug)]
 pub struct WallApproach {
     /// [m/s] velocity of the particle relative to the wall.
     pub velocity: Vector3<f64>,
     /// [-] unit normal of the smooth wall towards the particle.
     pub normal: Vector3<f64>,
-    /// Id of the particle.
+    /// Id of the particle that hits the wall.
     pub id: u32,
-    /// Index of the wall.
+    /// Index of the wall in the scene.
     pub wall: u32,
 }
 

@@ -28,7 +28,7 @@ impl RoundAxis {
         Vector2::new(self.across(&from).norm(), from[self.axis])
     }
 
-    /// Component of a vector perpendicular to the axis.
+    /// Component of `vector` perpendicular to the axis of the wall.
     pub(super) fn across(&self, vector: &Vector3<f64>) -> Vector3<f64> {
         let mut across = *vector;
         across[self.axis] = 0.0;

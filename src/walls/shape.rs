@@ -24,7 +24,7 @@ pub struct Obstacle {
 #[derive(Clone, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum RoundBody {
-    /// A sphere with this radius [m].
+    /// A sphere, given by its radius [m].
     Sphere(f64),
     /// A box, given by half the lengths of its edges [m].
     Cuboid(Vector3<f64>),

@@ -54,7 +54,7 @@ struct FlightAcrossShell {
     out: [f64; 5],
     /// [m, m/s, ...] coefficients of the coordinate along the axis as a polynomial in time.
     along: [f64; 3],
-    /// [m/s] speed of the centre at the beginning.
+    /// [m/s] speed of the centre at the beginning of the flight.
     speed: f64,
 }
 

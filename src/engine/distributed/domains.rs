@@ -233,7 +233,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         size > 1 && self.population.count >= FEWEST * size
     }
 
-    /// Connection by which the processes exchange messages.
+    /// Connection by which the processes that share the run exchange messages.
     pub fn communicator(&self) -> Arc<dyn Communicator> {
         self.communicator.clone()
     }

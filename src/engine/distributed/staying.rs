@@ -10,7 +10,7 @@ use crate::engine::islands::Solve;
 
 /// New indices of the particles that stay in the store when others are removed.
 pub struct Stay<'a> {
-    /// For each particle, by old index, true if it stays.
+    /// True for each particle, by its old index, that stays in the store.
     mine: &'a [bool],
     /// Number of particles that stay; their new indices are below this number.
     count: u32,

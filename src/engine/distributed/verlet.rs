@@ -50,7 +50,7 @@ impl SharedSteps {
 /// Exchange of data with other processes within the uniform time steps of one window, the time between two exchanges
 /// with the gas.
 pub struct OtherProcesses<'a> {
-    /// Division of the run among processes.
+    /// Division of the run among the processes that share it.
     domains: &'a mut Domains<Contact>,
     /// Contacts in progress among the particles of this process.
     lasting: &'a mut Vec<Contact>,

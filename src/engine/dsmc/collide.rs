@@ -13,10 +13,10 @@ use rand::rngs::ChaCha8Rng;
 use rand_distr::{Distribution, Exp1, UnitDisc};
 use std::f64::consts::PI;
 
-/// Data on which the collisions in one cell depend.
+/// Data of one cell, on which the collisions of its particles depend.
 #[derive(Clone, Copy)]
 pub struct CellState<'a> {
-    /// Particles of the run.
+    /// All particles of the run.
     pub particles: &'a Particles,
     /// Scene of the run.
     pub scene: &'a Scene,
@@ -43,7 +43,7 @@ pub struct CellCollisions {
     /// [1/s] sum of the expected collision rates of all particles in the cells, which is twice the expected number of
     /// collisions per time.
     pub rate: f64,
-    /// True if a velocity is not a finite number.
+    /// True if the velocity of a particle in the cells is not a finite number, so that the collisions are not valid.
     pub broken: bool,
 }
 

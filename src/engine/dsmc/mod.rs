@@ -61,7 +61,7 @@ struct DsmcSetup {
 }
 
 impl Dsmc {
-    /// Makes an engine whose collisions are drawn with this seed.
+    /// Makes an engine whose random collisions follow from the seed `seed`.
     pub fn new(settings: DsmcSettings, seed: u64) -> Self {
         let (times, clock) = (EngineTimes::default(), Clock::default());
         Self { settings, seed, state: DsmcState::default(), setup: None, times, clock }

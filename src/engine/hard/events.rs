@@ -19,7 +19,7 @@ use nalgebra::Vector3;
 /// gravity from the start of the part (piece of the time between two exchanges with the gas).
 #[derive(Clone, Copy, Debug)]
 pub struct DeflectedFlight {
-    /// Index of the particle in its island.
+    /// Local index of the particle in its island.
     pub place: u32,
     /// [s] time of the collision with which the flight begins, since the start of the part.
     pub time: f64,
@@ -36,7 +36,7 @@ pub struct DeflectedFlight {
 pub struct WindowPart {
     /// The window from the start of this part on; its start is the zero of times in the event loop.
     pub window: Window,
-    /// [s] length of the part.
+    /// [s] length of the part, from its start to its end.
     pub end: f64,
 }
 

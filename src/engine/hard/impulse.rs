@@ -110,8 +110,8 @@ impl Collision {
         changes
     }
 
-    /// This collision with the normal of a randomly inclined facet of a rough wall in place of the wall's smooth
-    /// normal; `None` if the other body is a particle or a smooth wall.
+    /// Returns the collision with a randomly inclined facet of a rough wall: its normal replaces the normal of the
+    /// smooth wall. `None` if the second body is a particle or a smooth wall.
     fn on_facet(&self, particles: &Particles, scene: &Scene) -> Option<Self> {
         let Other::Wall(AtWall { wall, .. }) = self.couple.other else { return None };
         let roughness = scene.walls[wall as usize].roughness?;

@@ -36,7 +36,7 @@ pub type Hard = Driver<HardSolver>;
 /// Method by which the engine moves the particles through each window, the time between two exchanges with the gas.
 #[derive(Clone, Copy, PartialEq)]
 enum WindowMethod {
-    /// In each window, the method with the lower estimated cost.
+    /// In each window, islands or one event queue, whichever has the lower estimated cost.
     Cheaper,
     /// Islands (groups of particles that may meet, each with an event queue of its own) whenever this is possible.
     Islands,

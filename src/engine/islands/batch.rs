@@ -94,9 +94,9 @@ pub struct Solved {
     pub crowd_steps: u64,
     /// Number of contact forces computed in uniform steps, if the island is a crowd.
     pub crowd_forces: u64,
-    /// Number of gaps and times of touch computed.
+    /// Number of gaps and times of touch that were computed for the island.
     pub pair_checks: u64,
-    /// Number of contact forces computed in contact steps.
+    /// Number of contact forces that were computed in contact steps of the island.
     pub force_evaluations: u64,
     /// Number of particles moved by stages of contact steps, plus the number of gaps checked after steps. It measures
     /// the work.
@@ -133,7 +133,7 @@ impl<C> Batch<C> {
 /// Results of all islands (groups of particles that may meet) for a part, a piece of the time between two exchanges
 /// with the gas.
 pub struct IslandResults<'a, C> {
-    /// Places of the results of the islands in `batches`.
+    /// Places, in `batches`, of the results of all islands.
     pub landing: &'a Landing,
     /// Results of the islands; one thread has solved all islands of a batch.
     pub batches: &'a [Batch<C>],
@@ -227,7 +227,7 @@ impl<C: Copy + Send + Sync> IslandResults<'_, C> {
     }
 }
 
-/// Memory in which one thread solves one island after the other.
+/// Memory in which one thread solves one island (group of particles that may meet) after another.
 pub struct Workbench<S: Solve> {
     island: Island<S::Carried>,
     scratch: S::Scratch,

@@ -34,7 +34,7 @@ pub struct IslandCost {
 pub struct WindowPiece<'a> {
     /// [s] time from the start of the window to the start of the part.
     pub elapsed: f64,
-    /// [s] length of the part.
+    /// [s] length of the part (piece of a window).
     pub part: f64,
     /// Estimated number of pairs that the search for touching particles will check in this part.
     pub foreseen: u64,
@@ -63,7 +63,7 @@ pub struct PartLimits {
     /// Number of contacts in progress. In every part their particles are copied into a crowd (an island moved by
     /// uniform steps) and back.
     pub held: usize,
-    /// Measured costs of the work in islands.
+    /// Measured costs of finding and solving islands, by which the length is chosen.
     pub costs: PartCosts,
 }
 

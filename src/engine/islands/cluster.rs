@@ -103,7 +103,7 @@ impl Cluster {
 
 /// Places, in the batches of results, of the results of all islands (groups of particles that may meet).
 pub struct Landing {
-    /// Place of the result of each solved island.
+    /// Place of the result of each solved island, in the order of the islands.
     pub kept: Vec<IslandResult>,
     /// For each member, the number of its island in `kept`, and its number in that island; `None` if the island has no
     /// result.
@@ -254,7 +254,7 @@ impl<'a> Clusters<'a> {
         self.members.push(Member { place, cluster, flight, ball: flight, around: 0.0, took_in: 0.0, turns: None });
     }
 
-    /// Makes an island without members, and returns its number.
+    /// Makes a new island without members, and returns its number.
     fn open(&mut self) -> usize {
         self.list.push(Cluster {
             hot: Few::new(),

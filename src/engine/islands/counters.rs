@@ -33,7 +33,7 @@ pub struct IslandCounters {
     pub islands: u64,
     /// Sum of the numbers of members of all islands that `islands` counts.
     pub members: u64,
-    /// Number of members of the largest island.
+    /// Number of members of the largest island that was solved.
     pub largest: u64,
     /// Number of islands whose result was discarded, because a particle met an unexpected particle or exceeded its
     /// speed limit.
@@ -80,7 +80,7 @@ impl IslandCounters {
         self.updates += solved.updates;
     }
 
-    /// Returns the counts that have equal meanings in all engines.
+    /// Returns those counts whose meaning is equal in all engines.
     pub fn of_all_engines(&self) -> Counters {
         Counters {
             islands: self.islands,

@@ -19,7 +19,7 @@ pub struct Island<C> {
     pub particles: Particles,
     /// Index in the particle store of each particle, by local index.
     pub places: Vec<u32>,
-    /// Number of members; they come first in `particles`.
+    /// Number of members of the island; they come before the bystanders in `particles`.
     pub hot: usize,
     /// True if the island is a crowd, a large island that is moved by uniform steps.
     pub crowd: bool,
@@ -31,7 +31,7 @@ pub struct Island<C> {
     /// Contacts in progress (or recent collisions) with local indices of particles: at the start of the part, and after
     /// solving at its end.
     pub carried: Vec<C>,
-    /// Log of the impacts in the island.
+    /// Log of the impacts and energies in the island.
     pub log: Log,
     /// Velocity changes in the order of time, each with the local index of its particle; empty if the engine does not
     /// report them.
@@ -44,9 +44,9 @@ pub struct Island<C> {
     pub crowd_steps: u64,
     /// Number of contact forces computed in uniform steps, if the island is a crowd.
     pub crowd_forces: u64,
-    /// Number of gaps and times of touch computed.
+    /// Number of gaps and times of touch that were computed for the island.
     pub pair_checks: u64,
-    /// Number of contact forces computed in contact steps.
+    /// Number of contact forces that were computed in contact steps of the island.
     pub force_evaluations: u64,
     /// Number of particles moved by stages of contact steps, plus the number of gaps checked after steps. It measures
     /// the work.

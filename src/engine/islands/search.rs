@@ -59,7 +59,7 @@ impl BoundingSphere {
         }
     }
 
-    /// True if the two balls overlap.
+    /// True if this ball and the ball `other` overlap, periodic images included.
     #[inline]
     pub fn meets(&self, other: &Self, domain: &Domain) -> bool {
         let reach = self.reach + other.reach;
@@ -112,12 +112,12 @@ pub struct Search {
 pub struct Label(NonZeroU32);
 
 impl Label {
-    /// Label of the member with the number `member`.
+    /// Label of the island member that has the number `member`.
     pub fn of(member: usize) -> Self {
         Self(NonZeroU32::MIN.saturating_add(member as u32))
     }
 
-    /// Number of the member with this label.
+    /// Number of the island member that has this label.
     pub fn member(self) -> usize {
         self.0.get() as usize - 1
     }

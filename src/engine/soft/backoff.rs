@@ -48,16 +48,16 @@ pub fn steps_cost(forces: u64, updates: u64) -> f64 {
 pub struct Rival {
     /// [-] number of steps times the number of force evaluations per step.
     pub stages: f64,
-    /// Number of particles.
+    /// Number of particles that uniform steps would move.
     pub particles: usize,
-    /// Number of slots (candidates) of the neighbour list.
+    /// Number of slots (candidates) of the neighbour list that each step would test.
     pub slots: usize,
-    /// [-] number of contact forces computed.
+    /// [-] number of contact forces that the steps would compute.
     pub forces: f64,
 }
 
 impl Rival {
-    /// [ns] cost of the uniform steps.
+    /// [ns] cost of the uniform steps on one core.
     pub fn cost(&self) -> f64 {
         let everybody = UNIFORM_COST * self.particles as f64 + LISTED * self.slots as f64;
         self.stages * everybody + CONTACT * self.forces

@@ -41,7 +41,7 @@ struct TouchingSlot {
 /// Counts of the work done by a force evaluation.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ForceEvaluation {
-    /// Number of forces computed.
+    /// Number of contact forces computed.
     pub forces: u64,
     /// Number of slots tested for an overlap.
     pub checks: u64,
@@ -50,7 +50,7 @@ pub struct ForceEvaluation {
 /// Sums over the contacts of one block in one force evaluation.
 #[derive(Default)]
 pub struct ForceSums {
-    /// Powers and forces of the contacts.
+    /// Powers and forces of the block's contacts.
     pub rows: ContactRows,
     /// [J] elastic energy of the contacts. It is summed only for Heun's method, because contacts do not store its
     /// predicted state.
@@ -98,11 +98,11 @@ pub struct ContactBlock {
     near_walls: Vec<u32>,
     /// [m] for each slot of a wall: travelled distance of the list up to which particle and wall cannot touch.
     free_until: Vec<f64>,
-    /// Forces of the last evaluation.
+    /// Contact forces of the last evaluation.
     pub pushes: ForceBuffer,
     /// Impacts that ended in the last evaluation.
     pub ended: Vec<(Between, Impact)>,
-    /// Sums of the last evaluation.
+    /// Sums over the contacts in the last evaluation.
     pub sums: ForceSums,
 }
 
@@ -157,7 +157,7 @@ impl ContactBlock {
         self.free_until.clear();
     }
 
-    /// Number of contacts in progress.
+    /// Number of contacts in progress in the block.
     pub fn count(&self) -> usize {
         self.touching.len()
     }

@@ -42,11 +42,11 @@ fn refused(couple: Couple, particles: &Particles, time: f64, (ratio, limit): (f6
 /// Constants of a contact between two bodies. They contain no index, so equal pairs of bodies have equal constants.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContactConstants {
-    /// Constants of the normal law.
+    /// Constants of the normal contact law for the two bodies.
     pub spring: Spring,
-    /// [m] smaller diameter of the two bodies.
+    /// [m] smaller diameter of the two bodies; at a wall the diameter of the particle.
     pub diameter: f64,
-    /// [-] friction coefficient μ.
+    /// [-] friction coefficient μ of the two surfaces.
     pub friction: f64,
     /// [m] distance of the centres at touch; at a wall the radius.
     pub reach: f64,
@@ -78,7 +78,7 @@ pub struct Contact {
     pub slot: u32,
     /// The two bodies that touch, and the constants of their contact.
     pub touch: TouchingPair,
-    /// State of the contact so far.
+    /// State of the contact: its present overlap, its springs and its record so far.
     pub course: ContactState,
 }
 
@@ -91,9 +91,9 @@ pub struct ContactState {
     pub first_overlap: f64,
     /// [m] largest overlap so far.
     pub maximum_overlap: f64,
-    /// [m] present overlap.
+    /// [m] overlap at the last evaluation.
     pub overlap: f64,
-    /// [m/s] present rate of change of the overlap; positive: approaching.
+    /// [m/s] rate of change of the overlap at the last evaluation; positive: approaching.
     pub growth: f64,
     /// [m s] integral of the overlap over time so far.
     pub overlap_time: f64,
@@ -113,7 +113,7 @@ pub struct ContactState {
 /// State of the rolling and twisting springs of a contact. It does not depend on the order of the two bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ResistanceMemory {
-    /// [m] shear of the rolling spring.
+    /// [m] shear of the rolling spring, perpendicular to the normal.
     pub roll: Vector3<f64>,
     /// [m] shear of the twisting spring along the normal.
     pub twist: f64,
@@ -294,7 +294,7 @@ impl ContactForce {
 pub struct Alike {
     constants: ContactConstants,
     species: u16,
-    /// [kg] mass of each particle.
+    /// [kg] mass of each particle of the run.
     pub mass: f64,
 }
 

@@ -104,7 +104,7 @@ impl ContactRows {
         condense(&mut self.by_shear, &mut few.by_shear);
     }
 
-    /// Removes all rows; their memory is used again.
+    /// Removes all rows, and keeps their memory for new rows.
     pub fn clear(&mut self) {
         self.of_pairs.clear();
         self.at_walls.clear();
@@ -126,7 +126,7 @@ fn add_weighted<const K: usize>(sums: &mut [ExactSum; K], rows: &[[f64; K]], wei
     }
 }
 
-/// Exact sums of the rows of contacts.
+/// Exact sums of the powers and forces of contacts, over all steps since the sums were last recorded.
 pub struct ContactSums {
     of_pairs: [ExactSum; SOME],
     at_walls: [ExactSum; SOME],
@@ -160,7 +160,7 @@ impl ContactSums {
         self.is_empty = false;
     }
 
-    /// Powers [W] and forces [N] of all contacts.
+    /// Powers [W], forces [N] and virial [N m], summed over all contacts.
     pub fn rates(&self) -> Rates {
         if self.is_empty {
             return Rates::default();

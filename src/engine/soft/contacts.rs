@@ -51,9 +51,9 @@ pub struct EvaluationTime {
     pub start: f64,
     /// [s] time of the positions, since the start of the window.
     pub elapsed: f64,
-    /// [s] time until the end of the window.
+    /// [s] time from the evaluation to the end of the window.
     pub remaining: f64,
-    /// [s] time step.
+    /// [s] length of the time step.
     pub dt: f64,
     /// [s] time since the last evaluation, during which touching surfaces have slipped.
     pub shear_time: f64,
@@ -84,17 +84,17 @@ impl EvaluationTime {
 /// Particles, scene and neighbour list in which contacts are searched, and the time of the search.
 #[derive(Clone, Copy)]
 pub struct ContactSearch<'a> {
-    /// The pairs and walls that may overlap.
+    /// Neighbour list with the pairs and walls that may overlap.
     pub list: &'a NeighbourList,
     /// Positions and velocities of the particles.
     pub particles: &'a Particles,
     /// Walls, surfaces and gravity.
     pub scene: &'a Scene,
-    /// Time of the force evaluation.
+    /// Time of the force evaluation, and times for which its forces act.
     pub at: EvaluationTime,
     /// For each particle, by index, true if this process owns it; `None` if this process owns all particles.
     pub mine: Option<&'a [bool]>,
-    /// Properties common to all particles, if they are alike.
+    /// Properties common to all particles; `None` if particles differ.
     pub alike: Option<&'a Alike>,
 }
 
@@ -113,7 +113,7 @@ impl ContactSearch<'_> {
         }
     }
 
-    /// Species of the particle, and kind of the other body.
+    /// Species of the particle of `couple`, and kind (species or wall) of the second body.
     pub fn kinds(&self, couple: &Couple) -> (u16, Kind) {
         match self.alike {
             Some(alike) if !couple.is_wall() => alike.kinds(),
@@ -141,7 +141,7 @@ pub struct Contacts {
     losses: FrictionLosses,
     /// Sums over all steps of the window so far.
     total: ContactSums,
-    /// Working memory of an evaluation with a single block.
+    /// Working memory of an evaluation, used if there is a single block.
     scratch: BlockScratch,
 }
 

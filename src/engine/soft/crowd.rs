@@ -12,12 +12,12 @@ use crate::engine::{Failure, Window};
 use crate::experiment::{Integrator, SoftStepping};
 use crate::scene::Scene;
 
-/// Settings of the uniform steps of a crowd.
+/// Settings of the uniform steps by which a crowd (large island) is moved.
 #[derive(Clone, Copy, Debug)]
 pub struct Steps {
-    /// The contact law.
+    /// Contact law of the steps.
     pub law: ContactLaw,
-    /// The time integrator.
+    /// Integrator of the steps.
     pub integrator: Integrator,
     /// [s] longest step; steps may be a little shorter.
     pub longest: f64,

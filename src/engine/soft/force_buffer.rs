@@ -15,7 +15,7 @@ pub struct ForceIncrement {
     pub i: u32,
     /// Index of the particle that gets the opposite force; `None` at a wall.
     pub j: Option<StoreIndex>,
-    /// [N] force on particle i.
+    /// [N] contact force on particle i; particle j gets the opposite force.
     pub force: Vector3<f64>,
 }
 
@@ -40,12 +40,12 @@ impl ContactTorque {
 pub struct StoreIndex(NonZeroU32);
 
 impl StoreIndex {
-    /// Index with the given number.
+    /// Index with the number `place`.
     pub fn of(place: u32) -> Self {
         Self(NonZeroU32::MIN.saturating_add(place))
     }
 
-    /// Index as a number.
+    /// This index as a number.
     pub fn get(self) -> u32 {
         self.0.get() - 1
     }
@@ -66,7 +66,7 @@ pub struct ForceBuffer {
     span: Range<u32>,
 }
 
-/// Range that contains no index.
+/// Empty range: it contains the index of no particle.
 const NOBODY: Range<u32> = Range { start: u32::MAX, end: 0 };
 
 /// Returns the range `span` of indices, extended to contain the particles of one more force.
@@ -88,7 +88,7 @@ impl ForceBuffer {
         pushes
     }
 
-    /// Forces, each with its torques if spheres rotate.
+    /// Forces in the order of the list, each with its torques if spheres rotate.
     pub fn iter(&self) -> impl Iterator<Item = (ForceIncrement, Option<ContactTorque>)> {
         let torque = |k: usize| {
             let couple = self.couples.get(k).copied();
@@ -107,7 +107,7 @@ impl ForceBuffer {
         }
     }
 
-    /// Adds a force at the end.
+    /// Adds a contact force at the end of the list.
     pub fn add(&mut self, push: ForceIncrement) {
         self.span = if self.list.is_empty() { wider(&NOBODY, &push) } else { wider(&self.span, &push) };
         self.list.push(push);
@@ -195,9 +195,9 @@ impl ForceBuffer {
 
 /// Velocities of particles with successive indices in the store.
 pub struct VelocityBlock<'a> {
-    /// Index of the first particle.
+    /// Index of the first particle in the store.
     pub first: usize,
-    /// [m/s] velocities of the particles.
+    /// [m/s] velocities of the particles, in the order of the store.
     pub velocities: &'a mut [Vector3<f64>],
     /// Spins of the particles; `None` if spheres do not rotate.
     pub spins: Option<Spins<'a>>,
@@ -205,9 +205,9 @@ pub struct VelocityBlock<'a> {
 
 /// Spins of particles with successive indices in the store.
 pub struct Spins<'a> {
-    /// [rad/s] spins of the particles.
+    /// [rad/s] spins of the particles, in the order of the store.
     pub spins: &'a mut [Vector3<f64>],
-    /// Radius over moment of inertia of each particle.
+    /// Radius over moment of inertia of the particles, by which torques become angular accelerations.
     pub per_torque: PerTorque<'a>,
 }
 

@@ -63,7 +63,7 @@ pub struct SoftSolver {
     pub(in crate::engine) islands: SoftIslands,
     /// Pause in windows, during which islands are not tried because they cost more than uniform steps (stepping `Auto`).
     patience: Backoff,
-    /// Number of uniform steps so far.
+    /// Number of uniform steps since the start of the run.
     steps: u64,
     pub(in crate::engine) integrator: Integrator,
     /// [s] longest step; steps may be a little shorter, so that a window is a whole number of them.
@@ -89,7 +89,7 @@ pub struct SoftSolver {
     pub(in crate::engine) ran_last: bool,
     /// Mass, species and contact constants that are equal for all particles during a window; `None` if particles differ.
     pub(in crate::engine) alike: Option<Alike>,
-    /// Data used while several processes share the steps.
+    /// Data for steps that several processes share.
     pub(in crate::engine) shared: SharedSteps,
 }
 

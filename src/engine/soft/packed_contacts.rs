@@ -58,14 +58,14 @@ impl PackedContact {
         }
     }
 
-    /// Stores a new state of the contact.
+    /// Replaces the stored state of the contact, except its springs, by `course`.
     #[inline(always)]
     pub fn update(&mut self, course: &ContactState) {
         *self = Self::new(self.constants, course);
     }
 }
 
-/// Mutable access to a contact between rotating bodies.
+/// Mutable access to the record and the springs of a contact between rotating bodies.
 pub struct RotatingRecord<'a> {
     /// Constants of the contact.
     pub constants: &'a ContactConstants,
@@ -112,7 +112,7 @@ fn store_in_chunks<T: Clone + Default>(chunks: &mut Vec<Vec<T>>, place: u32, val
 }
 
 impl PackedContacts {
-    /// Stores a contact; returns its index.
+    /// Stores a contact that begins, and returns the index of its record.
     pub fn keep(&mut self, touch: &ContactConstants, course: ContactState) -> u32 {
         let constants = self.constants_of(touch);
         let kept = PackedContact::new(constants, &course);

@@ -41,9 +41,9 @@ impl std::ops::AddAssign for Rates {
 /// Sums over one step of a contact without friction; its normal is taken as constant.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AlongNormal {
-    /// [W] power dissipated by the dashpot.
+    /// [W] power dissipated by the dashpot, as a mean over the step.
     pub restitution_power: f64,
-    /// [N] force along the normal.
+    /// [N] contact force along the normal, as a mean over the step.
     pub force: f64,
     /// [N] first moment of the force about the middle of the step, divided by the squared length of the step.
     pub force_moment: f64,

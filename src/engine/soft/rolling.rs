@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 /// Rolling and twisting motion of two touching bodies, and the resistances to it.
 #[derive(Clone, Copy, Debug)]
 pub struct RollingMotion {
-    /// Radii and inertia of the bodies.
+    /// Effective radius and inertia of the two bodies for rolling and twisting.
     pub bodies: RollingBodies,
     /// [m/s] rolling velocity R_eff (ω_i - ω_j) × n.
     pub rolling: Vector3<f64>,
@@ -84,9 +84,9 @@ impl RollingMotion {
 /// A step in which a contact resists rolling and twisting.
 #[derive(Clone, Copy, Debug)]
 pub struct ResistedStep {
-    /// [m] overlap before the step.
+    /// [m] overlap of the contact before the step.
     pub before: f64,
-    /// [m] overlap after the step.
+    /// [m] overlap of the contact after the step.
     pub after: f64,
     /// [s] length of the step.
     pub dt: f64,

@@ -14,7 +14,7 @@ pub struct Clearance {
     /// [m] lowest corner (`low`) and highest corner (`high`) of the box around the mesh.
     low: Vector3<f64>,
     high: Vector3<f64>,
-    /// [m] edge length of the cells.
+    /// [m] edge length of the cubic cells of the grid.
     cell: f64,
     count: [usize; 3],
     away: Vec<u8>,

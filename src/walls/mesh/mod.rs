@@ -66,7 +66,7 @@ pub struct Mesh {
 /// Point of one triangle that is nearest to a given point.
 #[derive(Clone, Copy)]
 struct TrianglePoint {
-    /// [m] distance between the two points, never negative.
+    /// [m] distance from the given point to this point, never negative.
     distance: f64,
     /// [-] unit vector from the surface to the given point.
     direction: Vector3<f64>,

@@ -59,7 +59,7 @@ pub fn continued(heap: &[[Vector3<f64>; 3]], periods: [Option<f64>; 3], margin: 
 /// Open edges at the two ends of a surface, on two planes one period apart.
 struct OpenEnds {
     axis: usize,
-    /// [m] length of the period.
+    /// [m] length of the period of the box along the axis.
     period: f64,
     /// [m] coordinate of the lower plane along the axis; the upper plane is one period above.
     low: f64,

@@ -31,7 +31,7 @@ pub enum Sides {
 /// Defects found in a list of triangles. Triangles are numbered from 1, in the order of the file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Findings {
-    /// Number of triangles given.
+    /// Number of triangles in the list that was given.
     pub given: usize,
     /// Triangles without area, which are removed: how many they are, and the number of the first.
     pub degenerate: (usize, usize),
@@ -48,7 +48,7 @@ pub struct Findings {
     pub nested: Nested,
     /// Number of edges that belong to only one triangle. The surface is open at these edges.
     pub open_edges: usize,
-    /// Number of edges with more than two triangles.
+    /// Number of edges at which more than two triangles meet.
     pub crowded_edges: usize,
     /// Number of edges whose triangles cannot be made to face the same way.
     pub twisted_edges: usize,
@@ -67,7 +67,7 @@ pub enum Fault {
     /// A coordinate of a corner is not a finite number.
     #[error("{count} of its {given} triangles have corners that are not finite numbers, the first is triangle {first}")]
     NotFinite {
-        /// Number of triangles with such corners.
+        /// Number of triangles that have a corner with such a coordinate.
         count: usize,
         /// Number of triangles in the list.
         given: usize,
@@ -288,7 +288,7 @@ fn edges(triangles: &[([u32; 3], usize)]) -> Edges {
     edges
 }
 
-/// Makes a triangle without data on its neighbours.
+/// Makes the data of one triangle; the data on its neighbours are left empty.
 fn plain(points: &[Vector3<f64>], corners: [u32; 3]) -> Face {
     let at = corners.map(|corner| points[corner as usize]);
     let normal = (at[1] - at[0]).cross(&(at[2] - at[0])).normalize();

@@ -17,11 +17,11 @@ pub enum TriangleFeature {
     Face,
     /// The edge from the corner with this number (0 to 2) to the next corner.
     Edge(usize),
-    /// The corner with this number (0 to 2).
+    /// The corner with the number 0, 1 or 2.
     Corner(usize),
 }
 
-/// A tree of boxes around triangles or bodies.
+/// Search tree of boxes around triangles or bodies.
 #[derive(Clone)]
 pub struct Tree(Bvh);
 

@@ -14,14 +14,14 @@ use std::sync::Arc;
 pub enum PrescribedMotion {
     /// Constant velocity: d(t) = V t.
     Translation {
-        /// [m/s] velocity V.
+        /// [m/s] constant velocity V of the shape.
         velocity: Vector3<f64>,
     },
     /// Harmonic vibration: d(t) = A sin(2π f t + φ).
     Vibration {
         /// [m] amplitude A, along the direction of the vibration.
         amplitude: Vector3<f64>,
-        /// [Hz] frequency f.
+        /// [Hz] frequency f of the vibration.
         frequency: f64,
         /// [rad] phase φ at time 0.
         phase: f64,

@@ -25,7 +25,7 @@ impl PiecewisePath {
         self.knots.partition_point(|(knot, _)| *knot <= time)
     }
 
-    /// [m] displacement at `time` [s].
+    /// [m] displacement of the wall at the time `time` [s].
     pub fn displacement(&self, time: f64) -> Vector3<f64> {
         let next = self.passed(time);
         let at = |knot: usize| self.knots[knot.min(self.knots.len() - 1)];
@@ -46,7 +46,7 @@ impl PiecewisePath {
         self.knots.get(self.passed(time)).map_or(f64::INFINITY, |(knot, _)| *knot)
     }
 
-    /// [m/s] largest speed on the path.
+    /// [m/s] largest speed of the wall on the path.
     pub fn largest_speed(&self) -> f64 {
         self.knots.windows(2).map(|two| slope(&two[0], &two[1]).norm()).fold(0.0, f64::max)
     }
@@ -66,7 +66,7 @@ impl PiecewisePath {
     }
 }
 
-/// [m/s] velocity between two knots.
+/// [m/s] velocity between two knots (given instants, each with a displacement).
 fn slope((from, here): &(f64, Vector3<f64>), (to, there): &(f64, Vector3<f64>)) -> Vector3<f64> {
     (there - here) / (to - from)
 }

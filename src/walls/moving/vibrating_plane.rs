@@ -10,7 +10,7 @@ use std::f64::consts::{PI, TAU};
 /// Gap between a sphere in flight and a vibrating plane.
 #[derive(Clone, Copy, Debug)]
 pub struct VibratingGap {
-    /// [m] gap g0 at the beginning.
+    /// [m] gap g0 between sphere and plane at the beginning of the flight.
     pub gap: f64,
     /// [m/s] component v of the velocity of the sphere along the normal at the beginning.
     pub speed: f64,
@@ -18,9 +18,9 @@ pub struct VibratingGap {
     pub acceleration: f64,
     /// [m] component A of the amplitude along the normal.
     pub amplitude: f64,
-    /// [rad/s] angular frequency ω, > 0.
+    /// [rad/s] angular frequency ω > 0 of the vibration.
     pub frequency: f64,
-    /// [rad] phase ψ at the beginning.
+    /// [rad] phase ψ of the vibration at the beginning of the flight.
     pub phase: f64,
 }
 

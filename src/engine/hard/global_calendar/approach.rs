@@ -38,7 +38,7 @@ pub struct FourNeighbours {
     pub discriminant: [f64; 4],
 }
 
-/// Array of the values f(0) to f(3).
+/// Array of four numbers: the values f(0), f(1), f(2) and f(3).
 #[inline(always)]
 fn each(f: impl Fn(usize) -> f64) -> [f64; 4] {
     [f(0), f(1), f(2), f(3)]

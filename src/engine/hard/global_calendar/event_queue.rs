@@ -38,9 +38,9 @@ impl QueuedEvent {
 /// Table of the next events and the ids of all particles, both by particle index.
 #[derive(Clone, Copy)]
 pub struct EventTable<'a> {
-    /// Next events of each particle.
+    /// Next two events of each particle, by particle index.
     pub next_events: &'a [NextEvents],
-    /// Id of each particle.
+    /// Id of each particle, by particle index.
     pub ids: &'a [u32],
 }
 

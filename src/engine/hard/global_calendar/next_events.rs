@@ -33,7 +33,7 @@ impl FlightState {
     }
 }
 
-/// Kind of a coming event of a particle.
+/// Kind of an event that a particle has next.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum EventKind {
     /// Touch of the particle with this index. The event is void if that particle collides before.
@@ -57,7 +57,7 @@ pub struct NextEvents {
     /// [s] time of the second event since the epoch (zero of time). It is not later than `time` if no second event is
     /// stored.
     pub then: f64,
-    /// Kind of the next event.
+    /// Kind of the next event of the particle.
     pub next: EventKind,
     /// Kind of the second event. It becomes the next event if the first is void, because its partner has collided with
     /// another body.

@@ -61,7 +61,7 @@ pub struct Shells {
     /// Memory of all neighbour lists. Unused entries of a list contain the index of the particle to which the list
     /// belongs.
     near: Vec<u32>,
-    /// Number of shells made since the start of the run.
+    /// Number of shells (balls in which neighbour lists are valid) made since the start of the run.
     pub renewed: u64,
     /// Number of distances between shells computed since the start of the run.
     pub checks: u64,
@@ -88,9 +88,9 @@ pub struct Shells {
 /// Neighbour lists of some consecutive particles, before they are stored with those of other particles.
 #[derive(Default)]
 struct Lists {
-    /// Neighbours of all these particles, list after list.
+    /// Neighbours of all particles of these lists, list after list.
     near: Vec<u32>,
-    /// Number of neighbours in each list.
+    /// Number of neighbours in the list of each particle.
     counts: Vec<u32>,
     /// Number of distances between shells that were computed for these lists.
     checks: u64,
@@ -258,7 +258,7 @@ impl Shells {
         self.largest
     }
 
-    /// True if all particles have equal radii.
+    /// True if all particles of the run have equal radii.
     #[inline]
     pub fn alike(&self) -> bool {
         self.smallest == self.largest
@@ -290,7 +290,7 @@ impl Shells {
         self.near[shell.first as usize..end as usize].as_chunks().0
     }
 
-    /// Prefetches the neighbour list of a shell into the cache.
+    /// Prefetches the neighbour list of `shell` into the processor's cache.
     #[inline]
     pub fn fetch_list(&self, shell: &Shell) {
         let (first, last) = (shell.first as usize, (shell.first + shell.count.saturating_sub(1)) as usize);

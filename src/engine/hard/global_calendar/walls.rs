@@ -14,12 +14,12 @@ pub struct WallContacts {
     pub contacts: Vec<AtWall>,
     /// Range of the numbers of each wall's contacts in `contacts`, by the number of the wall.
     of: Vec<Range<u32>>,
-    /// Search for the walls near a point.
+    /// Search structure for the walls near a point.
     pub near: NearWalls,
 }
 
 impl WallContacts {
-    /// Lists the contacts with the walls of a scene.
+    /// Lists all contacts that a sphere may have with the walls of a scene.
     pub fn of(scene: &Scene) -> Self {
         let (mut contacts, mut of) = (Vec::new(), Vec::new());
         for (wall, shape) in (0u32..).zip(&scene.walls) {

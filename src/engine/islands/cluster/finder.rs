@@ -35,7 +35,7 @@ pub trait IslandFinder<'a>: DerefMut<Target = Clusters<'a>> + Sync + Sized {
     /// no islands.
     fn new(clusters: Clusters<'a>, limits: IslandLimits) -> Self;
 
-    /// Ends the search, and returns the islands found.
+    /// Ends the search for islands, and returns the islands that were found.
     fn into_clusters(self) -> Clusters<'a>;
 
     /// Makes islands of all particles that touch on straight flights or have a carried contact. `carried` contains the

@@ -55,7 +55,7 @@ pub struct Segment {
 /// Trajectories of the members of several islands that one thread has solved.
 #[derive(Default)]
 pub struct MemberTrajectories {
-    /// Trajectory of each member.
+    /// Trajectory of each member, for one island after another.
     pub ways: Vec<PiecewiseTrajectory>,
     /// Velocity changes of all these trajectories, those of one member in a row.
     pub turns: Vec<VelocityChange>,

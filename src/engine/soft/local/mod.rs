@@ -39,7 +39,7 @@ pub struct ReachedTouch<'a> {
     pub met: Encounter,
     /// Walls, surfaces and gravity.
     pub scene: &'a Scene,
-    /// Time of the touch.
+    /// Time of the touch, in the falling frame of the island.
     pub moment: FrameTime,
     /// [s] time from the touch to the end of the window.
     pub remaining: f64,
@@ -55,7 +55,7 @@ pub trait InstantaneousRule: Sync {
     fn strike(&self, meeting: &ReachedTouch, particles: &mut Particles, log: &mut Log);
 }
 
-/// Rule by which every touch begins a contact.
+/// Rule by which every touch begins a contact, and none is an instantaneous impulse.
 pub struct NoInstants;
 
 impl InstantaneousRule for NoInstants {
@@ -67,13 +67,13 @@ impl InstantaneousRule for NoInstants {
     fn strike(&self, _meeting: &ReachedTouch, _particles: &mut Particles, _log: &mut Log) {}
 }
 
-/// Solver of islands of soft spheres.
+/// Solver of islands (groups of particles that may meet) of soft spheres, by local time steps.
 pub struct SoftIslands<I = NoInstants> {
-    /// The contact law.
+    /// Contact law of all contacts in islands.
     pub law: ContactLaw,
     /// Time integrator. Islands use fourth-order Runge-Kutta for `VelocityVerlet`, and Heun's method for `Rk2`.
     pub integrator: Integrator,
-    /// [s] time step within contacts.
+    /// [s] longest time step while bodies of the island are in contact.
     pub step: f64,
     /// Largest cost of an island. A more expensive island is given up, and its particles are moved by uniform steps.
     pub allowance: Allowance,
@@ -100,7 +100,7 @@ impl<I> SoftIslands<I> {
     }
 }
 
-/// Working memory of one thread that solves islands.
+/// Working memory of one thread that solves one island after another.
 #[derive(Default)]
 pub struct IslandScratch {
     contacts: Vec<Contact>,
@@ -119,9 +119,9 @@ pub struct IslandScratch {
     kicked: Vec<Vector3<f64>>,
     /// Springs of `contacts`; empty if spheres do not rotate.
     sliding: Vec<SlidingContact>,
-    /// [rad/s] spins at the start of the step.
+    /// [rad/s] spin of each particle at the start of the step.
     spin: Vec<Vector3<f64>>,
-    /// [rad/s²] angular accelerations at the last stage.
+    /// [rad/s²] angular acceleration of each particle at the last Runge-Kutta stage.
     turning: Vec<Vector3<f64>>,
     /// [rad/s²] angular acceleration of each particle, averaged over the stages of the step with their Runge-Kutta
     /// weights.

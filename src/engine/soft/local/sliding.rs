@@ -43,7 +43,7 @@ struct SpringState {
 #[derive(Clone, Copy, Debug)]
 pub struct SlidingContact {
     pub(super) phase: Phase,
-    /// State at the start of the step.
+    /// State at the start of the time step.
     start: SpringState,
     /// State at the present time of the island.
     now: SpringState,

@@ -14,9 +14,9 @@ use std::ops::Range;
 pub struct SpringEnergies {
     /// Energy of springs of all kinds, of pairs (first) and at walls (second).
     by_partner: [f64; 2],
-    /// Energy of rolling springs.
+    /// Energy of the rolling springs of all contacts.
     rolling: f64,
-    /// Energy of twisting springs.
+    /// Energy of the twisting springs of all contacts.
     twisting: f64,
 }
 

@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 /// Kind of relative motion that stretches a spring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SpringKind {
-    /// Slip of the surfaces.
+    /// Slip of the two surfaces at the contact.
     Slide,
     /// Rolling of the surfaces on one another.
     Roll,
@@ -21,7 +21,7 @@ pub enum SpringKind {
 }
 
 impl SpringKind {
-    /// All kinds, in the order of a contact's springs.
+    /// All kinds of motion, in the order in which the springs of a contact are stored.
     pub const ALL: [Self; 3] = [Self::Slide, Self::Roll, Self::Twist];
 
     /// Component of `vector` that a spring of this kind can have: along `normal` for twisting, perpendicular to
@@ -45,11 +45,11 @@ pub fn carried(kind: SpringKind, vector: &Vector3<f64>, from: &Vector3<f64>, to:
 
 /// Relative motion and normal force of a contact between bodies that rotate.
 pub struct ContactMotion {
-    /// [m/s] slip of the surfaces.
+    /// [m/s] slip velocity of the two surfaces at the contact.
     slip: Vector3<f64>,
     /// [-] lever arm of the tangential force about the centre of a sphere, divided by the radius of the sphere.
     pub arm: f64,
-    /// [N] elastic part of the normal force.
+    /// [N] elastic part of the normal force of the contact.
     pub elastic: f64,
     /// [N] part of the normal force by the dashpot.
     pub viscous: f64,
@@ -60,11 +60,11 @@ pub struct ContactMotion {
 /// Motion that stretches one spring of a contact, and the properties of this spring.
 #[derive(Clone, Copy, Debug)]
 pub struct SpringMotion {
-    /// Kind of the motion.
+    /// Kind of motion that stretches the spring.
     pub kind: SpringKind,
     /// [m/s] relative velocity that stretches the spring.
     pub velocity: Vector3<f64>,
-    /// Constants at the present overlap.
+    /// Constants of the spring at the present overlap.
     pub constants: SpringDashpotSlider,
     /// [-] growth of the shear per length of relative motion. It is below 1 at the touch if the stiffness grows with
     /// the overlap.
@@ -73,11 +73,11 @@ pub struct SpringMotion {
     pub rates: SpringRates,
     /// [-] largest force of the spring divided by the normal force.
     friction: f64,
-    /// [N] largest force of the spring.
+    /// [N] largest force of the spring, which friction sets.
     pub limit: f64,
     /// True if the overlap is at most `TOUCHING` diameters.
     pub at_touch: bool,
-    /// Resistance to rolling or twisting; `None` for slip.
+    /// Resistance to rolling or twisting; `None` for the spring of slip.
     pub resistance: Option<Resistance>,
 }
 
