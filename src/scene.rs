@@ -88,8 +88,8 @@ pub enum Kind {
 #[serde(transparent)]
 pub struct Pairs(Vec<(u16, Kind, Meeting)>);
 
-/// Sorts the key of a pair of kinds: of two species, the one with the smaller index comes first. A species comes before
-/// a wall.
+/// Puts the two kinds of a pair into the order in which pairs are stored. Of two species, the one with the smaller
+/// index comes first; a species comes before a wall.
 #[inline]
 pub(crate) fn in_order(species: u16, other: Kind) -> (u16, Kind) {
     match other {

@@ -111,21 +111,21 @@ pub struct Simulation {
     through_flow: Option<Box<ThroughFlow>>,
     /// Free space of each inlet, in which new particles are placed.
     inlet_rooms: Vec<FreeRoom>,
-    /// Position in the windows in which [`run_until`](Self::run_until) runs. The windows have no length before they are
-    /// chosen.
+    /// Position of the present time in the schedule of windows by which [`run_until`](Self::run_until) runs. The length
+    /// of windows is 0 until the schedule is chosen.
     schedule_position: SchedulePosition,
 }
 
-/// Wall time spent in each part of a simulation, measured by the clock of the simulation; zero without a clock.
+/// Wall-clock time spent in each part of a simulation, measured by the clock of the simulation; zero without a clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SimulationTimes {
     /// Wall-clock time spent in the engine.
     pub engine: Duration,
-    /// Time spent on kicks of drag, lift, heat and buoyancy between the windows.
+    /// Wall-clock time spent on kicks of drag, lift, heat and buoyancy between the windows.
     pub drag: Duration,
     /// Wall-clock time spent in observers (measurements).
     pub observers: Duration,
-    /// Time from the start to the end of a run, including all parts.
+    /// Wall-clock time from the start to the end of a run, including all parts.
     pub whole: Duration,
 }
 

@@ -25,7 +25,7 @@ pub struct Coupling {
     pub modulation: Modulation,
 }
 
-/// Quantity of a gas flow that is kept constant.
+/// Quantity of a gas flow that is kept constant while the particles change the flow.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HeldFlow {

@@ -29,7 +29,7 @@ struct SizeLevel {
     order: Vec<u32>,
     /// Number of spheres in all levels before this one. Those levels contain the larger spheres.
     first: usize,
-    /// [m] largest reach of the spheres of the level.
+    /// [m] largest reach (radius, or radius of a ball around the path) of the spheres of the level.
     reach: f64,
 }
 
@@ -96,7 +96,7 @@ impl<'a> SortedSizes<'a> {
     }
 }
 
-/// [m] largest and smallest radius of a list; both are 0 for an empty list.
+/// [m] largest and smallest of the given radii; both are 0 for an empty list.
 pub fn range(radius: &[f64]) -> [f64; 2] {
     let widen = |[most, least]: [f64; 2], [a, b]: [f64; 2]| [most.max(a), least.min(b)];
     let none = [0.0, f64::INFINITY];

@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 /// Settings of a neighbour list, which are equal in all processes that share a run.
 #[derive(Clone, Debug)]
 pub struct ListSettings {
-    /// [m/s] velocity of the frame relative to which motion is measured.
+    /// [m/s] velocity of the frame relative to which the list measures how far particles move.
     pub frame: Vector3<f64>,
     /// [m/s] largest speed of any particle relative to the frame.
     pub largest_speed: f64,

@@ -44,7 +44,7 @@ impl SphereInTheWay {
     }
 }
 
-/// A particle that is due at an inlet, before it has a position.
+/// A particle that must come in at an inlet now, before it has a position.
 struct NewParticle {
     /// [m] radius of the particle.
     radius: f64,

@@ -340,8 +340,8 @@ impl WallGeometry {
         self.law().may_touch(which, point, radius, skin)
     }
 
-    /// True if the surface may be within `distance` [m] of a point, as [`Geometry::is_within`] defines it. For planes a
-    /// virtual call is avoided.
+    /// True if the surface may be within `distance` [m] of `point` [m], as [`Geometry::is_within`] defines it. For
+    /// planes a virtual call is avoided.
     #[inline]
     pub fn is_within(&self, point: &Vector3<f64>, distance: f64) -> bool {
         self.plane()

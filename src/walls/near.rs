@@ -14,7 +14,7 @@ pub struct NearWalls {
     /// Indices of the walls that are tested for every point: planes, vessels (walls around all particles) and walls
     /// that move. Without a tree these are all walls.
     always: Vec<u32>,
-    /// Index of the wall in each box of the tree.
+    /// Index of the wall to which each box of the tree belongs.
     boxed: Vec<u32>,
     tree: Option<Tree>,
 }

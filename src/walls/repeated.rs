@@ -30,7 +30,7 @@ impl Repeated {
         WallGeometry::Repeated(std::sync::Arc::new(Self { shape, around, periods }))
     }
 
-    /// Copies of the walls, in which all bodies have images.
+    /// Copies of the walls; in the copies, all bodies have periodic images.
     pub fn all(walls: &[Wall], domain: &Domain) -> Vec<Wall> {
         walls.iter().map(|wall| wall.repeated(domain)).collect()
     }

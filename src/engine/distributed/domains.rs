@@ -29,8 +29,9 @@ use std::sync::Arc;
 /// over the largest distance that a flying particle reaches from the middle of its flight.
 const SEEN: f64 = 4.0;
 
-/// [-] like `SEEN`, but for the first part of a run, when the distance that islands need is not yet known. Case D
-/// with 10⁶ particles needs 8, and a repeated part costs as much as a whole window.
+/// [-] distance from the block of a process within which it borrows particles of other processes in the first part of a
+/// run, in the unit of [`SEEN`]. The distance that islands need is not yet known then. Case D with 10⁶ particles needs
+/// 8, and a repeated part costs as much as a whole window.
 const SEEN_AT_FIRST: f64 = 10.0;
 
 /// Number of particles per process below which processes do not share uniform steps, because most particles would be
@@ -70,7 +71,7 @@ pub struct LocalParticles<C> {
     pub(super) strangers: FxHashMap<u32, u32>,
     /// True if all particles that have a carried contact with an own particle are in the store.
     pub complete: bool,
-    /// Region of the box in which this process knows all particles.
+    /// Region of the box in which this process stores all particles, its own and copies of others.
     pub region: Region,
 }
 

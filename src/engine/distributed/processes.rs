@@ -75,12 +75,14 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         self.domains.as_ref().map(|domains| domains.population.clone())
     }
 
-    /// Replaces each sum by its total over all processes, while each process stores only its own particles.
+    /// Replaces each sum by its total over all processes, if each process stores only its own particles; otherwise does
+    /// nothing.
     pub fn total(&self, sums: &mut [&mut ExactSum]) {
         self.domains.iter().for_each(|domains| domains.total(sums));
     }
 
-    /// Replaces each value by its largest value in any process, while each process stores only its own particles.
+    /// Replaces each value by the largest value of all processes, if each process stores only its own particles;
+    /// otherwise does nothing.
     pub fn largest(&self, values: &mut [f64]) {
         self.domains.iter().for_each(|domains| domains.largest(values));
     }

@@ -64,7 +64,7 @@ impl Rival {
     }
 }
 
-/// Pause of islands: a number of windows in which islands are not tried.
+/// Pause in which islands (groups of particles that may meet) are not tried, as a number of windows.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Backoff {
     /// Length of the last pause, in windows.

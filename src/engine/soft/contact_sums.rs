@@ -16,7 +16,7 @@ const BATCH: usize = 32;
 /// Powers [W] and forces [N] of one contact, in the order of [`OF_PAIRS`] or [`AT_WALLS`].
 type SumRow = [f64; SOME];
 
-/// Powers [W] that the springs of one contact lose, in the order of [`OF_SPRINGS`].
+/// Powers [W] at which the springs of one contact lose energy, in the order of [`OF_SPRINGS`].
 type SpringRow = [f64; 4];
 
 /// Power [W] of the shear of the box on one contact, in the order of [`BY_SHEAR`], followed by three zeros.
@@ -113,7 +113,7 @@ impl ContactRows {
     }
 }
 
-/// Adds rows, multiplied by a weight [-], to exact sums.
+/// Adds the rows `rows`, multiplied by `weight` [-], to the exact sums `sums`, column by column.
 fn add_weighted<const K: usize>(sums: &mut [ExactSum; K], rows: &[[f64; K]], weight: f64) {
     if rows.is_empty() || weight == 0.0 {
         return;

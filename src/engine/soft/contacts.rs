@@ -66,7 +66,8 @@ pub struct EvaluationTime {
     pub weight: f64,
     /// True if contacts begin and end in this evaluation; false in the predicted state of a Runge-Kutta stage.
     pub opens: bool,
-    /// True if the travelled distance of the list is exact for the present positions (Verlet); false for Heun's method.
+    /// True if the travelled distance of the neighbour list is exact for the present positions (Verlet's method); false
+    /// for Heun's method.
     pub travel_is_exact: bool,
     /// True if the second half of the kick with these forces is applied at the start of the next window.
     pub leaves_half: bool,
@@ -148,8 +149,8 @@ pub struct Contacts {
 /// State that the last force evaluation of a window passes to the first one of the next window.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Due {
-    /// Contacts that began in the last predicted state, in ascending order of slot. Their forces have already acted, so
-    /// their speed of approach is that of the predicted state.
+    /// Contacts that began in the last predicted state of a Runge-Kutta stage, in ascending order of slot. Their forces
+    /// have already acted, so their speed of approach is that of the predicted state.
     foreseen: Vec<Contact>,
     /// [J] elastic energy stored in all contacts.
     elastic_energy: f64,

@@ -97,7 +97,7 @@ impl ForceBuffer {
         self.list.iter().enumerate().map(move |(k, push)| (*push, torque(k)))
     }
 
-    /// Adds a force at the end, with its torques.
+    /// Adds a contact force at the end of the list, with the torques of this contact.
     #[inline(always)]
     pub fn add_rotating(&mut self, push: ForceIncrement, torque: ContactTorque) {
         self.add(push);

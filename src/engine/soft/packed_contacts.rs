@@ -97,7 +97,8 @@ pub struct PackedContacts {
     first_slips: Vec<Vec<Option<Vector3<f32>>>>,
 }
 
-/// Returns the element with the index `place`, counted over all chunks; `None` if there are fewer chunks.
+/// Returns the element with the index `place`, which counts the elements of all chunks; `None` if there are fewer
+/// chunks.
 #[inline(always)]
 fn in_chunks<T>(chunks: &mut [Vec<T>], place: u32) -> Option<&mut T> {
     Some(&mut chunks.get_mut(place as usize / CHUNK)?[place as usize % CHUNK])

@@ -19,10 +19,10 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 use vibrating_plane::VibratingGap;
 
-/// A shape with its prescribed motion, at an instant.
+/// A shape with the law of its motion, and the instant for which the geometry of the wall is valid.
 #[derive(Clone, Debug, Serialize)]
 pub struct MovingShape {
-    /// The shape where the case puts it, without displacement.
+    /// Shape of the wall where the case puts it, without displacement.
     pub(super) shape: Arc<WallGeometry>,
     /// Law of the motion of the shape, as a function of the simulated time.
     motion: PrescribedMotion,
@@ -68,7 +68,7 @@ impl MovingShape {
         self.motion.to_shape(point, time)
     }
 
-    /// [m/s] largest speed of any point of the shape.
+    /// [m/s] largest speed of any point of the shape at any time.
     pub fn largest_speed(&self) -> f64 {
         self.motion.largest_speed(self.arm)
     }
@@ -283,7 +283,7 @@ impl Wall {
         Some(Self { geometry: moving.geometry(), moving: Some(moving), ..self })
     }
 
-    /// Puts the wall where it is at `time` [s]; a wall without motion stays where it is.
+    /// Moves the wall to its place at the simulated time `time` [s]. A wall without motion does not change.
     pub fn move_to(&mut self, time: f64) {
         if let Some(moving) = &mut self.moving {
             moving.time = time;

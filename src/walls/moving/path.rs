@@ -20,7 +20,7 @@ impl PiecewisePath {
         (!knots.is_empty() && finite && ascends).then_some(Self { knots })
     }
 
-    /// Number of instants that are not later than `time` [s].
+    /// Number of given instants of the path up to and including `time` [s].
     fn passed(&self, time: f64) -> usize {
         self.knots.partition_point(|(knot, _)| *knot <= time)
     }
@@ -41,7 +41,7 @@ impl PiecewisePath {
         }
     }
 
-    /// [s] first knot (a given instant of the path) after `time` [s]; infinite after the last knot.
+    /// [s] first given instant of the path (knot) after `time` [s]; infinite after the last one.
     pub fn next_knot(&self, time: f64) -> f64 {
         self.knots.get(self.passed(time)).map_or(f64::INFINITY, |(knot, _)| *knot)
     }

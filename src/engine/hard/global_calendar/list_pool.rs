@@ -44,7 +44,8 @@ pub fn room_for(count: u32) -> u8 {
 /// old room becomes free.
 #[derive(Clone, Debug, Default)]
 pub struct ListPool {
-    /// For each size number, the indices in the long array at which the free rooms of that size begin.
+    /// For each size number of rooms (memory blocks), the indices in the array of all neighbour lists at which free
+    /// rooms of that size begin.
     free: Vec<Vec<u32>>,
 }
 

@@ -95,7 +95,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         (curved + change - rate) * time > gap
     }
 
-    /// Applies an impulse if the touch of a slot is instantaneous, and returns true in that case.
+    /// Applies an impulse if the touch of the two bodies of the slot `slot` is instantaneous. Returns true in that
+    /// case.
     pub(super) fn strike(&mut self, slot: usize) -> bool {
         let touch = self.scratch.touches[slot];
         let moment = self.moment();

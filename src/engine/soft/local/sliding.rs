@@ -20,7 +20,7 @@ use nalgebra::Vector3;
 pub(super) enum Phase {
     /// The spring has no memory: its force follows from the present motion only.
     Memoryless,
-    /// The contact is too young to resist rolling or twisting.
+    /// The contact has not yet lasted for one contact time, so it does not resist rolling or twisting.
     Waiting,
     /// The force of spring and dashpot is below the limit.
     Stick,
@@ -39,7 +39,7 @@ struct SpringState {
     normal: Vector3<f64>,
 }
 
-/// Spring with a slider of a contact, during a step.
+/// State of one spring with a slider (sliding, rolling or twisting) of a contact, during a time step.
 #[derive(Clone, Copy, Debug)]
 pub struct SlidingContact {
     pub(super) phase: Phase,
@@ -89,7 +89,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.scene.rotation.is_some()
     }
 
-    /// Takes over the springs of contacts that continue from an earlier window.
+    /// Makes the springs of the contacts that continue from an earlier window.
     pub(super) fn adopt_springs(&mut self) {
         self.scratch.sliding.clear();
         for k in 0..self.scratch.contacts.len() {

@@ -28,7 +28,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         if resists { &SpringKind::ALL } else { &SpringKind::ALL[..1] }
     }
 
-    /// Indices in the island's list of springs of the springs of contact `k`.
+    /// Range of the springs of contact `k` in the list of all springs of the island.
     pub(super) fn springs_of(&self, k: usize) -> Range<usize> {
         let kinds = self.kinds().len();
         k * kinds..(k + 1) * kinds

@@ -88,7 +88,7 @@ const TOUCHING: f64 = 1e-9;
 const SOON: f64 = 1e-4;
 
 impl ContactMotion {
-    /// Present motion of two touching bodies, with rolling and twisting if the contact `resists` these.
+    /// Present motion of the surfaces of two touching bodies. Rolling and twisting are included if `resists` is true.
     #[inline(always)]
     pub fn of(
         run: &IslandRun<'_, impl InstantaneousRule>,
