@@ -111,7 +111,7 @@ impl Domain {
         if sliding == 0.0 { 0.0 } else { sliding * (velocity / sliding).round() }
     }
 
-    /// [1/s] magnitude of the shear rate; 0 without shear.
+    /// [1/s] magnitude |γ| of the shear rate of the box; 0 without shear.
     pub fn strain_rate(&self) -> f64 {
         self.shear.map_or(0.0, |shear| shear.rate.abs())
     }

@@ -23,9 +23,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Partner {
-    /// Another particle, by id.
+    /// Another particle, given by its id.
     Particle(u32),
-    /// A wall, by its index in the case.
+    /// A wall, given by its index among the walls of the case.
     Wall(u32),
 }
 
@@ -88,8 +88,8 @@ pub struct FrameTime {
     pub sunk: f64,
     /// [s] time of free fall whose velocity g t must be added to velocities relative to a wall.
     pub fallen: f64,
-    /// [s] time by which the velocities of the store are earlier than its positions, as half steps of Verlet's method
-    /// are. Velocities of walls that move are those of this earlier time.
+    /// [s] time by which the velocities of the store are earlier than its positions, as in half steps of Verlet's
+    /// method. Velocities of moving walls are computed for this earlier time.
     pub lag: f64,
 }
 
@@ -142,7 +142,7 @@ impl FrameTime {
 /// Relative position and velocity of two bodies: particle `i` and another particle or a wall.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Encounter {
-    /// [-] unit normal from the other body to particle `i`.
+    /// [-] unit normal from the second body (particle or wall) to the first particle `i` of the couple.
     pub normal: Vector3<f64>,
     /// [m] distance between the surfaces of the two bodies; negative if they overlap.
     pub gap: f64,
@@ -191,8 +191,8 @@ impl Couple {
         }
     }
 
-    /// True if the other body is a wall, and this contact is not the first (number 0) of the contacts that a sphere can
-    /// have with that wall.
+    /// True if the second body is a wall, and the couple is not the first contact (number 0) that the sphere can have
+    /// with this wall.
     #[inline]
     pub fn is_further(&self) -> bool {
         matches!(self.other, Other::Wall(at) if at.which > 0)
@@ -234,7 +234,7 @@ impl Couple {
         self == couple || couple.j().is_some_and(|j| *self == Self::pair(j, couple.i))
     }
 
-    /// Restitution and friction of an impact between the two bodies.
+    /// Surface properties (restitution and friction) for an impact between the two bodies of the couple.
     #[inline]
     pub fn surface<'s>(&self, particles: &Particles, scene: &'s Scene) -> &'s Surface {
         let (species, other) = self.kinds(particles);

@@ -27,7 +27,7 @@ use serde::{Deserialize, Serialize};
 /// Properties of the contact between two kinds of bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Meeting {
-    /// Restitution and friction, for all engines.
+    /// Restitution and friction of the two bodies, which all engines use.
     pub surface: Surface,
     /// [-] stiffness of soft contacts of the pair over that of the contact law.
     pub stiffness_ratio: f64,
@@ -36,7 +36,8 @@ pub struct Meeting {
     /// does not depend on the masses.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at_mass: Option<f64>,
-    /// Coefficients of rolling and twisting friction of this pair. A coefficient that is missing is taken from the law.
+    /// Coefficients of rolling and twisting friction of this pair. A coefficient that is missing is taken from the
+    /// rolling or twisting law.
     #[serde(skip_serializing_if = "ResistanceFriction::is_of_law")]
     pub resistance: ResistanceFriction,
 }
@@ -53,8 +54,8 @@ impl Meeting {
 }
 
 impl From<Surface> for Meeting {
-    /// Makes the contact properties of a pair with this surface. The stiffness and the rolling and twisting friction
-    /// are those of the laws.
+    /// Makes the contact properties of a pair with the surface `surface`. Its stiffness is that of the contact law, and
+    /// its rolling and twisting friction are those of the rolling and twisting laws.
     fn from(surface: Surface) -> Self {
         Self { surface, stiffness_ratio: 1.0, at_mass: None, resistance: ResistanceFriction::default() }
     }
@@ -87,8 +88,8 @@ pub enum Kind {
 #[serde(transparent)]
 pub struct Pairs(Vec<(u16, Kind, Meeting)>);
 
-/// Sorts the key of a pair of kinds: of two species, the one with the smaller index comes first. A species comes before
-/// a wall.
+/// Puts the two kinds of a pair into the order in which pairs are stored. Of two species, the one with the smaller
+/// index comes first; a species comes before a wall.
 #[inline]
 pub(crate) fn in_order(species: u16, other: Kind) -> (u16, Kind) {
     match other {
@@ -145,12 +146,12 @@ pub struct Elasticity {
 /// Kind of particles: spheres of one material, of one size or with a distribution of sizes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Species {
-    /// Name as written in the case.
+    /// Name of the species, as written in the case.
     pub name: String,
     /// [m] diameter d. For spheres of different sizes it is the diameter of the mean volume, the cube root of the
     /// mean of d³.
     pub diameter: f64,
-    /// [kg/m³] density ρ_p.
+    /// [kg/m³] density ρ_p of the particles.
     pub density: f64,
     /// [kg/m³] added mass (inertia of the gas that a sphere accelerates) over the volume of the sphere. 0 without added
     /// mass.
@@ -288,7 +289,7 @@ impl Scene {
         }
     }
 
-    /// [m³] volume available to particles: the volume of the domain, or of the smallest vessel in it.
+    /// [m³] volume available to particles: the volume of the domain, or of the smallest vessel (hollow wall) in it.
     pub fn room(&self) -> f64 {
         let vessels = self.walls.iter().filter_map(|wall| wall.geometry.law().vessel_volume(&self.domain.size));
         vessels.fold(self.domain.volume(), f64::min)
@@ -368,7 +369,7 @@ impl Scene {
         kinds
     }
 
-    /// Contact properties of particles of a species with a species or a wall.
+    /// Contact properties of a particle of the species with the index `species` and a body of the kind `other`.
     #[inline]
     pub fn meeting(&self, species: u16, other: Kind) -> Meeting {
         match self.pairs.find(species, other) {
@@ -377,7 +378,8 @@ impl Scene {
         }
     }
 
-    /// Rolling and twisting friction of a species and another species or a wall.
+    /// Coefficients of rolling and twisting friction of the species with the index `species` and a body of the kind
+    /// `other`.
     #[inline]
     pub fn resistance(&self, species: u16, other: Kind) -> ResistanceFriction {
         match (self.pairs.find(species, other), other) {
@@ -387,7 +389,7 @@ impl Scene {
         }
     }
 
-    /// Restitution and friction of a species and another species or a wall.
+    /// Restitution and friction of the species with the index `species` and a body of the kind `other`.
     #[inline]
     pub fn surface(&self, species: u16, other: Kind) -> &Surface {
         self.pairs.find(species, other).map_or_else(|| self.usual(other), |meeting| &meeting.surface)
@@ -476,8 +478,8 @@ impl Scene {
         constant(self.meetings_at_walls().map(|(_, _, meeting)| meeting.surface))
     }
 
-    /// Surfaces at all walls and, if `particles` > 1, between particles. The pairs with contact properties of their own
-    /// are included.
+    /// Surfaces of all contacts that can occur: at the walls and, if the number `particles` is above 1, between
+    /// particles. Pairs with contact properties of their own are included.
     pub fn surfaces(&self, particles: usize) -> Vec<Surface> {
         if self.pairs.is_empty() {
             let walls = self.walls.iter().map(|wall| wall.surface);

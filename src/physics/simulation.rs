@@ -117,7 +117,7 @@ pub struct Simulation {
     schedule_position: SchedulePosition,
 }
 
-/// Wall time spent in each part of a simulation, measured by the clock of the simulation; zero without a clock.
+/// Wall-clock time spent in each part of a simulation, measured by the clock of the simulation; zero without a clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SimulationTimes {
     /// Wall time spent in the engine.
@@ -126,7 +126,7 @@ pub struct SimulationTimes {
     pub drag: Duration,
     /// Time spent in observers (measurements during the run).
     pub observers: Duration,
-    /// Time from the start to the end of a run, including all parts.
+    /// Wall-clock time from the start to the end of a run, including all parts.
     pub whole: Duration,
 }
 

@@ -14,24 +14,27 @@ pub struct Bodies {
     pub effective_radius: f64,
     /// [-] normal restitution e of an isolated impact, which the law must reproduce.
     pub restitution: f64,
-    /// Restitution as a function of the normal speed, of which `restitution` is one value; `None`: it is constant.
+    /// Restitution as a function of the normal speed; `restitution` is its value at one speed. `None` if the
+    /// restitution is constant.
     #[serde(skip)]
     pub by_speed: Option<RestitutionBySpeed>,
     /// Elasticity of each body; `None` for a body with the elasticity of the contact law.
     #[serde(skip)]
     pub elasticity: [Option<Elasticity>; 2],
-    /// [-] stiffness between these bodies over that of the contact law, from [`Meeting`](crate::scene::Meeting).
+    /// [-] ratio of the stiffness between these two bodies to that of the contact law, from
+    /// [`Meeting`](crate::scene::Meeting).
     #[serde(skip)]
     pub stiffness_ratio: f64,
 }
 
 impl Bodies {
-    /// Returns these properties with the restitution of an impact at the normal speed `speed` [m/s].
+    /// Returns the properties of the same two bodies, with the restitution of an impact at the normal speed `speed`
+    /// [m/s].
     pub fn at_speed(&self, speed: f64) -> Self {
         Self { restitution: self.by_speed.map_or(self.restitution, |law| law.at(speed)), ..*self }
     }
 
-    /// Returns these properties with the restitution 1 at every speed.
+    /// Returns the properties of the same two bodies, with restitution 1 at every speed.
     pub fn elastic(&self) -> Self {
         Self { restitution: 1.0, by_speed: None, ..*self }
     }
@@ -121,12 +124,12 @@ impl Bodies {
     }
 }
 
-/// Constants of a contact law between two given bodies.
+/// Constants of a contact law for the contact of two given bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spring {
-    /// [kg] effective mass M.
+    /// [kg] effective mass M of the two bodies.
     pub effective_mass: f64,
-    /// [-] restitution e of an isolated impact.
+    /// [-] restitution e that an isolated impact of the two bodies has.
     pub restitution: f64,
     /// [N/m] stiffness of a linear spring; for Hertz's law, k_H [N/m^1.5] in the force k_H δ^(3/2) at the overlap δ.
     pub stiffness: f64,

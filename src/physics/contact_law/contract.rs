@@ -5,7 +5,7 @@ use super::{ContactLaw, Spring};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Contract that a contact law violates between two bodies.
+/// Contract (condition on a contact law) that the law violates between two given bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum BrokenContract {
     /// The elastic force at touch is not zero. A contact detected a part of a step after touch would then gain or lose
@@ -16,7 +16,7 @@ pub enum BrokenContract {
     },
     /// The stored energy is not equal to the work of the elastic force.
     Energy {
-        /// [m] overlap at which energy and work differ.
+        /// [m] overlap at which the stored energy and the work of the elastic force differ.
         overlap: f64,
         /// [J] stored energy at this overlap, as the law returns it.
         stored: f64,
@@ -32,7 +32,7 @@ pub enum BrokenContract {
     },
     /// The law cannot stop an impact: at no overlap does the stored energy reach the kinetic energy of the impact.
     Bottomless {
-        /// [m/s] normal speed of the impact.
+        /// [m/s] normal speed of the impact that no overlap can stop.
         speed: f64,
     },
 }
@@ -57,10 +57,10 @@ impl fmt::Display for BrokenContract {
     }
 }
 
-/// [-] largest relative error that passes the check. It is the quadrature error with `POINTS` intervals, for a force
-/// with an infinite slope at touch.
+/// [-] largest relative error that passes the check. It is the error of a quadrature with `POINTS` intervals for a
+/// force whose slope is infinite at touch.
 const TOLERANCE: f64 = 1e-3;
-/// Number of intervals of the quadrature of the force over the overlap.
+/// Number of intervals of the quadrature that integrates the elastic force over the overlap.
 const POINTS: u32 = 1000;
 
 impl ContactLaw {

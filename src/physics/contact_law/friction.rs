@@ -19,18 +19,19 @@ pub struct Slip {
     pub acceleration: Vector3<f64>,
 }
 
-/// Tangential force of a contact, and its power.
+/// Tangential force of friction between two touching bodies, and its power.
 #[derive(Clone, Copy, Debug)]
 pub struct Friction {
     /// [N] friction force on the other body; the force on particle i is its negative.
     pub force: Vector3<f64>,
-    /// [W] power at which friction reduces the kinetic energy, at the time `to_middle` after the instant of the slip.
+    /// [W] rate at which friction reduces the kinetic energy. It is computed for the instant that is `to_middle` [s]
+    /// (an argument of [`coulomb`]) after that of the slip.
     pub power: f64,
 }
 
-/// Friction force against the slip that the bodies would have without friction at the end of a step of `time_step` [s].
-/// A force against the present slip would act one step late, and bodies would creep down a slope. `to_middle` [s] is
-/// the time from now to the instant for which the power is computed. `None` if there is no friction force.
+/// Friction force against the slip that the bodies would have, without friction, at the end of a step of `time_step`
+/// [s]. A force against the present slip would act one step late, and bodies would creep down a slope. `to_middle` [s]
+/// is the time from now to the instant for which the power is computed. `None` if there is no friction force.
 #[inline(always)]
 pub fn coulomb(
     friction: f64,

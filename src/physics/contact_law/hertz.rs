@@ -21,12 +21,12 @@ use std::f64::consts::PI;
 /// small compared with the radius, and the impact is slow compared with the speed of sound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hertz {
-    /// Elasticity of all bodies without an elasticity of their own.
+    /// Elasticity of every body for which a case gives no elasticity.
     pub elasticity: Elasticity,
 }
 
-/// Number of quadrature points for the duration of an impact. The error is proportional to the power -2.4 of this
-/// number: 1e-8 here.
+/// Number of quadrature points for the duration of an impact. The relative error is proportional to this number to the
+/// power -2.4; it is 1e-8 for this number.
 const POINTS: usize = 2000;
 
 /// [1/s] undamped frequency ω_0 of the linear oscillator in w = δ^(5/4), with respect to its time s.
@@ -58,7 +58,7 @@ fn path(spring: &Spring, speed: f64) -> Vec<[f64; 3]> {
     points
 }
 
-/// [-] dashpot constant in units of sqrt(M k_H), which depends only on the restitution.
+/// [-] dashpot constant c = ζ sqrt(5 M k_H) in units of sqrt(M k_H). It depends only on the restitution.
 fn unit_dashpot(restitution: f64) -> f64 {
     5.0f64.sqrt() * damping_ratio(restitution) // sqrt(5) ζ: Antypov and Elliott 2011
 }
@@ -106,13 +106,14 @@ impl Law for Hertz {
         (spring.stiffness * overlap * root, -spring.dashpot * root.sqrt() * normal_velocity)
     }
 
-    /// Returns the energy 2/5 k_H δ^(5/2) [J].
+    /// Returns the energy 2/5 k_H δ^(5/2) [J] that the elastic force stores at the overlap δ.
     #[inline]
     fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64 {
         0.4 * spring.stiffness * overlap * overlap * overlap.abs().sqrt()
     }
 
-    /// Returns a time proportional to u^(-1/5), which is 2.9433 δ_max/u without damping (Johnson 1985, Eq. 11.24).
+    /// Returns the duration [s] of an impact, proportional to u^(-1/5). Without damping it is 2.9433 δ_max/u (Johnson
+    /// 1985, Eq. 11.24).
     fn contact_time(&self, spring: &Spring, speed: f64) -> f64 {
         if damping_ratio(spring.restitution) >= 1.0 {
             return f64::INFINITY;
@@ -125,18 +126,20 @@ impl Law for Hertz {
         (reduced_overlap(spring.restitution) * speed / undamped(spring)).powf(0.8)
     }
 
-    /// Returns sqrt(3/2 k_H sqrt(δ)/M) at the largest overlap δ without damping. Damped impacts have lower frequencies.
+    /// Returns the angular frequency sqrt(3/2 k_H sqrt(δ)/M) [1/s] at the overlap δ that is the largest without
+    /// damping. Damped impacts have lower frequencies.
     fn frequency(&self, spring: &Spring, speed: f64) -> f64 {
         let deepest = (speed / undamped(spring)).powf(0.8);
         (1.5 * spring.stiffness * deepest.sqrt() / spring.effective_mass).sqrt()
     }
 
-    /// Returns c δ^(1/4) over 2 sqrt(M · 3/2 k_H δ^(1/2)), which does not depend on the overlap δ.
+    /// Returns the ratio [-] of the viscous constant c δ^(1/4) to the critical one, 2 sqrt(M · 3/2 k_H δ^(1/2)). It
+    /// does not depend on the overlap δ.
     fn damping_ratio(&self, spring: &Spring, _speed: f64) -> f64 {
         unit_dashpot(spring.restitution) / (2.0 * 1.5f64.sqrt())
     }
 
-    /// Returns the length Γ(7/5) (5 E/(2 k_H))^(2/5) [m].
+    /// Returns the length Γ(7/5) (5 E/(2 k_H))^(2/5) [m], with E = `energy` [J].
     fn thermal_overlap(&self, spring: &Spring, energy: f64) -> f64 {
         libm::tgamma(1.4) * (2.5 * energy / spring.stiffness).powf(0.4)
     }

@@ -21,7 +21,7 @@ pub struct KuwabaraKono {
     pub elasticity: Elasticity,
 }
 
-/// [-] β of an impact at the normal speed `speed` [m/s].
+/// [-] damping number β = (c/k) (k/M)^(2/5) u^(1/5) of an impact at the normal speed u = `speed` [m/s].
 fn damping(spring: &Spring, speed: f64) -> f64 {
     let Spring { effective_mass, stiffness, dashpot, .. } = *spring;
     dashpot / stiffness * (stiffness / effective_mass).powf(0.4) * speed.powf(0.2)
@@ -95,7 +95,8 @@ impl Law for KuwabaraKono {
         self.hertz().frequency(spring, speed)
     }
 
-    /// Returns c sqrt(δ) over 2 M ω, both at the largest overlap δ without damping. No damped impact is deeper.
+    /// Returns the ratio [-] of the viscous constant c sqrt(δ) to the critical one, 2 M ω. Both are taken at the
+    /// overlap δ that is the largest without damping; damped impacts are less deep.
     fn damping_ratio(&self, spring: &Spring, speed: f64) -> f64 {
         let viscous = spring.dashpot * undamped_depth(spring, speed).sqrt();
         viscous / (2.0 * spring.effective_mass * self.frequency(spring, speed))
@@ -129,7 +130,7 @@ mod tests {
     use super::*;
     use crate::contact_law::numerical::IntegratedImpact;
 
-    /// Beads of glass with a diameter of 2 mm that rebound with 0.9 at 1 m/s.
+    /// Law, constants and restitution of glass beads with a diameter of 2 mm, whose restitution is 0.9 at 1 m/s.
     fn glass() -> (KuwabaraKono, Spring, RestitutionBySpeed) {
         let law = KuwabaraKono { elasticity: Elasticity { youngs_modulus: 70e9, poissons_ratio: 0.22 } };
         let of = RestitutionBySpeed::viscoelastic(0.9, 1.0);
@@ -159,7 +160,8 @@ mod tests {
         }
     }
 
-    /// The damping ratio is a bound on the numerical one, which is taken at the largest overlap as well.
+    /// Compares the closed form of the damping ratio with the numerical one. Both take the viscous force at the largest
+    /// overlap of an undamped impact.
     #[test]
     fn the_dashpot_is_stated_for_the_stability_of_steps() {
         let (law, spring, _) = glass();

@@ -14,11 +14,11 @@ use std::f64::consts::PI;
 /// ω_0 = sqrt(k_n/M) (the paper, below Eq. 6).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearSpringDashpot {
-    /// [N/m] normal stiffness k_n.
+    /// [N/m] normal stiffness k_n of the linear spring.
     pub stiffness: f64,
 }
 
-/// [1/s] undamped angular frequency ω_0 = sqrt(k_n/M).
+/// [1/s] angular frequency ω_0 = sqrt(k_n/M) of the spring and the effective mass M, without damping.
 fn undamped(spring: &Spring) -> f64 {
     (spring.stiffness / spring.effective_mass).sqrt()
 }
@@ -68,12 +68,12 @@ impl Law for LinearSpringDashpot {
         damping_ratio(spring.restitution)
     }
 
-    /// Returns the length sqrt(π E/(2 k_n)) [m].
+    /// Returns the length sqrt(π E/(2 k_n)) [m], with E = `energy` [J].
     fn thermal_overlap(&self, spring: &Spring, energy: f64) -> f64 {
         (PI * energy / (2.0 * spring.stiffness)).sqrt()
     }
 
-    /// Returns overlap [m] and rate [m/s] as a function of time, by Eq. 6 of the paper.
+    /// Returns the overlap [m] and its rate [m/s] as functions of the time [s] since touch, by Eq. 6 of the paper.
     fn course(&self, spring: &Spring, speed: f64) -> Box<dyn Fn(f64) -> (f64, f64)> {
         let ratio = damping_ratio(spring.restitution);
         let damping = ratio * undamped(spring);

@@ -72,7 +72,7 @@ use std::f64::consts::PI;
 /// assert!((law.greatest_overlap(&spring, 1.0) / deepest - 1.0).abs() < 1e-6);
 /// ```
 pub trait Law: std::fmt::Debug + Send + Sync {
-    /// Constants of the law between two bodies. Their elastic force is that of the law times
+    /// Constants of the law between two bodies. The elastic force between them is that of the law, multiplied by
     /// [`stiffness_ratio`](Bodies::stiffness_ratio).
     fn between(&self, bodies: &Bodies) -> Spring;
 
@@ -84,8 +84,8 @@ pub trait Law: std::fmt::Debug + Send + Sync {
     /// [J] energy stored at overlap δ [m]: the work of the elastic force since touch.
     fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64;
 
-    /// All numbers in which two laws of one type can differ. They are used to compare laws and to recognise stored
-    /// runs. The first is the elastic constant that a user increases for a stiffer contact.
+    /// All numbers in which two laws of one type can differ. Programs compare laws by them, and recognise stored runs.
+    /// The first number is the elastic constant that a user increases for a stiffer contact.
     fn parameters(&self) -> Vec<Parameter>;
 
     /// Name of the law, for use in a sentence.
@@ -99,8 +99,8 @@ pub trait Law: std::fmt::Debug + Send + Sync {
         0.0
     }
 
-    /// [-] exponent n: the elastic force is roughly proportional to δ^n. It is used to estimate the stiffness that a
-    /// run needs.
+    /// [-] exponent n of the elastic force, which is roughly proportional to δ^n. Estimates of the stiffness that a run
+    /// needs use it.
     fn exponent(&self) -> f64 {
         1.0
     }
@@ -122,7 +122,7 @@ pub trait Law: std::fmt::Debug + Send + Sync {
     }
 
     /// [-] largest viscous constant during impacts at normal speed `speed` [m/s], over the critical constant 2 M ω with
-    /// ω = [`frequency`](Self::frequency). The time step must be stable for both.
+    /// ω = [`frequency`](Self::frequency). The time step must be stable for both the frequency and the damping.
     fn damping_ratio(&self, spring: &Spring, speed: f64) -> f64 {
         numerical::damping_ratio(self, spring, speed)
     }
@@ -151,8 +151,8 @@ pub trait Law: std::fmt::Debug + Send + Sync {
         numerical::well_depth(self, spring)
     }
 
-    /// [-] factor of the elastic force at which impacts of equal energy have 1/`ratio` times the overlap. The energy at
-    /// overlap δ is assumed to be k δ^(n+1)/(n+1).
+    /// [-] factor by which the elastic force must grow so that impacts of equal energy have 1/`ratio` times the
+    /// overlap. The energy stored at the overlap δ is assumed to be k δ^(n+1)/(n+1).
     fn stiffening(&self, ratio: f64) -> f64 {
         ratio.powf(self.exponent() + 1.0)
     }
@@ -167,9 +167,9 @@ pub struct Parameter {
     pub key: &'static str,
     /// Name of the parameter for use in a sentence.
     pub name: &'static str,
-    /// Symbol of the parameter.
+    /// Symbol of the parameter in formulas.
     pub symbol: &'static str,
-    /// Value in SI units.
+    /// Value of the parameter in SI units, those of `unit`.
     pub value: f64,
     /// SI unit of the value.
     pub unit: &'static str,
@@ -213,7 +213,7 @@ pub enum ContactLaw {
     LinearSpringDashpot(LinearSpringDashpot),
     /// Hertz's law for elastic spheres, with a viscous force.
     Hertz(Hertz),
-    /// Hertz's law for viscoelastic spheres.
+    /// Hertz's law for viscoelastic spheres, with the damping of Kuwabara and Kono.
     KuwabaraKono(KuwabaraKono),
     /// A law of the calling program, which a case cannot contain.
     Other(&'static dyn Law),
@@ -254,13 +254,13 @@ impl ContactLaw {
         with_law!(self, law => law.force(spring, overlap, normal_velocity))
     }
 
-    /// Returns the stored energy [J], as [`Law::stored_energy`] defines it, without a virtual call.
+    /// Returns the stored energy [J], as [`Law::stored_energy`] defines it. A virtual call is avoided.
     #[inline]
     pub fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64 {
         with_law!(self, law => law.stored_energy(spring, overlap))
     }
 
-    /// [J] largest energy that a contact at overlap δ [m] can return to the motion; never negative.
+    /// [J] largest energy that a contact at the overlap `overlap` [m] can give back as kinetic energy; never negative.
     #[inline]
     pub fn available_energy(&self, spring: &Spring, overlap: f64) -> f64 {
         with_law!(self, law => law.stored_energy(spring, overlap) + law.well_depth(spring))
@@ -276,13 +276,14 @@ impl ContactLaw {
         }
     }
 
-    /// The elastic parameter that a user sets. For a law without parameters, returns a parameter with the value 1.
+    /// First parameter of the law, which is the elastic constant that a user sets. For a law without parameters,
+    /// returns a parameter with the value 1.
     pub fn parameter(&self) -> Parameter {
         let none = Parameter { law: self.title(), key: "", name: "stiffness", symbol: "k", value: 1.0, unit: "" };
         self.parameters().first().copied().unwrap_or(none)
     }
 
-    /// Constants of the normal contact of two bodies, from which a tangential law computes the constants of its spring.
+    /// Constants of the normal contact of two bodies. A tangential law computes the constants of its spring from them.
     pub fn normal_spring(&self, bodies: &Bodies, spring: &Spring) -> NormalSpring {
         let Spring { stiffness, dashpot, .. } = *spring;
         let contact_time = if self.is_linear() { self.contact_time(spring, 1.0) } else { f64::INFINITY };
@@ -308,7 +309,7 @@ impl ContactLaw {
 }
 
 impl PartialEq for ContactLaw {
-    /// Compares two laws by their parameters.
+    /// Compares two laws by their names and parameters.
     fn eq(&self, other: &Self) -> bool {
         self.title() == other.title() && self.parameters() == other.parameters()
     }
@@ -363,7 +364,7 @@ impl Law for Stiffened {
         self.law.stored_energy(spring, overlap)
     }
 
-    /// Parameters of the unchanged law, the first multiplied by the factor.
+    /// Parameters of the unchanged law, with the first parameter multiplied by `factor`.
     fn parameters(&self) -> Vec<Parameter> {
         let mut parameters = self.law.parameters();
         parameters.iter_mut().take(1).for_each(|first| first.value *= self.factor);

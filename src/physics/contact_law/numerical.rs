@@ -1,4 +1,4 @@
-//! Properties of impacts, computed from force and stored energy. They are used for contact laws without closed forms.
+//! Properties of impacts, computed from force and stored energy. Contact laws without closed forms use these functions.
 
 use super::{Law, Spring};
 
@@ -8,9 +8,10 @@ const STEPS: f64 = 1000.0;
 /// Largest duration of an impact, over the time that an approach at constant speed takes to the largest overlap. Longer
 /// impacts count as endless.
 const ENDLESS: f64 = 100.0;
-/// Number of overlaps at which a slope or an energy is evaluated.
+/// Number of overlaps at which the slope of the elastic force, or the stored energy, is evaluated.
 const SAMPLES: u32 = 64;
-/// [-] step of central differences over the overlap, chosen for small errors of both rounding and curvature.
+/// [-] step of central differences over the overlap, relative to the overlap. It is chosen for small errors of both
+/// rounding and curvature.
 const DIFFERENCE: f64 = 1e-5;
 
 /// Zero of a function that changes from negative to positive. The search begins at `guess` > 0, which may be far from
@@ -43,11 +44,11 @@ fn undamped_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -> Op
 /// An impact of two bodies, integrated in time steps from touch on.
 #[derive(Clone, Debug)]
 pub struct IntegratedImpact {
-    /// [s] time step.
+    /// [s] time step of the integration.
     step: f64,
     /// Overlap [m] and rate of the overlap [m/s] at the start of each step, and at the end of the impact.
     states: Vec<[f64; 2]>,
-    /// [s] duration of the impact.
+    /// [s] duration of the impact: time from touch to the end of the overlap.
     duration: f64,
 }
 
@@ -90,7 +91,7 @@ impl IntegratedImpact {
         self.duration
     }
 
-    /// [m/s] normal speed at which the bodies separate.
+    /// [m/s] normal speed at which the two bodies separate after the impact.
     pub fn rebound_speed(&self) -> f64 {
         -self.states[self.states.len() - 1][1]
     }
@@ -123,7 +124,8 @@ pub fn greatest_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -
     }
 }
 
-/// Overlaps [m] at equal intervals, up to the largest overlap of impacts at the normal speed `speed` [m/s].
+/// Overlaps [m] at equal intervals, from one interval up to the largest overlap of undamped impacts at the normal speed
+/// `speed` [m/s].
 fn overlaps<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -> impl Iterator<Item = f64> {
     let deepest = undamped_overlap(law, spring, speed).unwrap_or(f64::INFINITY);
     (1..=SAMPLES).map(move |k| deepest * f64::from(k) / f64::from(SAMPLES))
@@ -148,7 +150,8 @@ pub fn damping_ratio<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -> f
     viscous.fold(0.0, f64::max) / (2.0 * spring.effective_mass * law.frequency(spring, speed))
 }
 
-/// [m] length as [`Law::thermal_overlap`] defines it, by Simpson's rule; infinite if the stored energy stays too low.
+/// [m] length that [`Law::thermal_overlap`] defines, by Simpson's rule. It is infinite if no overlap stores 37 times
+/// the energy `energy` [J].
 pub fn thermal_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, energy: f64) -> f64 {
     /// Stored energy over `energy` above which the weights exp(-V/E) are negligible (below 1e-16).
     const NEGLIGIBLE: f64 = 37.0;
@@ -167,8 +170,8 @@ pub fn thermal_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, energy: f64) -
     (0..=INTERVALS).map(|k| weight(k) * value(k)).sum::<f64>() * step / 3.0
 }
 
-/// [J] depth as [`Law::well_depth`] defines it, from the stored energies at `SAMPLES` overlaps. Infinite if the stored
-/// energy is negative at all overlaps.
+/// [J] depth that [`Law::well_depth`] defines, from the stored energies at `SAMPLES` overlaps. It is infinite if the
+/// stored energy is negative at all overlaps.
 pub fn well_depth<L: Law + ?Sized>(law: &L, spring: &Spring) -> f64 {
     let energy = |overlap: f64| law.stored_energy(spring, overlap);
     let Some(end) = rising_zero(energy, 1e-6) else { return f64::INFINITY };
@@ -176,8 +179,8 @@ pub fn well_depth<L: Law + ?Sized>(law: &L, spring: &Spring) -> f64 {
     -within.fold(0.0, f64::min)
 }
 
-/// [m] overlap of a contact at rest with the normal force `force` [N], by bisection; infinite if the elastic force is
-/// smaller at all overlaps.
+/// [m] overlap of a contact at rest with the normal force `force` [N], by bisection. It is infinite if the elastic
+/// force is below `force` at all overlaps.
 pub fn static_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, force: f64) -> f64 {
     if force <= 0.0 {
         return 0.0;
@@ -191,7 +194,7 @@ mod tests {
     use crate::contact_law::{Bodies, ContactLaw, Hertz, LinearSpringDashpot, Parameter};
     use crate::scene::Elasticity;
 
-    /// A law that defines only the required functions, so that all others are numerical.
+    /// Law that defines only the four required functions of another law. All its other functions are numerical.
     #[derive(Debug)]
     struct Bare<L>(L);
 

@@ -48,8 +48,8 @@ impl Blocks {
         [0, 1].map(|side| Vector3::from_fn(|axis, _| self.span(axis, block[axis], domain)[side]))
     }
 
-    /// True if the position `x` [m] is farther than `width` [m] from all blocks other than its own. `low` and `high`
-    /// [m] are the corners of the block that contains `x`.
+    /// True if the position `x` [m] is farther than `width` [m] from every block except the one that contains it. `low`
+    /// and `high` [m] are the corners of the block that contains `x`.
     pub fn is_deep(&self, x: &Vector3<f64>, [low, high]: &[Vector3<f64>; 2], width: f64) -> bool {
         let deep = |axis: usize| x[axis] - low[axis] > width && high[axis] - x[axis] > width;
         (0..3).all(|axis| self.ends[axis].is_empty() || deep(axis))
@@ -75,7 +75,7 @@ impl Blocks {
         }
     }
 
-    /// Number of blocks along an axis.
+    /// Number of blocks along the axis `axis` (0, 1, 2 for x, y, z).
     fn count(&self, axis: usize) -> usize {
         self.ends[axis].len() + 1
     }
@@ -84,14 +84,14 @@ impl Blocks {
         i + self.count(0) * (j + self.count(1) * k)
     }
 
-    /// [m] coordinates of the beginning and the end of block number `block` along an axis.
+    /// [m] coordinates along an axis of the beginning and the end of the block that is number `block` along this axis.
     fn span(&self, axis: usize, block: usize, domain: &Domain) -> [f64; 2] {
         let before = block.checked_sub(1).and_then(|before| self.ends[axis].get(before));
         [before.copied().unwrap_or(0.0), self.ends[axis].get(block).copied().unwrap_or(domain.size[axis])]
     }
 }
 
-/// Number of blocks along each axis; the product of the three is the number of processes.
+/// Number of blocks along each of the three axes; their product is the number of processes.
 fn along_axes(processes: usize, domain: &Domain) -> [usize; 3] {
     let mut blocks = [1usize; 3];
     let any = domain.periodic.iter().any(|periodic| *periodic);

@@ -1,4 +1,4 @@
-//! Motion of a wall at a contact.
+//! Motion of the surface of a wall at the point where a particle touches the wall.
 
 use crate::walls::Wall;
 use nalgebra::Vector3;
@@ -9,10 +9,10 @@ use nalgebra::Vector3;
 pub struct WallMotion {
     /// [m/s] velocity of the surface at the contact point.
     pub velocity: Vector3<f64>,
-    /// [rad/s] angular velocity of the surface.
+    /// [rad/s] angular velocity of the surface of the wall; zero if the surface does not turn.
     pub spin: Vector3<f64>,
     /// [m/s] part of `velocity` that comes from a motion of the wall's shape. It is zero for a conveyor belt, whose
-    /// surface moves along itself.
+    /// surface moves but whose shape is at rest.
     pub carried: Vector3<f64>,
     /// [m/s²] rate at which `velocity` changes at a fixed point of space; zero for a steady rotation.
     pub acceleration: Vector3<f64>,
@@ -21,8 +21,8 @@ pub struct WallMotion {
 }
 
 impl WallMotion {
-    /// Motion of the surface of a wall at `point` [m], at a time `ahead` [s] after the time for which the wall was
-    /// placed.
+    /// Motion of the surface of a wall at `point` [m], at a time `ahead` [s] after the time for which the wall was put
+    /// at its place.
     pub fn of(wall: &Wall, point: &Vector3<f64>, ahead: f64) -> Self {
         let (velocity, spin) = (wall.surface_velocity(point, ahead), wall.spin().unwrap_or_default());
         let Some(moving) = &wall.moving else { return Self { velocity, spin, ..Self::default() } };
@@ -32,21 +32,21 @@ impl WallMotion {
         Self { velocity, spin, carried, acceleration: motion.acceleration(time), centripetal }
     }
 
-    /// [m/s²] acceleration with which a particle that rests on the wall is pressed against the wall. `normal` is the
-    /// unit vector from the wall to the particle, and `gravity` [m/s²] acts on the particle. It is negative if the
-    /// particle leaves the wall.
+    /// [m/s²] acceleration with which the wall presses a particle that rests on it. It is negative if the particle
+    /// leaves the wall. `normal` is the unit vector from the wall to the particle, and `gravity` [m/s²] acts on the
+    /// particle.
     pub fn pressing(&self, gravity: &Vector3<f64>, normal: &Vector3<f64>) -> f64 {
         (self.acceleration + self.centripetal - gravity).dot(normal)
     }
 
-    /// Returns the motion `time` [s] later. Only the velocity changes, at constant acceleration.
+    /// Returns the motion of the surface `time` [s] later. Only the velocity changes, at the constant `acceleration`.
     #[inline(always)]
     pub fn later(self, time: f64) -> Self {
         Self { velocity: self.velocity + self.acceleration * time, ..self }
     }
 
-    /// [W] power that the moving wall gives to the particle, by a force [N] and a torque `couple` [N m] on the
-    /// particle.
+    /// [W] power that the wall gives to the particle. `force` [N] and `couple` [N m] are the force and the torque of
+    /// the wall on the particle.
     #[inline(always)]
     pub fn power(&self, force: &Vector3<f64>, couple: Option<&Vector3<f64>>) -> f64 {
         force.dot(&self.velocity) + couple.map_or(0.0, |couple| couple.dot(&self.spin))

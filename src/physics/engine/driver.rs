@@ -30,7 +30,7 @@ pub struct Work<'a, C> {
     /// State carried from one time window to the next, such as contacts; it contains indices of particles in the
     /// particle store.
     pub lasting: &'a mut Vec<C>,
-    /// Log of the impacts in the time window.
+    /// Log of the impacts, energies and impulses in the time window.
     pub log: &'a mut Log,
     /// Record of the run, to which the log is added at the end of the time window. A solver with a full log may add it
     /// earlier.
@@ -38,7 +38,8 @@ pub struct Work<'a, C> {
 }
 
 impl<C> Work<'_, C> {
-    /// Returns the data of this window with `scene`, the scene of another instant, in place of the present scene.
+    /// Returns the same data for `scene`, which is the scene of another instant of the window, in place of the present
+    /// scene.
     pub fn in_scene<'b>(&'b mut self, scene: &'b Scene) -> Work<'b, C> {
         let Self { particles, lasting, log, record, .. } = self;
         Work { particles, scene, lasting, log, record }
@@ -54,10 +55,11 @@ impl<C> Work<'_, C> {
     }
 }
 
-/// State that a solver of type `S` carries from one time window to the next, such as a contact.
+/// State that a solver of type `S` carries from one time window to the next: a contact in progress, or a recent
+/// collision.
 pub type Lasting<S> = <<S as Solver>::Islands as Solve>::Carried;
 
-/// Result of trying to solve islands in a time window.
+/// Result of trying to solve islands (groups of particles that may meet) in a time window.
 #[derive(Clone, Copy)]
 pub struct Trial {
     /// [s] simulated time, from the beginning of the window, through which islands were solved.
@@ -79,12 +81,12 @@ pub trait Solver: Send {
     /// Returns the part of the engine that solves one island (a group of particles that may meet).
     fn islands(&self) -> &Self::Islands;
 
-    /// Makes the state that is carried from one window to the next, at the start of a run. An example is the contacts of
-    /// particles that overlap at the start. The default is to make none.
+    /// Makes the state that is carried from one window to the next, at the start of a run. For soft spheres these are
+    /// the contacts of particles that overlap at the start. The default makes no state.
     fn begin(&mut self, _work: &mut Work<Lasting<Self>>, _window: Window) {}
 
-    /// Largest cost at which islands are used in this time window, per particle and simulated time [ns/s]. With `None`
-    /// islands are not tried. With infinity islands are used whenever possible.
+    /// Largest cost at which islands (groups of particles that may meet) are used in this time window, per particle and
+    /// simulated time [ns/s]. With `None` islands are not tried. With infinity islands are used whenever possible.
     fn fallback_cost(
         &mut self,
         population: &PopulationSummary,
@@ -93,7 +95,8 @@ pub trait Solver: Send {
         window: Window,
     ) -> Option<f64>;
 
-    /// Decides, from the result of a trial of islands, for how long islands are not tried again.
+    /// Decides for how many windows islands (groups of particles that may meet) are not tried again, from the result
+    /// `_trial` of trying them.
     fn judge(&mut self, _population: &PopulationSummary, _scene: &Scene, _trial: &Trial) {}
 
     /// Moves to `lasting` the carried state (such as contacts) that the classical algorithm (all particles at once) has
@@ -104,7 +107,8 @@ pub trait Solver: Send {
     /// Calls `visit` with a copy of each item of state that [`hand_over`](Self::hand_over) would move.
     fn for_each_kept(&self, visit: &mut dyn FnMut(Lasting<Self>));
 
-    /// Marks data about the particle store as outdated, because islands may have moved or sorted the particles.
+    /// Marks stored data on the order and places of particles as outdated, because islands may have moved or sorted the
+    /// particles.
     fn disturb(&mut self);
 
     /// Marks data about the particle store as outdated, because particles have left the store or come into it. The caller
@@ -125,8 +129,8 @@ pub trait Solver: Send {
     /// Frees, at the end of the run, memory that is needed only for a further time window.
     fn forget(&mut self) {}
 
-    /// Energy [J] stored in contacts, if the classical algorithm (all particles at once) moved the particles last. The
-    /// result is `None` after islands, for which the energy is computed from the carried state.
+    /// Energy [J] stored in contacts, if the classical algorithm (all particles at once) moved the particles last.
+    /// `None` if islands did; the energy is then computed from the carried state.
     fn elastic_energy(&self) -> Option<f64>;
 
     /// Sets the clock that measures the time of the classical algorithm (all particles at once) from now on.
@@ -139,7 +143,7 @@ pub trait Solver: Send {
     /// collisions.
     fn state(&self) -> Self::State;
 
-    /// Continues from a stored state of the solver.
+    /// Continues from a state that [`state`](Self::state) has returned.
     fn resume(&mut self, state: Self::State);
 }
 
@@ -148,13 +152,13 @@ pub trait Solver: Send {
 struct DriverState<C, S> {
     /// Contacts in progress (soft spheres), or times of recent collisions (hard spheres).
     lasting: Vec<C>,
-    /// True after the first time window.
+    /// True if the engine has completed its first time window.
     begun: bool,
-    /// Counts of the work in islands.
+    /// Counts of the work done in islands (groups of particles that may meet).
     islands: IslandCounters,
-    /// Wall-clock time spent on islands.
+    /// Wall-clock time spent on islands (groups of particles that may meet).
     spent: EngineTimes,
-    /// State that the solver stores.
+    /// State that the solver stores, apart from contacts or recent collisions.
     solver: S,
 }
 
@@ -170,7 +174,7 @@ pub struct Driver<S: Solver> {
 }
 
 impl<S: DistributedSolver> Driver<S> {
-    /// Makes an engine before its first time window.
+    /// Makes an engine with the solver `solver`, before its first time window.
     pub(super) fn with(solver: S) -> Self {
         Self {
             solver,

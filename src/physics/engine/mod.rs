@@ -31,9 +31,9 @@ use std::time::Duration;
 /// An interval of simulated time through which an engine moves the particles, between two exchanges with the gas.
 #[derive(Clone, Copy, Debug)]
 pub struct Window {
-    /// Simulated time [s] at the start of the time window.
+    /// [s] simulated time at the start of the window.
     pub start: f64,
-    /// Length h [s] of the time window.
+    /// [s] length h of the window.
     pub duration: f64,
 }
 
@@ -77,7 +77,7 @@ pub trait Engine: Send {
     /// the tasks that engines have in common. The rest of the run time is spent on contacts and collisions.
     fn work_done(&self) -> (Counters, EngineTimes);
 
-    /// Energy [J] that is now stored in contacts (for soft spheres: in springs); 0 if contacts are instantaneous.
+    /// Energy [J] that is now stored in contacts: for soft spheres in springs; 0 if contacts are instantaneous.
     fn elastic_energy(&self) -> f64;
 
     /// Parts [J] of [`elastic_energy`](Self::elastic_energy) in tangential, rolling and twisting springs.
@@ -117,12 +117,12 @@ pub trait Engine: Send {
     fn repopulate(&mut self, place_of: &[Option<u32>]) -> f64;
 }
 
-/// Overlap of two bodies.
+/// Overlap of two touching bodies, and the diameter to which it is compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Overlap {
-    /// Depth δ [m] of the overlap.
+    /// [m] depth δ of the overlap.
     pub depth: f64,
-    /// Smaller of the diameters [m] of the two bodies; at a wall that of the particle.
+    /// [m] smaller of the diameters of the two bodies; at a wall the diameter of the particle.
     pub diameter: f64,
 }
 
@@ -235,7 +235,7 @@ pub enum Failure {
     /// A contact law of the calling program violates a contract on which engines rely.
     #[error("at t = 0 s the contact law cannot be used ({law}): {broken}")]
     BrokenContract {
-        /// Name of the contact law, in words.
+        /// Name of the contact law that cannot be used.
         law: String,
         /// The contract that the law violates.
         broken: BrokenContract,
@@ -335,7 +335,7 @@ pub enum Failure {
     Gas {
         /// Time [s] of the failure.
         time: f64,
-        /// Reason, in words.
+        /// Reason, in words, why the flow has no finite solution.
         why: String,
     },
     /// A signal from outside stopped the run; no error occurred.
@@ -407,8 +407,8 @@ impl Failure {
     }
 }
 
-/// Largest absolute component [m/s] of the velocity of the particle at index `place`; 0 if there is no such particle. It
-/// may be finite even if the square of the speed is not.
+/// Largest absolute component [m/s] of the velocity of the particle at index `place`; 0 if there is no such particle.
+/// This value may be finite although the square of the speed is not.
 fn speed(particles: &Particles, place: usize) -> f64 {
     particles.velocity.get(place).map_or(0.0, |velocity| velocity.amax())
 }

@@ -8,7 +8,8 @@ use crate::work_sharing;
 
 use nalgebra::Vector3;
 
-/// Number of particles that a thread moves at a time. With larger pieces, threads would wait longer for the last piece.
+/// Number of particles that a thread moves as one piece of work. With larger pieces, the last thread would finish
+/// later.
 const PART: usize = CHUNK / 4;
 
 /// Moves every particle: x += v dt + shift. The velocities v belong to a frame that falls with gravity, and `shift` [m] is

@@ -13,17 +13,18 @@ use std::f64::consts::PI;
 pub struct PopulationSummary {
     /// Number of particles of the run.
     pub count: usize,
-    /// Largest radius [m] of any particle.
+    /// [m] largest radius of any particle.
     pub largest: f64,
-    /// Mass [kg] of the lightest particle.
+    /// [kg] mass of the lightest particle.
     pub lightest: f64,
     /// Means over all particles of the radius [m] and of its square [m²].
     pub mean_radius: [f64; 2],
-    /// Volume fraction [-]: volume of the particles divided by the volume open to them.
+    /// [-] volume fraction: volume of the particles divided by the volume open to them.
     pub filled: f64,
-    /// True if the particles have different radii.
+    /// True if not all particles have equal radii.
     pub mixed: bool,
-    /// Numbers of particles in each range of sizes, if the sizes differ so much that several grids of cells are used.
+    /// Number of particles in each range of sizes; `None` if the sizes differ so little that a single grid of cells
+    /// serves for all.
     pub census: Option<Census>,
     /// [1/m³] number density: number of particles per volume open to them.
     pub density: f64,

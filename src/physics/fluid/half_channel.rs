@@ -24,13 +24,13 @@ pub(super) struct HalfChannel {
     pub face: Vec<f64>,
     /// [-] distance y⁺ of the cell centres from the wall.
     pub y: Vec<f64>,
-    /// [-] mean velocity u⁺.
+    /// [-] mean velocity u⁺ = u/u_τ in each cell.
     pub u: Vec<f64>,
-    /// [-] turbulent kinetic energy k⁺ = k/u_τ².
+    /// [-] turbulent kinetic energy k⁺ = k/u_τ² in each cell.
     pub k: Vec<f64>,
     /// [-] dissipation rate in units of u_τ⁴/ν. For the Launder-Sharma model it is ε̃ = ε - 2ν (d√k/dy)², otherwise ε.
     pub epsilon: Vec<f64>,
-    /// [-] eddy viscosity ν_t over ν.
+    /// [-] eddy viscosity ν_t over ν in each cell.
     pub nu_t: Vec<f64>,
     /// [-] shear stress (1 + ν_t) dU/dy at the faces of a gas that particles brake or drive. `None` for a gas alone, whose
     /// stress is 1 - y/h.
@@ -50,11 +50,11 @@ pub(super) struct SweepStep<'a> {
 
 /// Steady diffusion-reaction equation of one quantity φ: -(D φ')' + sink φ = source in every cell, with D = 1 + ν_t/σ.
 pub(super) struct Equation<'a> {
-    /// [-] turbulent Prandtl number σ.
+    /// [-] turbulent Prandtl number σ of φ.
     pub prandtl: f64,
     /// Coefficient of φ in the sink term, per volume; >= 0.
     pub sink: &'a [f64],
-    /// Source term of φ, per volume.
+    /// Source term of φ in each cell, per volume and in wall units.
     pub source: &'a [f64],
     /// Condition on φ at the wall.
     pub wall: WallCondition,
@@ -128,7 +128,7 @@ impl HalfChannel {
         1.0 - y / self.reynolds_tau
     }
 
-    /// [-] shear stress at a face.
+    /// [-] shear stress at the face number `face`, in units of the wall stress of the gas alone.
     pub fn stress_at_face(&self, face: usize) -> f64 {
         self.face_stress.as_ref().map_or_else(|| self.stress(self.face[face]), |stress| stress[face])
     }

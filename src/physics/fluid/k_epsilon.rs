@@ -25,7 +25,7 @@ pub(super) const SIGMA_EPSILON: f64 = 1.3;
 const TURBULENT: f64 = 6000.0;
 /// [-] relative accuracy of the bulk velocity; the studies state an accuracy of 1e-4.
 const BULK_TOLERANCE: f64 = 1e-10;
-/// [-] largest relative change of k, ε and ν_t in a sweep, below which the iteration ends.
+/// [-] largest relative change of k and ε in a sweep, below which the iteration ends.
 const SWEEP_TOLERANCE: f64 = 1e-11;
 /// Largest number of sweeps over k and ε. Some hundreds are usually sufficient.
 const SWEEPS: usize = 20_000;
@@ -68,7 +68,8 @@ impl TurbulenceModel {
         }
     }
 
-    /// Velocity of the first cell divided by the stress at the wall, U/τ_w, in wall units.
+    /// Velocity U of the first cell divided by the stress τ_w at the wall, in wall units. It connects the flow to the
+    /// wall.
     pub(super) fn first_velocity_per_stress(self, channel: &HalfChannel) -> f64 {
         match self {
             Self::WallFunctions => wall_functions::velocity_per_stress(channel, channel.y[0]),
@@ -102,18 +103,18 @@ impl std::fmt::Display for TurbulenceModel {
     }
 }
 
-/// State of the gas at one distance from the nearer wall.
+/// State of the gas at one distance from the nearer wall (the centre of one grid cell).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GridNode {
     /// [m] distance y from the wall.
     pub y: f64,
-    /// [m/s] mean streamwise velocity U.
+    /// [m/s] mean streamwise velocity U at this distance.
     pub u: f64,
-    /// [m²/s²] turbulent kinetic energy k.
+    /// [m²/s²] turbulent kinetic energy k at this distance.
     pub k: f64,
     /// [m²/s³] dissipation rate ε of k. For the Launder-Sharma model it is the full rate, ε̃ + 2ν (d√k/dy)².
     pub epsilon: f64,
-    /// [m²/s] eddy viscosity ν_t.
+    /// [m²/s] eddy viscosity ν_t at this distance.
     pub nu_t: f64,
 }
 
@@ -145,7 +146,7 @@ pub struct ChannelFlow {
     pub profile: Vec<(f64, f64)>,
     /// Number of sweeps over k and ε for all corrections of Re_τ together.
     pub iterations: usize,
-    /// [-] largest relative change of k, ε and ν_t in the last sweep.
+    /// [-] largest relative change of k and ε in the last sweep.
     pub residual: f64,
     /// [u_τ³] terms of the balance of turbulent kinetic energy k, integrated over the half channel.
     pub k_budget: KBudget,
@@ -158,9 +159,9 @@ pub struct ChannelFlow {
 /// dissipation plus wall flux.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct KBudget {
-    /// [-] ∫ ν_t (dU/dy)² dy.
+    /// [-] production of k: ∫ ν_t (dU/dy)² dy over the half channel.
     pub production: f64,
-    /// [-] ∫ ε dy, with the full dissipation rate ε.
+    /// [-] dissipation of k: ∫ ε dy over the half channel, with the full dissipation rate ε.
     pub dissipation: f64,
     /// [-] ν dk/dy at the wall, the flux of k into the wall; 0 with wall functions.
     pub wall_flux: f64,
@@ -333,7 +334,7 @@ fn bulk_reynolds(velocity: f64, height: f64, kinematic_viscosity: f64, model: Tu
     Ok(reynolds)
 }
 
-/// Velocity profile U(y) as points in wall units.
+/// Velocity profile U(y) from the wall to the centre, as points (y, U) in wall units.
 ///
 /// # Errors
 /// Those of [`VelocityTable::new`]: none unless the solution is not finite.

@@ -53,12 +53,12 @@ fn buffer_source(channel: &HalfChannel, cell: usize) -> f64 {
     2.0 * channel.nu_t[cell] * curvature * curvature
 }
 
-/// [-] turbulence Reynolds number Re_t = k²/(ν ε̃).
+/// [-] turbulence Reynolds number Re_t = k²/(ν ε̃) in the cell number `cell`.
 fn reynolds_t(channel: &HalfChannel, cell: usize) -> f64 {
     channel.k[cell].powi(2) / channel.epsilon[cell]
 }
 
-/// Updates U, k, ε̃ and ν_t of a gas alone once; returns the largest relative change [-].
+/// Updates U, k, ε̃ and ν_t of a gas without particles once. Returns the largest relative change [-] of k and ε̃.
 pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
     // no slip at the wall: in wall units the stress at the wall is 1, so the velocity of the first cell equals its
     // distance from the wall
@@ -67,7 +67,7 @@ pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
     sweep_turbulence(channel, &SweepStep { relaxation: RELAXATION, rate: 0.0, damping: (&none, 0.0) })
 }
 
-/// Updates k, ε̃ and ν_t once; returns the largest relative change [-].
+/// Updates k, ε̃ and ν_t once, by one iteration or one time step. Returns the largest relative change [-] of k and ε̃.
 pub(super) fn sweep_turbulence(channel: &mut HalfChannel, step: &SweepStep) -> f64 {
     let count = channel.k.len();
     let (damping, factor) = step.damping;
@@ -103,7 +103,7 @@ pub(super) fn sweep_turbulence(channel: &mut HalfChannel, step: &SweepStep) -> f
     change
 }
 
-/// Velocity profile U(y) as points: the wall, the cell centres and the centre plane.
+/// Velocity profile U(y) in wall units as points (y, U): the wall, the cell centres and the centre plane.
 pub(super) fn profile(channel: &HalfChannel) -> Vec<(f64, f64)> {
     let nodes = channel.y.iter().copied().zip(channel.u.iter().copied());
     [(0.0, 0.0)].into_iter().chain(nodes).chain([(channel.reynolds_tau, channel.centre_velocity())]).collect()

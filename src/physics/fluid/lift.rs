@@ -8,7 +8,7 @@ use nalgebra::{Rotation3, Vector3};
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// Lift forces of a gas on the particles.
+/// Lift forces that a gas exerts on the particles: those by shear, those by spin, or both.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Lift {
     /// True if sheared gas causes lift, after Saffman (1965) and Mei (1992).
@@ -29,7 +29,7 @@ pub struct LiftedSphere {
     pub diameter: f64,
     /// [kg] mass of the sphere, with its added mass.
     pub mass: f64,
-    /// [kg m²] moment of inertia about the centre.
+    /// [kg m²] moment of inertia of the sphere about its centre.
     pub inertia: f64,
 }
 

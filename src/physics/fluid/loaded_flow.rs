@@ -13,7 +13,7 @@ const C_EPSILON_3: f64 = 1.2;
 /// particles have damped the turbulence. The unit u_τ is that of the gas alone.
 const LEAST: f64 = 1e-12;
 
-/// Settings of the two-way coupling between gas and particles.
+/// Settings of the two-way coupling, in which gas and particles change each other's momentum.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Coupling {
     /// Number of slices of equal width from the wall to the centre plane or the axis, in which the force on the particles
@@ -21,15 +21,15 @@ pub struct Coupling {
     pub slices: usize,
     /// Quantity that is kept constant while the particles change the flow.
     pub held: HeldFlow,
-    /// Effect of the particles on the turbulence.
+    /// Effect of the particles on the turbulence of the gas.
     pub modulation: Modulation,
 }
 
-/// Quantity of a gas flow that is kept constant.
+/// Quantity of a gas flow that is kept constant while the particles change the flow.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HeldFlow {
-    /// Flow rate of the gas.
+    /// Flow rate of the gas, which stays at its value at the start of the run.
     FlowRate,
     /// Pressure drop per length [Pa/m], without the hydrostatic part; positive if it drives the gas along +z.
     PressureGradient(f64),
@@ -51,9 +51,9 @@ pub enum Modulation {
 pub struct SliceSums {
     /// [kg m/s] momentum along z that the gas has given to the particles.
     pub impulse: f64,
-    /// [m³] volume of the particles.
+    /// [m³] volume of the particles in the slice.
     pub volume: f64,
-    /// [kg] mass of the particles.
+    /// [kg] mass of the particles in the slice.
     pub mass: f64,
     /// [kg/s] Σ m/τ, with the response time τ of each particle.
     pub exchange: f64,
@@ -64,7 +64,7 @@ pub struct SliceSums {
 pub struct LoadedFlow {
     coupling: Coupling,
     model: TurbulenceModel,
-    /// Flow in wall units of the gas alone.
+    /// Flow in wall units: the unit of velocity is the friction velocity of the gas without particles.
     channel: HalfChannel,
     /// [m] full width of the channel, or diameter of the pipe.
     height: f64,
@@ -186,12 +186,12 @@ impl LoadedFlow {
         self.coupling.slices
     }
 
-    /// Settings of the coupling.
+    /// Settings of the coupling between gas and particles.
     pub fn coupling(&self) -> &Coupling {
         &self.coupling
     }
 
-    /// [m³] volume of one slice.
+    /// [m³] volume of the slice with the index `slice`, in the whole box.
     fn slice_volume(&self, slice: usize) -> f64 {
         let width = self.channel.reynolds_tau / self.coupling.slices as f64;
         let middle = (slice as f64 + 0.5) * width;
@@ -220,8 +220,8 @@ impl LoadedFlow {
         self.channel.face.windows(2).map(cell).collect()
     }
 
-    /// Books momentum along z [kg m/s] that lift has given to the particles, one number per slice. The next step takes
-    /// it from the gas.
+    /// Stores momentum along z [kg m/s] that lift has given to the particles, one number per slice. The gas loses this
+    /// momentum in the next step.
     pub fn owe(&mut self, impulses: impl IntoIterator<Item = f64>) {
         self.owed.iter_mut().zip(impulses).for_each(|(owed, impulse)| *owed += impulse);
     }
@@ -387,7 +387,7 @@ impl LoadedFlow {
         stress.signum() * stress.abs().sqrt() * self.unit_velocity()
     }
 
-    /// The flow at present, from which a velocity profile can be made.
+    /// Flow at the present time, from which a velocity profile can be made.
     ///
     /// # Errors
     /// A velocity that is not finite.

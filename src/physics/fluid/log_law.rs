@@ -34,7 +34,7 @@ impl Default for LogConstants {
 }
 
 impl LogConstants {
-    /// [-] constant C of Reichardt's formula.
+    /// [-] constant C = B - ln(κ)/κ of Reichardt's formula.
     fn amplitude(self) -> f64 {
         self.intercept - self.von_karman.ln() / self.von_karman
     }
@@ -71,7 +71,7 @@ pub struct LogLaw {
     pub height: f64,
     /// [m²/s] kinematic viscosity ν.
     pub kinematic_viscosity: f64,
-    /// [m/s] friction velocity u_τ.
+    /// [m/s] friction velocity u_τ at the walls.
     pub friction_velocity: f64,
     /// [m/s] mean velocity over the width of the channel.
     pub bulk_velocity: f64,

@@ -39,21 +39,21 @@ use serde::Serialize;
 /// A gas: its properties, its velocity profile, and its drag law.
 #[derive(Clone, Debug, Serialize)]
 pub struct Fluid {
-    /// [kg/m³] density ρ_f.
+    /// [kg/m³] density ρ_f of the gas.
     pub density: f64,
-    /// [m²/s] kinematic viscosity ν.
+    /// [m²/s] kinematic viscosity ν of the gas.
     pub kinematic_viscosity: f64,
     /// Streamwise gas velocity as a function of y, or of the distance from the axis of a pipe.
     pub profile: Profile,
-    /// Drag law; `None`: no drag.
+    /// Drag law; `None` if the gas exerts no drag.
     pub drag: Option<Drag>,
-    /// Buoyancy of the particles; `None`: no buoyancy.
+    /// Buoyancy of the particles; `None` if the gas exerts no buoyancy.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub buoyancy: Option<Buoyancy>,
-    /// Turbulence that particles see; `None`: particles see the mean velocity alone.
+    /// Turbulence that particles see; `None` if they see the mean velocity alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turbulence: Option<Turbulence>,
-    /// Lift of the particles; `None`: no lift.
+    /// Lift of the particles; `None` if the gas exerts no lift.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lift: Option<Lift>,
     /// Effect of the particles on the gas; `None` if the gas is frozen.
@@ -76,7 +76,7 @@ impl Fluid {
         }
     }
 
-    /// Properties of a single sphere of this species in this gas on which drag depends.
+    /// Properties of a single sphere of the species `species` in this gas on which its drag depends.
     pub fn sphere(&self, species: &Species) -> Sphere {
         let inertia = species.inertial_density() * species.diameter.powi(2);
         Sphere {

@@ -58,7 +58,7 @@ impl Pipe {
         self.half.slope(depth)
     }
 
-    /// [m/s] gas velocity at the coordinate `y` [m], in the plane x = const through the axis.
+    /// [m/s] gas velocity at the coordinate `y` [m], on the line through the axis along y.
     #[inline]
     pub fn velocity(&self, y: f64) -> f64 {
         self.half.value(self.radius() - (y - self.center[1]).abs())
@@ -69,7 +69,7 @@ impl Pipe {
         [self.center[1] - self.radius(), self.center[1] + self.radius()]
     }
 
-    /// [m/s] largest velocity, on the axis.
+    /// [m/s] largest gas velocity of the profile, on the axis of the pipe.
     pub fn maximum(&self) -> f64 {
         self.half.maximum()
     }

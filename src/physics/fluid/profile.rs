@@ -15,7 +15,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Profile {
-    /// [m/s] a constant velocity.
+    /// [m/s] a velocity that is equal at all positions.
     Uniform(f64),
     /// A monotone cubic through given points (y, u).
     Tabulated(Arc<VelocityTable>),
@@ -30,13 +30,13 @@ pub enum Profile {
 /// Velocity and length in which flows along smooth walls are measured (wall units).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct WallScale {
-    /// [m/s] friction velocity u_τ.
+    /// [m/s] friction velocity u_τ = sqrt(τ_w/ρ) of the flow.
     pub friction_velocity: f64,
     /// [m] viscous length ν/u_τ.
     pub length: f64,
 }
 
-/// A channel flow: the profile in one half is mirrored at the centre plane.
+/// A channel flow; the profile in its lower half is mirrored at the centre plane.
 #[derive(Clone, Debug, Serialize)]
 pub struct Channel {
     half: VelocityTable,
@@ -161,7 +161,7 @@ impl Profile {
         }
     }
 
-    /// [m/s] largest velocity of the profile.
+    /// [m/s] largest streamwise gas velocity of the profile.
     pub fn maximum(&self) -> f64 {
         match self {
             Self::Uniform(velocity) => *velocity,

@@ -18,11 +18,11 @@ pub struct VelocityTable {
     /// Number of the cubic piece at the lower edge of each bin.
     #[serde(skip)]
     index: Vec<u32>,
-    /// [1/m] number of bins per length.
+    /// [1/m] number of bins of the search index per length.
     bins_per_length: f64,
     /// [m] first and last y of the given points.
     range: [f64; 2],
-    /// [m/s] value u at the last y.
+    /// [m/s] velocity u at the last of the given points.
     last: f64,
 }
 

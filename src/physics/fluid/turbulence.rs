@@ -25,7 +25,7 @@ pub struct Turbulence {
     pub statistics: TurbulenceStatistics,
     /// Law of the gas velocity along the path of a particle.
     pub law: EddyLaw,
-    /// Constants of the law.
+    /// Constants of the Langevin equation, which both laws use.
     pub langevin: Langevin,
 }
 
@@ -59,9 +59,9 @@ pub enum TurbulenceStatistics {
 /// or the coordinate y.
 #[derive(Clone, Debug, Serialize)]
 pub struct TurbulenceProfile {
-    /// [m/s] standard deviation σ of a velocity component.
+    /// [m/s] standard deviation σ of a component of the gas velocity.
     deviation: VelocityTable,
-    /// [s] turnover time k/ε.
+    /// [s] turnover time k/ε of the eddies.
     turnover: VelocityTable,
 }
 
@@ -70,7 +70,7 @@ pub struct TurbulenceProfile {
 pub struct LocalTurbulence {
     /// [m/s] standard deviation σ = sqrt(2k/3) of each velocity component.
     pub deviation: f64,
-    /// [1/s] gradient of the standard deviation σ.
+    /// [1/s] gradient of the standard deviation σ at the position.
     pub gradient: Vector3<f64>,
     /// [s] Lagrangian integral time T_L of the gas.
     pub time: f64,
@@ -133,7 +133,8 @@ impl Turbulence {
         LocalTurbulence { deviation, gradient, time: self.langevin.share_of_turnover() * turnover }
     }
 
-    /// [m/s] fluctuation **u** of the gas velocity for the `eddy` that the store holds for a particle.
+    /// [m/s] fluctuation **u** of the gas velocity that a particle sees. `eddy` is the value of the particle in the
+    /// store.
     #[inline]
     pub fn seen(&self, eddy: &Vector3<f64>, local: &LocalTurbulence) -> Vector3<f64> {
         match self.law {
@@ -224,13 +225,13 @@ pub struct EddySeen {
     pub response: f64,
 }
 
-/// Unit vector [-] along the slip of a particle; zero if there is no slip.
+/// Direction of the slip of a particle, as a unit vector [-]; zero if there is no slip.
 #[derive(Clone, Copy, Debug)]
 struct AlongSlip(Vector3<f64>);
 
 impl AlongSlip {
-    /// Returns the vector `v` with its part along the slip, and its part across the slip, multiplied by one factor
-    /// each.
+    /// Returns the vector `v` with its part along the slip multiplied by `along`, and its part across the slip by
+    /// `across`.
     #[inline]
     fn scaled(&self, [along, across]: [f64; 2], v: Vector3<f64>) -> Vector3<f64> {
         v * across + self.0 * ((along - across) * self.0.dot(&v))
@@ -291,8 +292,8 @@ impl Langevin {
         [local.time / (1.0 + crossing).sqrt(), local.time / (1.0 + 4.0 * crossing).sqrt()]
     }
 
-    /// Integral times [s] of the gas velocity along and across the slip, as [`times`](Self::times) returns them, and
-    /// the direction of the slip. `slip` [m/s] is the slip velocity.
+    /// Integral times [s] of the gas velocity along and across the slip, which [`times`](Self::times) returns, and the
+    /// direction of the slip. `slip` [m/s] is the velocity of the particle relative to the gas.
     #[inline]
     fn scales(&self, local: &LocalTurbulence, slip: Vector3<f64>) -> ([f64; 2], AlongSlip) {
         let square = slip.norm_squared();

@@ -55,14 +55,14 @@ pub(super) fn production(channel: &HalfChannel, cell: usize) -> f64 {
     }
 }
 
-/// Updates U, k, ε and ν_t of a gas alone once; returns the largest relative change [-].
+/// Updates U, k, ε and ν_t of a gas without particles once. Returns the largest relative change [-] of k and ε.
 pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
     channel.integrate_momentum(law(channel, channel.y[0]));
     let none = vec![0.0; channel.k.len()];
     sweep_turbulence(channel, &SweepStep { relaxation: RELAXATION, rate: 0.0, damping: (&none, 0.0) })
 }
 
-/// Updates k, ε and ν_t once; returns the largest relative change [-].
+/// Updates k, ε and ν_t once, by one iteration or one time step. Returns the largest relative change [-] of k and ε.
 pub(super) fn sweep_turbulence(channel: &mut HalfChannel, step: &SweepStep) -> f64 {
     let count = channel.k.len();
     let (damping, factor) = step.damping;

@@ -16,7 +16,8 @@ pub struct CellGrid {
     /// [1/m] number of cells per length along each axis.
     per_length: Vector3<f64>,
     start: Vec<u32>,
-    /// Index of the cell of each item during sorting. It is stored here so that its memory is reused.
+    /// Index of the cell of each item, used while items are sorted. It is stored in the grid so that its memory is
+    /// reused.
     cell: Vec<u32>,
 }
 
@@ -40,7 +41,8 @@ impl CellGrid {
     }
 
     /// Sorts items into cells with edges of at least `edge` [m]. All items must be inside the region. `position`
-    /// returns the position [m] of an item. The indices of the items are written to `order` in cell order.
+    /// returns the position [m] of an item. The indices of the items are written to `order` cell by cell (the cell
+    /// order).
     pub fn sort<T: Sync>(
         &mut self,
         items: &[T],
@@ -52,7 +54,7 @@ impl CellGrid {
         self.sort_among(items, position, region, Self::fitting(region, edge), order);
     }
 
-    /// Sorts items into the given numbers of cells along the axes, as [`sort`](Self::sort) does.
+    /// Sorts items into cells as [`sort`](Self::sort) does, with the given numbers of cells along the three axes.
     pub fn sort_among<T: Sync>(
         &mut self,
         items: &[T],
@@ -122,7 +124,7 @@ impl CellGrid {
         self.cell = cell;
     }
 
-    /// Frees the memory that only sorting needs.
+    /// Frees the memory that is used while items are sorted. The sorted grid stays usable.
     pub fn shed(&mut self) {
         self.cell = Vec::new();
     }
@@ -146,8 +148,9 @@ impl CellGrid {
         c[0] + self.count[0] * (c[1] + self.count[1] * c[2])
     }
 
-    /// Calls `visit` with ranges of the cell order that together contain all items within `radius` [m] of `x` [m], each
-    /// item once. The flag is true if items of the range may be nearer through a periodic side.
+    /// Calls `visit` with ranges of the cell order (the list of all items, cell by cell). Together the ranges contain
+    /// all items within `radius` [m] of `x` [m], each item once. The flag is true if items of the range may be nearer
+    /// through a periodic side.
     #[inline(always)]
     pub fn for_each_near(&self, x: &Vector3<f64>, radius: f64, mut visit: impl FnMut(Range<usize>, bool)) {
         let x = self.region.local(x);
@@ -173,7 +176,7 @@ impl CellGrid {
         }
     }
 
-    /// Range of cells between two coordinates [m] along an axis.
+    /// Cells along the axis `axis` from the coordinate `from` [m] to the coordinate `to` [m].
     #[inline]
     fn span(&self, axis: usize, from: f64, to: f64) -> AxisCells {
         let n = self.count[axis] as isize;
@@ -188,7 +191,8 @@ impl CellGrid {
         }
     }
 
-    /// Calls `visit` with the items of each cell. `order` must contain the items in cell order.
+    /// Calls `visit` once for each cell, with the part of `order` that belongs to the cell. `order` must contain the
+    /// items in cell order (cell by cell).
     pub fn for_each_cell_of<T: Send>(&self, mut order: &mut [T], visit: impl Fn(&mut [T]) + Sync) {
         let cells: Vec<u32> = self.start.windows(2).map(|ends| ends[1] - ends[0]).collect();
         let piece = |cells: &'_ [u32]| order.split_off_mut(..cells.iter().sum::<u32>() as usize).unwrap_or_default();
@@ -199,7 +203,7 @@ impl CellGrid {
         });
     }
 
-    /// Range of the cell order with the items of a cell.
+    /// Range of the items of the cell number `cell` in the cell order (the list of all items, cell by cell).
     #[inline]
     pub fn items_of(&self, cell: usize) -> Range<usize> {
         self.places(cell, cell)
@@ -210,10 +214,10 @@ impl CellGrid {
         self.count[1] * self.count[2]
     }
 
-    /// Calls `visit(own, around, across)` for every non-empty cell of a row. `own` is the range of the cell's items in
-    /// the cell order. `around` contains the ranges of possible neighbours; the first begins at the end of `own`. Over
-    /// all rows, each pair of neighbouring cells occurs once. `across` is true if a neighbour may be nearer through a
-    /// periodic side.
+    /// Calls `visit(own, around, across)` for every non-empty cell of a row of cells along x. `own` is the range of the
+    /// cell's items in the cell order (the list of all items, cell by cell). `around` contains the ranges of possible
+    /// neighbours; the first begins at the end of `own`. Over all rows, each pair of neighbouring cells occurs once.
+    /// `across` is true if a neighbour may be nearer through a periodic side.
     #[inline(always)]
     pub fn for_each_cell(&self, row: usize, mut visit: impl FnMut(Range<usize>, &mut Around, bool)) {
         let [nx, ny, _] = self.count;
@@ -270,7 +274,7 @@ impl CellGrid {
         }
     }
 
-    /// Range of the cell order with the items in the cells `first ..= last` of one row.
+    /// Range of the items of the cells `first ..= last`, which are in one row, in the cell order.
     fn places(&self, first: usize, last: usize) -> Range<usize> {
         self.start[first] as usize..self.start[last + 1] as usize
     }
@@ -280,7 +284,7 @@ impl CellGrid {
 /// side.
 const RANGES: usize = 10;
 
-/// Ranges of the cell order in which the neighbours of a cell's items are searched.
+/// Ranges of the cell order (the list of all items, cell by cell) that contain the possible neighbours of an item.
 pub struct Around {
     first: [usize; RANGES],
     end: [usize; RANGES],
@@ -294,20 +298,21 @@ impl Around {
         self.count += 1;
     }
 
-    /// Sets the beginning of the first range, so that it follows the current item of the cell.
+    /// Sets the first range to begin at the index `first`, the one after the current item of the cell. The search then
+    /// finds each pair within a cell once.
     #[inline(always)]
     pub fn begin_at(&mut self, first: usize) {
         self.first[0] = first;
     }
 
-    /// All ranges in which neighbours are searched.
+    /// All ranges of the cell order that contain possible neighbours.
     #[inline(always)]
     pub fn ranges(&self) -> impl Iterator<Item = Range<usize>> {
         self.first.iter().zip(&self.end).take(self.count).map(|(&first, &end)| first..end)
     }
 }
 
-/// Range of cells between two coordinates along an axis.
+/// Cells between two coordinates along an axis, given by their numbers along this axis.
 struct AxisCells {
     /// Numbers of the first and the last cell. Cells beyond a periodic side have numbers below 0 or above the largest
     /// number.
@@ -317,15 +322,16 @@ struct AxisCells {
     is_round: bool,
 }
 
-/// Largest integer that is at most `x`. Without SSE4.1, `f64::floor` is a function call.
+/// Largest integer that is at most `x`. This code is faster than `f64::floor`, which is a function call on processors
+/// without SSE4.1.
 #[inline]
 fn below(x: f64) -> isize {
     let whole = x as isize;
     whole - isize::from(whole as f64 > x)
 }
 
-/// Number, among the `n` cells along an axis, of a cell at most one period outside the box. The flag is true if the
-/// cell is outside.
+/// Number, among the `n` cells along a periodic axis, of the cell that is the image of the cell `cell`, which is at
+/// most one period outside the box. The flag is true if `cell` is outside the box.
 #[inline]
 fn turned(cell: isize, n: isize) -> (isize, bool) {
     if cell < 0 {

@@ -20,10 +20,10 @@ fn first(count: usize) -> usize {
 
 /// Comparison of one ball with several others, each of which occupies one lane of a vector.
 pub trait Lanes: Copy {
-    /// Vector with one number per lane.
+    /// Vector of the processor with one number per lane (position in the vector).
     type Wide: Copy;
 
-    /// Vector that contains `number` in all lanes.
+    /// Vector that contains the number `number` in all its lanes (positions).
     fn splat(self, number: f32) -> Self::Wide;
 
     /// Returns a bit mask of the first `count` balls: a bit is set if the ball overlaps the ball `one` (centre and

@@ -25,11 +25,11 @@ const MOST_LEVELS: usize = 12;
 #[derive(Clone, Debug, Default)]
 struct SizeLevel {
     grid: CellGrid,
-    /// Indices of the spheres of the level, in cell order.
+    /// Indices of the spheres of the level, cell by cell.
     order: Vec<u32>,
-    /// Number of spheres in all earlier levels, which have larger spheres.
+    /// Number of spheres in all levels before this one. Those levels contain the larger spheres.
     first: usize,
-    /// [m] largest reach of the spheres of the level.
+    /// [m] largest reach (radius, or radius of a ball around the path) of the spheres of the level.
     reach: f64,
 }
 
@@ -41,21 +41,21 @@ pub struct SizeLevels {
 
 /// Sizes of items, for sorting into levels and cells.
 pub struct SortedSizes<'a> {
-    /// [m] radius of each item, which determines its level.
+    /// [m] radius of each item. It determines to which level (range of sizes) the item belongs.
     pub radius: &'a [f64],
     /// [m] largest and smallest radius of all items.
     pub range: [f64; 2],
     /// [m] gap between surfaces up to which pairs are searched.
     pub skin: f64,
-    /// Sizes of the spheres in all processes that share a run, for the choice of cells. `None` if this process stores
-    /// all spheres.
+    /// Sizes of the spheres in all processes that share a run, from which the sizes of cells are chosen. `None` if this
+    /// process stores all spheres.
     pub everyone: Option<&'a Everyone>,
 }
 
-/// Sizes of the spheres in all processes that share a run, by level.
+/// Sizes of the spheres in all processes that share a run, for each level (range of sizes).
 #[derive(Clone, Debug)]
 pub struct Everyone {
-    /// [m] largest and smallest radius of all spheres.
+    /// [m] largest and smallest radius of the spheres in all processes.
     pub range: [f64; 2],
     /// Number of spheres in each level (range of sizes).
     pub count: [i64; MOST_LEVELS],
@@ -64,8 +64,8 @@ pub struct Everyone {
 }
 
 impl Everyone {
-    /// Counts the spheres of this process in each level, from their radii `radius` [m]. `range` [m] contains the
-    /// largest and the smallest radius in all processes.
+    /// Counts the spheres of this process in each level (range of sizes), from their radii `radius` [m]. `range` [m]
+    /// contains the largest and the smallest radius in all processes.
     pub fn of(radius: &[f64], range: [f64; 2]) -> Self {
         let sizes = SortedSizes { radius, range, skin: 0.0, everyone: None };
         let mut all = Self { range, count: [0; MOST_LEVELS], largest: [0.0; MOST_LEVELS] };
@@ -84,7 +84,7 @@ impl<'a> SortedSizes<'a> {
         Self { radius, range: range(radius), skin, everyone: None }
     }
 
-    /// Number of the level to which a radius [m] belongs; level 0 has the largest radii.
+    /// Number of the level (range of sizes) to which the radius `radius` [m] belongs; level 0 has the largest radii.
     fn level(&self, radius: f64) -> usize {
         let mut least = 0.5 * self.range[0];
         let mut level = 0;
@@ -96,7 +96,7 @@ impl<'a> SortedSizes<'a> {
     }
 }
 
-/// [m] largest and smallest radius of a list; both are 0 for an empty list.
+/// [m] largest and smallest of the given radii; both are 0 for an empty list.
 pub fn range(radius: &[f64]) -> [f64; 2] {
     let widen = |[most, least]: [f64; 2], [a, b]: [f64; 2]| [most.max(a), least.min(b)];
     let none = [0.0, f64::INFINITY];
@@ -105,7 +105,8 @@ pub fn range(radius: &[f64]) -> [f64; 2] {
     [most, least.min(most)]
 }
 
-/// True if radii between the given largest and smallest radius [m] belong to more than one level.
+/// True if radii between the largest radius `most` and the smallest `least` [m] belong to more than one level (range of
+/// sizes).
 pub fn is_wide([most, least]: [f64; 2]) -> bool {
     least <= 0.5 * most
 }
@@ -113,15 +114,15 @@ pub fn is_wide([most, least]: [f64; 2]) -> bool {
 /// Number and size of the spheres in each level (range of sizes), from which the cost of a search is estimated.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct Census {
-    /// Number of spheres and largest diameter [m] of each level.
+    /// Number of spheres [-] and largest diameter [m] in each level that contains spheres.
     levels: Vec<(f64, f64)>,
     /// [m³] volume of the box.
     volume: f64,
 }
 
 impl Census {
-    /// Counts the spheres in each level, in all processes. `range` [m] contains the largest and the smallest radius,
-    /// and `volume` [m³] is that of the box. `None` if all spheres belong to one level.
+    /// Counts the spheres of all processes in each level (range of sizes). `range` [m] contains the largest and the
+    /// smallest radius, and `volume` [m³] is that of the box. `None` if all spheres belong to one level.
     pub fn of(sample: &Sample, range: [f64; 2], volume: f64) -> Option<Self> {
         if !is_wide(range) {
             return None;
@@ -140,9 +141,9 @@ impl Census {
         Some(Self { levels, volume })
     }
 
-    /// [-] number of pairs per sphere that a search tests, if the reach of every sphere is increased by half of `wider`
-    /// [m]. The pairs are those with spheres of the same level in the 27 cells around a sphere, each counted once, and
-    /// those with smaller spheres within its reach.
+    /// [-] number of pairs per sphere that a search tests, if the reach (radius, or radius of a ball around the path)
+    /// of every sphere grows by half of `wider` [m]. Tested are the pairs of one level in 27 cells around a sphere,
+    /// each counted once, and smaller spheres near it.
     pub fn looked_at(&self, wider: f64) -> f64 {
         let all: f64 = self.levels.iter().map(|(count, _)| count).sum();
         let mut pairs = 0.0;
@@ -158,8 +159,8 @@ impl Census {
 }
 
 impl SizeLevels {
-    /// Sorts items inside a region into levels and cells. `position` returns the position [m] of an item. `reach`
-    /// returns the reach [m] of the item at an index.
+    /// Sorts items inside a region into levels (ranges of sizes) and cells. `position` returns the position [m] of an
+    /// item. `reach` returns, for the index of an item, its radius or the radius [m] of a ball that contains its path.
     pub fn sort<T: Sync>(
         &mut self,
         items: &[T],
@@ -207,8 +208,8 @@ impl SizeLevels {
         }
     }
 
-    /// Sorts items inside a region into a single level, whatever their sizes are. `position` and `reach` are functions
-    /// as in [`sort`](Self::sort).
+    /// Sorts items of all sizes inside a region into a single level. `position` and `reach` are functions as in
+    /// [`sort`](Self::sort).
     pub fn sort_alike<T: Sync>(
         &mut self,
         items: &[T],
@@ -220,8 +221,8 @@ impl SizeLevels {
         self.sort(items, &sizes, position, reach, region);
     }
 
-    /// Sorts the items of each cell by `key`, so that the order does not depend on the order in which the items were
-    /// stored.
+    /// Sorts the items of each cell by their keys: `key` contains the key of each item, by index. The order of the
+    /// items in a cell then does not depend on the order in which the items are stored.
     pub fn sort_cells(&mut self, key: &[u32]) {
         for level in &mut self.levels {
             let SizeLevel { grid, order, .. } = level;
@@ -229,7 +230,7 @@ impl SizeLevels {
         }
     }
 
-    /// [m] largest reach of the spheres in all levels.
+    /// [m] largest reach (radius, or radius of a ball that contains the path) of all spheres.
     pub fn largest_reach(&self) -> f64 {
         self.levels.iter().map(|level| level.reach).fold(0.0, f64::max)
     }
@@ -242,7 +243,7 @@ impl SizeLevels {
         }
     }
 
-    /// Removes and returns the indices in the order of [`order`](Self::order). Only the grids remain.
+    /// Removes the list of indices that [`order`](Self::order) returns, and returns it. The grids of cells remain.
     pub fn take_order(&mut self) -> Vec<u32> {
         self.levels.iter_mut().for_each(|level| level.grid.shed());
         match self.levels.as_mut_slice() {
@@ -251,7 +252,8 @@ impl SizeLevels {
         }
     }
 
-    /// Indices of the items in a range of the order of all levels. The range must be within one level.
+    /// Indices of the items in a range of the order of all levels (level by level, cell by cell). The range must be
+    /// within one level.
     #[inline]
     pub fn places(&self, range: Range<usize>) -> &[u32] {
         let of = |level: &SizeLevel| level.first <= range.start && range.start < level.first + level.order.len();
@@ -259,14 +261,15 @@ impl SizeLevels {
         level.map_or(&[], |level| &level.order[range.start - level.first..range.end - level.first])
     }
 
-    /// Rows of cells of all levels, each given by the number of its level and its number in the level.
+    /// Rows of cells of all levels. Each row is given by the number of its level, and its number in this level.
     pub fn rows(&self) -> Vec<(usize, usize)> {
         let rows =
             |(k, level): (usize, &SizeLevel)| (0..level.grid.rows()).map(move |row| (k, row)).collect::<Vec<_>>();
         self.levels.iter().enumerate().flat_map(rows).collect()
     }
 
-    /// Grid of a level, indices of its items in cell order, and number of items in all earlier levels.
+    /// Grid of the level number `level`, indices of its items cell by cell, and number of items in all levels before
+    /// it.
     pub fn level(&self, level: usize) -> (&CellGrid, &[u32], usize) {
         let SizeLevel { grid, order, first, .. } = &self.levels[level];
         (grid, order, *first)
@@ -278,16 +281,16 @@ impl SizeLevels {
         level + 1 < self.levels.len()
     }
 
-    /// Calls `visit` with ranges of the order of all levels. Together they contain all items of the levels after
-    /// `level` that an item at `x` [m] may touch. The `reach` [m] of this item includes the skin. The flag is true if
-    /// items of the range may be nearer through a periodic side.
+    /// Calls `visit` with ranges of the order of all levels (level by level, cell by cell). Together they contain all
+    /// items of levels with smaller spheres, those after `level`, that an item at `x` [m] may touch. The `reach` [m] of
+    /// this item includes the skin. The flag is true if items of the range may be nearer through a periodic side.
     #[inline(always)]
     pub fn for_each_smaller(&self, level: usize, x: &Vector3<f64>, reach: f64, visit: impl FnMut(Range<usize>, bool)) {
         near(&self.levels[level + 1..], x, reach, visit);
     }
 
-    /// Calls `visit` with ranges of items near `x` [m], as [`for_each_smaller`](Self::for_each_smaller) does, but in
-    /// all levels.
+    /// Calls `visit` with ranges of the order of all levels, which together contain all items that an item at `x` [m]
+    /// may touch. The arguments are those of [`for_each_smaller`](Self::for_each_smaller).
     #[inline(always)]
     pub fn for_each_near(&self, x: &Vector3<f64>, reach: f64, visit: impl FnMut(Range<usize>, bool)) {
         near(&self.levels, x, reach, visit);

@@ -28,15 +28,15 @@ use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::time::Duration;
 
-/// Number of rows of cells in one piece of parallel work.
+/// Number of rows of cells that one thread searches as one piece of work.
 const ROWS: usize = 64;
 
 /// Two particles that may touch, by their indices in the particle store.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pair {
-    /// Index of the first particle.
+    /// Index of the first particle in the particle store.
     pub i: u32,
-    /// Index of the second particle.
+    /// Index of the second particle in the particle store.
     pub j: u32,
 }
 
@@ -58,9 +58,9 @@ impl Pair {
 /// A particle and a wall that may touch.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NearWall {
-    /// Index of the particle.
+    /// Index of the particle in the particle store.
     pub particle: u32,
-    /// The wall, with the number of the contact between the particle and the wall.
+    /// Wall, and number of the contact that the particle may have with this wall.
     pub at: AtWall,
 }
 
@@ -81,7 +81,7 @@ impl NearWall {
 pub struct NeighbourList {
     /// Pairs with a gap below the skin, grouped by the first particle `i`.
     pub pairs: Vec<Pair>,
-    /// Particles and walls with a gap below the skin.
+    /// Particles and walls with a gap below the skin, sorted by wall.
     pub walls: Vec<NearWall>,
     /// Clock that measures the time spent on building lists.
     #[serde(skip)]
@@ -101,8 +101,8 @@ pub struct NeighbourList {
 }
 
 impl NeighbourList {
-    /// [m/s] velocity of the frame relative to which motion is measured. It is the mean velocity of the particles,
-    /// without components that approach a wall.
+    /// [m/s] velocity of the frame of the list: the mean velocity of the particles, without components that approach a
+    /// wall. Distances that particles move are measured relative to this frame.
     pub fn frame(&self) -> Vector3<f64> {
         self.frame
     }
@@ -133,12 +133,12 @@ impl NeighbourList {
         self.builds
     }
 
-    /// Wall-clock time spent on building the list.
+    /// Wall-clock time spent on building the list so far.
     pub fn building(&self) -> Duration {
         self.building
     }
 
-    /// Number of slots: pairs of particles, and particles with walls.
+    /// Number of candidates for contacts in the list: pairs of particles, and particles with walls.
     pub fn slots(&self) -> usize {
         self.pairs.len() + self.walls.len()
     }
@@ -229,8 +229,8 @@ impl NeighbourList {
         Self { pairs: Vec::new(), walls: Vec::new(), clock, first_pair, ..*self }
     }
 
-    /// Builds the list again from the positions at which it was last built. The distance moved since then does not
-    /// change.
+    /// Builds the list again from the positions at which it was last built. The stored distance that particles have
+    /// moved since then does not change.
     pub fn build_again(&mut self, particles: &mut Particles, scene: &Scene) -> Vec<u32> {
         let (travelled, builds) = (self.travelled, self.builds);
         let plan =
@@ -276,8 +276,8 @@ impl NeighbourList {
         self.note_first_pairs(particles.len());
     }
 
-    /// Removes all candidates without a chosen particle. `chosen` has one entry for each particle, by index: true if it
-    /// is chosen.
+    /// Removes every candidate that contains no chosen particle. `chosen` has one entry for each particle, by index:
+    /// true if the particle is chosen.
     pub fn keep_of(&mut self, chosen: &[bool]) {
         let is_chosen = |place: u32| chosen[place as usize];
         self.pairs.retain(|pair| is_chosen(pair.i) || is_chosen(pair.j));
@@ -313,7 +313,7 @@ impl NeighbourList {
         self.walls.dedup_by_key(|near| place(near));
     }
 
-    /// The two bodies of the candidate with the slot `slot`.
+    /// Two bodies of the candidate number `slot` of the list.
     #[inline]
     pub fn couple(&self, slot: usize) -> Couple {
         match self.pairs.get(slot) {
@@ -325,7 +325,7 @@ impl NeighbourList {
         }
     }
 
-    /// Slot of the candidate with these two bodies, in either order; `None` if the list does not contain them.
+    /// Slot (number of the candidate) of these two bodies, in either order; `None` if the list does not contain them.
     pub fn slot(&self, couple: &Couple) -> Option<usize> {
         match couple.other {
             Other::Particle(j) => self.pair_slot(couple.i, j),
@@ -348,7 +348,7 @@ impl NeighbourList {
             .map(|k| self.pairs.len() + k)
     }
 
-    /// Writes into `slots` the slots of all candidates that overlap at present, in ascending order.
+    /// Replaces the content of `slots` by the numbers of all candidates that overlap at present, in ascending order.
     pub fn overlapping(&self, particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         slots.clear();
         let all = self.slots();
@@ -364,7 +364,7 @@ impl NeighbourList {
         slots.extend(parts.iter().flatten());
     }
 
-    /// Appends the slots of a range whose candidates overlap at present, in ascending order.
+    /// Appends to `slots` the numbers in `range` of the candidates that overlap at present, in ascending order.
     pub fn overlapping_within(&self, range: Range<usize>, particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         let end = range.end;
         let walls = range.start.max(self.pairs.len());
@@ -372,7 +372,8 @@ impl NeighbourList {
         self.walls_within(walls..end, particles, scene, slots);
     }
 
-    /// Appends the slots of a range that are pairs with a gap below `gap` [m], in ascending order.
+    /// Appends to `slots` the numbers in `range` of those pairs whose present gap is below `gap` [m], in ascending
+    /// order.
     pub fn pairs_within(
         &self,
         range: Range<usize>,
@@ -389,8 +390,8 @@ impl NeighbourList {
         }
     }
 
-    /// Appends the slots of `some` whose particles overlap at present, in their order. All slots of `some` must be
-    /// pairs.
+    /// Appends to `slots` those numbers in `some` whose two particles overlap at present, in the order of `some`. All
+    /// numbers in `some` must be those of pairs of particles.
     pub fn overlapping_of(&self, some: &[u32], particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         let some = some.iter().map(|&slot| (slot, &self.pairs[slot as usize]));
         match self.common_reach {
@@ -399,7 +400,8 @@ impl NeighbourList {
         }
     }
 
-    /// Appends the slots of a range at which a particle and a wall overlap at present, in ascending order.
+    /// Appends to `slots` the numbers in `range` of candidates in which a particle and a wall overlap, in ascending
+    /// order.
     pub fn walls_within(&self, range: Range<usize>, particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         let pairs = self.pairs.len();
         let mut apart: Option<Couple> = None;
@@ -432,7 +434,8 @@ impl<T: Copy> Sieve<T> {
         Self { held: [any; 64], count: 0 }
     }
 
-    /// Stores the next item. If `wanted` is false, the following item overwrites it.
+    /// Stores the item `item` in the sieve. If `wanted` is false, the next item overwrites it. A full sieve is emptied
+    /// into `picked`.
     #[inline(always)]
     fn offer(&mut self, item: T, wanted: bool, picked: &mut Vec<T>) {
         self.held[self.count] = item;
@@ -449,7 +452,8 @@ impl<T: Copy> Sieve<T> {
     }
 }
 
-/// Appends to `slots` the slots of those pairs in `some` whose centres are nearer to each other than `reach` returns [m].
+/// Appends to `slots` the numbers of those pairs in `some` whose centres are nearer to each other than `reach` returns
+/// [m].
 #[inline(always)]
 fn within<'a>(
     some: impl Iterator<Item = (u32, &'a Pair)>,

@@ -11,7 +11,7 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Number of lanes (positions in a vector register) whose results are stored together.
+/// Number of lanes (positions in a vector register) whose results are stored at the same time.
 const AT_ONCE: usize = 4;
 
 /// A ball, prepared for comparison with several others at the same time.
@@ -22,7 +22,8 @@ struct PackedBall<W> {
     spot: [W; 4],
 }
 
-/// For every bit mask of four lanes, the lanes whose bits are set, in ascending order.
+/// Numbers of the lanes (positions in a vector register) whose bits are set, in ascending order, for every mask of four
+/// bits.
 const LANES_OF: [[usize; AT_ONCE]; 1 << AT_ONCE] = {
     let mut all = [[0; AT_ONCE]; 1 << AT_ONCE];
     let mut bits = 0;
@@ -40,7 +41,7 @@ const LANES_OF: [[usize; AT_ONCE]; 1 << AT_ONCE] = {
     all
 };
 
-/// Number of indices that are collected and passed to the caller in one call.
+/// Largest number of indices of balls that are collected before they are passed to the caller.
 const ROOM: usize = 64;
 
 /// Collects the indices of balls that may overlap another ball, without branches. Four indices are stored at a time,
@@ -52,7 +53,8 @@ struct Picked {
 }
 
 impl Picked {
-    /// Adds those of four indices whose bits in the mask `bits` are set.
+    /// Adds those of the four indices `places` whose bits are set in the mask `bits`; the lowest bit belongs to the
+    /// first index.
     #[inline(always)]
     fn add(&mut self, bits: usize, places: &[u32; AT_ONCE]) {
         let chosen = LANES_OF[bits].map(|lane| places[lane % AT_ONCE]);
@@ -84,7 +86,7 @@ fn spot_of((middle, radius): (Vector3<f64>, f64), region: &Region, rounding: f64
     [middle.x as f32, middle.y as f32, middle.z as f32, (radius + rounding) as f32]
 }
 
-/// Balls in cell order, stored for fast tests of overlap.
+/// Balls in cell order (sorted cell by cell), stored for fast tests of overlap.
 #[derive(Default)]
 pub struct PackedBalls {
     /// Indices of the balls in the particle store; the padding at the end has no meaning.
@@ -92,7 +94,7 @@ pub struct PackedBalls {
     /// [m] centres along x, y, z, and radii, as four lists, from which eight consecutive numbers are loaded at a time.
     /// The padding at the end has no meaning.
     spots: [Vec<f32>; 4],
-    /// [m] distance between images along each axis; infinite along axes without images.
+    /// [m] distance between periodic images along each axis; infinite along axes without images.
     period: [f32; 3],
     /// [m] increase of all radii, so that rounding of coordinates cannot hide an overlap.
     rounding: f64,
@@ -124,7 +126,7 @@ impl PackedBalls {
         });
     }
 
-    /// The ball with the number `number` in the cell order, prepared for comparison.
+    /// Ball number `number` of the cell order, prepared for comparison with several balls at the same time.
     #[inline(always)]
     fn one<L: Lanes>(&self, number: usize, lanes: L) -> PackedBall<L::Wide> {
         let [x, y, z, radii] = &self.spots;
@@ -245,7 +247,8 @@ impl PackedBalls {
         picked.hand_over(one.place, &mut visit);
     }
 
-    /// Eight consecutive balls in cell order from the number `number` on; `None` if fewer are left.
+    /// Centres and radii [m] of eight consecutive balls of the cell order, beginning with ball `number`; `None` if
+    /// fewer than eight are left.
     #[inline(always)]
     fn eight(&self, number: usize) -> Option<Spots<'_>> {
         let [x, y, z, radii] = &self.spots;

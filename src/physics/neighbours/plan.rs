@@ -13,21 +13,21 @@ use nalgebra::Vector3;
 /// Settings of a neighbour list, which are equal in all processes that share a run.
 #[derive(Clone, Debug)]
 pub struct ListSettings {
-    /// [m/s] velocity of the frame relative to which motion is measured.
+    /// [m/s] velocity of the frame relative to which the list measures how far particles move.
     pub frame: Vector3<f64>,
     /// [m/s] largest speed of any particle relative to the frame.
     pub largest_speed: f64,
     /// [m] skin: gap up to which pairs are listed.
     pub skin: f64,
-    /// [-] number of times that the list can be used before it must be rebuilt, at these speeds.
+    /// [-] number of times that the list can be used before it must be rebuilt, at the present speeds of the particles.
     pub uses: f64,
     /// Sizes of the particles in all processes that share a run; `None` if this process stores all particles.
     pub everyone: Option<Everyone>,
 }
 
 impl ListSettings {
-    /// Settings for the present velocities. The skin is that of lowest cost for a list that is used every
-    /// `between_uses` [s]. At the present speeds the list lasts for at least one use.
+    /// Settings for the present velocities. The skin (gap up to which pairs are listed) is that of lowest cost for a
+    /// list that is used every `between_uses` [s]. At the present speeds the list lasts for at least one use.
     pub fn of(particles: &Particles, scene: &Scene, between_uses: f64) -> Self {
         let relative = particles.relative_to_flow(&scene.domain);
         let frame = along_walls(scene, relative.mean_velocity());
@@ -69,7 +69,8 @@ impl ListSettings {
     }
 }
 
-/// [m] skin of lowest cost: with a larger skin a list is built less often, but contains more pairs.
+/// [m] skin (gap up to which pairs are listed) of lowest cost. With a larger skin a list is built less often, but
+/// contains more pairs.
 ///
 /// There are `count` particles with the mean radius `mean_radius` [m]. `travel` [m] is the distance that particles may
 /// move relative to the frame between two uses of the list. The unit of cost is one test of a pair per particle. The

@@ -3,7 +3,7 @@
 use crate::domain::Domain;
 use nalgebra::Vector3;
 
-/// A block of the box, whose particles are sorted into cells.
+/// A block of the box whose particles are sorted into cells; it may be the whole box.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Region {
     /// [m] lowest corner of the block, relative to the lowest corner of the box.
@@ -14,7 +14,7 @@ pub struct Region {
     period: [Option<f64>; 3],
     /// True for each periodic axis along which the block fills the box.
     periodic: [bool; 3],
-    /// True if the block is the whole box.
+    /// True if the block is the whole box, so that no coordinates need shifting.
     is_all: bool,
 }
 
@@ -63,7 +63,7 @@ impl Region {
         self.periodic
     }
 
-    /// [m] vector from the lowest corner of the block to the image of `x` [m] that is nearest to the block.
+    /// [m] vector from the lowest corner of the block to the periodic image of `x` [m] that is nearest to the block.
     #[inline]
     pub fn local(&self, x: &Vector3<f64>) -> Vector3<f64> {
         let mut local = x - self.low;

@@ -8,8 +8,8 @@ use nalgebra::Vector3;
 pub const ADDED_MASS: f64 = 0.5;
 
 impl Species {
-    /// [-] relative reduction of the acceleration of gravity by buoyancy and added mass, in a gas with the density
-    /// `gas` [kg/m³].
+    /// [-] fraction by which buoyancy and added mass reduce the acceleration of this species by gravity, in a gas with
+    /// the density `gas` [kg/m³].
     fn carried_by(&self, gas: f64) -> f64 {
         (gas + self.added_density) / self.inertial_density()
     }

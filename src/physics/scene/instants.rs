@@ -1,4 +1,4 @@
-//! Scenes whose walls move or whose images slide: the scene of an instant.
+//! Scenes that change with time, since walls move or a periodic box is sheared: the scene at a given instant.
 
 use super::Scene;
 use crate::walls::Wall;
@@ -41,17 +41,18 @@ impl Scene {
     }
 }
 
-/// Scene for code that needs it at one instant after the other. A scene that changes is copied once, and the copy is
-/// changed for each instant. A scene that does not change is not copied.
+/// Scene for code that asks for the scene at a sequence of instants. A scene that changes is copied once, and the copy
+/// is changed for each instant. A scene that does not change is not copied.
 pub enum SceneInTime<'a> {
     /// A scene that does not change.
     Fixed(&'a Scene),
-    /// Copy of a scene that changes, with walls and images at their places of the last instant.
+    /// Copy of a scene that changes. Its walls and periodic images are at their places of the last instant that was
+    /// asked for.
     Changing(Box<Scene>),
 }
 
 impl<'a> SceneInTime<'a> {
-    /// Prepares a scene for several instants.
+    /// Prepares a scene for requests at several instants. A scene that changes with time is copied.
     pub fn of(scene: &'a Scene) -> Self {
         if scene.changes() { Self::Changing(Box::new(scene.clone())) } else { Self::Fixed(scene) }
     }

@@ -5,13 +5,13 @@ use crate::walls::{Geometry, Hollow, Plane};
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// Part of space in which particles leave the scene. A particle leaves at the end of the first window at which its centre
-/// is there.
+/// Part of space in which particles leave the scene. A particle leaves at the end of the first window (time between two
+/// exchanges with the gas) at which its centre is in this part.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Outlet {
-    /// Name in results.
+    /// Name of the outlet in results.
     pub name: String,
-    /// Part of space.
+    /// Shape of the part of space in which particles leave.
     pub shape: OutletShape,
 }
 
@@ -21,12 +21,13 @@ pub struct Outlet {
 pub enum OutletShape {
     /// The half-space behind a plane, whose normal points to the particles that stay. A side of the box is such a plane.
     Behind(Plane),
-    /// The interior of a body.
+    /// The interior of a hollow body.
     Body(Hollow),
 }
 
 impl Outlet {
-    /// True if a particle whose centre is at `position` [m], inside the box along periodic axes, leaves here.
+    /// True if a particle with its centre at `position` [m] leaves the scene in this outlet. The position must be
+    /// inside the box along periodic axes.
     pub fn takes(&self, position: &Vector3<f64>) -> bool {
         match &self.shape {
             OutletShape::Behind(plane) => plane.nearest(position).distance < 0.0,
@@ -39,13 +40,13 @@ impl Outlet {
 /// normally distributed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Inlet {
-    /// Name in results.
+    /// Name of the inlet in results.
     pub name: String,
     /// Index of the species of the particles in [`Scene::species`].
     pub species: u16,
     /// Body that contains each new particle wholly.
     pub region: Hollow,
-    /// [1/s] number of particles per time.
+    /// [1/s] number of particles per time that come in while the inlet is open.
     pub rate: f64,
     /// [s] time at which the inlet opens.
     pub start: f64,
@@ -53,17 +54,17 @@ pub struct Inlet {
     pub end: f64,
     /// [m/s] mean velocity of new particles.
     pub velocity_mean: Vector3<f64>,
-    /// [m/s] standard deviation of each velocity component.
+    /// [m/s] standard deviation of each velocity component of new particles.
     pub velocity_fluctuation: Vector3<f64>,
     /// [rad/s] mean spin of new particles.
     pub spin_mean: Vector3<f64>,
-    /// [rad/s] standard deviation of each spin component.
+    /// [rad/s] standard deviation of each spin component of new particles.
     pub spin_fluctuation: f64,
 }
 
 impl Inlet {
-    /// Number of particles that are due from the start of the run to a time [s]: the first one at the opening, the next
-    /// one an interval of 1/rate later, and so on.
+    /// Number of particles that must have come in from the start of the run to the time `time` [s]. The first particle
+    /// comes in at the opening, and each further one 1/`rate` after the one before.
     pub fn due(&self, time: f64) -> u64 {
         // a millionth of an interval is added, since the time is a sum of windows with rounding errors
         let open = time.min(self.end) - self.start;

@@ -18,9 +18,9 @@ use statrs::distribution::{ContinuousCDF, Normal};
 pub enum SizeDistribution {
     /// All diameters between two limits are equally likely.
     Uniform {
-        /// [m] the smallest diameter.
+        /// [m] smallest diameter of the distribution.
         from: f64,
-        /// [m] the largest diameter.
+        /// [m] largest diameter of the distribution.
         to: f64,
     },
     /// The logarithm of the diameter is normally distributed. Diameters outside `from` and `to` are left out.
@@ -30,26 +30,26 @@ pub enum SizeDistribution {
         /// [-] geometric standard deviation before the cut, more than 1. Two thirds of the diameters lie between the
         /// median divided by this deviation and the median times this deviation.
         geometric_deviation: f64,
-        /// [m] the smallest diameter.
+        /// [m] smallest diameter, at which the distribution is cut.
         from: f64,
-        /// [m] the largest diameter.
+        /// [m] largest diameter, at which the distribution is cut.
         to: f64,
     },
     /// A list of diameters, each with its share of the particles.
     Table(Vec<Fraction>),
 }
 
-/// One row of a table of diameters.
+/// One row of a table of diameters: a diameter, and the share of the particles that have it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Fraction {
-    /// [m] diameter.
+    /// [m] diameter of this row.
     pub diameter: f64,
     /// [-] share of the number of particles with this diameter; all shares of a table add up to 1.
     pub share: f64,
 }
 
 impl SizeDistribution {
-    /// [m] smallest possible diameter.
+    /// [m] smallest diameter that the distribution contains.
     pub fn smallest(&self) -> f64 {
         match self {
             Self::Uniform { from, .. } | Self::LogNormal { from, .. } => *from,
@@ -57,7 +57,7 @@ impl SizeDistribution {
         }
     }
 
-    /// [m] largest possible diameter.
+    /// [m] largest diameter that the distribution contains.
     pub fn largest(&self) -> f64 {
         match self {
             Self::Uniform { to, .. } | Self::LogNormal { to, .. } => *to,
@@ -65,7 +65,7 @@ impl SizeDistribution {
         }
     }
 
-    /// [m] diameter below or at which the share `share` [-] of the particles lies, 0 to 1.
+    /// [m] quantile of the diameter: the share `share` [-], from 0 to 1, of the particles has at most this diameter.
     pub fn quantile(&self, share: f64) -> f64 {
         let diameter = match self {
             Self::Uniform { from, to } => from + share * (to - from),
@@ -87,7 +87,7 @@ impl SizeDistribution {
         diameter.clamp(self.smallest(), self.largest())
     }
 
-    /// [-] share of the log-normal distribution that lies between its limits `from` and `to`; 1 for other
+    /// [-] share of the uncut log-normal distribution that lies between its limits `from` and `to`; 1 for other
     /// distributions.
     pub fn left(&self) -> f64 {
         match self {

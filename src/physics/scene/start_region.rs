@@ -7,7 +7,7 @@ use serde::Serialize;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StartRegion {
-    /// The interior of a body, which contains each particle wholly.
+    /// The interior of a hollow body, which contains each particle wholly.
     Body(Hollow),
     /// The interior of the walls with these indices in the scene. One of them contains the centre of each particle.
     InsideWalls(Vec<u32>),

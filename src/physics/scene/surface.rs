@@ -6,12 +6,12 @@ use serde::Serialize;
 /// Restitution and friction of an impact of two surfaces, which all engines use.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Surface {
-    /// [-] normal restitution e, 0 ..= 1: ratio of normal speeds after and before an isolated impact. If it depends on
-    /// the speed, this is the value at one usual speed, for predictions; impacts follow `by_speed`.
+    /// [-] normal restitution e, 0 ..= 1: ratio of normal speeds after and before an isolated impact. With `by_speed`,
+    /// impacts follow that function, and predictions use this value of e at one usual speed.
     pub restitution: f64,
-    /// [-] Coulomb friction μ, >= 0.
+    /// [-] coefficient of Coulomb friction μ, >= 0.
     pub friction: f64,
-    /// Restitution as a function of the normal speed; `None`: it is constant.
+    /// Restitution as a function of the normal speed; `None` if the restitution is constant.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub by_speed: Option<RestitutionBySpeed>,
 }

@@ -36,15 +36,16 @@ impl Simulation {
         self.engine.spring_energies()
     }
 
-    /// Pairs of bodies in contact, given by their indices in the store, each with its overlap [m] (soft engine).
+    /// Pairs of bodies in contact, given by their indices in the store, each with its overlap [m]. Empty unless the
+    /// engine has soft contacts.
     pub fn contacts(&self) -> Vec<(Couple, f64)> {
         let mut contacts = Vec::new();
         self.for_each_contact(|couple, overlap| contacts.push((couple, overlap)));
         contacts
     }
 
-    /// Calls `visit` with each pair of bodies in contact, given by their indices in the store, and with its overlap [m]
-    /// (soft engine).
+    /// Calls `visit` with each pair of bodies in contact, given by their indices in the store, and with its overlap
+    /// [m]. Engines with instantaneous collisions have no such pairs.
     pub fn for_each_contact(&self, mut visit: impl FnMut(Couple, f64)) {
         let mut look = |couple: Couple| {
             let overlap = couple.meet(&self.particles, &self.scene, FrameTime::default()).overlap();
@@ -59,7 +60,7 @@ impl Simulation {
         }
     }
 
-    /// [m] largest overlap of each particle, in the order of the store; 0 without contact (soft engine).
+    /// [m] largest overlap of each particle, in the order of the store; 0 for a particle without a soft contact.
     pub fn overlaps(&self) -> Vec<f64> {
         let mut overlaps = vec![0.0_f64; self.particles.len()];
         self.for_each_contact(|couple, overlap| {

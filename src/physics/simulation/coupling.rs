@@ -67,7 +67,7 @@ impl Simulation {
         self.renew_profile();
     }
 
-    /// Books the momentum along z that lift has given to the particles, which the gas loses in the next drag kick.
+    /// Records the momentum along z that lift has given to the particles; the gas loses it in the next drag kick.
     /// `before` are the [`slice_sums`](Self::slice_sums) before the kick of lift.
     pub(super) fn owe_lift(&mut self, before: Option<Vec<SliceSums>>) {
         let Some((before, after)) = before.zip(self.slice_sums(None)) else { return };

@@ -21,7 +21,8 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 /// sequential addition of spheres jams, 0.382 (Talbot, Schaaf and Tarjus 1991), about 1 in 10 positions is free.
 const TRIES: usize = 1000;
 
-/// Free space of each inlet of a scene whose walls have no images yet.
+/// Free space of each inlet of `scene`, in which new particles can be placed. The walls of the scene must not have
+/// periodic images yet.
 pub(super) fn rooms(scene: &Scene) -> Vec<FreeRoom> {
     let room = |inlet: &Inlet| FreeRoom::within(scene, Some(&StartRegion::Body(inlet.region.clone())));
     scene.inlets.iter().map(room).collect()
@@ -31,7 +32,7 @@ pub(super) fn rooms(scene: &Scene) -> Vec<FreeRoom> {
 struct SphereInTheWay {
     /// [m] position of the centre, inside the box along periodic axes.
     position: Vector3<f64>,
-    /// [m] radius.
+    /// [m] radius of the sphere.
     radius: f64,
 }
 
@@ -43,18 +44,18 @@ impl SphereInTheWay {
     }
 }
 
-/// A particle that is due at an inlet, before it has a position.
+/// A particle that must come in at an inlet now, before it has a position.
 struct NewParticle {
-    /// [m] radius.
+    /// [m] radius of the particle.
     radius: f64,
-    /// [m/s] velocity.
+    /// [m/s] velocity of the particle.
     velocity: Vector3<f64>,
-    /// [rad/s] spin, which only spheres that rotate have.
+    /// [rad/s] spin of the particle, which is used if spheres rotate.
     spin: Vector3<f64>,
 }
 
 impl NewParticle {
-    /// Draws the particle with this id.
+    /// Draws radius, velocity and spin of the particle with the id `id` from random numbers.
     fn drawn(inlet: &Inlet, species: &Species, seed: u64, id: u32) -> Self {
         let mut noise = Noise::new(seed, NoiseUse::Inlets, 0);
         let random = noise.of(id);
@@ -68,8 +69,8 @@ impl NewParticle {
 }
 
 impl Simulation {
-    /// Particles that come in now, with their entries in the ledger. Those that are due and find no place wait.
-    /// `leaving` contains the indices of the particles that leave now, in ascending order.
+    /// Particles that come in now, with their entries in the ledger. Particles that must come in but find no free
+    /// position wait. `leaving` contains the indices of the particles that leave now, in ascending order.
     pub(super) fn incoming(&mut self, flow: &mut ThroughFlow, leaving: &[(u32, usize)]) -> (Particles, Vec<Ledger>) {
         let (mut fresh, mut entries) = (Particles::default(), Vec::new());
         for number in 0..self.scene.inlets.len() {
@@ -83,8 +84,8 @@ impl Simulation {
         (fresh, entries)
     }
 
-    /// Appends up to `due` particles of an inlet to `fresh`, and returns their number. If one finds no place, the others
-    /// wait with it.
+    /// Appends up to `due` particles of the inlet with the index `number` to `fresh`, and returns how many these are.
+    /// If one particle finds no free position, this particle and the rest wait.
     fn insert(
         &mut self,
         number: usize,
@@ -122,7 +123,7 @@ impl Simulation {
         fresh.len() - before
     }
 
-    /// Moves the walls in the free space of an inlet to their places at the present time.
+    /// Moves the walls in the free space of the inlet with the index `number` to their places at the present time.
     fn move_room(&mut self, number: usize) {
         let room = &mut self.inlet_rooms[number];
         if room.scene.has_moving_walls() {
@@ -131,7 +132,8 @@ impl Simulation {
         }
     }
 
-    /// Spheres that reach into the region of an inlet: those of the scene that do not leave now, and those of `fresh`.
+    /// Spheres that reach into the region of an inlet: particles of the scene, except those that leave now, and
+    /// particles of `fresh`.
     fn obstacles(&self, inlet: &Inlet, leaving: &[(u32, usize)], fresh: &Particles) -> Vec<SphereInTheWay> {
         let domain = &self.scene.domain;
         let [low, high] = inlet.region.corners();

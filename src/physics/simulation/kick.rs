@@ -38,7 +38,7 @@ impl Simulation {
     }
 
     /// Applies drag alone to all particles for `duration` [s]. The random numbers of turbulence are drawn from
-    /// `number`.
+    /// `number`, the number of the kick.
     fn drag(&mut self, duration: f64, number: u64) {
         let Some(fluid) = &self.scene.fluid else { return };
         let Some(law) = &fluid.drag else { return };

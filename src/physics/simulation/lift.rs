@@ -21,8 +21,8 @@ pub enum LiftKick {
 type Lifted = (Vector3<f64>, Option<Vector3<f64>>, [f64; 4]);
 
 impl Simulation {
-    /// Applies a kick of lift to all particles for `duration` [s], without any motion. `kick` is its place: before or
-    /// after a window.
+    /// Applies a kick of lift to all particles for `duration` [s], without any motion. `kick` is the place of this
+    /// kick: before or after a window. The order of force and torque depends on this place.
     pub(super) fn lift(&mut self, duration: f64, kick: LiftKick) {
         let Some((fluid, lift)) = self.scene.fluid.as_ref().and_then(|fluid| Some((fluid, fluid.lift?))) else {
             return;

@@ -57,9 +57,9 @@ pub enum Order {
     /// Call the observers at these indices for the particles of the process. The first two values are the time [s] and
     /// the momentum [kg m/s] of all particles.
     ///
-    /// At its first call in this way, an observer continues from the stored data of its copy in the lead process.
+    /// At the first call in this way, an observer continues from the data that its copy in the lead process has stored.
     See(f64, Vector3<f64>, Vec<(usize, Option<Stored>)>),
-    /// The run is over.
+    /// End the work of the other processes, because the run is over.
     End,
 }
 
@@ -129,8 +129,8 @@ impl Simulation {
     }
 
     /// Executes the orders of the lead for the particles of this process until the lead ends. `see` calls the observer
-    /// at an index with the simulation. At its first call, the observer continues from the stored data of its copy in
-    /// the lead.
+    /// at an index with the simulation. At the first call of an observer, `see` also gets the data that its copy in the
+    /// lead has stored.
     pub fn follow(mut self, see: &mut dyn FnMut(&Self, usize, Option<&Stored>)) {
         let (mut kept, mut kept_gas) = (Particles::default(), None);
         while let Some(share) = &self.share {

@@ -22,13 +22,13 @@ pub struct Snapshot {
     pub parts: usize,
     /// Collisions and other records since the start.
     pub record: Record,
-    /// [s] simulated time.
+    /// [s] simulated time of the snapshot.
     pub time: f64,
-    /// Number of completed windows.
+    /// Number of windows completed since the start of the run.
     pub windows: u64,
-    /// Wall time spent so far.
+    /// Wall-clock time spent in the parts of the simulation so far.
     pub spent: SimulationTimes,
-    /// Sums over all particles.
+    /// Sums over all particles of all processes.
     totals: SimulationTotals,
     /// True if the kick after the last window has been applied completely, so that velocities and positions belong to
     /// one time. False if velocities still lack a half-kick.
@@ -41,7 +41,7 @@ pub struct Snapshot {
     loaded_flow: Option<Box<LoadedFlow>>,
     /// Particles that have come in and left; `None` in a scene without inlets and outlets.
     through_flow: Option<Box<ThroughFlow>>,
-    /// State of the engine.
+    /// State of the engine, as bytes.
     engine: Stored,
 }
 

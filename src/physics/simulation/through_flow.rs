@@ -16,20 +16,20 @@ const SUMS: usize = 8;
 /// Sums over the particles that have passed through an inlet or outlet since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FlowTotals {
-    /// Number of particles.
+    /// Number of particles that have passed.
     pub count: u64,
-    /// [kg] mass of the particles.
+    /// [kg] mass of the particles that have passed.
     pub mass: f64,
-    /// [kg m/s] momentum of the particles.
+    /// [kg m/s] momentum of the particles when they passed.
     pub momentum: Vector3<f64>,
-    /// [J] kinetic energy of their translation.
+    /// [J] kinetic energy of the translation of the particles when they passed.
     pub kinetic_energy: f64,
-    /// [J] rotational energy.
+    /// [J] rotational energy of the particles when they passed.
     pub rotational_energy: f64,
     /// [J] potential energy -m g·x in the gravity of the scene, which is 0 at the origin. The ledger has the work of gravity
     /// in its place, so this energy is not part of the balance.
     pub potential_energy: f64,
-    /// [m/s] sum of the speeds.
+    /// [m/s] sum of the speeds of the particles when they passed.
     pub speed: f64,
 }
 
@@ -40,7 +40,7 @@ pub struct OpeningFlow {
     sums: [ExactSum; SUMS],
     /// Number of particles that are due at an inlet and have not found a place.
     waiting: u64,
-    /// Largest number of particles that waited.
+    /// Largest number of particles that waited at an inlet at one time.
     most_waiting: u64,
 }
 
@@ -51,7 +51,7 @@ impl Default for OpeningFlow {
 }
 
 impl OpeningFlow {
-    /// Sums since the start, each rounded once.
+    /// Sums over the particles that have passed since the start, each rounded once.
     pub fn totals(&self) -> FlowTotals {
         let [mass, x, y, z, kinetic_energy, rotational_energy, potential_energy, speed] = values(&self.sums);
         let (count, momentum) = (self.count, Vector3::new(x, y, z));
@@ -63,18 +63,19 @@ impl OpeningFlow {
         [self.waiting, self.most_waiting]
     }
 
-    /// Sets the number of particles that wait.
+    /// Sets the number of particles that wait at an inlet for a place, and raises the largest number so far.
     pub(super) fn set_waiting(&mut self, waiting: u64) {
         self.waiting = waiting;
         self.most_waiting = self.most_waiting.max(waiting);
     }
 
-    /// Number of particles that have passed.
+    /// Number of particles that have passed through the opening since the start.
     pub(super) fn count(&self) -> u64 {
         self.count
     }
 
-    /// Adds the particle at an index. Returns its entry in the ledger of a scene that it comes into.
+    /// Adds the particle at the index `place` to the sums. Returns the entry in the ledger for a particle that comes
+    /// into the scene; for one that leaves, the sign is opposite.
     pub(super) fn add(&mut self, particles: &Particles, place: usize, gravity: Vector3<f64>) -> Ledger {
         let (mass, velocity) = (particles.mass[place], particles.velocity[place]);
         let momentum = velocity * mass;
@@ -90,7 +91,7 @@ impl OpeningFlow {
     }
 }
 
-/// Particles that have come in and left since the start of a run, and the next id.
+/// Particles that have come in and left since the start of a run, and the id of the next particle that comes in.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ThroughFlow {
     /// Smallest id that no particle has had; `None` after the largest number of 32 bits, when no particle comes in any more.
@@ -99,12 +100,12 @@ pub struct ThroughFlow {
     pub outlets: Vec<OpeningFlow>,
     /// Flow through each inlet of the scene.
     pub inlets: Vec<OpeningFlow>,
-    /// Elastic energy of the contacts that were cut when particles left.
+    /// [J] exact sum of the elastic energies of the contacts that were cut when particles left.
     cut: ExactSum,
 }
 
 impl ThroughFlow {
-    /// Creates the state before the first window. Other ids than those of `particles` are free.
+    /// Creates the state before the first window. Ids above the largest id in `particles` are free.
     pub(super) fn new(scene: &Scene, particles: &Particles) -> Self {
         let next_id = particles.id.iter().max().map_or(Some(0), |largest| largest.checked_add(1));
         let closed = |count: usize| vec![OpeningFlow::default(); count];
@@ -126,7 +127,7 @@ impl ThroughFlow {
         self.next_id
     }
 
-    /// Marks the next id as taken.
+    /// Marks the smallest free id as taken, so that the next particle gets the id after it.
     pub(super) fn take_id(&mut self) {
         self.next_id = self.next_id.and_then(|id| id.checked_add(1));
     }
@@ -153,8 +154,8 @@ impl Simulation {
         self.through_flow = Some(flow);
     }
 
-    /// Outlet of each particle that leaves now, with the index of the particle, in the order of the indices. Of several
-    /// outlets the first one counts.
+    /// Particles that leave now: the index of each in the store, and the index of its outlet, in the order of the
+    /// particles. A particle that is in several outlets leaves through the first one.
     fn leaving(&self, flow: &ThroughFlow) -> Vec<(u32, usize)> {
         if flow.outlets.is_empty() {
             return Vec::new();

@@ -11,9 +11,10 @@ pub struct SimulationTotals {
     pub count: usize,
     /// [m] mean radius of all particles.
     pub mean_radius: f64,
-    /// [kg] mass of all particles at the start.
+    /// [kg] mass of all particles in all processes.
     pub mass: f64,
-    /// [kg m/s] momentum of all particles: the initial one plus all changes since the start.
+    /// [kg m/s] momentum of all particles: the sum at the start, or when particles last came or left, plus all changes
+    /// since.
     pub momentum: Vector3<f64>,
 }
 

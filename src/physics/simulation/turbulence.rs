@@ -27,7 +27,7 @@ impl Simulation {
 }
 
 impl Simulation {
-    /// Draws the eddies of particles that come in, if those in the scene have eddies.
+    /// Draws the gas fluctuations seen by particles that come in, if the particles in the scene have such fluctuations.
     pub(super) fn draw_eddies_of(&self, fresh: &mut Particles) {
         let fluid = self.scene.fluid.as_ref().filter(|_| self.particles.eddies.is_some());
         if let Some((fluid, turbulence)) = fluid.and_then(|fluid| Some((fluid, fluid.turbulence.as_ref()?))) {
@@ -54,8 +54,8 @@ pub(super) fn draw_first_eddies(particles: &mut Particles, (fluid, turbulence): 
 }
 
 /// Mirrors the fluctuations of the gas velocity that particles see, for particles that a wall has reflected within the
-/// last `window` [s]. The component along the normal of the wall changes its sign. Such a particle has a positive gap,
-/// but its free flight back in time leads into the wall.
+/// last `window` [s]. The component along the normal of the wall changes its sign. A particle counts as reflected if it
+/// has a gap to the wall, but its free flight back in time leads into the wall.
 pub(super) fn mirror_at_walls(particles: &mut Particles, scene: &Scene, window: f64) {
     let Some(mut eddies) = particles.eddies.take() else { return };
     let all = &*particles;
@@ -85,7 +85,7 @@ pub(super) fn mirror_at_walls(particles: &mut Particles, scene: &Scene, window: 
 pub(super) struct TurbulentKick<'a> {
     /// Profile of the mean velocity of the gas.
     pub profile: &'a Profile,
-    /// Turbulence of the gas.
+    /// Turbulence of the gas: statistics, and law of the fluctuations that particles see.
     pub turbulence: &'a Turbulence,
     /// Kick of drag in a gas of constant velocity.
     pub kick: &'a Kick,
@@ -95,7 +95,7 @@ pub(super) struct TurbulentKick<'a> {
     pub seed_and_number: (u64, u64),
 }
 
-/// Velocities [m/s] and seen fluctuations of the gas velocity, of the particles of one chunk.
+/// Velocities [m/s] of the particles of one chunk, and the fluctuations of the gas velocity that these particles see.
 type Moving<'a> = (&'a mut [Vector3<f64>], &'a mut [Vector3<f64>]);
 
 impl TurbulentKick<'_> {
@@ -112,8 +112,8 @@ impl TurbulentKick<'_> {
         sums
     }
 
-    /// Applies the kick to consecutive particles, the first of which has the index `first`. Returns the sums of `apply`
-    /// over these particles.
+    /// Applies the kick to consecutive particles, the first of which has the index `first`. Returns the sums of
+    /// [`apply`](Self::apply) over these particles.
     fn apply_to(&self, all: &Particles, first: usize, (velocity, eddies): Moving) -> [ExactSum; 4] {
         let (mut sums, mut rows) = (exact::none(), [[0.0; 4]; BLOCK]);
         let (seed, number) = self.seed_and_number;
@@ -160,8 +160,8 @@ impl TurbulentKick<'_> {
         slip * ratio(slip)
     }
 
-    /// [-] change of the slip velocity of the particle at an index, divided by the slip velocity. `square` [m²/s²] is
-    /// the square of the slip velocity.
+    /// [-] change of the slip velocity of the particle at the index `place`, divided by the slip velocity. `square`
+    /// [m²/s²] is the square of the magnitude of the slip velocity.
     #[inline]
     fn ratio(&self, all: &Particles, place: usize, square: f64) -> f64 {
         let (species, radius) = (all.species[place], all.radius[place]);

@@ -31,9 +31,9 @@ impl Simulation {
     }
 
     /// Runs as [`run_until`](Self::run_until) for as long as `go_on` returns true, and returns true if `time` [s] is
-    /// reached. `go_on` is called at the end of every window. After a stop, velocities lack a half-kick of drag at most
-    /// ends of windows. Runs to later times add it, and have the bits of a run that was not stopped.
-    /// [`complete`](Self::complete) adds it at once.
+    /// reached. `go_on` is called at the end of every window. After a stop at the end of a window, velocities lack a
+    /// half-kick of drag in most cases. A run to a later time adds this half-kick, and has the bits of a run that was
+    /// not stopped. [`complete`](Self::complete) adds it at once.
     ///
     /// # Errors
     /// Errors of [`run`](Self::run).
@@ -43,8 +43,8 @@ impl Simulation {
         result
     }
 
-    /// Adds the half-kick of drag that velocities lack after [`run_until_while`](Self::run_until_while) was stopped. This
-    /// divides a kick, which changes rounding.
+    /// Adds the half-kick of drag that velocities lack after [`run_until_while`](Self::run_until_while) was stopped.
+    /// The half-kick divides a kick, which changes rounding.
     ///
     /// # Errors
     /// A particle left the domain, or energy grew more than errors of the scheme explain.
@@ -97,7 +97,8 @@ impl Simulation {
         }
     }
 
-    /// Position in the schedule, which is searched if the simulation was moved by other methods since.
+    /// Position of the present time in `schedule`. It is the stored position, unless other methods have moved the
+    /// simulation since; it is then searched.
     fn position_at_present(&self, schedule: Schedule) -> SchedulePosition {
         let known = Some(&self.schedule_position)
             .filter(|schedule_position| schedule_position.window() > 0.0 && schedule_position.is_at(self.time));

@@ -8,8 +8,8 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 
 impl Simulation {
-    /// [N] weight of all particles in all processes minus their buoyancy. It is the mean since the start where particles
-    /// come and go.
+    /// [N] weight of all particles in all processes minus their buoyancy. If particles come and go, or species differ
+    /// in buoyancy, it is the mean over the time since the start.
     pub fn weight(&self) -> Vector3<f64> {
         let is_constant = self.scene.differences_in_gravity().is_empty() && !self.scene.has_openings();
         if is_constant || self.time == 0.0 {

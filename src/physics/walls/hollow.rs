@@ -10,7 +10,7 @@ use serde::Serialize;
 use std::f64::consts::PI;
 use std::fmt;
 
-/// One side of a hollow body, whose normal points inwards to the particles.
+/// One side of a hollow body. Its normal points into the body, to the particles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum InnerSide {

@@ -71,7 +71,7 @@ pub struct Touch {
 }
 
 impl Touch {
-    /// A touch at `time` [s] of a surface that is not divided into features.
+    /// Touch at `time` [s] from the beginning of the flight, of a surface that is not divided into features.
     pub fn at(time: f64) -> Self {
         Self { time, place: 0 }
     }
@@ -81,7 +81,7 @@ impl Touch {
 /// also implements [`touch_time`](Self::touch_time). A shape for case files also implements its bounds, its inside and
 /// its drawing.
 pub trait Geometry: std::fmt::Debug + Send + Sync {
-    /// The nearest point of the surface to `point` [m].
+    /// Point of the surface that is nearest to `point` [m].
     fn nearest(&self, point: &Vector3<f64>) -> Nearest;
 
     /// [s] first time in `(0, until]` at which the gap of a sphere of `radius` [m] becomes zero. The flight of the
@@ -104,7 +104,7 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         self.nearest(point)
     }
 
-    /// True if contact number `which` has a constant normal.
+    /// True if the normal of contact number `which` is constant: it does not depend on the position of the sphere.
     fn is_flat_at(&self, which: u32) -> bool {
         let _ = which;
         false
@@ -123,8 +123,8 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         self.touch_time(flight, radius, until).map(Touch::at)
     }
 
-    /// Nearest point of a contact at the instant of a touch; otherwise as [`contact`](Self::contact). `place` is the
-    /// number of the surface feature in the result of [`first_touch`](Self::first_touch).
+    /// Nearest point to the centre `point` [m] of a sphere of `radius` [m], at the instant of a touch of contact number
+    /// `which`. `place` is the number of the touched surface feature, from [`first_touch`](Self::first_touch).
     fn struck(&self, which: u32, place: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         let _ = place;
         self.contact(which, point, radius)
@@ -149,13 +149,13 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
     }
 
     /// True if `point` [m] is certainly on the particles' side and farther than `distance` [m] from the surface. The
-    /// test must not compute the nearest point.
+    /// result may be false for other such points, because the test must not compute the nearest point.
     fn is_clear(&self, point: &Vector3<f64>, distance: f64) -> bool {
         let _ = (point, distance);
         false
     }
 
-    /// True if the contacts are numbered in the order of distance, the nearest first.
+    /// True if the contacts of a sphere are numbered by their distance from its centre, the nearest first.
     fn is_nearest_first(&self) -> bool {
         false
     }
@@ -191,7 +191,8 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         None
     }
 
-    /// True if the wall is a vessel that limits the positions of all particles along the axis `axis` (0, 1 or 2).
+    /// True if the wall is a vessel (a wall around all particles) that limits their positions along the axis `axis` (0,
+    /// 1 or 2).
     fn holds_along(&self, axis: usize) -> bool {
         let _ = axis;
         false
@@ -250,7 +251,7 @@ impl Flight {
         self.velocity + self.gravity * t
     }
 
-    /// Returns this flight with time counted from `t` [s].
+    /// Returns this flight with its time counted from `t` [s] on: position and velocity are those at `t`.
     pub fn from(&self, t: f64) -> Self {
         Self { position: self.position_at(t), velocity: self.velocity_at(t), gravity: self.gravity }
     }
@@ -286,7 +287,7 @@ impl WallGeometry {
         self.plane().map_or_else(|| self.law().nearest(point), |plane| plane.nearest(point))
     }
 
-    /// The plane, if the shape is a plane; otherwise `None`.
+    /// Plane of the wall, if its shape is a plane; otherwise `None`.
     #[inline]
     pub fn plane(&self) -> Option<&Plane> {
         if let Self::Plane(plane) = self { Some(plane) } else { None }
@@ -298,7 +299,7 @@ impl WallGeometry {
         self.plane().is_some()
     }
 
-    /// Largest number of simultaneous contacts with one sphere.
+    /// Largest number of simultaneous contacts of the wall with one sphere.
     #[inline]
     pub fn contacts(&self) -> u32 {
         if self.is_flat() { 1 } else { self.law().contacts() }
@@ -339,15 +340,15 @@ impl WallGeometry {
         self.law().may_touch(which, point, radius, skin)
     }
 
-    /// True if the surface may be within `distance` [m] of a point, as [`Geometry::is_within`] defines it. For planes a
-    /// virtual call is avoided.
+    /// True if the surface may be within `distance` [m] of `point` [m], as [`Geometry::is_within`] defines it. For
+    /// planes a virtual call is avoided.
     #[inline]
     pub fn is_within(&self, point: &Vector3<f64>, distance: f64) -> bool {
         self.plane()
             .map_or_else(|| self.law().is_within(point, distance), |plane| plane.nearest(point).distance <= distance)
     }
 
-    /// The shape as a [`Geometry`].
+    /// Shape of the wall as a trait object, through which the functions of [`Geometry`] are called.
     #[inline]
     pub fn law(&self) -> &dyn Geometry {
         match self {
@@ -364,8 +365,8 @@ impl WallGeometry {
 }
 
 impl WallGeometry {
-    /// [m] lowest and highest corners of the box around the body and of the boxes around its nearest images. Empty if
-    /// the shape has no bounds.
+    /// [m] lowest and highest corners of the box around the body. For a body with periodic images, the boxes around its
+    /// nearest images follow. Empty if the shape has no bounds.
     pub fn boxes(&self) -> Vec<[Vector3<f64>; 2]> {
         match self {
             Self::Repeated(body) => body.boxes(),
@@ -373,8 +374,8 @@ impl WallGeometry {
         }
     }
 
-    /// True if the centre of a sphere crosses a thin surface on the straight line from `from` to `to` [m]. The result
-    /// is false for surfaces that are not thin.
+    /// True if the centre of a sphere of `radius` [m] crosses a thin surface on the straight line from `from` to `to`
+    /// [m]. False for surfaces that are not thin.
     pub fn is_passed(&self, from: &Vector3<f64>, to: &Vector3<f64>, radius: f64) -> bool {
         /// [-] distance from the surface over the radius of the sphere. A centre that comes nearer counts as having
         /// crossed.
@@ -402,7 +403,8 @@ pub struct Wall {
     /// Motion of the shape; `None`: the shape stays in position. [`Wall::moving`] sets it together with `geometry`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub moving: Option<MovingShape>,
-    /// Rolling and twisting friction at the wall, where they differ from those of the contact law.
+    /// Coefficients of rolling and twisting friction at the wall. A coefficient that is missing is taken from the
+    /// rolling or twisting law.
     #[serde(skip_serializing_if = "ResistanceFriction::is_of_law")]
     pub resistance: ResistanceFriction,
     /// Roughness, for instantaneous impacts; `None`: the wall is smooth. Soft contacts meet the smooth wall.
@@ -414,7 +416,7 @@ pub struct Wall {
 }
 
 impl Wall {
-    /// Makes a wall whose surface does not move.
+    /// Makes a wall with a shape and a surface; neither of them moves.
     pub fn new(geometry: WallGeometry, surface: Surface) -> Self {
         let (velocity, resistance) = (Vector3::zeros(), ResistanceFriction::default());
         let (turning, moving, roughness, thermal) = (None, None, None, None);
@@ -426,8 +428,8 @@ fn is_still(velocity: &Vector3<f64>) -> bool {
     *velocity == Vector3::zeros()
 }
 
-/// True if two spheres in straight flight approach each other and their smallest distance is less than `reach` [m].
-/// [`first_touch`] may find a time only then. `apart` [m] and `velocity` [m/s] are relative position and velocity. The
+/// True if two spheres in straight flight approach each other, and their smallest distance is less than `reach` [m].
+/// Otherwise [`first_touch`] finds no time. `apart` [m] and `velocity` [m/s] are relative position and velocity. The
 /// test has no branches, so that a processor can test several pairs at once.
 #[inline(always)]
 pub fn may_touch(apart: &Vector3<f64>, velocity: &Vector3<f64>, reach: f64) -> bool {

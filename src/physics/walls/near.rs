@@ -4,17 +4,17 @@ use super::mesh::Tree;
 use super::{Nearest, Wall};
 use nalgebra::Vector3;
 
-/// Number of boxes from which a tree is used. With fewer boxes, every wall is tested.
+/// Number of boxes around walls from which a tree is used. With fewer boxes, every wall is tested for every point.
 const MANY: usize = 8;
 
 /// Search structure for the walls of a scene: a tree of the boxes around them. Among hundreds of bodies, such as the
 /// pins of a board, only a few near a point need to be tested.
 #[derive(Clone, Default)]
 pub struct NearWalls {
-    /// Indices of the walls that are tested for every point: planes, vessels and walls that move, or all walls if there
-    /// are few.
+    /// Indices of the walls that are tested for every point: planes, vessels (walls around all particles) and walls
+    /// that move. Without a tree these are all walls.
     always: Vec<u32>,
-    /// Index of the wall in each box of the tree.
+    /// Index of the wall to which each box of the tree belongs.
     boxed: Vec<u32>,
     tree: Option<Tree>,
 }
@@ -40,8 +40,8 @@ impl NearWalls {
         Self { always, boxed, tree: Some(Tree::of_boxes(boxes.into_iter())) }
     }
 
-    /// Calls `visit` with the index of every wall whose surface may be within `reach` [m] of a point [m]. Other walls
-    /// may be visited too, and a body with images more than once.
+    /// Calls `visit` with the index of every wall whose surface may be within `reach` [m] of `point` [m]. Some farther
+    /// walls are visited too, and a body with periodic images may be visited more than once.
     #[inline]
     pub fn for_each(&self, point: &Vector3<f64>, reach: f64, mut visit: impl FnMut(u32)) {
         self.always.iter().copied().for_each(&mut visit);
@@ -50,8 +50,8 @@ impl NearWalls {
         }
     }
 
-    /// Writes into `found`, in ascending order, the indices of all walls whose surface may be within `reach` [m] of a
-    /// point [m]. The list may contain other walls too.
+    /// Replaces the content of `found` by the indices, in ascending order, of all walls whose surface may be within
+    /// `reach` [m] of `point` [m]. The list may contain some farther walls.
     pub fn list(&self, point: &Vector3<f64>, reach: f64, found: &mut Vec<u32>) {
         found.clear();
         self.for_each(point, reach, |wall| found.push(wall));
@@ -62,7 +62,7 @@ impl NearWalls {
     }
 
     /// Calls `visit` with the index and the nearest point of every wall that a sphere touches or has passed through.
-    /// Other walls may be visited too. The sphere has its centre at `point` [m] and the radius `radius` [m].
+    /// Some farther walls are visited too. The sphere has its centre at `point` [m] and the radius `radius` [m].
     pub fn for_each_nearest(
         &self,
         walls: &[Wall],
@@ -86,7 +86,7 @@ impl NearWalls {
         found.into_iter().for_each(&mut ask);
     }
 
-    /// True if there is no tree, so that all walls are tested in their order.
+    /// True if the walls are few: there is no tree, and all walls are tested in the order of their indices.
     #[inline]
     pub fn are_few(&self) -> bool {
         self.tree.is_none()

@@ -27,8 +27,8 @@ impl Geometry for Plane {
         true
     }
 
-    /// Time of touch in closed form. The gap is g0 + v t + a t²/2, with v and a the components of velocity and gravity
-    /// along the normal.
+    /// Returns the time of touch [s] in closed form. The gap is g0 + v t + a t²/2, with v and a the components of
+    /// velocity and gravity along the normal.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         let gap = self.nearest(&flight.position).distance - radius;
         let speed = flight.velocity.dot(&self.normal);
@@ -69,8 +69,9 @@ pub(super) fn is_along(velocity: &Vector3<f64>, normal: &Vector3<f64>) -> bool {
     velocity.dot(normal).abs() <= ROUNDING * velocity.norm()
 }
 
-/// [s] first time t > 0 at which g0 + v t + a t²/2 falls through zero. A negative g0 counts as zero, because the caller
-/// has already treated spheres that overlap and approach.
+/// [s] first time t > 0 at which the gap g0 + v t + a t²/2 of a sphere falls through zero. The arguments are g0 [m], v
+/// [m/s] and a [m/s²]. A negative g0 counts as zero, because the caller has already treated spheres that overlap and
+/// approach.
 pub(super) fn first_closing(gap: f64, speed: f64, acceleration: f64) -> Option<f64> {
     let gap = gap.max(0.0);
     let discriminant = speed * speed - 2.0 * acceleration * gap;

@@ -51,8 +51,8 @@ fn crossings(coefficients: &[f64], until: f64) -> Vec<f64> {
     found
 }
 
-/// Bisects an interval, at whose ends a polynomial has different signs, until no floating-point number lies between its
-/// ends. Returns the later end.
+/// Finds a zero of a polynomial in an interval, at whose ends the polynomial has different signs, by bisection. The
+/// interval is halved until no floating-point number lies between its ends. Returns the later end.
 fn bisect(coefficients: &[f64], [mut from, mut to]: [f64; 2]) -> f64 {
     let below = value(coefficients, from) < 0.0 || value(coefficients, to) > 0.0;
     loop {

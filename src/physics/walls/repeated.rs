@@ -5,7 +5,7 @@ use crate::domain::Domain;
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// Largest number of images, beyond the nearest image, that are tested on each side along an axis. A longer flight
+/// Largest number of images, counted from the nearest one, that are tested on each side along an axis. A longer flight
 /// meets farther images in the next window (the time between two exchanges of momentum with the gas).
 const FARTHEST: f64 = 2.0;
 
@@ -30,23 +30,24 @@ impl Repeated {
         WallGeometry::Repeated(std::sync::Arc::new(Self { shape, around, periods }))
     }
 
-    /// Copies of the walls, in which all bodies have images.
+    /// Copies of the walls; in the copies, all bodies have periodic images.
     pub fn all(walls: &[Wall], domain: &Domain) -> Vec<Wall> {
         walls.iter().map(|wall| wall.repeated(domain)).collect()
     }
 
-    /// The body without its images.
+    /// Shape of the body alone, without its periodic images.
     pub fn shape(&self) -> &WallGeometry {
         &self.shape
     }
 
-    /// Number of the image that is nearest to a coordinate [m] along an axis; the body itself has the number 0.
+    /// Number of the image of the body that is nearest to the coordinate `place` [m] along an axis. The body itself has
+    /// the number 0, and the images follow at whole periods.
     fn image(&self, axis: usize, place: f64) -> f64 {
         let center = 0.5 * (self.around[0][axis] + self.around[1][axis]);
         self.periods[axis].map_or(0.0, |period| ((place - center) / period).round())
     }
 
-    /// [m] the point, shifted by whole periods. The image of the body that was nearest to it is then the body itself.
+    /// [m] `point` shifted by whole periods, so that the body itself, and none of its images, is nearest to it.
     pub(super) fn near(&self, point: &Vector3<f64>) -> Vector3<f64> {
         Vector3::from_fn(|axis, _| {
             point[axis] - self.periods[axis].map_or(0.0, |period| period * self.image(axis, point[axis]))
@@ -68,13 +69,14 @@ impl Repeated {
         boxes
     }
 
-    /// [m] vector from the body to the image with the given numbers along the axes.
+    /// [m] vector from the body to the image that has the numbers `image` along x, y, z.
     fn shift(&self, image: [f64; 3]) -> Vector3<f64> {
         Vector3::from_fn(|axis, _| self.periods[axis].map_or(0.0, |period| period * image[axis]))
     }
 
-    /// True if a condition holds for the point [m], shifted from some image to the body. The images tested are those
-    /// nearest to any point within `reach` [m] of the given point.
+    /// True if the condition `is_true` holds near any image of the body. For each image, `is_true` is called with
+    /// `point` [m], shifted from this image to the body. Tested are the images nearest to any point within `reach` [m]
+    /// of `point`.
     fn any_near(&self, point: &Vector3<f64>, reach: f64, is_true: impl Fn(&Vector3<f64>) -> bool) -> bool {
         let range = |axis: usize| {
             let here = self.image(axis, point[axis]);
@@ -93,7 +95,8 @@ impl Repeated {
         false
     }
 
-    /// Calls `visit` with the flight relative to every image that it may approach until the time `until` [s].
+    /// Calls `visit` with the flight relative to each image of the body that the flight may approach until the time
+    /// `until` [s].
     fn for_each_image(&self, flight: &Flight, until: f64, mut visit: impl FnMut(&Flight)) {
         let range = |axis: usize| {
             let first = self.image(axis, flight.position[axis]);

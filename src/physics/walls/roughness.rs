@@ -21,31 +21,32 @@ use serde::Serialize;
 pub struct WallRoughness {
     /// [rad] standard deviation Δγ of the tilt in each of two directions, > 0.
     pub deviation: f64,
-    /// Seed of the tilts.
+    /// Seed of the random numbers from which the tilts are drawn.
     pub seed: u64,
 }
 
-/// An impact on a wall whose rebounds are random.
+/// Data of an impact on a rough or thermal wall, from which the random rebound is drawn.
 #[derive(Clone, Copy, Debug)]
 pub struct WallApproach {
     /// [m/s] velocity of the particle relative to the wall.
     pub velocity: Vector3<f64>,
     /// [-] unit normal of the smooth wall towards the particle.
     pub normal: Vector3<f64>,
-    /// Id of the particle.
+    /// Id of the particle that hits the wall.
     pub id: u32,
-    /// Index of the wall.
+    /// Index of the wall in the scene.
     pub wall: u32,
 }
 
 impl WallRoughness {
-    /// [-] unit normal of the facet that an impact meets. `restitution` is e > 0 [-] at a normal speed [m/s]. The draw is a
-    /// function of the seed, the wall, the particle and its velocity. An impact that does not approach meets the smooth
-    /// wall; so does one that leaves the wall by none of many facets, as with e = 0.
+    /// [-] unit normal of the facet that an impact meets. `restitution` gives e > 0 [-] for a normal speed [m/s]. The
+    /// draw is a function of the seed, the wall, the particle and its velocity. The result is the normal of the smooth
+    /// wall if the sphere does not approach, or if it leaves the wall by none of `MOST` drawn facets, as with e = 0.
     pub fn facet(&self, impact: &WallApproach, restitution: impl Fn(f64) -> f64) -> Vector3<f64> {
-        /// [-] tilt over Δγ beyond which a facet is not expected: its probability is exp(-50).
+        /// [-] tilt over Δγ that is taken as the largest expected one: the probability of larger tilts is exp(-50).
         const FAR: f64 = 10.0;
-        /// Largest number of facets that are drawn. Even at normal incidence with e = 0.01 and Δγ = 0.6, one in 72 is left.
+        /// Largest number of facets that are drawn for one impact. Even at normal incidence with e = 0.01 and Δγ = 0.6,
+        /// the sphere leaves the wall by one facet in 72.
         const MOST: u32 = 100_000;
         let WallApproach { velocity, normal, id, wall } = *impact;
         if velocity.dot(&normal) >= 0.0 {

@@ -6,8 +6,8 @@ use super::{Drawing, Flight, Geometry, Nearest, Touch, Turning, convex, polynomi
 use nalgebra::{Vector2, Vector3};
 use serde::Serialize;
 
-/// [-] distance over the radius, returned for a side that the sphere cannot touch. It exceeds 1, which means no
-/// contact.
+/// [-] distance over the radius of the sphere that is returned for a side of a wall which the sphere cannot touch. A
+/// value above 1 means that there is no contact.
 const OUT_OF_SIGHT: f64 = 1.25;
 
 /// Axis of a round wall, parallel to x, y or z. Points are described in a half-plane bounded by this axis. Their
@@ -21,21 +21,22 @@ pub struct RoundAxis {
 }
 
 impl RoundAxis {
-    /// [m] coordinates of a point in the half-plane: distance from the axis, and coordinate along the axis.
+    /// [m] coordinates of a point in the half-plane through the point that the axis bounds: distance from the axis, and
+    /// coordinate along the axis.
     fn seen(&self, point: &Vector3<f64>) -> Vector2<f64> {
         let from = point - self.center;
         Vector2::new(self.across(&from).norm(), from[self.axis])
     }
 
-    /// Component of a vector perpendicular to the axis.
+    /// Component of `vector` perpendicular to the axis of the wall.
     pub(super) fn across(&self, vector: &Vector3<f64>) -> Vector3<f64> {
         let mut across = *vector;
         across[self.axis] = 0.0;
         across
     }
 
-    /// Converts a direction in the half-plane into a direction in space at `point` [m]. For a point on the axis, any
-    /// direction outwards is correct.
+    /// Converts a direction in the half-plane (outwards from the axis, along the axis) into a direction in space at
+    /// `point` [m]. For a point on the axis, any direction outwards is correct.
     fn in_space(&self, direction: &Vector2<f64>, point: &Vector3<f64>) -> Vector3<f64> {
         let any = Vector3::from_fn(|k, _| if k == (self.axis + 1) % 3 { 1.0 } else { 0.0 });
         let mut vector = self.across(&(point - self.center)).try_normalize(0.0).unwrap_or(any) * direction.x;
@@ -153,8 +154,8 @@ impl Geometry for Bowl {
     }
 }
 
-/// The point of a hollow sphere opposite to the nearest point. It is a second contact for the reason given at
-/// [`OppositeTube`].
+/// The point of a hollow sphere opposite to the nearest point. It is a second contact, because a particle as wide as
+/// the hollow sphere touches both points at once.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct OppositeBowl(pub Bowl);
 
@@ -170,10 +171,10 @@ impl Geometry for OppositeBowl {
     }
 }
 
-/// [s] first time t >= 0 at which a t² + 2 b t + c becomes positive. The expression is negative while the sphere does
-/// not touch the wall. At a touch (c = 0 up to rounding) the time is 0 if b exceeds `resolution`. If b is below
-/// `-resolution`, the time is that of the touch on the other side. For values between, the sphere slides, and touches
-/// as soon as its approach exceeds the resolution.
+/// [s] first time t >= 0 at which a t² + 2 b t + c becomes positive; `None` if it never does. The expression is
+/// negative while the sphere does not touch the wall. At a touch (c = 0 up to rounding) the time is 0 if b exceeds
+/// `resolution`. If b is below `-resolution`, the time is that of the touch on the other side. For values between, the
+/// sphere slides, and touches as soon as its approach exceeds `resolution`.
 fn first_way_out(a: f64, b: f64, c: f64, resolution: f64) -> Option<f64> {
     if c >= 0.0 {
         return if b > resolution {
@@ -205,13 +206,13 @@ pub struct Frustum {
     pub radii: [f64; 2],
     /// [m] half the distance between the ends.
     pub half_height: f64,
-    /// True for a solid body, false for a shell.
+    /// True for a solid body; false for a thin shell that is open at both ends.
     pub solid: bool,
 }
 
 impl Frustum {
-    /// [m] points of the outline in the half-plane. For a body the line leads from the lower end of the axis to the
-    /// upper end. For a shell it is the side alone.
+    /// [m] points of the outline, by distance from the axis and coordinate along the axis. For a solid body the outline
+    /// leads from the lower end of the axis to the upper end. For a shell it is the side alone.
     pub fn outline(&self) -> Vec<Vector2<f64>> {
         let side = [Vector2::new(self.radii[0], -self.half_height), Vector2::new(self.radii[1], self.half_height)];
         if self.solid {
@@ -221,14 +222,15 @@ impl Frustum {
         }
     }
 
-    /// [-] outward unit normal of the side, as a vector in the half-plane.
+    /// [-] outward unit normal of the side, by its components away from the axis and along the axis.
     pub(super) fn out(&self) -> Vector2<f64> {
         let side = Vector2::new(self.radii[1] - self.radii[0], 2.0 * self.half_height);
         Vector2::new(side.y, -side.x) / side.norm()
     }
 
-    /// [m] signed distances of a point from the lower end, the side and the upper end, each with the outward normal.
-    /// For a point inside the body all three are negative, and the largest belongs to the nearest surface.
+    /// [m] signed distances of the point `seen` from the lower end, the side and the upper end, each with the outward
+    /// normal. `seen` is given by distance from the axis and coordinate along the axis. Inside the body all three
+    /// distances are negative, and the largest belongs to the nearest surface.
     fn depths(&self, seen: &Vector2<f64>) -> [(f64, Vector2<f64>); 3] {
         let out = self.out();
         [
@@ -238,8 +240,9 @@ impl Frustum {
         ]
     }
 
-    /// Nearest point of the outline to a point in the half-plane. With `out` = 1 it is on the near side. With `out` =
-    /// -1 it is on the opposite side; `seen` then has the negative distance from the axis.
+    /// Point of the outline that is nearest to `point` [m], which is `seen` by distance from the axis and coordinate
+    /// along it. With `out` = 1 the point of the outline is on the near side. With `out` = -1 it is on the opposite
+    /// side, and the distance in `seen` is negative.
     fn nearest_of_side(&self, seen: &Vector2<f64>, out: f64, point: &Vector3<f64>) -> Nearest {
         let outline = self.outline();
         let ways = outline.windows(2).map(|ends| {
@@ -270,13 +273,14 @@ impl Geometry for Frustum {
         self.nearest_of_side(&seen, 1.0, point)
     }
 
-    /// One contact for a body, two for a shell: the near side and the opposite side.
+    /// Returns 1 for a solid body, and 2 for a shell: contacts on the near side and on the opposite side.
     fn contacts(&self) -> u32 {
         if self.solid { 1 } else { 2 }
     }
 
-    /// Returns the opposite side of a shell only for a sphere inside the shell or above its rim. For a sphere outside,
-    /// the near side is in front of the opposite side.
+    /// Returns the nearest point of the near side (`which` = 0) or of the opposite side of a shell. The opposite side
+    /// counts for a sphere inside the shell or above its rim. For a sphere outside, the near side is in front of the
+    /// opposite side.
     fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         let near = self.nearest(point);
         if which == 0 {

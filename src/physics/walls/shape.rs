@@ -24,7 +24,7 @@ pub struct Obstacle {
 #[derive(Clone, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum RoundBody {
-    /// A sphere with this radius [m].
+    /// A sphere, given by its radius [m].
     Sphere(f64),
     /// A box, given by half the lengths of its edges [m].
     Cuboid(Vector3<f64>),
@@ -75,8 +75,8 @@ impl Obstacle {
         (corners.into_iter().map(|corner| self.center + self.turn(&from_parry(corner))).collect(), triangles)
     }
 
-    /// Exchanges two components of a vector: y, and the component along the body's axis. A second call restores the
-    /// vector.
+    /// Exchanges two components of a vector: y, and the component along the body's axis. This converts between the axes
+    /// of the domain and those of the shape, in both directions.
     fn turn(&self, vector: &Vector3<f64>) -> Vector3<f64> {
         let mut turned = *vector;
         turned.swap((1, 0), (self.axis, 0));

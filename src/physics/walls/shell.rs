@@ -10,8 +10,8 @@ use nalgebra::{Vector2, Vector3};
 /// Number of steps of conservative advancement. This method is tried first, because it is faster for flights that are
 /// not along the shell.
 const STEPS: usize = 100;
-/// [-] largest error of the distance at a root that counts as a touch. It is relative to the radius of the sphere plus
-/// the distance of its centre from the centre of the shell.
+/// [-] largest distance of a sphere from a touch, at a root that counts as a touch. It is relative to the radius of the
+/// sphere plus the distance of its centre from the centre of the shell.
 const NEAR: f64 = 1e-9;
 
 /// [s] time of touch as [`Geometry::touch_time`] defines it, for a thin shell.
@@ -46,15 +46,15 @@ fn first_root(shell: &Frustum, flight: &Flight, radius: f64, until: f64) -> Opti
     })
 }
 
-/// Flight of a sphere's centre relative to a shell: its distance from the axis of the shell and its coordinate along
-/// the axis.
+/// Flight of a sphere's centre relative to a thin round shell. It is described by the distance from the axis of the
+/// shell and the coordinate along the axis, as polynomials in time.
 struct FlightAcrossShell {
     from: Vector3<f64>,
     /// [m², m²/s, ...] coefficients of the squared distance from the axis as a polynomial in time.
     out: [f64; 5],
     /// [m, m/s, ...] coefficients of the coordinate along the axis as a polynomial in time.
     along: [f64; 3],
-    /// [m/s] speed of the centre at the beginning.
+    /// [m/s] speed of the centre at the beginning of the flight.
     speed: f64,
 }
 
@@ -104,8 +104,8 @@ impl FlightAcrossShell {
         self.rises(&way, rim + self.out[0].sqrt() + along[0].abs(), until)
     }
 
-    /// [s] all times at which a polynomial rises to zero. Its values are squared lengths of the order of `size`² [m²].
-    /// A polynomial that is zero at time 0, up to rounding, is treated as slightly negative.
+    /// [s] all times up to `until` [s] at which a polynomial rises to zero. Its values are squared lengths of the order
+    /// of `size`² [m²]. A polynomial that is zero at time 0, up to rounding, is treated as slightly negative.
     fn rises(&self, way: &[f64], size: f64, until: f64) -> Vec<f64> {
         let mut way = way.to_vec();
         let resolution = 16.0 * f64::EPSILON * size * self.speed;

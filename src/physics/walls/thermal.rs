@@ -15,7 +15,7 @@ use serde::Serialize;
 pub struct ThermalWall {
     /// [m²/s²] temperature T_w of the wall, as the variance of a velocity component of any sphere, > 0.
     pub temperature: f64,
-    /// Seed of the velocities.
+    /// Seed of the random numbers from which velocities after impacts are drawn.
     pub seed: u64,
 }
 

@@ -10,9 +10,9 @@ const ROUNDING: f64 = 1e-9;
 /// Rotation of a wall's surface about an axis. The velocity of a point x is ω × (x - c).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Turning {
-    /// [m] a point c of the axis.
+    /// [m] a point c on the axis of the rotation.
     pub center: Vector3<f64>,
-    /// [rad/s] angular velocity ω.
+    /// [rad/s] angular velocity ω of the surface about the axis.
     pub spin: Vector3<f64>,
 }
 
@@ -29,7 +29,7 @@ impl Turning {
         self.is_about(&along) && offset.norm() <= ROUNDING * (self.center.norm() + point.norm())
     }
 
-    /// True if the axis goes through `point` [m].
+    /// True if the axis of rotation goes through `point` [m].
     pub(super) fn is_through(&self, point: &Vector3<f64>) -> bool {
         let offset = (self.center - point).cross(&self.spin);
         offset.norm() <= ROUNDING * self.spin.norm() * (self.center.norm() + point.norm())
@@ -49,7 +49,8 @@ impl Wall {
         }
     }
 
-    /// [m/s] velocity of the surface along itself, relative to the shape, at `point` [m] of the shape without displacement.
+    /// [m/s] velocity of the surface along itself, relative to the shape, at `point` [m] of the shape where the case
+    /// puts it.
     #[inline(always)]
     pub fn sliding_velocity(&self, point: &Vector3<f64>) -> Vector3<f64> {
         match &self.turning {
@@ -58,7 +59,8 @@ impl Wall {
         }
     }
 
-    /// [m/s] part of the velocity at `point` [m] by rotation. Each periodic image of a body turns about its own axis.
+    /// [m/s] part of the surface velocity at `point` [m] that comes from the rotation `turning` of the surface. Each
+    /// periodic image of a body turns about its own axis.
     fn turning_velocity(&self, turning: &Turning, point: &Vector3<f64>) -> Vector3<f64> {
         let near = match self.moving.as_ref().map_or(&self.geometry, MovingShape::shape) {
             WallGeometry::Repeated(body) => body.near(point),

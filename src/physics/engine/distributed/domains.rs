@@ -29,8 +29,9 @@ use std::sync::Arc;
 /// over the largest distance that a flying particle reaches from the middle of its flight.
 const SEEN: f64 = 4.0;
 
-/// [-] like `SEEN`, but for the first part of a run, when the distance that islands need is not yet known. Case D
-/// with 10⁶ particles needs 8, and a repeated part costs as much as a whole window.
+/// [-] distance from the block of a process within which it borrows particles of other processes in the first part of a
+/// run, in the unit of [`SEEN`]. The distance that islands need is not yet known then. Case D with 10⁶ particles needs
+/// 8, and a repeated part costs as much as a whole window.
 const SEEN_AT_FIRST: f64 = 10.0;
 
 /// Number of particles per process below which processes do not share uniform steps, because most particles would be
@@ -43,7 +44,7 @@ pub struct Domains<C> {
     pub(super) communicator: Arc<dyn Communicator>,
     /// Blocks of the box, one per process.
     pub(super) blocks: Blocks,
-    /// Distance [m] from the block within which this process borrows (copies) particles of other processes.
+    /// [m] distance from the block of this process within which it borrows (copies) particles of other processes.
     pub(super) width: f64,
     /// True if each process stores only the particles of its block; false if the lead process stores the particles of
     /// all blocks.
@@ -70,7 +71,7 @@ pub struct LocalParticles<C> {
     pub(super) strangers: FxHashMap<u32, u32>,
     /// True if all particles that have a carried contact with an own particle are in the store.
     pub complete: bool,
-    /// Region of the box in which this process knows all particles.
+    /// Region of the box in which this process stores all particles, its own and copies of others.
     pub region: Region,
 }
 
@@ -90,8 +91,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         }
     }
 
-    /// Sends a value from the lead process to all others. Returns the value of the lead process everywhere; all
-    /// processes must call this function.
+    /// Returns, in every process, the value that the lead process has passed. All processes must call this function.
     pub fn of_lead<T: Serialize + DeserializeOwned>(&self, value: T) -> T {
         unpacked(&self.communicator.broadcast(packed(&value))).unwrap_or(value)
     }
@@ -101,8 +101,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         self.communicator.is_lead()
     }
 
-    /// Replaces each sum by its total over all processes while each process stores only its own particles; otherwise
-    /// the sums stay.
+    /// Replaces each sum by its total over all processes, if each process stores only its own particles. If the lead
+    /// process stores all particles, the sums stay as they are.
     pub fn total(&self, sums: &mut [&mut ExactSum]) {
         if self.is_cut {
             self.communicator.total(sums);
@@ -114,8 +114,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         self.communicator.sum(counts);
     }
 
-    /// Replaces each value by its largest value in any process while each process stores only its own particles;
-    /// otherwise the values stay.
+    /// Replaces each value by the largest value of all processes, if each process stores only its own particles. If the
+    /// lead process stores all particles, the values stay as they are.
     pub fn largest(&self, values: &mut [f64]) {
         if self.is_cut {
             self.communicator.largest(values);
@@ -234,7 +234,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         size > 1 && self.population.count >= FEWEST * size
     }
 
-    /// Connection by which the processes exchange messages.
+    /// Connection by which the processes that share the run exchange messages.
     pub fn communicator(&self) -> Arc<dyn Communicator> {
         self.communicator.clone()
     }
@@ -255,8 +255,8 @@ impl<C> Domains<C> {
         self.blocks.corners(self.communicator.rank(), domain)
     }
 
-    /// Distance [m] from the block of another process within which own particles are copied to that process. It is
-    /// slightly larger than required.
+    /// Distance [m] from the block of another process within which own particles are copied to that process. It exceeds
+    /// `width` by a billionth, to allow for rounding.
     pub(super) fn lent(&self) -> f64 {
         self.width * (1.0 + 1e-9)
     }

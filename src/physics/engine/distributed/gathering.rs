@@ -69,8 +69,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         self.abroad = settle::<S>(lasting, work);
     }
 
-    /// Moves all particles to the lead process, so that the other processes have none. Members of islands in `members`
-    /// get their new indices.
+    /// Moves all particles and contacts to the lead process, so that the other processes have none. `members` lists the
+    /// particles that were last in islands (groups of particles that may meet); their indices are adapted.
     pub fn assemble<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, members: &mut Vec<u32>) {
         drop(self.bring_together(solver, work, members, 1));
         if !self.is_lead() {
@@ -89,8 +89,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         self.gathered = self.bring_together(solver, work, members, every);
     }
 
-    /// Restores the own particles of the lead process and their contacts in progress. Returns false if they had not
-    /// been replaced by copies.
+    /// Restores the own particles of the lead process and their contacts in progress, after [`show`](Self::show) has
+    /// replaced them by copies. Returns false, and changes nothing, if they were not replaced.
     pub fn hide(&mut self, particles: &mut Particles, lasting: &mut Vec<C>, members: &mut Vec<u32>) -> bool {
         let Some(part) = self.gathered.take() else { return false };
         (*particles, *lasting, self.abroad, *members) = (part.particles, part.lasting, part.abroad, part.members);

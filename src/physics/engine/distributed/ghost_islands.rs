@@ -21,8 +21,8 @@ pub struct HotParticleDigest {
     turns: Option<Vec<VelocityChange>>,
 }
 
-/// Calls `tell` with the result for each member of an island for which `chosen` is true, by particle index, and with
-/// the middle [m] of its flight. Members for whose middle `near` is false are left out.
+/// Calls `tell` with the result for members of islands, and with the middle [m] of their flights. A member is included
+/// if `chosen` is true for its index in the store, and `near` for the middle of its flight.
 pub fn tell<'a>(
     islands: &impl IslandFinder<'a>,
     chosen: impl Fn(u32) -> bool,
@@ -41,8 +41,8 @@ pub fn tell<'a>(
     }
 }
 
-/// True if other processes have equal results for own islands: those with a particle for which `chosen` is true, by its
-/// index. The checksums of these islands must be equal, and no further particle in the messages may meet them. `told`
+/// True if other processes have equal results for the own islands, those with a particle for whose index `chosen` is
+/// true. The checksums of these islands must be equal, and no further particle in the messages may meet them. `told`
 /// contains the messages, each with the index of its particle in this process.
 pub fn agree_with<'a>(
     islands: &impl IslandFinder<'a>,

@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 use rustc_hash::{FxHashMap, FxHashSet};
 use serde::{Deserialize, Serialize};
 
-/// Solver of soft spheres, which knows the particles of a contact.
+/// Solver of islands of soft spheres; its functions return the particles of a contact, and change their indices.
 type Solving = SoftIslands;
 
 /// Own particles of a process and its ghosts (copies of particles of other processes), while processes share uniform
@@ -111,13 +111,13 @@ impl Halo {
         self.borrowed = names.borrowed.into_iter().map(places).collect();
     }
 
-    /// Marks the particles on which the given forces act, as preparation for `pack`.
+    /// Marks the particles on which the forces in `pushes` act. [`pack`](Self::pack) reads the marks.
     pub fn mark(&mut self, pushes: &[ForceBuffer]) {
         self.pushed.resize(self.mine.len(), false);
         self.set_pushed(pushes, true);
     }
 
-    /// Removes the marks of the particles on which the given forces act.
+    /// Removes the marks of the particles on which the forces in `pushes` act.
     pub fn unmark(&mut self, pushes: &[ForceBuffer]) {
         self.set_pushed(pushes, false);
     }
@@ -131,8 +131,9 @@ impl Halo {
         }
     }
 
-    /// Packs into bytes the velocities of those particles in `lent` on which forces acted, for the process that has
-    /// copies of them. Each velocity is preceded by the number of its particle in `lent`.
+    /// Packs into bytes the velocities of the particles that another process has copied from this one, if forces acted
+    /// on them. `lent` contains the indices of these particles. Each velocity follows the number of its particle in
+    /// `lent`.
     pub fn pack(&self, lent: &[u32], particles: &Particles) -> Vec<u8> {
         let mut bytes = Vec::new();
         for (k, &place) in (0u32..).zip(lent) {

@@ -11,7 +11,7 @@ use rustc_hash::FxHashMap;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// [bytes] size of the stored length of the particles' data.
+/// [bytes] size of the number that tells how many bytes of particle data follow.
 const LENGTH: usize = 8;
 
 /// Packs all particles of this process and their contacts in progress into bytes. `home` are the contacts among them,

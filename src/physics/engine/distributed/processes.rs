@@ -75,12 +75,14 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         self.domains.as_ref().map(|domains| domains.population.clone())
     }
 
-    /// Replaces each sum by its total over all processes, while each process stores only its own particles.
+    /// Replaces each sum by its total over all processes, if each process stores only its own particles; otherwise does
+    /// nothing.
     pub fn total(&self, sums: &mut [&mut ExactSum]) {
         self.domains.iter().for_each(|domains| domains.total(sums));
     }
 
-    /// Replaces each value by its largest value in any process, while each process stores only its own particles.
+    /// Replaces each value by the largest value of all processes, if each process stores only its own particles;
+    /// otherwise does nothing.
     pub fn largest(&self, values: &mut [f64]) {
         self.domains.iter().for_each(|domains| domains.largest(values));
     }
@@ -95,8 +97,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         }
     }
 
-    /// Number of contacts in progress in all processes. `own` is the number of contacts among the particles of this
-    /// process.
+    /// Number of contacts in progress in all processes that share the run. `own` is the number of contacts among the
+    /// particles of this process.
     pub fn held(&self, own: usize) -> usize {
         let Some(domains) = self.cut_domains() else { return own };
         // a contact with a particle of another process is counted twice, once by each process
@@ -142,7 +144,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         }
     }
 
-    /// Moves all particles to the lead process. Members of islands in `members` get their new indices.
+    /// Moves all particles to the lead process. `members` lists the particles that were last in islands; their indices
+    /// are adapted.
     pub fn assemble<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, members: &mut Vec<u32>) {
         if let Some(domains) = self.domains.as_mut().filter(|domains| domains.is_cut) {
             domains.assemble(solver, work, members);
@@ -207,8 +210,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         }
     }
 
-    /// Removes the copies of particles of other processes, and contacts without own particles, after all processes have
-    /// found a part valid. Indices in `members` are adapted.
+    /// Removes the copies of particles of other processes, and the contacts of such copies, after a part (piece of the
+    /// time between two exchanges with the gas) with valid results. Indices in `members` are adapted.
     pub fn keep<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,
@@ -219,8 +222,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         self.domains.iter_mut().for_each(|domains| domains.keep(solver, work, view, members));
     }
 
-    /// Removes the copies of particles of other processes after a part that is not valid. Restores the store and the
-    /// contacts from before the copies were made.
+    /// Removes the copies of particles of other processes after a part (piece of the time between two exchanges with
+    /// the gas) whose results are not valid. Restores the store and the contacts from before the copies were made.
     pub fn give_back(&mut self, work: &mut Work<C>, view: LocalParticles<C>) {
         if let Some(domains) = &mut self.domains {
             domains.give_back(work, view);

@@ -10,7 +10,7 @@ use crate::engine::islands::Solve;
 
 /// New indices of the particles that stay in the store when others are removed.
 pub struct Stay<'a> {
-    /// For each particle, by old index, true if it stays.
+    /// True for each particle, by its old index, that stays in the store.
     mine: &'a [bool],
     /// Number of particles that stay; their new indices are below this number.
     count: u32,
@@ -42,15 +42,15 @@ impl<'a> Stay<'a> {
 }
 
 impl<C: Copy> Domains<C> {
-    /// Removes the copies of particles of other processes after a part that is not valid. Restores the store and the
-    /// contacts from before the copies were made.
+    /// Removes the copies of particles of other processes after a part (piece of the time between two exchanges with
+    /// the gas) whose results are not valid. Restores the store and the contacts from before the copies were made.
     pub fn give_back(&mut self, work: &mut Work<C>, view: LocalParticles<C>) {
         work.particles.truncate(view.count);
         (*work.lasting, self.abroad) = view.lasting;
     }
 
-    /// Removes the copies of particles of other processes, and contacts without own particles, after all processes have
-    /// found a part valid. Indices in `members` are adapted.
+    /// Removes the copies of particles of other processes, and the contacts of such copies, after a part (piece of the
+    /// time between two exchanges with the gas) with valid results. Indices in `members` are adapted.
     pub fn keep<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,
@@ -62,14 +62,15 @@ impl<C: Copy> Domains<C> {
         *members = members.iter().filter_map(|&place| stay.place(place)).collect();
     }
 
-    /// Removes all particles for which `mine` (by index) is false, and contacts that involve only such particles.
-    /// Contacts with one such particle are moved to `abroad`.
+    /// Removes all particles for which `mine` (one entry per index) is false, and contacts that involve no other
+    /// particles. Contacts between a removed particle and one that stays are moved to `abroad`.
     pub fn keep_own<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, mine: &[bool]) {
         drop(self.keep_some(solver, work, mine));
     }
 
-    /// Removes all particles for which `mine` (by index) is false, and contacts that involve only such particles.
-    /// Contacts with one such particle are moved to `abroad`. Returns the new indices.
+    /// Removes all particles for which `mine` (one entry per index) is false, and contacts that involve no other
+    /// particles. Contacts between a removed particle and one that stays are moved to `abroad`. Returns the new
+    /// indices.
     pub(super) fn keep_some<'a, S: Solve<Carried = C>>(
         &mut self,
         solver: &S,

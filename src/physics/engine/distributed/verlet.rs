@@ -50,7 +50,7 @@ impl SharedSteps {
 /// Exchange of data with other processes within the uniform time steps of one window, the time between two exchanges
 /// with the gas.
 pub struct OtherProcesses<'a> {
-    /// Division of the run among processes.
+    /// Division of the run among the processes that share it.
     domains: &'a mut Domains<Contact>,
     /// Contacts in progress among the particles of this process.
     lasting: &'a mut Vec<Contact>,
@@ -102,8 +102,8 @@ impl<'a> OtherProcesses<'a> {
         ListSettings::together(own, sizes, scene, between_uses, &*self.communicator)
     }
 
-    /// Builds the neighbour list again with the settings `plan`; each process builds its share. Particles that have
-    /// left a block are first sent to the process that owns their new block.
+    /// Builds the neighbour list again with the settings `plan`; each process builds the part for its own particles.
+    /// Particles that have left a block are first sent to the process that owns their new block.
     fn rebuild_by(&mut self, plan: &ListSettings, solver: &mut SoftSolver, particles: &mut Particles, scene: &Scene) {
         let (mut log, mut record) = (Log::default(), Record::default());
         let mut work = Work { particles, scene, lasting: &mut *self.lasting, log: &mut log, record: &mut record };

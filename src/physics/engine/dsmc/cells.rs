@@ -36,16 +36,16 @@ const MOST_CELLS: f64 = 1024.0;
 /// Number of cells that a thread treats as one piece of work.
 pub const PIECE: usize = 256;
 
-/// Sizes of all particles of a run.
+/// Summary of the radii of all particles of a run, from which the sizes of cells follow.
 #[derive(Clone, Copy, Debug)]
 pub struct RadiusSummary {
     /// [m] smallest and largest radius of any particle.
     pub range: [f64; 2],
     /// [m] mean radius, and [m²] mean square of the radii.
     mean: [f64; 2],
-    /// [m³] volume of all particles.
+    /// [m³] sum of the volumes of all particles.
     volume: f64,
-    /// Number of particles.
+    /// Number of particles of the run.
     count: usize,
 }
 
@@ -84,7 +84,7 @@ impl RadiusSummary {
 /// Local crowding of particles around a pair, from which the contact value (Enskog factor) of the pair follows.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Crowding {
-    /// [-] volume fraction φ.
+    /// [-] volume fraction φ of the particles around the pair.
     pub fraction: f64,
     /// [1/m] ξ_2 = π/6 Σ n_i d_i², where n_i is the number density of particles with diameter d_i.
     pub second_moment: f64,
@@ -103,7 +103,7 @@ impl Crowding {
 pub struct CollisionCells {
     grid: CellGrid,
     region: Region,
-    /// Number of cells along each axis.
+    /// Number of cells along each of the three axes.
     pub count: [usize; 3],
     /// Indices in the store of all particles, cell by cell. Within a cell they are in the order of the store.
     pub order: Vec<u32>,
@@ -116,8 +116,8 @@ pub struct CollisionCells {
 }
 
 impl CollisionCells {
-    /// Makes the cells for particles of these sizes, still without particles. The settings may give the numbers of
-    /// cells.
+    /// Makes empty cells for particles of the sizes `sizes`. The numbers of cells along the axes are those in the
+    /// settings, or are chosen from the scene and the sizes.
     pub fn new(scene: &Scene, sizes: &RadiusSummary, settings: &DsmcSettings) -> Self {
         let [low, high] = corners(scene, 0.0);
         // limits the radius, so that a box narrower than its particles keeps some width
@@ -136,7 +136,7 @@ impl CollisionCells {
         }
     }
 
-    /// Sorts the particles into the cells.
+    /// Sorts the particles into the cells by their positions.
     pub fn sort(&mut self, particles: &Particles) {
         self.grid.sort_among(&particles.position, |x| *x, &self.region, self.count, &mut self.order);
     }

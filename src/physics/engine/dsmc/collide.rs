@@ -13,16 +13,16 @@ use rand::rngs::ChaCha8Rng;
 use rand_distr::{Distribution, Exp1, UnitDisc};
 use std::f64::consts::PI;
 
-/// Data on which the collisions in one cell depend.
+/// Data of one cell, on which the collisions of its particles depend.
 #[derive(Clone, Copy)]
 pub struct CellState<'a> {
-    /// Particles of the run.
+    /// All particles of the run.
     pub particles: &'a Particles,
     /// Scene of the run.
     pub scene: &'a Scene,
     /// Indices in the store of the particles in the cell.
     pub members: &'a [u32],
-    /// Part [m³] of the cell's volume in which centres of particles can be.
+    /// [m³] part of the cell's volume in which centres of particles can be.
     pub open: f64,
     /// Local volume fraction, from which the Enskog factor follows; `None` if that factor is left out.
     pub crowding: Option<Crowding>,
@@ -43,11 +43,11 @@ pub struct CellCollisions {
     /// [1/s] sum of the expected collision rates of all particles in the cells, which is twice the expected number of
     /// collisions per time.
     pub rate: f64,
-    /// True if a velocity is not a finite number.
+    /// True if the velocity of a particle in the cells is not a finite number, so that the collisions are not valid.
     pub broken: bool,
 }
 
-/// Scratch memory of a thread, used for one cell after the other.
+/// Scratch memory of a thread, used for the collisions in one cell after another.
 #[derive(Default)]
 pub struct CellMemory {
     velocity: Vec<Vector3<f64>>,

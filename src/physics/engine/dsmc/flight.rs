@@ -28,12 +28,12 @@ pub struct FlightTime {
     pub duration: f64,
 }
 
-/// Walls of a scene, prepared for the flight of particles.
+/// Walls of a scene, sorted into flat and other walls for the flight of particles.
 pub struct FlightWalls {
     near: NearWalls,
     /// All flat walls of the scene.
     planes: Vec<Plane>,
-    /// True if all walls are flat.
+    /// True if all walls of the scene are flat.
     are_flat: bool,
 }
 

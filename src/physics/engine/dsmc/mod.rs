@@ -61,7 +61,7 @@ struct DsmcSetup {
 }
 
 impl Dsmc {
-    /// Makes an engine whose collisions are drawn with this seed.
+    /// Makes an engine whose random collisions follow from the seed `seed`.
     pub fn new(settings: DsmcSettings, seed: u64) -> Self {
         let (times, clock) = (EngineTimes::default(), Clock::default());
         Self { settings, seed, state: DsmcState::default(), setup: None, times, clock }
@@ -131,7 +131,8 @@ impl Dsmc {
         Ok(())
     }
 
-    /// [s] longest step between collisions: the set fraction of the mean time between two collisions of a particle.
+    /// [s] longest step between collisions: a fraction, which the settings give, of the mean time between two
+    /// collisions of a particle.
     fn longest_step(&mut self, particles: &mut Particles, scene: &Scene) -> Result<f64, NotFinite> {
         if self.state.rate.is_none() {
             self.collide(particles, scene, 0.0, &mut Log::default())?;
@@ -263,7 +264,8 @@ impl Engine for Dsmc {
         Ok(())
     }
 
-    /// The cells follow from the sizes and the number of the particles, so they are made anew.
+    /// Discards the cells, which follow from the sizes and the number of the particles. They are made anew in the next
+    /// window.
     fn repopulate(&mut self, _place_of: &[Option<u32>]) -> f64 {
         self.setup = None;
         0.0

@@ -21,7 +21,7 @@ pub struct Calendar {
 }
 
 impl Calendar {
-    /// Removes all coming touches from the queue.
+    /// Removes all coming touches from the event queue.
     pub fn clear(&mut self) {
         self.queue.clear();
     }

@@ -36,7 +36,7 @@ const COLLAPSE_IMPACTS: u32 = 1_000_000;
 pub struct Recent {
     /// Index of the particle in the particle store.
     pub place: u32,
-    /// Simulated time [s] of the particle's last collision.
+    /// [s] simulated time of the particle's last collision.
     pub time: f64,
 }
 
@@ -55,7 +55,7 @@ pub struct LastCollision {
     /// [m] time between the last two impacts of the particle, times the speed of approach at the last impact. It
     /// measures the length of the flight relative to the other body.
     flown: f64,
-    /// Simulated time [s] of the particle's last collision; minus infinity before its first collision.
+    /// [s] simulated time of the particle's last collision; minus infinity before its first collision.
     pub last: f64,
 }
 
@@ -90,7 +90,8 @@ impl LastCollision {
 }
 
 /// Speed [m/s] at which a particle slides along a curved wall, hitting the wall at ever smaller angles. Impacts then
-/// accumulate although no particle comes to rest. `None` if the collision is not of this kind.
+/// accumulate although no particle comes to rest. `None` if the wall is flat, if the particle does not slide, or at a
+/// particle.
 pub fn sliding(collision: &Collision, scene: &Scene) -> Option<f64> {
     /// [-] ratio of tangential speed to speed of approach above which a particle slides along a curved wall.
     const FLAT: f64 = 1e3;
@@ -106,7 +107,7 @@ pub struct Collapsed {
     /// Number of impacts of the particle since the start of its window (time between two exchanges with the gas),
     /// island or flight.
     pub impacts: u32,
-    /// Time [s] between the last two impacts of the particle.
+    /// [s] time between the last two impacts of the particle.
     pub interval: f64,
     /// Contact time [s] of the TC model, in which a collision is elastic soon after another one; `None` without this
     /// model.

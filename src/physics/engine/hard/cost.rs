@@ -45,8 +45,8 @@ pub fn fallback_cost(
     Some(if population.mixed { one_calendar(population, speeds, window) } else { f64::INFINITY })
 }
 
-/// True if the event queue of all particles remains valid from one window to the next. Drag, lift, a thermostat, and buoyancy of
-/// species of different densities change the velocities between two windows; the predicted events are then wrong.
+/// True if the predicted events of the event queue of all particles stay valid from one window to the next. They do not
+/// if kicks change velocities between windows: drag, lift, a thermostat, or buoyancy of species of different densities.
 pub fn lasts(scene: &Scene) -> bool {
     !scene.is_kicked()
 }

@@ -19,14 +19,14 @@ use nalgebra::Vector3;
 /// gravity from the start of the part (piece of the time between two exchanges with the gas).
 #[derive(Clone, Copy, Debug)]
 pub struct DeflectedFlight {
-    /// Index of the particle in its island.
+    /// Local index of the particle in its island.
     pub place: u32,
-    /// Time [s] of the collision with which the flight begins, since the start of the part.
+    /// [s] time of the collision with which the flight begins, since the start of the part.
     pub time: f64,
-    /// Position [m] that the particle would have had at the start of the part if it had always moved on the line of
+    /// [m] position that the particle would have had at the start of the part if it had always moved on the line of
     /// this flight.
     pub origin: Vector3<f64>,
-    /// Velocity [m/s] of the particle after the collision.
+    /// [m/s] velocity of the particle after the collision.
     pub velocity: Vector3<f64>,
 }
 
@@ -36,7 +36,7 @@ pub struct DeflectedFlight {
 pub struct WindowPart {
     /// The window from the start of this part on; its start is the zero of times in the event loop.
     pub window: Window,
-    /// Length [s] of the part.
+    /// [s] length of the part, from its start to its end.
     pub end: f64,
 }
 
@@ -174,15 +174,15 @@ impl EventLoop {
         (end, Ok(None))
     }
 
-    /// Number of the surface feature (such as a triangle of a mesh) that the particle at a slot will touch next; 0 if
-    /// the slot, a number in the neighbour list, is that of a pair.
+    /// Number of the surface feature (such as a triangle of a mesh) that the particle at the slot `slot` will touch
+    /// next. A slot is the number of a candidate in the neighbour list. 0 for a pair of particles.
     fn place(&self, slot: usize) -> u32 {
         let near = slot.checked_sub(self.list.pairs.len());
         near.and_then(|near| self.places.get(near)).copied().unwrap_or_default()
     }
 
-    /// Puts the next touch of the two bodies at a slot (number in the neighbour list) into the event queue; `None` if
-    /// they will not touch. The time of the touch is in s since the start of the part.
+    /// Puts the next touch of the two bodies at `slot` (their number in the neighbour list) into the event queue. With
+    /// `None` for `touch`, no touch is coming. The time of the touch is in s since the start of the part.
     fn predict_events(&mut self, slot: usize, touch: Option<Touch>) {
         if let (Some(near), Some(touch)) = (slot.checked_sub(self.list.pairs.len()), touch) {
             self.places[near] = touch.place;

@@ -43,7 +43,7 @@ pub struct Collision {
     /// Motion of the wall's surface at the point of contact: velocity, spin and accelerations. `None` if the other body
     /// is a particle.
     pub wall: Option<WallMotion>,
-    /// Velocity [m/s] along z of the periodic image that particle `i` hits, relative to the stored other particle. It
+    /// [m/s] velocity along z of the periodic image that particle `i` hits, relative to the stored other particle. It
     /// is 0 unless the two meet across a sheared side of the box ([`Couple::image_velocity`]).
     pub image: f64,
 }
@@ -51,14 +51,14 @@ pub struct Collision {
 /// Masses and lengths of two colliding bodies that determine their impulse and the recorded overlap.
 #[derive(Clone, Copy, Debug)]
 pub struct CollisionMasses {
-    /// Mass [kg] of particle `i`.
+    /// [kg] mass of particle `i`.
     pub mass: f64,
     /// Mass [kg] of the other particle; `None` for a wall.
     pub other: Option<f64>,
-    /// Smaller of the two diameters [m], by which recorded overlaps are divided; at a wall the diameter of the
+    /// [m] smaller of the two diameters, by which recorded overlaps are divided; at a wall the diameter of the
     /// particle.
     pub diameter: f64,
-    /// Distance [m] between the centres at touch; at a wall the radius of the particle.
+    /// [m] distance between the centres at touch; at a wall the radius of the particle.
     pub reach: f64,
 }
 
@@ -110,8 +110,8 @@ impl Collision {
         changes
     }
 
-    /// This collision with the normal of a randomly inclined facet of a rough wall in place of the wall's smooth
-    /// normal; `None` if the other body is a particle or a smooth wall.
+    /// Returns the collision with a randomly inclined facet of a rough wall: its normal replaces the normal of the
+    /// smooth wall. `None` if the second body is a particle or a smooth wall.
     fn on_facet(&self, particles: &Particles, scene: &Scene) -> Option<Self> {
         let Other::Wall(AtWall { wall, .. }) = self.couple.other else { return None };
         let roughness = scene.walls[wall as usize].roughness?;

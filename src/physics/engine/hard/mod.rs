@@ -36,7 +36,7 @@ pub type Hard = Driver<HardSolver>;
 /// Method by which the engine moves the particles through each window, the time between two exchanges with the gas.
 #[derive(Clone, Copy, PartialEq)]
 enum WindowMethod {
-    /// In each window, the method with the lower estimated cost.
+    /// In each window, islands or one event queue, whichever has the lower estimated cost.
     Cheaper,
     /// Islands (groups of particles that may meet, each with an event queue of its own) whenever this is possible.
     Islands,
@@ -161,11 +161,12 @@ impl Solver for HardSolver {
         self.memory.outdated = true;
     }
 
-    /// Does nothing, because the calendar sees from the ids that it must be made anew. It then keeps the whole collision
-    /// histories, which an outdated calendar would not.
+    /// Does nothing, because the event queue of all particles compares the ids, and so finds that it must be made anew.
+    /// It then keeps the whole collision histories.
     fn repopulate(&mut self) {}
 
-    /// Does nothing, because recent collisions are already returned at the end of each window.
+    /// Does nothing, because the recent collisions are returned at the end of each window in which all particles were
+    /// moved at once.
     fn hand_over(&mut self, _lasting: &mut Vec<Recent>) {}
 
     fn for_each_kept(&self, _visit: &mut dyn FnMut(Recent)) {}

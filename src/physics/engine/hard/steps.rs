@@ -52,20 +52,21 @@ impl SteppedHard {
         theta * diameter / (8.0 * agitation / (3.0 * PI)).sqrt()
     }
 
-    /// Number of equal steps of at most `longest` [s] in a window of `duration` [s]; at least one.
+    /// Number of equal steps, each of at most `longest` [s], into which a window of `duration` [s] is divided; at least
+    /// one.
     fn steps(longest: f64, duration: f64) -> f64 {
         (duration / longest - 1e-9).ceil().max(1.0)
     }
 
-    /// [-] factor θ of the steps that a window of `duration` [s] really has. It is at most the `theta` asked for, because
-    /// a window has a whole number of steps.
+    /// [-] factor θ in the criterion Δt = θ d/u_r, for the steps that a window of `duration` [s] really has. It is at
+    /// most `theta`, because a window has a whole number of steps.
     pub fn theta_of_window(theta: f64, particles: &Particles, scene: &Scene, duration: f64) -> f64 {
         let longest = Self::longest_step(theta, particles, scene, duration);
         theta * duration / (longest * Self::steps(longest, duration))
     }
 
-    /// Number of pairs that the time step has missed. These touched and came nearest to each other within the last step
-    /// of `dt` [s], but separate at its end. They receive no impulse, even if they still overlap.
+    /// Number of pairs that the time step has missed. Such a pair touched and came nearest within the last step of `dt`
+    /// [s], but separates at its end. It receives no impulse, even if the two particles still overlap.
     fn missed(&self, particles: &Particles, scene: &Scene, dt: f64) -> u64 {
         let passed = |pair: &&Pair| {
             let (i, j) = (pair.i as usize, pair.j as usize);

@@ -51,10 +51,10 @@ pub struct HybridIslands {
     many: Steps,
 }
 
-/// Rule that decides which touches are instantaneous.
+/// Rule that decides which touches of two bodies are instantaneous impulses, and which begin soft contacts.
 pub struct Impulses {
     law: ContactLaw,
-    /// [-] clearance θ: time for which no other body may come near, over the duration of the contact.
+    /// [-] clearance θ: time for which no other body may come near the two bodies, over the duration of their contact.
     clearance: f64,
 }
 

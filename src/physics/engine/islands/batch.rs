@@ -33,7 +33,7 @@ pub struct Stop {
     pub place: u32,
     /// True if the particle is a bystander, which was expected to fly straight; false if it is a member of the island.
     pub bystander: bool,
-    /// Speed [m/s] of the particle, relative to the moving frame in which speed limits are given.
+    /// [m/s] speed of the particle, relative to the moving frame in which speed limits are given.
     pub speed: f64,
 }
 
@@ -54,7 +54,7 @@ impl From<Failure> for GivenUp {
     }
 }
 
-/// Place in memory of the result of a solved island.
+/// Place in memory of the result of a solved island (group of particles that may meet).
 #[derive(Clone, Copy)]
 pub struct IslandResult {
     /// Number of the batch (islands that one thread has solved) that contains the result.
@@ -66,7 +66,7 @@ pub struct IslandResult {
     pub counts: bool,
 }
 
-/// Change of an island before it is solved again in the same interval of time.
+/// Change of an island (group of particles that may meet) before it is solved again in the same part of the window.
 pub enum Retry {
     /// Particles for which the result is wrong: bystanders that were hit become members of the island, and members that
     /// were too fast get a higher speed limit.
@@ -94,9 +94,9 @@ pub struct Solved {
     pub crowd_steps: u64,
     /// Number of contact forces computed in uniform steps, if the island is a crowd.
     pub crowd_forces: u64,
-    /// Number of gaps and times of touch computed.
+    /// Number of gaps and times of touch that were computed for the island.
     pub pair_checks: u64,
-    /// Number of contact forces computed in contact steps.
+    /// Number of contact forces that were computed in contact steps of the island.
     pub force_evaluations: u64,
     /// Number of particles moved by stages of contact steps, plus the number of gaps checked after steps. It measures
     /// the work.
@@ -133,33 +133,34 @@ impl<C> Batch<C> {
 /// Results of all islands (groups of particles that may meet) for a part, a piece of the time between two exchanges
 /// with the gas.
 pub struct IslandResults<'a, C> {
-    /// Places of the results of the islands in `batches`.
+    /// Places, in `batches`, of the results of all islands.
     pub landing: &'a Landing,
     /// Results of the islands; one thread has solved all islands of a batch.
     pub batches: &'a [Batch<C>],
-    /// Velocity [m/s] that gravity adds from the last exchange with the gas to the end of the part. Velocities in the
+    /// [m/s] velocity that gravity adds from the last exchange with the gas to the end of the part. Velocities in the
     /// particle store do not contain it yet.
     pub fallen: Vector3<f64>,
 }
 
-/// Impacts and other results of several islands, apart from the new positions and velocities of their members.
+/// Results of several islands (groups of particles that may meet), apart from the new positions and velocities of their
+/// members: impacts, carried contacts and counts.
 pub struct Notes<C> {
     /// Indices in the particle store of the members of the islands.
     pub members: Vec<u32>,
     /// Contacts or recent collisions that are carried into the next part; they contain indices of particles in the
     /// store.
     pub lasting: Vec<C>,
-    /// Impacts that have ended in these islands, each with the kinds of its two bodies.
+    /// Impacts of these islands, each with the kinds (species or wall) of its two bodies.
     pub impacts: Vec<(Between, Impact)>,
-    /// Energies and momenta of all these islands (ledgers), condensed to a few rows with the same exact sums.
+    /// Energies and momenta of all these islands (ledgers), condensed to a few rows whose exact sums are those of all.
     pub ledger: Vec<[f64; ENTRIES]>,
     /// Counts of the work in these islands and of their members.
     pub counts: IslandCounters,
 }
 
 impl<C: Copy + Send + Sync> IslandResults<'_, C> {
-    /// Collects the impacts, counts and carried contacts of all islands, in their order. Returns one [`Notes`] for each
-    /// group of islands.
+    /// Collects the impacts, counts and carried contacts of all islands, in the order of the islands. Returns one
+    /// [`Notes`] for each group of islands that a thread treats as one piece of work.
     pub fn notes(&self) -> Vec<Notes<C>> {
         work_sharing::map(self.landing.kept.chunks(BLOCK), |some| self.notes_of(some))
     }
@@ -217,7 +218,7 @@ impl<C: Copy + Send + Sync> IslandResults<'_, C> {
         });
     }
 
-    /// New state of the member of an island with this label; `None` if its island has no result.
+    /// New state of the island member that has the label `label`; `None` if its island has no result.
     fn state(&self, label: Label) -> Option<&HotParticle> {
         let (kept, number) = self.landing.of_member[label.member()]?;
         let IslandResult { batch, number: which, .. } = self.landing.kept[kept as usize];
@@ -226,7 +227,7 @@ impl<C: Copy + Send + Sync> IslandResults<'_, C> {
     }
 }
 
-/// Memory in which one thread solves one island after the other.
+/// Memory in which one thread solves one island (group of particles that may meet) after another.
 pub struct Workbench<S: Solve> {
     island: Island<S::Carried>,
     scratch: S::Scratch,
@@ -244,10 +245,10 @@ pub struct Task<'a, S: Solve> {
     pub solver: &'a S,
     pub scene: &'a Scene,
     pub window: Window,
-    /// Velocity [m/s] that gravity adds from the last exchange with the gas to the start of the part. Velocities in the
+    /// [m/s] velocity that gravity adds from the last exchange with the gas to the start of the part. Velocities in the
     /// particle store do not contain it yet.
     pub fallen: Vector3<f64>,
-    /// Length [s] of the part.
+    /// [s] length of the part.
     pub part: f64,
     /// Contacts or recent collisions at the start of the part, for all islands; they contain indices of particles in
     /// the store.
@@ -315,8 +316,8 @@ impl<S: Solve> Workbench<S> {
     }
 }
 
-/// Adds a carried item, such as a contact in progress, to an island. Returns false, and adds nothing, if one of its
-/// particles is not in the island.
+/// Adds the carried item `carried`, such as a contact in progress, to an island (group of particles that may meet).
+/// Returns false, and adds nothing, if one of the item's particles is not in the island.
 fn take_in<S: Solve>(island: &mut Island<S::Carried>, carried: &S::Carried) -> bool {
     let known = S::places(carried).into_iter().flatten().all(|place| island.local(place).is_some());
     if known {

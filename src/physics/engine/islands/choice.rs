@@ -11,11 +11,11 @@ use std::sync::Arc;
 /// Typical and largest speed of all particles, for estimates of costs.
 #[derive(Clone, Copy, Serialize, Deserialize)]
 pub struct SpeedSummary {
-    /// Velocity [m/s] of the frame in which speeds are measured: the mean velocity of all particles along the walls.
+    /// [m/s] velocity of the frame in which speeds are measured: the mean velocity of all particles along the walls.
     pub frame: Vector3<f64>,
-    /// Root of the mean square speed [m/s] of all particles relative to the frame.
+    /// [m/s] root of the mean square speed of all particles relative to the frame.
     pub mean: f64,
-    /// Largest speed [m/s] of any particle relative to the frame.
+    /// [m/s] largest speed of any particle relative to the frame.
     pub largest: f64,
 }
 
@@ -26,17 +26,17 @@ pub struct IslandCost {
     pub population: Arc<PopulationSummary>,
     /// Summary of the velocities of all particles.
     pub speeds: SpeedSummary,
-    /// Cost [ns/s] of the classical algorithm, per particle and simulated time.
+    /// [ns/s] cost of the classical algorithm (all particles at once), per particle and simulated time.
     pub fallback_cost: f64,
 }
 
 /// A part: a piece of a window (time between two exchanges with the gas) for which islands are found and solved.
 pub struct WindowPiece<'a> {
-    /// Time [s] from the start of the window to the start of the part.
+    /// [s] time from the start of the window to the start of the part.
     pub elapsed: f64,
-    /// Length [s] of the part.
+    /// [s] length of the part (piece of a window).
     pub part: f64,
-    /// Estimate of the number of pairs that the search for touching particles will check in the part.
+    /// Estimated number of pairs that the search for touching particles will check in this part.
     pub foreseen: u64,
     /// Summary of the sizes of all particles.
     pub population: &'a PopulationSummary,
@@ -55,15 +55,15 @@ impl WindowPiece<'_> {
 
 /// Data for the choice of the length of a part, a piece of the time between two exchanges with the gas.
 pub struct PartLimits {
-    /// Time [s] from the start of the part to the end of the window, which the part cannot exceed.
+    /// [s] time from the start of the part to the end of the window, which the part cannot exceed.
     pub left: f64,
-    /// Cost [ns/s] of the classical algorithm (all particles at once), per particle and simulated time. Islands must be
+    /// [ns/s] cost of the classical algorithm (all particles at once), per particle and simulated time. Islands must be
     /// cheaper.
     pub fallback_cost: f64,
     /// Number of contacts in progress. In every part their particles are copied into a crowd (an island moved by
     /// uniform steps) and back.
     pub held: usize,
-    /// Measured costs of the work in islands.
+    /// Measured costs of finding and solving islands, by which the length is chosen.
     pub costs: PartCosts,
 }
 
@@ -103,12 +103,12 @@ const STRAINED: f64 = 0.1;
 /// up to a fifth.
 const STRAINED_ROOM: f64 = 0.8;
 
-/// The length of a part (piece of the time between two exchanges with the gas) with the lowest cost per simulated time.
+/// Length of a part (piece of the time between two exchanges with the gas) that has the lowest cost per simulated time.
 #[derive(Clone, Copy)]
 pub struct Cheapest {
-    /// Length [s] of the part.
+    /// [s] length of the part.
     pub part: f64,
-    /// Expected number [-] of pairs per particle that the search for touching particles checks.
+    /// [-] expected number of pairs per particle that the search for touching particles checks.
     pub pairs: f64,
 }
 

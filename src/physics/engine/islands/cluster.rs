@@ -53,7 +53,8 @@ pub struct Member {
     turns: Option<Range<usize>>,
 }
 
-/// Short list of indices. The first four are stored in place, so most islands need no memory on the heap.
+/// Short list of indices. Up to four indices are stored in the list itself, so that most islands need no memory on the
+/// heap.
 pub type Few = SmallVec<[u32; 4]>;
 
 /// An island (group of particles that may meet) while it is being found: its members, and bounds on their speeds.
@@ -83,7 +84,7 @@ pub struct Cluster {
     /// or was too expensive.
     pub(in crate::engine) lasts: bool,
     pub(in crate::engine) alive: bool,
-    /// Place of the island's result; `None` as long as there is no valid result.
+    /// Place of the island's result in the batches of results; `None` as long as there is no valid result.
     solved: Option<IslandResult>,
     /// Number of changes of the island so far. Data computed for an earlier version are outdated.
     version: u32,
@@ -100,9 +101,9 @@ impl Cluster {
     }
 }
 
-/// Places of the results of all islands, by island and by member.
+/// Places, in the batches of results, of the results of all islands (groups of particles that may meet).
 pub struct Landing {
-    /// Place of the result of each solved island.
+    /// Place of the result of each solved island, in the order of the islands.
     pub kept: Vec<IslandResult>,
     /// For each member, the number of its island in `kept`, and its number in that island; `None` if the island has no
     /// result.
@@ -113,11 +114,11 @@ pub struct Landing {
 pub struct Space<'a> {
     /// Scene with walls, box and gravity at the start of the part.
     pub scene: &'a Scene,
-    /// Velocity [m/s] of the moving frame in which speeds are measured.
+    /// [m/s] velocity of the moving frame in which speeds are measured.
     pub frame: Vector3<f64>,
-    /// Length [s] of the part.
+    /// [s] length of the part.
     pub part: f64,
-    /// Mass [kg] of the lightest particle of the run.
+    /// [kg] mass of the lightest particle of the run.
     pub lightest: f64,
 }
 
@@ -215,8 +216,8 @@ impl<'a> Clusters<'a> {
         which
     }
 
-    /// Number of a particle's island. If the particle is in none, a new island of this particle is made, with its
-    /// energy and speed.
+    /// Number of the island of the particle at index `place`. If the particle is in no island, a new island of this
+    /// particle is made, with its energy and speed.
     fn cluster_of(&mut self, place: u32) -> usize {
         let is_new = self.search.label[place as usize].is_none();
         let which = self.named(place);
@@ -228,8 +229,8 @@ impl<'a> Clusters<'a> {
         which
     }
 
-    /// Number of a particle's island. If the particle is in none, a new island of this particle is made, still without
-    /// its energy and speed.
+    /// Number of the island of the particle at index `place`. If the particle is in no island, a new island of this
+    /// particle is made; its energy and speed are not yet set.
     fn named(&mut self, place: u32) -> usize {
         self.found(place).unwrap_or_else(|| {
             let which = self.open();
@@ -238,7 +239,7 @@ impl<'a> Clusters<'a> {
         })
     }
 
-    /// Number of a particle's island; `None` if the particle is in none.
+    /// Number of the island of the particle at index `place`; `None` if the particle is in no island.
     fn found(&self, place: u32) -> Option<usize> {
         let label = self.search.label[place as usize]?;
         Some(self.members[label.member()].cluster as usize)
@@ -253,7 +254,7 @@ impl<'a> Clusters<'a> {
         self.members.push(Member { place, cluster, flight, ball: flight, around: 0.0, took_in: 0.0, turns: None });
     }
 
-    /// Makes an island without members, and returns its number.
+    /// Makes a new island without members, and returns its number.
     fn open(&mut self) -> usize {
         self.list.push(Cluster {
             hot: Few::new(),
@@ -275,8 +276,8 @@ impl<'a> Clusters<'a> {
         self.list.len() - 1
     }
 
-    /// Unites two islands: the members and contacts of the one with fewer members move to the other, whose number is
-    /// returned.
+    /// Unites the islands with the numbers `a` and `b`. The members and contacts of the island with fewer members move
+    /// to the other island, whose number is returned.
     fn unite(&mut self, a: usize, b: usize) -> usize {
         if a == b {
             return a;
@@ -304,8 +305,8 @@ impl<'a> Clusters<'a> {
         into
     }
 
-    /// Numbers of the islands without a valid result that this process has to solve. It solves an island only if it
-    /// stores all particles around it.
+    /// Numbers of the islands without a valid result that this process has to solve. A process solves an island only if
+    /// it stores all particles around the island.
     pub fn unsolved(&self) -> Vec<usize> {
         let sees_all = self.search.region.is_all();
         let sight = if sees_all { 0.0 } else { self.reach().sight() };
@@ -313,12 +314,12 @@ impl<'a> Clusters<'a> {
         unsolved.map(|(which, _)| which).filter(|&which| sees_all || self.room(which) >= sight).collect()
     }
 
-    /// Number of members of an island.
+    /// Number of members of the island with the number `which`.
     pub fn members(&self, which: usize) -> usize {
         self.list[which].hot.len()
     }
 
-    /// Numbers of the carried contacts (or recent collisions) that belong to an island.
+    /// Numbers of the carried contacts (or recent collisions) that belong to the island with the number `which`.
     pub fn carried(&self, which: usize) -> &[u32] {
         &self.list[which].carried
     }
@@ -328,7 +329,7 @@ impl<'a> Clusters<'a> {
         self.list[which].solved = Some(result);
     }
 
-    /// Removes the marks of members from all particles, without using the results of the islands.
+    /// Removes the labels of members from all particles, and discards the results of the islands.
     pub fn release(self) {
         for member in &self.members {
             self.search.label[member.place as usize] = None;

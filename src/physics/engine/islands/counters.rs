@@ -19,7 +19,7 @@ pub struct IslandCounters {
     pub pair_checks: u64,
     /// Number of pairs, and of particles with walls, that were checked in searches for touches.
     pub searched: u64,
-    /// Number of contact forces computed in contact steps of other islands.
+    /// Number of contact forces computed in contact steps of small islands, which are not moved by uniform steps.
     pub force_evaluations: u64,
     /// Number of particles moved by stages of contact steps, plus the number of gaps checked after steps. It measures
     /// the work.
@@ -31,9 +31,9 @@ pub struct IslandCounters {
     pub neighbour_builds: u64,
     /// Number of islands with a valid result; an island is counted once per interval for which it is solved.
     pub islands: u64,
-    /// Sum of the numbers of members of these islands.
+    /// Sum of the numbers of members of all islands that `islands` counts.
     pub members: u64,
-    /// Number of members of the largest island.
+    /// Number of members of the largest island that was solved.
     pub largest: u64,
     /// Number of islands whose result was discarded, because a particle met an unexpected particle or exceeded its
     /// speed limit.
@@ -50,7 +50,7 @@ impl IslandCounters {
         self.largest = largest;
     }
 
-    /// Borrows all counts that are sums over islands; the others are equal in all processes, or a maximum.
+    /// Borrows all counts that are sums over islands. The remaining counts are equal in all processes, or a maximum.
     pub fn sums(&mut self) -> [&mut u64; 11] {
         let Self { events, impulses, crowd_steps, crowd_forces, pair_checks, searched, .. } = self;
         let Self { force_evaluations, updates, islands, members, redone, .. } = self;
@@ -69,7 +69,7 @@ impl IslandCounters {
         ]
     }
 
-    /// Adds the work of solving one island once, also if its result is not valid.
+    /// Adds the work of solving one island once. The work counts also if the result is not valid.
     pub fn count(&mut self, solved: &Solved) {
         self.events += solved.events;
         self.impulses += solved.impulses;
@@ -80,7 +80,7 @@ impl IslandCounters {
         self.updates += solved.updates;
     }
 
-    /// Returns the counts that have equal meanings in all engines.
+    /// Returns those counts whose meaning is equal in all engines.
     pub fn of_all_engines(&self) -> Counters {
         Counters {
             islands: self.islands,

@@ -8,7 +8,7 @@ use crate::particles::Particles;
 use crate::record::{Ledger, Log};
 use nalgebra::Vector3;
 
-/// Largest number of particles among which a linear search for one of them is faster than a binary search.
+/// Largest number of particles in an island for which a linear search for one particle is faster than a binary search.
 const FEW: usize = 32;
 
 /// An island as a small separate scene for an engine. Local indices number the particles: first the members (hot
@@ -19,7 +19,7 @@ pub struct Island<C> {
     pub particles: Particles,
     /// Index in the particle store of each particle, by local index.
     pub places: Vec<u32>,
-    /// Number of members; they come first in `particles`.
+    /// Number of members of the island; they come before the bystanders in `particles`.
     pub hot: usize,
     /// True if the island is a crowd, a large island that is moved by uniform steps.
     pub crowd: bool,
@@ -31,7 +31,7 @@ pub struct Island<C> {
     /// Contacts in progress (or recent collisions) with local indices of particles: at the start of the part, and after
     /// solving at its end.
     pub carried: Vec<C>,
-    /// Log of the impacts in the island.
+    /// Log of the impacts and energies in the island.
     pub log: Log,
     /// Velocity changes in the order of time, each with the local index of its particle; empty if the engine does not
     /// report them.
@@ -44,9 +44,9 @@ pub struct Island<C> {
     pub crowd_steps: u64,
     /// Number of contact forces computed in uniform steps, if the island is a crowd.
     pub crowd_forces: u64,
-    /// Number of gaps and times of touch computed.
+    /// Number of gaps and times of touch that were computed for the island.
     pub pair_checks: u64,
-    /// Number of contact forces computed in contact steps.
+    /// Number of contact forces that were computed in contact steps of the island.
     pub force_evaluations: u64,
     /// Number of particles moved by stages of contact steps, plus the number of gaps checked after steps. It measures
     /// the work.
@@ -54,7 +54,7 @@ pub struct Island<C> {
     /// Local indices of further particles that exceeded their speed limit or were hit unexpectedly, besides the one
     /// that the solver returns.
     pub also: Vec<usize>,
-    /// Largest speed [m/s] of any particle so far, relative to the frame of the speed limits. Solvers set it if they
+    /// [m/s] largest speed of any particle so far, relative to the frame of the speed limits. Solvers set it if they
     /// cannot stop at the moment when a limit is exceeded; otherwise it is 0.
     pub fastest: f64,
     /// Speed limit [m/s] of each member, relative to the moving frame `frame`. If a member becomes faster, it may leave
@@ -67,8 +67,8 @@ pub struct Island<C> {
     pub(super) flow: Vec<Vector3<f64>>,
 }
 
-/// Speed limits of the members of an island. A faster member might meet particles that were not expected, so the island
-/// must be solved again.
+/// Speed limits of the members of an island (group of particles that may meet). A faster member might meet particles
+/// that are not in the island, so the island must then be solved again.
 pub struct Bounds<'a> {
     /// Speed limit [m/s] of each member, by local index, relative to the moving frame.
     limits: &'a [f64],
@@ -211,8 +211,8 @@ impl<C> Island<C> {
         frame_of(place, self.frame, &self.flow)
     }
 
-    /// Upper limit [m/s] of the difference between a speed in the frame with the velocity `frame` [m/s] and the speed
-    /// in the frame of the speed limits, without mean flow.
+    /// Upper limit [m/s] of the difference between two speeds of one particle: relative to a frame with the velocity
+    /// `frame` [m/s], and relative to the frame of the speed limits without mean flow.
     pub fn apart_from(&self, frame: &Vector3<f64>) -> f64 {
         (frame - self.frame).norm()
     }

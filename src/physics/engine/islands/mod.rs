@@ -64,7 +64,7 @@ pub trait Solve: Sync {
     /// State of an island that the next interval of time needs: a contact in progress, or the last collision of a
     /// particle. It contains indices of particles.
     type Carried: Copy + Send + Sync + Serialize + DeserializeOwned;
-    /// Scratch memory of the solver; each thread has its own.
+    /// Scratch memory of the solver, one for each thread.
     type Scratch: Default + Send;
 
     /// Indices of the one or two particles of a carried contact or recent collision.
@@ -83,7 +83,7 @@ pub trait Solve: Sync {
         [0.0; 3]
     }
 
-    /// The two bodies of a carried contact; `None` if the carried item is not a contact.
+    /// The two bodies of a carried contact; `None` for a recent collision.
     fn touching(&self, carried: &Self::Carried) -> Option<Couple>;
 
     /// True if the engine can solve crowds. A crowd is an island without a list of pairs, which is moved by uniform
@@ -135,7 +135,7 @@ const BATCH: usize = 64;
 pub struct Islands<C> {
     /// Clock that measures the wall-clock time of searches and flights.
     pub clock: Clock,
-    /// Wall-clock time that islands have taken so far.
+    /// Wall-clock time that searches and flights have taken so far.
     pub spent: EngineTimes,
     pub(super) counters: IslandCounters,
     /// Indices of the particles that were members of islands in the last part of a window.

@@ -6,7 +6,7 @@ use crate::engine::distributed::Processes;
 use crate::engine::driver::Work;
 
 /// Sorts the carried contacts (or recent collisions) by the ids of their particles and by walls, and removes
-/// duplicates. Their order then does not depend on the order of particles in the store.
+/// duplicates. Their order then does not depend on the order of the particles in the store.
 pub fn in_order<S: Solve>(solver: &S, work: &mut Work<S::Carried>) {
     let id = &work.particles.id;
     work.lasting.sort_by_cached_key(|carried| {

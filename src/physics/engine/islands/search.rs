@@ -26,9 +26,11 @@ const BATCH: usize = 64;
 /// begins.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct BoundingSphere {
-    /// Centre [m] of the ball, inside the box along periodic axes; for a straight flight the middle of the flight.
+    /// [m] centre of the ball, inside the box along periodic axes. For a straight flight it is the middle of the
+    /// flight.
     pub middle: Vector3<f64>,
-    /// Radius [m] of the ball; for a straight flight the radius of the particle plus half the length of the flight.
+    /// [m] radius of the ball. For a straight flight it is the radius of the particle plus half the length of the
+    /// flight.
     pub reach: f64,
 }
 
@@ -57,7 +59,7 @@ impl BoundingSphere {
         }
     }
 
-    /// True if the two balls overlap.
+    /// True if this ball and the ball `other` overlap, periodic images included.
     #[inline]
     pub fn meets(&self, other: &Self, domain: &Domain) -> bool {
         let reach = self.reach + other.reach;
@@ -71,7 +73,7 @@ pub struct FirstTouch {
     pub place: u32,
     /// Index of the other particle; `None` for a wall.
     pub other: Option<u32>,
-    /// Time [s] of the touch since the start of the part.
+    /// [s] time of the touch since the start of the part.
     pub time: f64,
 }
 
@@ -110,18 +112,18 @@ pub struct Search {
 pub struct Label(NonZeroU32);
 
 impl Label {
-    /// Label of the member with the number `member`.
+    /// Label of the island member that has the number `member`.
     pub fn of(member: usize) -> Self {
         Self(NonZeroU32::MIN.saturating_add(member as u32))
     }
 
-    /// Number of the member with this label.
+    /// Number of the island member that has this label.
     pub fn member(self) -> usize {
         self.0.get() as usize - 1
     }
 }
 
-/// Indices of the particles in a region, in the order of cells that contain about one particle each.
+/// Indices of the particles in a region, cell by cell, for cells that contain about one particle each.
 pub fn cell_order(particles: &Particles, region: &Region) -> Vec<u32> {
     let spacing = (region.volume() / particles.len().max(1) as f64).cbrt();
     CellGrid::new(&particles.position, region, spacing).1
@@ -273,8 +275,8 @@ impl Search {
         found.touches.extend(parts.iter().flatten());
     }
 
-    /// Time [s] from the start of the interval to the first touch of particle `i` with a wall on its flight; `None`
-    /// without a touch.
+    /// Time [s] from the start of the interval `span` to the first touch of particle `i` with a wall on its straight
+    /// flight; `None` without a touch.
     fn touch_of_wall(&self, particles: &Particles, scene: &Scene, span: &SearchInterval, i: usize) -> Option<f64> {
         let SearchInterval { elapsed, part, falls } = *span;
         let spot = &self.flights[i];
@@ -316,7 +318,7 @@ impl Search {
 pub struct SearchInterval {
     /// Time [s] from the last exchange with the gas to the start of the interval.
     elapsed: f64,
-    /// Length of the interval [s].
+    /// [s] length of the interval.
     part: f64,
     /// Upper limit [m] of the distances by which gravity moves particles away from their straight flights, and by which
     /// walls move, in the interval.

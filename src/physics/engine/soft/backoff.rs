@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 /// particle is sorted into a cell (as in `cheapest_part`).
 const SEARCH: f64 = 90.0;
 
-/// [ns] cost of testing one pair.
+/// [ns] cost of testing one pair of particles for a touch.
 const CHECK: f64 = 1.2;
 
 /// [ns] cost of copying a particle into an island and back: half of the cost per member of an island in `cheapest_part`.
@@ -24,7 +24,7 @@ const MEMBER: f64 = 700.0;
 /// [ns] cost of one contact force in an island.
 const FORCE: f64 = 45.0;
 
-/// [ns] cost of moving one particle by one stage of an island's step, or of testing one gap.
+/// [ns] cost of moving one particle by one stage of an island's time step, or of testing one gap of the island.
 const UPDATE: f64 = 10.0;
 
 /// [ns] cost of testing one slot (candidate) of the neighbour list in a uniform step.
@@ -48,23 +48,23 @@ pub fn steps_cost(forces: u64, updates: u64) -> f64 {
 pub struct Rival {
     /// [-] number of steps times the number of force evaluations per step.
     pub stages: f64,
-    /// Number of particles.
+    /// Number of particles that uniform steps would move.
     pub particles: usize,
-    /// Number of slots (candidates) of the neighbour list.
+    /// Number of slots (candidates) of the neighbour list that each step would test.
     pub slots: usize,
-    /// [-] number of contact forces computed.
+    /// [-] number of contact forces that the steps would compute.
     pub forces: f64,
 }
 
 impl Rival {
-    /// [ns] cost of the uniform steps.
+    /// [ns] cost of the uniform steps on one core.
     pub fn cost(&self) -> f64 {
         let everybody = UNIFORM_COST * self.particles as f64 + LISTED * self.slots as f64;
         self.stages * everybody + CONTACT * self.forces
     }
 }
 
-/// Pause of islands: a number of windows in which islands are not tried.
+/// Pause in which islands (groups of particles that may meet) are not tried, as a number of windows.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Backoff {
     /// Length of the last pause, in windows.
@@ -74,16 +74,17 @@ pub struct Backoff {
 }
 
 impl Backoff {
-    /// Returns true if islands are not tried in this window. The window then counts as a part of the pause.
+    /// Returns true if a pause lasts, in which islands are not tried. The present window then counts as a part of the
+    /// pause.
     pub fn waits(&mut self) -> bool {
         let waits = self.left > 0;
         self.left = self.left.saturating_sub(1);
         waits
     }
 
-    /// Compares the cost of islands between two counts with the cost of uniform steps (`fallback_cost`). If islands
-    /// cost more, a pause begins that is twice as long as the last one, up to `LONGEST`. Otherwise the stored length
-    /// of the last pause is halved.
+    /// Compares the cost of islands between the counts `before` and `after` with the cost `fallback_cost` of uniform
+    /// steps. If islands cost more, a pause begins that is twice as long as the last one, up to `LONGEST`. Otherwise
+    /// the stored length of the last pause is halved.
     pub fn judge(&mut self, before: &IslandCounters, after: &IslandCounters, fallback_cost: &Rival) {
         if after.neighbour_builds == before.neighbour_builds {
             // islands were not tried in this window

@@ -20,7 +20,7 @@ use crate::record::{Between, FrictionLosses, Impact};
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Number of contacts in a batch: all encounters of a batch (2 kB) are computed before its contacts are evaluated.
+/// Number of contacts in a batch. All encounters of a batch (2 kB) are computed before its contact forces.
 const BATCH: usize = 32;
 
 /// Reserves memory for `room` elements in total, plus an eighth. Lists of contacts that grow by doubling would take up
@@ -31,7 +31,7 @@ pub fn reserve<T>(list: &mut Vec<T>, room: usize) {
     }
 }
 
-/// Slot of two touching bodies, and the index of the record of their contact.
+/// Slot (number of the candidate) of two touching bodies, and the index of the record of their contact in the block.
 #[derive(Clone, Copy, Debug)]
 struct TouchingSlot {
     slot: u32,
@@ -41,7 +41,7 @@ struct TouchingSlot {
 /// Counts of the work done by a force evaluation.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ForceEvaluation {
-    /// Number of forces computed.
+    /// Number of contact forces computed.
     pub forces: u64,
     /// Number of slots tested for an overlap.
     pub checks: u64,
@@ -50,7 +50,7 @@ pub struct ForceEvaluation {
 /// Sums over the contacts of one block in one force evaluation.
 #[derive(Default)]
 pub struct ForceSums {
-    /// Powers and forces of the contacts.
+    /// Powers and forces of the block's contacts.
     pub rows: ContactRows,
     /// [J] elastic energy of the contacts. It is summed only for Heun's method, because contacts do not store its
     /// predicted state.
@@ -73,7 +73,7 @@ impl ForceSums {
 pub struct BlockScratch {
     /// Powers and forces of single contacts, before they are condensed into few rows.
     rows: ContactRows,
-    /// Contacts of the previous step.
+    /// Contacts of the block at the previous step, in ascending order of slot.
     before: Vec<TouchingSlot>,
     /// Slots (candidates of the neighbour list) whose two bodies overlap.
     overlapping: Vec<u32>,
@@ -81,7 +81,7 @@ pub struct BlockScratch {
     near: Vec<u32>,
 }
 
-/// Contacts in a range of slots of the neighbour list.
+/// Contacts in progress within a range of slots (candidates) of the neighbour list.
 #[derive(Default)]
 pub struct ContactBlock {
     slots: Range<usize>,
@@ -98,16 +98,16 @@ pub struct ContactBlock {
     near_walls: Vec<u32>,
     /// [m] for each slot of a wall: travelled distance of the list up to which particle and wall cannot touch.
     free_until: Vec<f64>,
-    /// Forces of the last evaluation.
+    /// Contact forces of the last evaluation.
     pub pushes: ForceBuffer,
     /// Impacts that ended in the last evaluation.
     pub ended: Vec<(Between, Impact)>,
-    /// Sums of the last evaluation.
+    /// Sums over the contacts in the last evaluation.
     pub sums: ForceSums,
 }
 
 impl ContactBlock {
-    /// Makes a block of a range of slots, without contacts.
+    /// Makes a block of a range of slots (candidates of the neighbour list), without contacts.
     pub fn of(slots: Range<usize>) -> Self {
         Self { slots, ..Self::default() }
     }
@@ -133,7 +133,7 @@ impl ContactBlock {
         self.touching.push(TouchingSlot { slot: contact.slot, record });
     }
 
-    /// Adds a contact that began in the last predicted state.
+    /// Adds a contact that began in the last predicted state of a Runge-Kutta stage, and whose force has acted already.
     pub fn put_foreseen(&mut self, contact: Contact) {
         self.foreseen.push(contact);
     }
@@ -144,7 +144,7 @@ impl ContactBlock {
         self.foreseen.sort_unstable_by_key(|contact| contact.slot);
     }
 
-    /// Frees the memory of data that are computed again for the next neighbour list.
+    /// Frees the memory of all data of the block that are computed again for the next neighbour list.
     pub fn shed(&mut self) {
         (self.near, self.near_walls, self.near_until) = (Vec::new(), Vec::new(), None);
         (self.free_until, self.ended, self.pushes) = (Vec::new(), Vec::new(), ForceBuffer::default());
@@ -157,12 +157,12 @@ impl ContactBlock {
         self.free_until.clear();
     }
 
-    /// Number of contacts in progress.
+    /// Number of contacts in progress in the block.
     pub fn count(&self) -> usize {
         self.touching.len()
     }
 
-    /// Couples of touching bodies, in ascending order of slot.
+    /// Couples of bodies that touch, in ascending order of their slots in `list`.
     pub fn couples(&self, list: &NeighbourList) -> impl Iterator<Item = Couple> {
         self.touching.iter().map(|touch| list.couple(touch.slot as usize))
     }
@@ -180,7 +180,7 @@ impl ContactBlock {
         &self.foreseen
     }
 
-    /// Finds overlaps and computes their forces. Contacts begin and end only if `opens` is true for the evaluation.
+    /// Finds overlaps and computes their forces. Contacts begin and end only if `view.at.opens` is true.
     pub fn evaluate(&mut self, view: ContactSearch, law: &ContactLaw, scratch: &mut BlockScratch) {
         self.sums.clear();
         let BlockScratch { rows, before, overlapping, near } = scratch;
@@ -239,8 +239,8 @@ impl ContactBlock {
         self.near_walls.extend(slots.filter(|(_, free)| **free < until).map(|(slot, _)| slot));
     }
 
-    /// Finds the slots of walls that overlap. A slot with a gap is not tested again until its particle can have crossed
-    /// the gap.
+    /// Finds the slots of walls that overlap. After a test has found a gap, the slot is not tested again until its
+    /// particle can have crossed this gap.
     fn find_walls(&mut self, view: ContactSearch, overlapping: &mut Vec<u32>) {
         let ContactSearch { list, particles, scene, .. } = view;
         let (travelled, pairs) = (list.travelled(), list.pairs.len());
@@ -381,8 +381,8 @@ impl ContactBlock {
         Contact { slot, touch, course }
     }
 
-    /// Records the impact of a contact that has ended, and removes the contact. If `gone` is true, the normal of the
-    /// contact no longer exists, and its slot has another normal.
+    /// Records the impact of a contact that has ended, and removes the contact. If `gone` is true, the surface no
+    /// longer has the normal of this contact, and the slot now belongs to another contact of the wall.
     fn close(
         &mut self,
         TouchingSlot { slot, record }: TouchingSlot,
@@ -421,7 +421,7 @@ impl ContactBlock {
     }
 }
 
-/// Returns, of two failures at the same time, the one with the smaller ids.
+/// Returns the one of two failures at the same time whose particle and partner have the smaller ids.
 #[cold]
 pub fn first_named(one: Option<Failure>, other: Failure) -> Failure {
     let name = |failure: &Failure| match failure {
@@ -471,7 +471,7 @@ fn look_rotating(
     pushes.add_rotating(increment, torque);
 }
 
-/// Updates the state of a contact, and adds its force and powers to the results.
+/// Updates the state of a contact between bodies that do not rotate, and adds its force and powers to the results.
 #[inline(always)]
 fn look(
     (couple, constants, course): (&Couple, &ContactConstants, &mut ContactState),

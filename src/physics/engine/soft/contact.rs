@@ -19,8 +19,8 @@ pub fn overlap_limit(flat: bool) -> f64 {
     if flat { 1.0 } else { 0.5 }
 }
 
-/// [-] ratio of the length of a step to the radius, below which the step is short. A short step cannot pass a surface
-/// without too large an overlap at its start or end.
+/// [-] ratio of the length of a step to the radius of the sphere, below which the step is short. In a short step a
+/// sphere cannot pass a surface without too large an overlap at the start or the end of the step.
 pub const SHORT: f64 = 0.4;
 
 /// Failure of the particle at index `i`, whose centre passes through wall `wall` within one step, reported for `time`
@@ -31,7 +31,8 @@ pub fn passed(particles: &Particles, i: usize, (wall, time): (u32, f64), length:
     Failure::OverlapTooLarge { time, particle: particles.id[i], partner: Partner::Wall(wall), ratio: 0.5, limit, way }
 }
 
-/// Failure of a sphere whose overlap is too large; `ratio` and `limit` are overlaps divided by the diameter.
+/// Failure of a contact whose overlap is too large; `ratio` and `limit` [-] are the overlap and its limit over the
+/// diameter.
 #[cold]
 fn refused(couple: Couple, particles: &Particles, time: f64, (ratio, limit): (f64, f64)) -> Failure {
     let (particle, partner) = (particles.id[couple.i as usize], couple.partner(particles));
@@ -41,11 +42,11 @@ fn refused(couple: Couple, particles: &Particles, time: f64, (ratio, limit): (f6
 /// Constants of a contact between two bodies. They contain no index, so equal pairs of bodies have equal constants.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContactConstants {
-    /// Constants of the normal law.
+    /// Constants of the normal contact law for the two bodies.
     pub spring: Spring,
-    /// [m] smaller diameter of the two bodies.
+    /// [m] smaller diameter of the two bodies; at a wall the diameter of the particle.
     pub diameter: f64,
-    /// [-] friction coefficient μ.
+    /// [-] friction coefficient μ of the two surfaces.
     pub friction: f64,
     /// [m] distance of the centres at touch; at a wall the radius.
     pub reach: f64,
@@ -58,7 +59,7 @@ pub struct ContactConstants {
 pub struct TouchingPair {
     /// The two bodies that touch.
     pub couple: Couple,
-    /// Constants of their contact.
+    /// Constants of the contact of the two bodies.
     pub constants: ContactConstants,
 }
 
@@ -77,7 +78,7 @@ pub struct Contact {
     pub slot: u32,
     /// The two bodies that touch, and the constants of their contact.
     pub touch: TouchingPair,
-    /// State of the contact so far.
+    /// State of the contact: its present overlap, its springs and its record so far.
     pub course: ContactState,
 }
 
@@ -90,9 +91,9 @@ pub struct ContactState {
     pub first_overlap: f64,
     /// [m] largest overlap so far.
     pub maximum_overlap: f64,
-    /// [m] present overlap.
+    /// [m] overlap at the last evaluation.
     pub overlap: f64,
-    /// [m/s] present rate of change of the overlap; positive: approaching.
+    /// [m/s] rate of change of the overlap at the last evaluation; positive: approaching.
     pub growth: f64,
     /// [m s] integral of the overlap over time so far.
     pub overlap_time: f64,
@@ -112,7 +113,7 @@ pub struct ContactState {
 /// State of the rolling and twisting springs of a contact. It does not depend on the order of the two bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ResistanceMemory {
-    /// [m] shear of the rolling spring.
+    /// [m] shear of the rolling spring, perpendicular to the normal.
     pub roll: Vector3<f64>,
     /// [m] shear of the twisting spring along the normal.
     pub twist: f64,
@@ -293,7 +294,7 @@ impl ContactForce {
 pub struct Alike {
     constants: ContactConstants,
     species: u16,
-    /// [kg] mass of each particle.
+    /// [kg] mass of each particle of the run.
     pub mass: f64,
 }
 
@@ -316,7 +317,7 @@ impl Alike {
         TouchingPair { couple, constants: self.constants }
     }
 
-    /// Species of one particle and kind of the other. Both contain the index of the species that all particles have.
+    /// Species of one particle and kind of the other. Both are the single species to which all particles belong.
     pub fn kinds(&self) -> (u16, Kind) {
         (self.species, Kind::Species(self.species))
     }
@@ -338,7 +339,7 @@ pub(super) fn relative_gravity(
     scene.gravity - couple.wall_motion(met, (particles, scene), moment).unwrap_or_default().acceleration
 }
 
-/// [m/s²] component of `relative_gravity` perpendicular to the normal, which changes the slip of the surfaces.
+/// [m/s²] component of [`relative_gravity`] perpendicular to the normal, which changes the slip of the two surfaces.
 #[inline(always)]
 pub(super) fn pull_along(
     couple: &Couple,
@@ -383,8 +384,8 @@ impl ContactConstants {
         Self::of(&couple.bodies(particles, scene), couple, (particles, scene), law)
     }
 
-    /// Sets the constants to those of a contact that begins at the normal speed `speed` [m/s] of approach. Nothing changes
-    /// unless the restitution depends on the speed. The dashpot then is constant until the contact ends.
+    /// Sets the constants to those of a contact that begins at the normal speed `speed` [m/s] of approach. If the
+    /// restitution depends on the speed, the dashpot gets a new constant for this contact. Otherwise nothing changes.
     #[inline]
     pub fn begin_at(&mut self, speed: f64, couple: &Couple, scenery: (&Particles, &Scene), law: &ContactLaw) {
         let (particles, scene) = scenery;

@@ -9,17 +9,17 @@ use crate::record::{AT_WALLS, BY_SHEAR, FrictionLosses, Ledger, OF_PAIRS, OF_SPR
 use crate::scene::Scene;
 use nalgebra::{Matrix3, Vector3};
 
-/// Number of rows that are condensed together: 3 kB, which stay in the cache. With 128 rows the dense scene takes 9 %
-/// longer.
+/// Number of rows that are condensed at the same time. They take 3 kB, which stays in the processor's cache. With 128
+/// rows a dense scene takes 9 % longer.
 const BATCH: usize = 32;
 
 /// Powers [W] and forces [N] of one contact, in the order of [`OF_PAIRS`] or [`AT_WALLS`].
 type SumRow = [f64; SOME];
 
-/// Powers [W] that the springs of one contact lose, in the order of [`OF_SPRINGS`].
+/// Powers [W] at which the springs of one contact lose energy, in the order of [`OF_SPRINGS`].
 type SpringRow = [f64; 4];
 
-/// Power [W] of the shear on one contact, and three numbers 0, in the order of [`BY_SHEAR`].
+/// Power [W] of the shear of the box on one contact, in the order of [`BY_SHEAR`], followed by three zeros.
 type ShearRow = [f64; 4];
 
 /// Rows of powers and forces, one per contact, separate for pairs and for walls. Contacts whose springs lose energy
@@ -33,15 +33,15 @@ pub struct ContactRows {
 }
 
 impl ContactRows {
-    /// Adds the row of a contact force. It acts when `at.1` [s] remain until the end of the window. Full batches of rows
-    /// are condensed: few rows with equal sums are added to `few`.
+    /// Adds the row of one contact force. `at` contains the scene and the time [s] from the action of the force to the
+    /// end of the window. Full batches of rows are condensed: a few rows with equal sums are added to `few`.
     #[inline(always)]
     pub fn add(&mut self, couple: &Couple, force: &ContactForce, at: (&Scene, f64), few: &mut Self) {
         self.add_row(couple, force, 0.0, at, few);
     }
 
-    /// Adds the rows of a contact between rotating bodies as [`add`](Self::add) does; `losses` [W] are the parts of its
-    /// friction power.
+    /// Adds the rows of a contact between rotating bodies, with the arguments of [`add`](Self::add). `losses` [W] are
+    /// the parts of the friction power of the force.
     #[inline(always)]
     pub fn add_rotating(
         &mut self,
@@ -104,7 +104,7 @@ impl ContactRows {
         condense(&mut self.by_shear, &mut few.by_shear);
     }
 
-    /// Removes all rows; their memory is used again.
+    /// Removes all rows, and keeps their memory for new rows.
     pub fn clear(&mut self) {
         self.of_pairs.clear();
         self.at_walls.clear();
@@ -113,7 +113,7 @@ impl ContactRows {
     }
 }
 
-/// Adds rows, multiplied by a weight [-], to exact sums.
+/// Adds the rows `rows`, multiplied by `weight` [-], to the exact sums `sums`, column by column.
 fn add_weighted<const K: usize>(sums: &mut [ExactSum; K], rows: &[[f64; K]], weight: f64) {
     if rows.is_empty() || weight == 0.0 {
         return;
@@ -126,7 +126,7 @@ fn add_weighted<const K: usize>(sums: &mut [ExactSum; K], rows: &[[f64; K]], wei
     }
 }
 
-/// Exact sums of the rows of contacts.
+/// Exact sums of the powers and forces of contacts, over all steps since the sums were last recorded.
 pub struct ContactSums {
     of_pairs: [ExactSum; SOME],
     at_walls: [ExactSum; SOME],
@@ -160,7 +160,7 @@ impl ContactSums {
         self.is_empty = false;
     }
 
-    /// Powers [W] and forces [N] of all contacts.
+    /// Powers [W], forces [N] and virial [N m], summed over all contacts.
     pub fn rates(&self) -> Rates {
         if self.is_empty {
             return Rates::default();

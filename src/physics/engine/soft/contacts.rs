@@ -17,7 +17,7 @@ use crate::scene::{Kind, Scene};
 use crate::work_sharing;
 use serde::{Deserialize, Serialize};
 
-/// Destination of the energies, momenta and impacts of time steps.
+/// Log and record to which time steps add energies, momenta and impacts.
 pub struct StepRecord<'a> {
     /// Log of energies and momenta, and of impacts that may still be discarded.
     pub log: &'a mut Log,
@@ -47,32 +47,35 @@ impl StepRecord<'_> {
 /// Time of a force evaluation, and the time for which its forces act. All times in s.
 #[derive(Clone, Copy, Debug)]
 pub struct EvaluationTime {
-    /// Simulated time at the start of the window.
+    /// [s] simulated time at the start of the window.
     pub start: f64,
-    /// Time of the positions, since the start of the window.
+    /// [s] time of the positions, since the start of the window.
     pub elapsed: f64,
-    /// Time until the end of the window.
+    /// [s] time from the evaluation to the end of the window.
     pub remaining: f64,
-    /// Time step.
+    /// [s] length of the time step.
     pub dt: f64,
-    /// Time since the last evaluation, during which touching surfaces have slipped.
+    /// [s] time since the last evaluation, during which touching surfaces have slipped.
     pub shear_time: f64,
-    /// Time of the velocities, since the start of the window. The velocities do not yet contain gravity over this time.
+    /// [s] time of the velocities, since the start of the window. The velocities do not yet contain gravity over this
+    /// time.
     pub fall: f64,
-    /// Time from the given velocities to the middle of the kick, for which powers are computed.
+    /// [s] time from the given velocities to the middle of the kick, for which powers are computed.
     pub to_middle: f64,
     /// [-] fraction of the time step for which these forces act in the kick that follows.
     pub weight: f64,
     /// True if contacts begin and end in this evaluation; false in the predicted state of a Runge-Kutta stage.
     pub opens: bool,
-    /// True if the travelled distance of the list is exact for the present positions (Verlet); false for Heun's method.
+    /// True if the travelled distance of the neighbour list is exact for the present positions (Verlet's method); false
+    /// for Heun's method.
     pub travel_is_exact: bool,
-    /// True if the second half of this kick is applied at the start of the next window.
+    /// True if the second half of the kick with these forces is applied at the start of the next window.
     pub leaves_half: bool,
 }
 
 impl EvaluationTime {
-    /// Time of the positions and velocities: in Verlet's method velocities are half a step earlier.
+    /// Time of the positions and of the velocities. In Verlet's method velocities are half a step earlier than
+    /// positions.
     #[inline(always)]
     pub fn moment(&self) -> FrameTime {
         FrameTime::lagging(self.fall, self.elapsed - self.fall)
@@ -82,17 +85,17 @@ impl EvaluationTime {
 /// Particles, scene and neighbour list in which contacts are searched, and the time of the search.
 #[derive(Clone, Copy)]
 pub struct ContactSearch<'a> {
-    /// The pairs and walls that may overlap.
+    /// Neighbour list with the pairs and walls that may overlap.
     pub list: &'a NeighbourList,
     /// Positions and velocities of the particles.
     pub particles: &'a Particles,
     /// Walls, surfaces and gravity.
     pub scene: &'a Scene,
-    /// Time of the force evaluation.
+    /// Time of the force evaluation, and times for which its forces act.
     pub at: EvaluationTime,
     /// For each particle, by index, true if this process owns it; `None` if this process owns all particles.
     pub mine: Option<&'a [bool]>,
-    /// Properties common to all particles, if they are alike.
+    /// Properties common to all particles; `None` if particles differ.
     pub alike: Option<&'a Alike>,
 }
 
@@ -103,7 +106,7 @@ impl ContactSearch<'_> {
         self.mine.is_none_or(|mine| mine[couple.i as usize])
     }
 
-    /// Contact constants of two bodies that touch.
+    /// Contact constants of two bodies that touch, under the law `law`.
     pub fn touching(&self, couple: Couple, law: &ContactLaw) -> TouchingPair {
         match self.alike {
             Some(alike) if !couple.is_wall() => alike.touching(couple),
@@ -111,7 +114,7 @@ impl ContactSearch<'_> {
         }
     }
 
-    /// Species of the particle, and kind of the other body.
+    /// Species of the particle of `couple`, and kind (species or wall) of the second body.
     pub fn kinds(&self, couple: &Couple) -> (u16, Kind) {
         match self.alike {
             Some(alike) if !couple.is_wall() => alike.kinds(),
@@ -120,7 +123,7 @@ impl ContactSearch<'_> {
     }
 }
 
-/// All contacts of a scene.
+/// All contacts of a scene with soft spheres, for uniform steps of all particles.
 pub struct Contacts {
     law: ContactLaw,
     /// Blocks of the neighbour list. If there are any, they contain all contacts, and `lasting` and `foreseen` are
@@ -139,15 +142,15 @@ pub struct Contacts {
     losses: FrictionLosses,
     /// Sums over all steps of the window so far.
     total: ContactSums,
-    /// Working memory of an evaluation with a single block.
+    /// Working memory of an evaluation, used if there is a single block.
     scratch: BlockScratch,
 }
 
-/// State that the last force evaluation passes to the next one.
+/// State that the last force evaluation of a window passes to the first one of the next window.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Due {
-    /// Contacts that began in the last predicted state, in ascending order of slot. Their forces have already acted, so
-    /// their speed of approach is that of the predicted state.
+    /// Contacts that began in the last predicted state of a Runge-Kutta stage, in ascending order of slot. Their forces
+    /// have already acted, so their speed of approach is that of the predicted state.
     foreseen: Vec<Contact>,
     /// [J] elastic energy stored in all contacts.
     elastic_energy: f64,
@@ -174,7 +177,8 @@ fn blocks(list: &NeighbourList) -> Vec<ContactBlock> {
     (0..slots.div_ceil(size).max(1)).map(|k| ContactBlock::of(border(k)..border(k + 1))).collect()
 }
 
-/// Block that contains a slot. Blocks have about `size` slots, since their borders may have been moved to later slots.
+/// Block of contacts that contains the slot `slot`. Blocks have about `size` slots; their borders may be moved to later
+/// slots.
 fn block_of(blocks: &mut [ContactBlock], slot: u32, size: usize) -> &mut ContactBlock {
     let k = slot as usize / size;
     let is_before = blocks[k].begins_after(slot);
@@ -229,8 +233,8 @@ impl Contacts {
         }
     }
 
-    /// Removes and returns the contacts in progress. The sums for the second half of the last kick are not removed, in
-    /// case the contacts are put back unchanged.
+    /// Removes and returns the contacts in progress. The sums for the second half of the last kick stay, because the
+    /// contacts may be put back unchanged.
     pub fn take(&mut self, list: &NeighbourList) -> Vec<Contact> {
         self.gather(list);
         std::mem::take(&mut self.lasting)
@@ -242,8 +246,8 @@ impl Contacts {
         self.blocks.iter().flat_map(|block| block.contacts(block.couples(list))).for_each(visit);
     }
 
-    /// Makes the next evaluation test the whole list, as after a restart from a stored run. The counts of work then do
-    /// not depend on whether the run was stored.
+    /// Makes the next evaluation test all slots of the neighbour list, as after a restart from a stored run. The counts
+    /// of work are then equal in a run that was stored and in one that was not.
     pub fn look_anew(&mut self) {
         self.blocks.iter_mut().for_each(ContactBlock::look_anew);
     }
@@ -306,7 +310,7 @@ impl Contacts {
         pairs.into_iter().map(|pair| Couple::pair(pair.i, pair.j)).chain(at_walls)
     }
 
-    /// Applies a new order of the particle store and a new list: the particle that was at index `p` is now at
+    /// Applies a new order of the particle store and a new neighbour list. The particle that was at index `p` is now at
     /// `place_of[p]`. `couples` are the couples of the contacts in blocks, with the old indices.
     pub fn reorder(&mut self, place_of: &[u32], mut couples: impl Iterator<Item = Couple>, list: &NeighbourList) {
         let follow = |contact: &mut Contact| {
@@ -339,7 +343,8 @@ impl Contacts {
         }
     }
 
-    /// Finds overlaps, begins and ends contacts, and writes the forces into `pushes`. Returns the work done.
+    /// Finds overlaps, begins and ends contacts, and writes the contact forces into `pushes`. Returns counts of the
+    /// work done.
     pub fn evaluate(
         &mut self,
         view: ContactSearch,

@@ -12,12 +12,12 @@ use crate::engine::{Failure, Window};
 use crate::experiment::{Integrator, SoftStepping};
 use crate::scene::Scene;
 
-/// Settings of the uniform steps of a crowd.
+/// Settings of the uniform steps by which a crowd (large island) is moved.
 #[derive(Clone, Copy, Debug)]
 pub struct Steps {
-    /// The contact law.
+    /// Contact law of the steps.
     pub law: ContactLaw,
-    /// The time integrator.
+    /// Integrator of the steps.
     pub integrator: Integrator,
     /// [s] longest step; steps may be a little shorter.
     pub longest: f64,
@@ -32,9 +32,9 @@ impl Steps {
     }
 }
 
-/// Moves a crowd (a large island) by uniform steps for `end` [s] from the beginning of the window. Particles have left
-/// their bounds if they are hit without being members, or exceed their speed limit. Returns the local index of one of
-/// them, and stores the others in [`Island::also`]; `None` if there are none.
+/// Moves a crowd (a large island) by uniform steps for `end` [s] from the beginning of the window. A particle leaves
+/// its bounds if it exceeds its speed limit, or is hit without being a member. Returns the local index of one such
+/// particle, and stores the others in [`Island::also`]; `None` without such a particle.
 ///
 /// # Errors
 /// Returns the failure of the uniform steps.
@@ -87,7 +87,7 @@ pub fn solve(
     Ok(island.also.pop())
 }
 
-/// Adds the work of the uniform steps to the counters of the island, in units of the work of local stepping.
+/// Adds the work of the uniform steps to the counters of the island, in units of the work of local time steps.
 fn count(island: &mut Island<Contact>, solver: &SoftSolver) {
     let counters = solver.counters(&Default::default());
     island.crowd_steps += counters.steps;

@@ -5,10 +5,10 @@ use super::force_buffer::kick_all;
 use crate::domain::Domain;
 use crate::particles::Particles;
 
-/// [m/s] upper limits of speeds.
+/// [m/s] upper limits of the speeds of particles and walls in uniform steps.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::engine) struct Fastest {
-    /// Upper limit for all particles.
+    /// Upper limit of the speed of any particle.
     pub(in crate::engine) all: f64,
     /// Largest speed of any point of a wall whose shape moves.
     pub(super) of_walls: f64,
@@ -17,7 +17,7 @@ pub(in crate::engine) struct Fastest {
 }
 
 impl Fastest {
-    /// Raises both limits to a speed [m/s] that a particle had after a force was applied.
+    /// Raises the limits `all` and `pushed` to the speed `now` [m/s] that a particle had after a force was applied.
     pub(super) fn rise(&mut self, now: f64) {
         (self.all, self.pushed) = (self.all.max(now), self.pushed.max(now));
     }

@@ -15,7 +15,7 @@ pub struct ForceIncrement {
     pub i: u32,
     /// Index of the particle that gets the opposite force; `None` at a wall.
     pub j: Option<StoreIndex>,
-    /// [N] force on particle i.
+    /// [N] contact force on particle i; particle j gets the opposite force.
     pub force: Vector3<f64>,
 }
 
@@ -35,17 +35,17 @@ impl ContactTorque {
     }
 }
 
-/// Index in the particle store. An `Option` of it takes no more memory than a number.
+/// Index in the particle store. An `Option` of this type takes no more memory than an index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StoreIndex(NonZeroU32);
 
 impl StoreIndex {
-    /// Index with the given number.
+    /// Index with the number `place`.
     pub fn of(place: u32) -> Self {
         Self(NonZeroU32::MIN.saturating_add(place))
     }
 
-    /// Index as a number.
+    /// This index as a number.
     pub fn get(self) -> u32 {
         self.0.get() - 1
     }
@@ -66,7 +66,7 @@ pub struct ForceBuffer {
     span: Range<u32>,
 }
 
-/// Range that contains no index.
+/// Empty range: it contains the index of no particle.
 const NOBODY: Range<u32> = Range { start: u32::MAX, end: 0 };
 
 /// Returns the range `span` of indices, extended to contain the particles of one more force.
@@ -88,7 +88,7 @@ impl ForceBuffer {
         pushes
     }
 
-    /// Forces, each with its torques if spheres rotate.
+    /// Forces in the order of the list, each with its torques if spheres rotate.
     pub fn iter(&self) -> impl Iterator<Item = (ForceIncrement, Option<ContactTorque>)> {
         let torque = |k: usize| {
             let couple = self.couples.get(k).copied();
@@ -97,7 +97,7 @@ impl ForceBuffer {
         self.list.iter().enumerate().map(move |(k, push)| (*push, torque(k)))
     }
 
-    /// Adds a force at the end, with its torques.
+    /// Adds a contact force at the end of the list, with the torques of this contact.
     #[inline(always)]
     pub fn add_rotating(&mut self, push: ForceIncrement, torque: ContactTorque) {
         self.add(push);
@@ -107,7 +107,7 @@ impl ForceBuffer {
         }
     }
 
-    /// Adds a force at the end.
+    /// Adds a contact force at the end of the list.
     pub fn add(&mut self, push: ForceIncrement) {
         self.span = if self.list.is_empty() { wider(&NOBODY, &push) } else { wider(&self.span, &push) };
         self.list.push(push);
@@ -121,8 +121,8 @@ impl ForceBuffer {
         self.couples.clear();
     }
 
-    /// Keeps only the forces on particles for which `chosen`, by index, is true. One particle of each contact must be chosen.
-    /// If it is particle j, it becomes particle i of its entry.
+    /// Removes the forces on particles for which `chosen`, by index, is false. One particle of each contact must be
+    /// chosen. If the chosen particle is j, it becomes particle i of its entry.
     pub fn leave(&mut self, chosen: &[bool]) {
         let is_chosen = |place: u32| chosen[place as usize];
         for (k, push) in self.list.iter_mut().enumerate() {
@@ -195,9 +195,9 @@ impl ForceBuffer {
 
 /// Velocities of particles with successive indices in the store.
 pub struct VelocityBlock<'a> {
-    /// Index of the first particle.
+    /// Index of the first particle in the store.
     pub first: usize,
-    /// [m/s] velocities of the particles.
+    /// [m/s] velocities of the particles, in the order of the store.
     pub velocities: &'a mut [Vector3<f64>],
     /// Spins of the particles; `None` if spheres do not rotate.
     pub spins: Option<Spins<'a>>,
@@ -205,14 +205,14 @@ pub struct VelocityBlock<'a> {
 
 /// Spins of particles with successive indices in the store.
 pub struct Spins<'a> {
-    /// [rad/s] spins of the particles.
+    /// [rad/s] spins of the particles, in the order of the store.
     pub spins: &'a mut [Vector3<f64>],
-    /// Radius over moment of inertia of each particle.
+    /// Radius over moment of inertia of the particles, by which torques become angular accelerations.
     pub per_torque: PerTorque<'a>,
 }
 
-/// Radius over moment of inertia r/I [1/(kg m)]. A torque divided by the radius, times this ratio, is an angular
-/// acceleration.
+/// Radius over moment of inertia, r/I [1/(kg m)], of particles. A torque divided by the radius, times r/I, is an
+/// angular acceleration.
 #[derive(Clone, Copy)]
 pub enum PerTorque<'a> {
     /// r/I [1/(kg m)] and 1/I [1/(kg m²)], equal for all particles.
@@ -222,7 +222,7 @@ pub enum PerTorque<'a> {
 }
 
 impl PerTorque<'_> {
-    /// r/I [1/(kg m)] of the particle at an index.
+    /// r/I [1/(kg m)] of the particle at the index `place`.
     #[inline(always)]
     fn of(&self, place: usize) -> f64 {
         match self {
@@ -231,7 +231,7 @@ impl PerTorque<'_> {
         }
     }
 
-    /// 1/I [1/(kg m²)] of the particle at an index.
+    /// 1/I [1/(kg m²)] of the particle at the index `place`.
     #[inline(always)]
     fn of_couple(&self, place: usize) -> f64 {
         match self {

@@ -63,7 +63,7 @@ pub struct SoftSolver {
     pub(in crate::engine) islands: SoftIslands,
     /// Pause in windows, during which islands are not tried because they cost more than uniform steps (stepping `Auto`).
     patience: Backoff,
-    /// Number of uniform steps so far.
+    /// Number of uniform steps since the start of the run.
     steps: u64,
     pub(in crate::engine) integrator: Integrator,
     /// [s] longest step; steps may be a little shorter, so that a window is a whole number of them.
@@ -89,11 +89,11 @@ pub struct SoftSolver {
     pub(in crate::engine) ran_last: bool,
     /// Mass, species and contact constants that are equal for all particles during a window; `None` if particles differ.
     pub(in crate::engine) alike: Option<Alike>,
-    /// Data used while several processes share the steps.
+    /// Data for steps that several processes share.
     pub(in crate::engine) shared: SharedSteps,
 }
 
-/// State that the solver stores from one window to the next.
+/// State of the solver that a stored run contains between two windows.
 #[derive(Serialize, Deserialize)]
 pub struct SoftState {
     patience: Backoff,
@@ -179,8 +179,8 @@ impl SoftSolver {
         Ok(())
     }
 
-    /// Applies the half-kick at the start of a window, whose steps have the length `dt` [s]. Its forces are those at
-    /// the end of the previous window, or those at the start of the run.
+    /// Applies the half-kick at the start of a window with steps of `dt` [s]. The forces are those at the end of the
+    /// previous window, or those at the start of the run.
     fn first_half_kick(
         &mut self,
         particles: &mut Particles,
@@ -366,7 +366,8 @@ impl Solver for SoftSolver {
         &self.islands
     }
 
-    /// Finds contacts in progress at the start of a run. Uniform stepping finds them by itself.
+    /// Finds the contacts in progress at the start of a run. Uniform steps need no such search: their first evaluation
+    /// finds them.
     fn begin(&mut self, work: &mut Work<Contact>, window: Window) {
         if self.stepping != SoftStepping::Uniform {
             self.rebuild(work.particles, work.scene, self.longest_step.min(window.duration));
@@ -409,8 +410,8 @@ impl Solver for SoftSolver {
         self.shared.halo = None;
     }
 
-    /// Drops the forces and the contacts that name particles by their indices before the change. The forces are evaluated
-    /// anew at the start of the next window.
+    /// Drops all forces and contacts, whose indices of particles are those before the change of the population. The
+    /// forces are evaluated anew at the start of the next window.
     fn repopulate(&mut self) {
         self.disturb();
         self.pushes.clear();

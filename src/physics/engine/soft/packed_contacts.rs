@@ -11,8 +11,8 @@ const SHARED: usize = 16;
 /// Number of contacts per chunk of storage. A single list would be copied when it grows, and would fragment the memory.
 const CHUNK: usize = 128;
 
-/// A contact in progress, in 64 bytes. Its two bodies are those of its slot. Data only for statistics of impacts are in
-/// single precision.
+/// A contact in progress, in 64 bytes. Its two bodies are those of its slot (number of the candidate) in the neighbour
+/// list. Data for statistics of impacts alone are in single precision.
 #[derive(Clone, Copy, Debug)]
 pub struct PackedContact {
     normal_speed: f64,
@@ -24,7 +24,7 @@ pub struct PackedContact {
     maximum_overlap: f32,
     /// Unit normal at the last evaluation; not a number (NaN) before the first evaluation.
     normal: Vector3<f32>,
-    /// Index of the contact's constants.
+    /// Index of the contact's constants in the list of constants.
     constants: u32,
 }
 
@@ -36,7 +36,7 @@ impl PackedContact {
         Self { normal_speed, overlap, growth, overlap_time, began, first_overlap, maximum_overlap, normal, constants }
     }
 
-    /// State of the contact so far, without its springs.
+    /// State of the contact so far. The springs in the returned state are empty, because they are stored elsewhere.
     #[inline(always)]
     pub fn course(&self) -> ContactState {
         let Self { normal_speed, overlap, growth, overlap_time, began, normal, .. } = *self;
@@ -58,14 +58,14 @@ impl PackedContact {
         }
     }
 
-    /// Stores a new state of the contact.
+    /// Replaces the stored state of the contact, except its springs, by `course`.
     #[inline(always)]
     pub fn update(&mut self, course: &ContactState) {
         *self = Self::new(self.constants, course);
     }
 }
 
-/// Mutable access to a contact between rotating bodies.
+/// Mutable access to the record and the springs of a contact between rotating bodies.
 pub struct RotatingRecord<'a> {
     /// Constants of the contact.
     pub constants: &'a ContactConstants,
@@ -86,7 +86,7 @@ pub struct PackedContacts {
     free: Vec<u32>,
     /// Constants of contacts. Any number of contacts use one of the first `SHARED` entries, one contact each further entry.
     constants: Vec<ContactConstants>,
-    /// Indices in `constants` from `SHARED` on that no contact uses.
+    /// Indices in `constants`, from `SHARED` on, whose entries no contact uses.
     unused: Vec<u32>,
     /// [m] shears of the contacts in `kept`, in the same chunks; empty if contacts have no tangential springs.
     shears: Vec<Vec<Vector3<f64>>>,
@@ -97,7 +97,8 @@ pub struct PackedContacts {
     first_slips: Vec<Vec<Option<Vector3<f32>>>>,
 }
 
-/// Returns the element with the index `place`, counted over all chunks; `None` if there are fewer chunks.
+/// Returns the element with the index `place`, which counts the elements of all chunks; `None` if there are fewer
+/// chunks.
 #[inline(always)]
 fn in_chunks<T>(chunks: &mut [Vec<T>], place: u32) -> Option<&mut T> {
     Some(&mut chunks.get_mut(place as usize / CHUNK)?[place as usize % CHUNK])
@@ -112,7 +113,7 @@ fn store_in_chunks<T: Clone + Default>(chunks: &mut Vec<Vec<T>>, place: u32, val
 }
 
 impl PackedContacts {
-    /// Stores a contact; returns its index.
+    /// Stores a contact that begins, and returns the index of its record.
     pub fn keep(&mut self, touch: &ContactConstants, course: ContactState) -> u32 {
         let constants = self.constants_of(touch);
         let kept = PackedContact::new(constants, &course);
@@ -143,7 +144,7 @@ impl PackedContacts {
         (full + chunk.len() - 1) as u32
     }
 
-    /// Index of the constants of a contact, which are added if they are new.
+    /// Index of the entry of `constants` that equals `touch`; a new entry is added if there is none.
     fn constants_of(&mut self, touch: &ContactConstants) -> u32 {
         let shared = &self.constants[..self.constants.len().min(SHARED)];
         if let Some(like) = shared.iter().position(|other| other == touch) {
@@ -173,7 +174,7 @@ impl PackedContacts {
         (&self.constants[kept.constants as usize], kept)
     }
 
-    /// Constants and present state of the contact at index `place`, without its springs.
+    /// Constants and present state of the contact at index `place`. The springs in the state are empty.
     #[inline(always)]
     pub fn get(&self, place: u32) -> (&ContactConstants, ContactState) {
         let kept = &self.kept[place as usize / CHUNK][place as usize % CHUNK];

@@ -19,8 +19,8 @@ impl SoftSolver {
         self.smallest.is_some_and(|smallest| closing * dt >= SHORT * smallest)
     }
 
-    /// Returns an error if the next step of `dt` [s], which begins `elapsed` [s] after the beginning of the window, moves the centre of a
-    /// sphere through a thin wall. Such a step may have no overlap at either end.
+    /// Returns an error if the next step moves the centre of a sphere through a thin wall; such a step may have no
+    /// overlap at either end. The step of `dt` [s] begins `elapsed` [s] after the beginning of the window.
     pub(super) fn refuse_to_pass(
         &self,
         particles: &Particles,

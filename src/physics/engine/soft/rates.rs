@@ -41,9 +41,9 @@ impl std::ops::AddAssign for Rates {
 /// Sums over one step of a contact without friction; its normal is taken as constant.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AlongNormal {
-    /// [W] power dissipated by the dashpot.
+    /// [W] power dissipated by the dashpot, as a mean over the step.
     pub restitution_power: f64,
-    /// [N] force along the normal.
+    /// [N] contact force along the normal, as a mean over the step.
     pub force: f64,
     /// [N] first moment of the force about the middle of the step, divided by the squared length of the step.
     pub force_moment: f64,
@@ -52,7 +52,8 @@ pub struct AlongNormal {
 }
 
 impl Rates {
-    /// Rates of a contact without friction; `normal` points from the other body to particle i.
+    /// Powers, force and virial of a contact without friction, from its sums over one step. `normal` points from the
+    /// other body to particle i.
     pub fn along(couple: &Couple, normal: &Vector3<f64>, sums: &AlongNormal) -> Self {
         if couple.is_wall() {
             let (power, force) = (sums.restitution_power, sums.force);
@@ -65,8 +66,8 @@ impl Rates {
         }
     }
 
-    /// Adds the rates of a contact at one stage. `weight` [-] is that of the stage in the mean over the step, and
-    /// `moment` [-] that in the first moment.
+    /// Adds powers and forces of a contact at one Runge-Kutta stage. `weight` [-] is the weight of the stage in the
+    /// mean over the step, and `moment` [-] its weight in the first moment.
     #[inline]
     pub fn count(&mut self, couple: &Couple, force: &ContactForce, [weight, moment]: [f64; 2]) {
         if couple.is_wall() {

@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 /// Rolling and twisting motion of two touching bodies, and the resistances to it.
 #[derive(Clone, Copy, Debug)]
 pub struct RollingMotion {
-    /// Radii and inertia of the bodies.
+    /// Effective radius and inertia of the two bodies for rolling and twisting.
     pub bodies: RollingBodies,
     /// [m/s] rolling velocity R_eff (ω_i - ω_j) × n.
     pub rolling: Vector3<f64>,
@@ -65,15 +65,16 @@ impl RollingMotion {
         Self { bodies, rolling, twisting, against_rolling, against_twisting }
     }
 
-    /// [1/kg] rolling acceleration over the tangential force that causes it: R_eff (r_i/I_i - r_j/I_j), without r_j/I_j at a
-    /// wall. The lever arm is the radius. The slip has an equal acceleration over the rolling resistance that causes it.
+    /// [1/kg] rolling acceleration over the tangential force that causes it: R_eff (r_i/I_i - r_j/I_j), without r_j/I_j
+    /// at a wall. The lever arm is taken as the radius. The ratio of slip acceleration to rolling resistance has the
+    /// same value.
     pub fn passed_on(&self, couple: &Couple, particles: &Particles) -> f64 {
         let inertia = particles.inertia.as_deref().unwrap_or_default();
         let of = |place: u32| particles.radius[place as usize] / inertia[place as usize];
         self.bodies.radius * (of(couple.i) - couple.j().map_or(0.0, of))
     }
 
-    /// [N m] torque on particle i by the resistances [N] to rolling and twisting.
+    /// [N m] torque on particle i by the forces `rolling` and `twisting` [N] of the resistances.
     #[inline(always)]
     pub fn couple(&self, normal: &Vector3<f64>, rolling: &Vector3<f64>, twisting: f64) -> Vector3<f64> {
         -(normal.cross(rolling) + normal * twisting) * self.bodies.radius
@@ -83,9 +84,9 @@ impl RollingMotion {
 /// A step in which a contact resists rolling and twisting.
 #[derive(Clone, Copy, Debug)]
 pub struct ResistedStep {
-    /// [m] overlap before the step.
+    /// [m] overlap of the contact before the step.
     pub before: f64,
-    /// [m] overlap after the step.
+    /// [m] overlap of the contact after the step.
     pub after: f64,
     /// [s] length of the step.
     pub dt: f64,
@@ -108,8 +109,8 @@ impl Resistance {
         velocity * (wanted.min(self.spring.mass * speed / dt) / speed)
     }
 
-    /// Returns the force [N] at the end of a step, and the shear [m] of the spring after it. `shear` [m] is that before the
-    /// step, and `velocity` [m/s] the relative velocity that stretches the spring.
+    /// Returns the force [N] at the end of a step, and the shear [m] of the spring after the step. `shear` [m] is the
+    /// shear before the step, and `velocity` [m/s] the relative velocity that stretches the spring.
     fn resist(
         &self,
         (shear, velocity): (Vector3<f64>, Vector3<f64>),

@@ -16,7 +16,7 @@ use nalgebra::Vector3;
 /// Motion of the surfaces of two touching bodies that rotate.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SurfaceMotion {
-    /// [m/s] slip s of the surfaces.
+    /// [m/s] slip s: tangential velocity of the surface of particle i relative to that of the second body.
     pub slip: Vector3<f64>,
     /// [-] lever arm of the tangential force about the centre of a sphere, divided by the radius of the sphere.
     pub arm: f64,
@@ -25,7 +25,7 @@ pub struct SurfaceMotion {
 }
 
 impl SurfaceMotion {
-    /// Motion of the surfaces of two bodies; `reach` [m] is their distance at touch ([`reach`](Couple::reach)).
+    /// Motion of the surfaces of two bodies. `reach` [m] is the distance of the centres at touch; at a wall the radius.
     #[inline(always)]
     pub fn of(couple: &Couple, reach: f64, met: &Encounter, (particles, scene): (&Particles, &Scene)) -> Self {
         let (surface, arm) = couple.surface_velocity(particles, reach, met.gap);
@@ -39,7 +39,7 @@ impl SurfaceMotion {
 
 /// State of a contact between bodies that rotate, at the start of a step.
 pub struct BeforeStep<'a> {
-    /// True if the contact has just begun.
+    /// True if the contact has begun since the last evaluation.
     pub begins: bool,
     /// [m] overlap at the start of the step.
     pub overlap: f64,
@@ -52,9 +52,9 @@ pub struct BeforeStep<'a> {
 
 /// Force and torques of a contact between bodies that rotate.
 pub struct RotatingForce {
-    /// Force on the centres, with its powers.
+    /// Force on the centres of the two bodies, with its powers.
     pub force: ContactForce,
-    /// Torques on both bodies.
+    /// Torques on the two bodies.
     pub torque: ContactTorque,
     /// [m] shear ξ of the tangential spring after the step.
     pub shear: Vector3<f64>,
@@ -139,8 +139,8 @@ impl ContactConstants {
         RotatingForce { force, torque, shear, losses }
     }
 
-    /// Resistance to rolling and twisting at the end of a step; zero while the contact is too young to resist. It is a
-    /// separate function, because few scenes have resistance.
+    /// Resistance to rolling and twisting at the end of a step; zero until the contact has lasted for one contact time.
+    /// This is a separate function, because few scenes have resistance.
     #[inline(never)]
     fn resist(
         &self,
@@ -170,20 +170,20 @@ struct SurfaceTurn {
     arm: f64,
     /// [rad] angle by which the mean spin has turned the contact about the normal.
     angle: f64,
-    /// [N] tangential force.
+    /// [N] tangential force of the contact in this step.
     tangential: Vector3<f64>,
-    /// [N] normal force.
+    /// [N] normal force of the contact in this step.
     normal: f64,
     /// [s] part of the step in which the surfaces have moved.
     elapsed: f64,
 }
 
-/// Resistance of a contact to rolling and twisting.
+/// Effect of the resistance of a contact to rolling and twisting in one step.
 #[derive(Default)]
 struct Resisted {
-    /// [N m] torque on particle i.
+    /// [N m] torque of the resistance on particle i.
     couple: Vector3<f64>,
-    /// [W] power taken from the rotation.
+    /// [W] power that the resistance takes from the rotation.
     power: f64,
     /// [W] parts of `power`: rolling resistance, and twisting resistance.
     parts: [f64; 2],

@@ -27,7 +27,8 @@ pub fn are_of_one_wall(one: &Couple, other: &Couple) -> bool {
     }
 }
 
-/// All encounters of a particle with a wall, in the order of their numbers; `couple` is any contact of the two.
+/// All encounters of a particle with a wall at the time `moment`, in the order of their numbers. `couple` is any
+/// contact of this particle with this wall.
 pub fn encounters(couple: &Couple, particles: &Particles, scene: &Scene, moment: FrameTime) -> Vec<Encounter> {
     let Other::Wall(AtWall { wall, .. }) = couple.other else { return vec![couple.meet(particles, scene, moment)] };
     let numbers = 0..scene.walls[wall as usize].geometry.contacts();

@@ -14,7 +14,7 @@ pub struct Clearance {
     /// [m] lowest corner (`low`) and highest corner (`high`) of the box around the mesh.
     low: Vector3<f64>,
     high: Vector3<f64>,
-    /// [m] edge length of the cells.
+    /// [m] edge length of the cubic cells of the grid.
     cell: f64,
     count: [usize; 3],
     away: Vec<u8>,
@@ -50,7 +50,8 @@ impl Clearance {
         grid
     }
 
-    /// Computes the distances of all cells, step by step outwards from the cells in `queue`.
+    /// Computes the distances of all cells from the nearest occupied cell, in numbers of cells. The search goes
+    /// outwards from the occupied cells, with which `queue` begins.
     fn spread(&mut self, mut queue: VecDeque<[usize; 3]>) {
         while let Some(cell) = queue.pop_front() {
             let next = self.away[self.index(cell)].saturating_add(1);
@@ -65,9 +66,9 @@ impl Clearance {
         }
     }
 
-    /// Determines in which cells particles may be. `is_free` must return true for a point [m] where particles may be,
-    /// for points that are not on the surface. It is called once for each connected group of cells. `beyond` is true if
-    /// particles may be outside the box.
+    /// Finds the cells in which particles may be. `is_free` must return true for a point [m] where particles may be,
+    /// except on the surface. It is called once for each connected group of cells without triangles. `beyond` is true
+    /// if particles may be outside the box around the mesh.
     pub fn find_free(&mut self, beyond: bool, is_free: impl Fn(&Vector3<f64>) -> bool) {
         self.is_free_beyond = beyond;
         let mut seen: Vec<bool> = self.away.iter().map(|away| *away == 0).collect();
@@ -107,7 +108,7 @@ impl Clearance {
         (z * self.count[1] + y) * self.count[0] + x
     }
 
-    /// Indices of the cells that share a face with the cell at the index `at`.
+    /// Indices of the grid cells that share a face with the cell at the index `at`.
     fn beside(&self, at: usize) -> impl Iterator<Item = usize> {
         let mut step = 1;
         let sides = self.coordinates(at).into_iter().zip(self.count).map(move |(c, count)| {
@@ -123,13 +124,14 @@ impl Clearance {
         [index % nx, index / nx % ny, index / (nx * ny)]
     }
 
-    /// Indices of the cell that contains a point [m]; for a point outside the grid, those of the nearest cell.
+    /// Indices along x, y, z of the grid cell that contains `point` [m]; for a point outside the grid, those of the
+    /// nearest cell.
     fn cell_of(&self, point: &Vector3<f64>) -> [usize; 3] {
         // a negative coordinate is converted to index 0
         std::array::from_fn(|axis| (((point[axis] - self.low[axis]) / self.cell) as usize).min(self.count[axis] - 1))
     }
 
-    /// [m] lower limit of the distance from the point [m] to the surface.
+    /// [m] lower limit of the distance from `point` [m] to the surface of the mesh.
     #[inline]
     pub fn least(&self, point: &Vector3<f64>) -> f64 {
         let outside = (self.low - point).sup(&(point - self.high)).max();
@@ -141,7 +143,7 @@ impl Clearance {
         (away - 1.0 - 1e-9).max(0.0) * self.cell
     }
 
-    /// True if particles may be at a point [m]. Near the surface the result is always false, because the grid is too
+    /// True if particles may be at `point` [m]. Near the surface the result is always false, because the grid is too
     /// coarse to decide.
     pub fn is_free(&self, point: &Vector3<f64>) -> bool {
         if (self.low - point).sup(&(point - self.high)).max() > 0.0 {

@@ -54,7 +54,8 @@ pub struct Mesh {
     surface: TriangleSurface,
     tree: Tree,
     clearance: Clearance,
-    /// Number of triangles of the surface itself. They precede the copies of triangles beyond periodic sides.
+    /// Number of triangles of the surface itself. In the list of triangles they precede the copies beyond periodic
+    /// sides.
     own: usize,
     /// True for each axis along which the surface continues without end through periodic sides.
     spans: [bool; 3],
@@ -62,10 +63,10 @@ pub struct Mesh {
     bounds: [Vector3<f64>; 2],
 }
 
-/// The nearest point of one triangle to a given point.
+/// Point of one triangle that is nearest to a given point.
 #[derive(Clone, Copy)]
 struct TrianglePoint {
-    /// [m] distance between the two points, never negative.
+    /// [m] distance from the given point to this point, never negative.
     distance: f64,
     /// [-] unit vector from the surface to the given point.
     direction: Vector3<f64>,
@@ -168,7 +169,7 @@ impl Mesh {
         (&self.surface.points, self.surface.faces[..self.own].iter().map(|face| face.corners))
     }
 
-    /// The point of the triangle with index `number` that is nearest to `point` [m].
+    /// Point of the triangle with the index `number` that is nearest to `point` [m].
     fn spot(&self, number: u32, point: &Vector3<f64>) -> TrianglePoint {
         let face = &self.surface.faces[number as usize];
         let corners = self.surface.corners(number as usize);
@@ -195,7 +196,7 @@ impl Mesh {
         TrianglePoint { distance: away, direction: out, behind, face: number, place }
     }
 
-    /// True if the distance from the sphere's centre has a local minimum at this point: all neighbouring points of the
+    /// True if the distance from the sphere's centre has a local minimum at `spot`: all neighbouring points of the
     /// surface are farther from the centre.
     fn is_least(&self, spot: &TrianglePoint) -> bool {
         let (surface, face) = (&self.surface, &self.surface.faces[spot.face as usize]);
@@ -238,9 +239,9 @@ impl Mesh {
         first.get()
     }
 
-    /// True if all triangles within `reach` [m] have nearly one normal, so that there is at most one contact. The
-    /// nearest point may lie on an edge or corner of a closed surface. Its direction then lies between the normals of
-    /// the adjacent triangles, all of which are within reach.
+    /// True if all triangles within `reach` [m] of `point` [m] have nearly equal normals, so that a sphere has at most
+    /// one contact there. The nearest point may lie on an edge or corner of a closed surface. Its direction then lies
+    /// between the normals of the adjacent triangles, all of which are within `reach`.
     fn is_smooth(&self, point: &Vector3<f64>, reach: f64) -> bool {
         let mut normals = self.tree.within(point, reach).map(|face| &self.surface.faces[face as usize].normal);
         let first = normals.next();
@@ -287,8 +288,8 @@ impl Geometry for Mesh {
         (2.0 - 2.0 * APART).sqrt()
     }
 
-    /// Nearest point of contact number `which`. Without such a contact within `REACH` radii, the distance is `REACH`
-    /// radii and the normal is zero.
+    /// Returns the nearest point of contact number `which` to the centre `point` [m] of a sphere. If there is no such
+    /// contact within `REACH` radii, the distance is `REACH` radii and the normal is zero.
     fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         let reach = REACH * radius;
         let found = if self.clearance.least(point) > reach {
@@ -303,7 +304,8 @@ impl Geometry for Mesh {
         found.map_or(Nearest { distance: reach, normal: Vector3::zeros() }, |spot| spot.nearest())
     }
 
-    /// First touch with any part of the surface. It is returned for contact 0 only, so that each touch is found once.
+    /// Returns the first touch with any part of the surface for contact 0, and `None` for other contacts. So each touch
+    /// is found once.
     fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
         if which == 0 { self.sweep(flight, radius, until) } else { None }
     }

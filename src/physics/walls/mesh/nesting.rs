@@ -7,16 +7,15 @@ use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use serde::Serialize;
 
-/// Number of triangles of a part that are tested for being inside other parts. If their results differ, the parts
-/// cross.
+/// Number of triangles of a part for which the search tests whether they are inside other parts. If the results differ,
+/// the two parts cross.
 const SAMPLES: usize = 8;
 /// [-] directions of rays. A point is inside a part if a ray from the point crosses an odd number of triangles of the
 /// part. No direction is along an axis or a diagonal of typical drawings. If a ray passes through an edge, the next
 /// direction is used.
 const WAYS: [[f64; 3]; 4] =
     [[0.731, 0.419, 0.538], [-0.283, 0.874, 0.395], [0.467, -0.612, 0.638], [-0.571, -0.327, 0.753]];
-/// [-] distance over the size of the surface. A point that is nearer than this to an edge or a triangle counts as on
-/// it.
+/// [-] distance over the size of the surface. A point that is nearer to an edge or a triangle counts as lying on it.
 const ON: f64 = 1e-9;
 
 /// Numbers of closed parts of a surface that lie inside other parts, by type.
@@ -108,7 +107,8 @@ fn parts(count: usize, edges: &Edges) -> Vec<Vec<usize>> {
     parts
 }
 
-/// [m³] six times the volume of a closed part; positive if its triangles face outwards.
+/// [m³] six times the volume of the closed part `part`, a list of triangle indices. It is positive if its triangles
+/// face outwards.
 fn volume(points: &[Vector3<f64>], triangles: &Numbered, part: &[usize]) -> f64 {
     let from = points[triangles[part[0]].0[0] as usize];
     let each = part.iter().map(|k| {
@@ -118,7 +118,7 @@ fn volume(points: &[Vector3<f64>], triangles: &Numbered, part: &[usize]) -> f64 
     each.sum()
 }
 
-/// For each part, the other parts that contain it, in ascending order. Parts that cross others are counted in `nested`.
+/// Numbers of the parts that contain each part, in ascending order. Parts that cross others are counted in `nested`.
 fn parts_around(
     points: &[Vector3<f64>],
     triangles: &Numbered,
@@ -190,8 +190,9 @@ impl Crossings {
     }
 }
 
-/// True if a ray passes through a triangle. It begins at the point `from` [m] and has the direction of the unit vector
-/// `way`. `None` if the ray passes through an edge or begins on the triangle.
+/// True if a ray passes through a triangle, given by its corners [m]. The ray begins at the point `from` [m] and has
+/// the direction of the unit vector `way`. `None` if the ray passes through an edge or begins on the triangle. `size`
+/// [m] is that of the surface.
 fn passes(from: &Vector3<f64>, way: &Vector3<f64>, corners: [Vector3<f64>; 3], size: f64) -> Option<bool> {
     let [a, b, c] = corners.map(|corner| corner - from);
     // twice the signed area of the triangle formed by an edge and the start of the ray, projected along the ray; the

@@ -59,7 +59,7 @@ pub fn continued(heap: &[[Vector3<f64>; 3]], periods: [Option<f64>; 3], margin: 
 /// Open edges at the two ends of a surface, on two planes one period apart.
 struct OpenEnds {
     axis: usize,
-    /// [m] length of the period.
+    /// [m] length of the period of the box along the axis.
     period: f64,
     /// [m] coordinate of the lower plane along the axis; the upper plane is one period above.
     low: f64,
@@ -67,7 +67,7 @@ struct OpenEnds {
     edges: [Vec<Edge>; 2],
 }
 
-/// Bits of the coordinates of a point [m], used as a key of a table.
+/// Coordinates of a point [m] as bits, which serve as a key of a table: equal points have equal keys.
 fn bits(point: &Vector3<f64>) -> [u64; 3] {
     // adding 0 turns -0 into 0, which is the same coordinate
     [point.x, point.y, point.z].map(|value| (value + 0.0).to_bits())
@@ -141,7 +141,8 @@ fn open_edges(heap: &[[Vector3<f64>; 3]]) -> Vec<Edge> {
     open.into_iter().map(|(_, (_, edge))| edge).collect()
 }
 
-/// [m] largest distance of a corner of `edges` from the nearest edge of `others`.
+/// [m] distance of a corner of `edges` from the nearest edge of `others`, for the corner with the largest such
+/// distance.
 fn farthest(edges: &[Edge], others: &[Edge]) -> f64 {
     let corners: FxHashSet<[u64; 3]> = others.iter().flatten().map(bits).collect();
     let alone = edges.iter().flatten().filter(|corner| !corners.contains(&bits(corner)));
@@ -156,8 +157,9 @@ fn farthest(edges: &[Edge], others: &[Edge]) -> f64 {
     alone.map(distance).fold(0.0, f64::max)
 }
 
-/// Adds shifted copies of the triangles within `margin` [m] of the two planes. A corner on the upper plane gets the
-/// coordinates of the equal corner on the lower plane, plus exactly one period.
+/// Adds copies, shifted by one period, of the triangles within `margin` [m] of the two planes at the ends of the
+/// surface. A corner on the upper plane gets the coordinates of the equal corner on the lower plane, plus exactly one
+/// period.
 fn continue_along(heap: &mut TriangleList, sides: &OpenEnds, same: &FxHashMap<[u64; 3], Vector3<f64>>, margin: f64) {
     let (axis, period) = (sides.axis, sides.period);
     let shifted = |corner: &Vector3<f64>| {

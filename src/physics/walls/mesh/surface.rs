@@ -12,8 +12,8 @@ use std::ops::Range;
 /// the rounding of its corners would determine its normal. In a file in single precision this rounding is 6e-8.
 const THINNEST: f64 = 1e-9;
 /// [-] depth of a neighbour's far corner below the plane of a triangle, over the longest edge. At larger depths a
-/// sphere can touch the common edge without touching a face, so the edge is tested. Flatter edges need no test, because
-/// triangles are enlarged by [`COVER`](super::sweep::COVER).
+/// sphere can touch the common edge without touching a face, so the edge is tested for touch. Flatter edges need no
+/// test, because triangles are enlarged by [`COVER`](super::sweep::COVER).
 const SHARP: f64 = 1e-12;
 
 /// Side of the surface on which the particles are.
@@ -31,7 +31,7 @@ pub enum Sides {
 /// Defects found in a list of triangles. Triangles are numbered from 1, in the order of the file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Findings {
-    /// Number of triangles given.
+    /// Number of triangles in the list that was given.
     pub given: usize,
     /// Triangles without area, which are removed: how many they are, and the number of the first.
     pub degenerate: (usize, usize),
@@ -48,7 +48,7 @@ pub struct Findings {
     pub nested: Nested,
     /// Number of edges that belong to only one triangle. The surface is open at these edges.
     pub open_edges: usize,
-    /// Number of edges with more than two triangles.
+    /// Number of edges at which more than two triangles meet.
     pub crowded_edges: usize,
     /// Number of edges whose triangles cannot be made to face the same way.
     pub twisted_edges: usize,
@@ -67,7 +67,7 @@ pub enum Fault {
     /// A coordinate of a corner is not a finite number.
     #[error("{count} of its {given} triangles have corners that are not finite numbers, the first is triangle {first}")]
     NotFinite {
-        /// Number of triangles with such corners.
+        /// Number of triangles that have a corner with such a coordinate.
         count: usize,
         /// Number of triangles in the list.
         given: usize,
@@ -80,7 +80,7 @@ pub enum Fault {
         /// Number of triangles in the list.
         given: usize,
     },
-    /// The surface is not closed, so it has no inside.
+    /// The surface is not closed, so it has no inside, but the case asks for one.
     #[error(
         "it is not watertight, so it has no inside and no outside: {} of its edges belong to one triangle only, {} to more than two, and \
          at {} the triangles cannot face the same way", .0.open_edges, .0.crowded_edges, .0.twisted_edges
@@ -117,7 +117,8 @@ pub struct TriangleSurface {
     pub points: Vec<Vector3<f64>>,
     /// Triangles of the surface, with data on their neighbours.
     pub faces: Vec<Face>,
-    /// [-] unit vectors perpendicular to edges, from each edge into its neighbouring triangles.
+    /// [-] unit vectors perpendicular to edges. Those of an edge point into the triangles beyond the edge, in their
+    /// planes.
     pub ways: Vec<Vector3<f64>>,
     /// [-] pseudo-normal of each point: the sum of the normals of the triangles that meet at the point, weighted by
     /// their angles.
@@ -167,7 +168,8 @@ impl TriangleSurface {
         Ok((Self::connect(points, &corners, sides), sides, findings))
     }
 
-    /// Computes the data of triangles, edges and corners from which contacts are found.
+    /// Computes data of triangles, edges and corners, from which contacts are found: normals, neighbours, and edges to
+    /// be tested.
     fn connect(points: Vec<Vector3<f64>>, corners: &[[u32; 3]], sides: Sides) -> Self {
         let mut faces: Vec<Face> = corners.iter().map(|corners| plain(&points, *corners)).collect();
         let numbered: Numbered = corners.iter().map(|corners| (*corners, 0)).collect();
@@ -232,7 +234,8 @@ fn refuse_not_finite(heap: &[[Vector3<f64>; 3]]) -> Result<(), Fault> {
     }
 }
 
-/// Adds one to the number of a defect. For the first defect, also stores the number of the triangle.
+/// Adds one to the count of a defect (first number of `found`). For the first defect, also stores the number of its
+/// triangle.
 pub(super) fn count(found: &mut (usize, usize), number: usize) {
     *found = (found.0 + 1, if found.0 == 0 { number } else { found.1 });
 }
@@ -269,7 +272,7 @@ fn weld(heap: &[[Vector3<f64>; 3]], findings: &mut Findings) -> (Vec<Vector3<f64
     (points, triangles)
 }
 
-/// The two point indices of an edge in ascending order.
+/// Indices of the two end points of edge number `edge` (0 to 2) of a triangle, in ascending order.
 fn key(corners: &[u32; 3], edge: usize) -> [u32; 2] {
     let (a, b) = (corners[edge], corners[(edge + 1) % 3]);
     [a.min(b), a.max(b)]
@@ -285,7 +288,7 @@ fn edges(triangles: &[([u32; 3], usize)]) -> Edges {
     edges
 }
 
-/// Makes a triangle without data on its neighbours.
+/// Makes the data of one triangle; the data on its neighbours are left empty.
 fn plain(points: &[Vector3<f64>], corners: [u32; 3]) -> Face {
     let at = corners.map(|corner| points[corner as usize]);
     let normal = (at[1] - at[0]).cross(&(at[2] - at[0])).normalize();
@@ -301,8 +304,8 @@ fn plain(points: &[Vector3<f64>], corners: [u32; 3]) -> Face {
     }
 }
 
-/// True if a sphere can touch an edge without touching the face of one of its triangles. The result is false for an
-/// edge at which the surface is flat, or concave as seen from the particles.
+/// True if a sphere can touch an edge without touching the face of one of its triangles. `there` lists these triangles.
+/// False for an edge at which the surface is flat, or concave as seen from the particles.
 fn is_sharp(points: &[Vector3<f64>], faces: &[Face], there: &[(u32, usize)], sides: Sides) -> bool {
     let [(a, of_a), (b, of_b)] = there[..] else { return true };
     let (face, other) = (&faces[a as usize], &faces[b as usize]);

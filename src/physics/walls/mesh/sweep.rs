@@ -12,10 +12,11 @@ use nalgebra::Vector3;
 
 /// [-] width by which a triangle is enlarged at each edge, over the longest edge of the triangle.
 pub(super) const COVER: f64 = 1e-10;
-/// [-] overlap over the radius. A smaller overlap counts as the rounding of a touch.
+/// [-] overlap over the radius of the sphere. A smaller overlap counts as the rounding of a touch.
 const TOUCHING: f64 = 1e-9;
 
-/// Number that encodes a face, an edge or a corner of a triangle.
+/// Number of a surface feature: it encodes the index of a triangle, and its face, one of its edges or one of its
+/// corners.
 fn numbered(face: u32, place: TriangleFeature) -> u32 {
     face * 8
         + match place {
@@ -26,8 +27,8 @@ fn numbered(face: u32, place: TriangleFeature) -> u32 {
 }
 
 impl Mesh {
-    /// First touch of a sphere of `radius` [m] within the time `until` [s]. The touch contains the number of the face,
-    /// edge or corner.
+    /// First touch of a sphere of `radius` [m] within the time `until` [s], with the number of the touched face, edge
+    /// or corner; `None` without a touch.
     pub(super) fn sweep(&self, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
         let end = flight.position_at(until);
         // largest distance between the path of a falling sphere and the straight line between its ends
@@ -52,7 +53,7 @@ impl Mesh {
         first
     }
 
-    /// Distance [m] and normal of `point` [m] relative to the face, edge or corner with a number from [`numbered`].
+    /// Distance [m] and normal of `point` [m] relative to a face, edge or corner, whose number [`numbered`] gives.
     pub(super) fn at(&self, number: u32, point: &Vector3<f64>) -> Nearest {
         let face = &self.surface.faces[number as usize / 8];
         let corner = |k: u32| self.surface.points[face.corners[k as usize % 3] as usize];
@@ -73,8 +74,8 @@ impl Mesh {
         Nearest { distance, normal: if distance > 0.0 { out / distance } else { face.normal } }
     }
 
-    /// Calls `visit` for each touch of one triangle up to `until` [s], with the time [s] and the feature that is
-    /// touched.
+    /// Calls `visit` for each touch of a sphere and one triangle up to `until` [s]. The arguments of `visit` are the
+    /// time [s], and the touched face, edge or corner.
     fn touches(
         &self,
         number: u32,
@@ -166,7 +167,7 @@ fn is_above(face: &Face, corners: &[Vector3<f64>; 3], point: &Vector3<f64>) -> b
 }
 
 /// [s] time at which a sphere in straight flight touches the edge between two points [m], without its end points. The
-/// number of an end point, as `on_bar` returns it, is always `None`.
+/// second part of the result, the number of an end point in [`on_bar`], is always `None`.
 fn on_edge([from, to]: [Vector3<f64>; 2], flight: &Flight, radius: f64) -> Option<(f64, Option<usize>)> {
     let length = (to - from).norm();
     let along = (to - from) / length;

@@ -10,18 +10,18 @@ use parry3d_f64::shape::{Triangle, TrianglePointLocation};
 /// [-] relative rounding error of a squared distance, by which a box may appear to be farther away than its triangle.
 const ROUNDING: f64 = 1e-12;
 
-/// Feature of a triangle (face, edge or corner) on which a point lies.
+/// Part of a triangle on which a point lies: face, edge or corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TriangleFeature {
     /// The inside of the triangle.
     Face,
     /// The edge from the corner with this number (0 to 2) to the next corner.
     Edge(usize),
-    /// The corner with this number (0 to 2).
+    /// The corner with the number 0, 1 or 2.
     Corner(usize),
 }
 
-/// A tree of boxes around triangles or bodies.
+/// Search tree of boxes around triangles or bodies.
 #[derive(Clone)]
 pub struct Tree(Bvh);
 
@@ -38,8 +38,8 @@ impl Tree {
         Self(Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes))
     }
 
-    /// Calls `visit` with the index of every triangle whose box is within `reach` [m] of a point [m] along all three
-    /// axes.
+    /// Calls `visit` with the index of every triangle or body whose box is within `reach` [m] of `point` [m] along all
+    /// three axes.
     pub fn for_each_near(&self, point: &Vector3<f64>, reach: f64, mut visit: impl FnMut(u32)) {
         let half = ParryVector::splat(reach);
         let around = Aabb::new(to_parry(point) - half, to_parry(point) + half);
@@ -52,7 +52,7 @@ impl Tree {
         self.0.leaves(move |node| square_distance(node, point) <= square)
     }
 
-    /// True if any box is within `reach` [m] of a point [m].
+    /// True if the box of any triangle is within `reach` [m] of `point` [m].
     pub fn is_near(&self, point: &Vector3<f64>, reach: f64) -> bool {
         let point = to_parry(point);
         self.0.leaves(|node| square_distance(node, point) <= reach * reach).next().is_some()
@@ -95,7 +95,8 @@ impl Tree {
     }
 }
 
-/// Point [m] of a triangle that is nearest to `point` [m], and the feature on which it lies.
+/// Point [m] of a triangle that is nearest to `point` [m], and the part of the triangle (face, edge or corner) on which
+/// it lies.
 pub fn on_triangle(corners: &[Vector3<f64>; 3], point: &Vector3<f64>) -> (Vector3<f64>, TriangleFeature) {
     let [a, b, c] = corners.each_ref().map(to_parry);
     let (projection, location) = Triangle::new(a, b, c).project_local_point_and_get_location(to_parry(point), false);
@@ -109,7 +110,7 @@ pub fn on_triangle(corners: &[Vector3<f64>; 3], point: &Vector3<f64>) -> (Vector
     (nearest, place)
 }
 
-/// [m²] squared distance from a point to the box of a node of the tree.
+/// [m²] squared distance from a point to the box of a node of the tree; 0 for a point in the box.
 fn square_distance(node: &BvhNode, point: ParryVector) -> f64 {
     (node.mins() - point).max(point - node.maxs()).max(ParryVector::ZERO).length_squared()
 }

@@ -12,20 +12,22 @@ use crate::walls::{Flight, Touch};
 /// by it. The rounding of coordinates is of this order if the box is 10⁴ radii long.
 const CLOSE: f64 = 1e-12;
 
-/// Rounding errors of a coordinate, in units of its last digit, that count as a gap of zero.
+/// [-] gap that counts as zero, in units of the rounding error of the largest coordinate.
 const ROUNDINGS: f64 = 16.0;
 
-/// [-] share of the gap by which a sphere is enlarged on an arc.
+/// [-] length by which a sphere is enlarged on an arc (short piece of its flight), over its gap to the shape.
 const SHARE: f64 = 0.125;
 
-/// [-] length of an arc over the time in which the gap would close at the present speed.
+/// [-] length of an arc (short piece of a flight), over the time in which the gap would close at the present speed.
 const AHEAD: f64 = 1.5;
 
-/// [rad] largest rotation of a shape on one arc, so that the bound of the third derivative is not far too large.
+/// [rad] largest rotation of a shape during one arc (short piece of a flight). It keeps the bound of the third
+/// derivative from being far too large.
 const TURN: f64 = 0.5;
 
-/// First touch of contact number `which`, as [`Geometry::first_touch`](crate::walls::Geometry::first_touch) defines it.
-/// The flight begins at `start` [s], and `until` [s] must be finite.
+/// First touch for contact number `which` of a moving shape, as
+/// [`Geometry::first_touch`](crate::walls::Geometry::first_touch) defines it. The flight begins at the simulated time
+/// `start` [s], and its duration `until` [s] must be finite.
 pub(super) fn first_touch(
     moving: &MovingShape,
     which: u32,

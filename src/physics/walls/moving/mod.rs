@@ -19,14 +19,14 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 use vibrating_plane::VibratingGap;
 
-/// A shape with its prescribed motion, at an instant.
+/// A shape with the law of its motion, and the instant for which the geometry of the wall is valid.
 #[derive(Clone, Debug, Serialize)]
 pub struct MovingShape {
-    /// The shape where the case puts it, without displacement.
+    /// Shape of the wall where the case puts it, without displacement.
     pub(super) shape: Arc<WallGeometry>,
-    /// Law of the motion.
+    /// Law of the motion of the shape, as a function of the simulated time.
     motion: PrescribedMotion,
-    /// [s] instant to which the geometry of the wall belongs.
+    /// [s] simulated time for which the geometry of the wall is valid.
     #[serde(skip)]
     time: f64,
     /// [m] largest distance of a point of the shape from the axis of a rotation; 0 for other motions.
@@ -34,8 +34,8 @@ pub struct MovingShape {
 }
 
 impl MovingShape {
-    /// Makes a shape that moves, at time 0. `shape` is where the case puts it. `None` if an endless shape would rotate: its
-    /// points have no largest speed.
+    /// Makes a shape that moves, at time 0. `shape` is the shape where the case puts it. `None` for the rotation of an
+    /// endless shape, whose points would have no largest speed.
     pub fn new(shape: WallGeometry, motion: PrescribedMotion) -> Option<Self> {
         let arm = match &motion {
             PrescribedMotion::Turning(turning) => {
@@ -48,27 +48,27 @@ impl MovingShape {
         Some(Self { shape: Arc::new(shape), motion, time: 0.0, arm })
     }
 
-    /// Law of the motion.
+    /// Law of the motion of the shape, as a function of the simulated time.
     pub fn motion(&self) -> &PrescribedMotion {
         &self.motion
     }
 
-    /// [s] instant to which the geometry of the wall belongs.
+    /// [s] simulated time for which the geometry of the wall is valid.
     pub fn time(&self) -> f64 {
         self.time
     }
 
-    /// The shape without displacement.
+    /// Shape where the case puts it, without displacement.
     pub fn shape(&self) -> &WallGeometry {
         &self.shape
     }
 
-    /// [m] place of `point` [m] in the frame of the shape at `time` [s].
+    /// [m] position of `point` [m] in the frame that moves with the shape, at the simulated time `time` [s].
     pub fn to_shape(&self, point: &Vector3<f64>, time: f64) -> Vector3<f64> {
         self.motion.to_shape(point, time)
     }
 
-    /// [m/s] largest speed of any point of the shape.
+    /// [m/s] largest speed of any point of the shape at any time.
     pub fn largest_speed(&self) -> f64 {
         self.motion.largest_speed(self.arm)
     }
@@ -80,7 +80,8 @@ impl MovingShape {
         way.min(self.motion.largest_excursion(self.arm))
     }
 
-    /// Shape at the instant of this value: a displaced plane, or this moving shape.
+    /// Shape at the stored instant `time`: a displaced plane for a plane that does not rotate, otherwise this moving
+    /// shape.
     fn geometry(&self) -> WallGeometry {
         match self.shape.plane().filter(|_| self.keeps_directions()) {
             Some(plane) => {
@@ -91,8 +92,8 @@ impl MovingShape {
         }
     }
 
-    /// Nearest point to `point` [m] at the time `ahead` [s] after the instant of this value. `find` returns it for the shape
-    /// without displacement.
+    /// Nearest point to `point` [m] at the time `ahead` [s] after the stored instant `time`. `find` returns the nearest
+    /// point for the shape without displacement.
     fn seen(
         &self,
         point: &Vector3<f64>,
@@ -104,8 +105,8 @@ impl MovingShape {
         Nearest { normal: self.motion.direction(&nearest.normal, time), ..nearest }
     }
 
-    /// First touch as [`Geometry::first_touch`] defines it, for a flight that begins `ahead` [s] after the instant of this
-    /// value.
+    /// First touch as [`Geometry::first_touch`] defines it, for a flight that begins `ahead` [s] after the stored
+    /// instant `time`.
     fn touch(&self, which: u32, flight: &Flight, radius: f64, (ahead, until): (f64, f64)) -> Option<Touch> {
         let start = self.time + ahead;
         match &self.motion {
@@ -165,7 +166,8 @@ fn corners([low, high]: [Vector3<f64>; 2]) -> [Vector3<f64>; 8] {
 }
 
 impl MovingShape {
-    /// [m] box around the moved shape, from the box around the shape.
+    /// [m] lowest and highest corner of a box around the moved shape, from those of a box around the shape without
+    /// displacement.
     fn moved(&self, around: [Vector3<f64>; 2]) -> [Vector3<f64>; 2] {
         let corners = corners(around).map(|corner| self.motion.to_scene(&corner, self.time));
         let first = corners[0];
@@ -274,13 +276,14 @@ impl Geometry for MovingShape {
 }
 
 impl Wall {
-    /// Returns the wall with a shape that moves, at time 0. `None` if an endless shape would rotate.
+    /// Returns the wall with a shape that moves by the law `motion`, at time 0. `None` if an endless shape would
+    /// rotate.
     pub fn moving(self, motion: PrescribedMotion) -> Option<Self> {
         let moving = MovingShape::new(self.geometry.clone(), motion)?;
         Some(Self { geometry: moving.geometry(), moving: Some(moving), ..self })
     }
 
-    /// Puts the wall where it is at `time` [s]; a wall without motion stays where it is.
+    /// Moves the wall to its place at the simulated time `time` [s]. A wall without motion does not change.
     pub fn move_to(&mut self, time: f64) {
         if let Some(moving) = &mut self.moving {
             moving.time = time;
@@ -288,7 +291,7 @@ impl Wall {
         }
     }
 
-    /// The wall with images of its body across the periodic sides of a domain.
+    /// Returns the wall with images of its body across the periodic sides of the domain.
     pub(super) fn repeated(&self, domain: &Domain) -> Self {
         let Some(moving) = &self.moving else {
             return Self { geometry: Repeated::of(self.geometry.clone(), domain), ..self.clone() };
@@ -298,12 +301,13 @@ impl Wall {
         Self { geometry: moving.geometry(), moving: Some(moving), ..self.clone() }
     }
 
-    /// [m/s] largest speed of any point of the shape; 0 if it does not move.
+    /// [m/s] largest speed of any point of the wall's shape; 0 if the shape does not move.
     pub fn largest_speed(&self) -> f64 {
         self.moving.as_ref().map_or(0.0, MovingShape::largest_speed)
     }
 
-    /// [m] bound of the distance by which a point of the shape moves within `duration` [s]; 0 if it does not move.
+    /// [m] upper limit of the distance by which a point of the shape moves within `duration` [s]; 0 if the shape does
+    /// not move.
     pub fn travel(&self, duration: f64) -> f64 {
         self.moving.as_ref().map_or(0.0, |moving| moving.travel(duration))
     }

@@ -14,14 +14,14 @@ use std::sync::Arc;
 pub enum PrescribedMotion {
     /// Constant velocity: d(t) = V t.
     Translation {
-        /// [m/s] velocity V.
+        /// [m/s] constant velocity V of the shape.
         velocity: Vector3<f64>,
     },
     /// Harmonic vibration: d(t) = A sin(2π f t + φ).
     Vibration {
         /// [m] amplitude A, along the direction of the vibration.
         amplitude: Vector3<f64>,
-        /// [Hz] frequency f.
+        /// [Hz] frequency f of the vibration.
         frequency: f64,
         /// [rad] phase φ at time 0.
         phase: f64,
@@ -73,7 +73,8 @@ impl PrescribedMotion {
         }
     }
 
-    /// [m] place of `point` [m] in the frame of the shape, in which the shape is always where its case puts it.
+    /// [m] position of `point` [m] at `time` [s] in the frame of the shape. In this frame the shape is always where its
+    /// case puts it.
     pub(super) fn to_shape(&self, point: &Vector3<f64>, time: f64) -> Vector3<f64> {
         match self {
             Self::Turning(turning) => rotation(turning, -time) * (point - turning.center) + turning.center,
@@ -116,8 +117,9 @@ impl PrescribedMotion {
         Flight { position: self.to_shape(&flight.position, time), velocity: back(velocity), gravity: back(gravity) }
     }
 
-    /// [m/s³] bound of the third derivative of a flight seen in the frame of the shape, for `time` [s] after its
-    /// beginning. A vibration has |A| (2π f)³. In a rotating frame y''' = -3 ω × g + 3 ω × (ω × v) - ω × (ω × (ω × r)).
+    /// [m/s³] upper limit of the third derivative of a flight in the frame of the shape, for `time` [s] from its
+    /// beginning. For a vibration it is |A| (2π f)³. In a rotating frame y''' = -3 ω × g + 3 ω × (ω × v) - ω × (ω × (ω
+    /// × r)).
     pub(super) fn jerk(&self, flight: &Flight, time: f64) -> f64 {
         match self {
             Self::Translation { .. } | Self::Path(_) => 0.0,
@@ -142,8 +144,8 @@ impl PrescribedMotion {
         }
     }
 
-    /// [m] largest distance between two places of one point of the shape, with `arm` as for
-    /// [`largest_speed`](Self::largest_speed).
+    /// [m] largest distance between two positions of one point of the shape. `arm` [m] is the largest distance of a
+    /// point from the axis of a rotation.
     pub(super) fn largest_excursion(&self, arm: f64) -> f64 {
         match self {
             Self::Translation { .. } => f64::INFINITY,
@@ -175,7 +177,7 @@ impl PrescribedMotion {
     }
 }
 
-/// Rotation of a turning shape within `time` [s].
+/// Rotation by which a turning shape has turned after `time` [s].
 fn rotation(turning: &Turning, time: f64) -> Rotation3<f64> {
     let rate = turning.spin.norm();
     match Unit::try_new(turning.spin, 0.0) {

@@ -7,25 +7,25 @@ use serde::Serialize;
 /// is at rest.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PiecewisePath {
-    /// [s] instants, in ascending order, and [m] the displacement at each.
+    /// Instants [s] in ascending order, each with the displacement [m] of the wall at this instant.
     knots: Vec<(f64, Vector3<f64>)>,
 }
 
 impl PiecewisePath {
-    /// Makes a path from its instants [s] and displacements [m]. `None` unless there is an instant and all are finite
-    /// and in strictly ascending order.
+    /// Makes a path from its instants [s] and displacements [m]. `None` if the list is empty, a number is not finite,
+    /// or the instants do not strictly ascend.
     pub fn new(knots: Vec<(f64, Vector3<f64>)>) -> Option<Self> {
         let finite = knots.iter().all(|(time, place)| time.is_finite() && place.iter().all(|x| x.is_finite()));
         let ascends = knots.windows(2).all(|two| two[0].0 < two[1].0);
         (!knots.is_empty() && finite && ascends).then_some(Self { knots })
     }
 
-    /// Number of instants that are not later than `time` [s].
+    /// Number of given instants of the path up to and including `time` [s].
     fn passed(&self, time: f64) -> usize {
         self.knots.partition_point(|(knot, _)| *knot <= time)
     }
 
-    /// [m] displacement at `time` [s].
+    /// [m] displacement of the wall at the time `time` [s].
     pub fn displacement(&self, time: f64) -> Vector3<f64> {
         let next = self.passed(time);
         let at = |knot: usize| self.knots[knot.min(self.knots.len() - 1)];
@@ -41,17 +41,17 @@ impl PiecewisePath {
         }
     }
 
-    /// [s] first knot (a given instant of the path) after `time` [s]; infinite after the last knot.
+    /// [s] first given instant of the path (knot) after `time` [s]; infinite after the last one.
     pub fn next_knot(&self, time: f64) -> f64 {
         self.knots.get(self.passed(time)).map_or(f64::INFINITY, |(knot, _)| *knot)
     }
 
-    /// [m/s] largest speed on the path.
+    /// [m/s] largest speed of the wall on the path.
     pub fn largest_speed(&self) -> f64 {
         self.knots.windows(2).map(|two| slope(&two[0], &two[1]).norm()).fold(0.0, f64::max)
     }
 
-    /// [m] least and largest component of the displacement along a unit vector.
+    /// [m] least and largest component of the displacement along the unit vector `direction`, over all times.
     pub fn range_along(&self, direction: &Vector3<f64>) -> [f64; 2] {
         let along = self.knots.iter().map(|(_, place)| place.dot(direction));
         along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], place| [low.min(place), high.max(place)])
@@ -66,7 +66,7 @@ impl PiecewisePath {
     }
 }
 
-/// [m/s] velocity between two knots.
+/// [m/s] velocity between two knots (given instants, each with a displacement).
 fn slope((from, here): &(f64, Vector3<f64>), (to, there): &(f64, Vector3<f64>)) -> Vector3<f64> {
     (there - here) / (to - from)
 }

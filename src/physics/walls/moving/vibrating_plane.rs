@@ -10,7 +10,7 @@ use std::f64::consts::{PI, TAU};
 /// Gap between a sphere in flight and a vibrating plane.
 #[derive(Clone, Copy, Debug)]
 pub struct VibratingGap {
-    /// [m] gap g0 at the beginning.
+    /// [m] gap g0 between sphere and plane at the beginning of the flight.
     pub gap: f64,
     /// [m/s] component v of the velocity of the sphere along the normal at the beginning.
     pub speed: f64,
@@ -18,9 +18,9 @@ pub struct VibratingGap {
     pub acceleration: f64,
     /// [m] component A of the amplitude along the normal.
     pub amplitude: f64,
-    /// [rad/s] angular frequency ω, > 0.
+    /// [rad/s] angular frequency ω > 0 of the vibration.
     pub frequency: f64,
-    /// [rad] phase ψ at the beginning.
+    /// [rad] phase ψ of the vibration at the beginning of the flight.
     pub phase: f64,
 }
 
@@ -32,17 +32,17 @@ impl VibratingGap {
         self.gap + (self.speed + 0.5 * self.acceleration * t) * t - wall
     }
 
-    /// [m/s] rate of change of the gap.
+    /// [m/s] rate of change of the gap at time `t` [s]; negative while the sphere approaches the plane.
     fn rate(&self, t: f64) -> f64 {
         self.speed + self.acceleration * t - self.wall_speed(t)
     }
 
-    /// [m/s] component of the velocity of the wall along the normal.
+    /// [m/s] component of the velocity of the plane along the normal, at time `t` [s].
     fn wall_speed(&self, t: f64) -> f64 {
         self.amplitude * self.frequency * (self.frequency * t + self.phase).cos()
     }
 
-    /// [m/s²] second derivative of the gap.
+    /// [m/s²] second derivative of the gap at time `t` [s].
     fn curvature(&self, t: f64) -> f64 {
         self.acceleration + self.amplitude * self.frequency.powi(2) * (self.frequency * t + self.phase).sin()
     }
@@ -74,12 +74,14 @@ impl VibratingGap {
         None
     }
 
-    /// [m] height of the sphere, at time `t` [s], above the position at which it would touch the plane without displacement.
+    /// [m] height of the sphere, at time `t` [s], above the position at which it would touch the plane without
+    /// displacement.
     fn height(&self, t: f64) -> f64 {
         self.gap + self.amplitude * self.phase.sin() + (self.speed + 0.5 * self.acceleration * t) * t
     }
 
-    /// [s] time before which the sphere stays beyond the highest place of the plane; `None` if it always does.
+    /// [s] time before which the sphere stays above the highest position of the plane; `None` if it never comes within
+    /// reach.
     fn out_of_reach_until(&self) -> Option<f64> {
         let beyond = self.height(0.0) - self.amplitude.abs();
         if beyond <= 0.0 {
@@ -88,8 +90,8 @@ impl VibratingGap {
         first_closing(beyond, self.speed, self.acceleration)
     }
 
-    /// True if the sphere is beyond the highest place of the plane at time `t` [s] and never comes back, or if flight
-    /// and plane have repeated themselves for a period.
+    /// True if the sphere is above the highest position of the plane at time `t` [s] and never comes back. Also true if
+    /// the motions of sphere and plane have repeated themselves for a whole period.
     fn leaves(&self, t: f64) -> bool {
         let gone = self.height(t) > self.amplitude.abs() && self.speed + self.acceleration * t >= 0.0;
         let repeats = self.speed == 0.0 && self.acceleration == 0.0 && self.frequency * t > TAU;
@@ -111,7 +113,7 @@ impl VibratingGap {
         after(sine.asin()).min(after(PI - sine.asin())).max(t * (1.0 + f64::EPSILON))
     }
 
-    /// [s] first touch between two times [s], between which the rate of change is monotone.
+    /// [s] first touch between the times `from` and `to` [s], between which the rate of change of the gap is monotone.
     fn touch_between(&self, from: f64, to: f64) -> Option<f64> {
         let (before, after) = (self.rate(from), self.rate(to));
         let extreme = || {
@@ -131,8 +133,8 @@ impl VibratingGap {
     }
 }
 
-/// Root of a function between `low`, where it is positive, and `high`, where it is not. The function returns its value
-/// and its derivative. Newton's method, safeguarded by bisection.
+/// Root of a function between `low`, where the function is positive, and `high`, where it is zero or negative. The
+/// function returns its value and its derivative. Newton's method finds the root, safeguarded by bisection.
 fn bracketed_root(function: impl Fn(f64) -> (f64, f64), low: f64, high: f64) -> f64 {
     let (mut low, mut high) = (low, high);
     let mut t = 0.5 * (low + high);

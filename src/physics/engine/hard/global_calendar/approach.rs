@@ -11,11 +11,11 @@ use nalgebra::Vector3;
 /// The particle whose neighbours are tested: its state at the present time, in the falling frame of the calendar (the
 /// event queue of all particles).
 pub struct ObservingParticle<'a> {
-    /// Position [m] of the particle at the time `now`.
+    /// [m] position of the particle at the time `now`.
     pub here: Vector3<f64>,
-    /// Velocity [m/s] of the particle relative to the falling frame.
+    /// [m/s] velocity of the particle relative to the falling frame.
     pub velocity: Vector3<f64>,
-    /// Present time [s] since the epoch, the instant from which the calendar counts times.
+    /// [s] present time since the epoch, the instant from which the calendar counts times.
     pub now: f64,
     /// True if no periodic side of the box lies between the particle and any of its neighbours, so that no images need
     /// be considered.
@@ -38,7 +38,7 @@ pub struct FourNeighbours {
     pub discriminant: [f64; 4],
 }
 
-/// Array of the values f(0) to f(3).
+/// Array of four numbers: the values f(0), f(1), f(2) and f(3).
 #[inline(always)]
 fn each(f: impl Fn(usize) -> f64) -> [f64; 4] {
     [f(0), f(1), f(2), f(3)]

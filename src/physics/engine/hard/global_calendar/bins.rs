@@ -40,7 +40,7 @@ impl Bins {
         self.first.len()
     }
 
-    /// Adds the particle index `place` to a bin.
+    /// Adds the particle index `place` to the bin number `bin`.
     #[inline]
     pub fn put(&mut self, bin: usize, place: u32) {
         let link = self.first[bin];
@@ -76,7 +76,7 @@ impl Bins {
         }
     }
 
-    /// The particle indices in a bin, without removing them.
+    /// Particle indices in the bin number `bin`; they stay in the bin.
     pub fn places(&self, bin: usize) -> impl Iterator<Item = u32> {
         let leaf = |link: BinLink| link.map(|one| &self.leaves[one.get() as usize - 1]);
         let leaves = successors(leaf(self.first[bin]), move |last| leaf(last.next));

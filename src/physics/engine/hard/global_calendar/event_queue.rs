@@ -17,8 +17,8 @@ const PER_BIN: usize = 32;
 /// far ahead the ring reaches.
 const PARTICLES_PER_BIN: usize = 8;
 
-/// An entry of the sorted list of near events. It is outdated if the next event of the particle has another time
-/// meanwhile.
+/// An entry of the sorted list of near events. The entry is outdated if the time of the particle's next event has
+/// changed since.
 #[derive(Clone, Copy, Debug)]
 struct QueuedEvent {
     /// Time [s] of the event since the epoch, the instant from which the event queue counts times.
@@ -38,9 +38,9 @@ impl QueuedEvent {
 /// Table of the next events and the ids of all particles, both by particle index.
 #[derive(Clone, Copy)]
 pub struct EventTable<'a> {
-    /// Next events of each particle.
+    /// Next two events of each particle, by particle index.
     pub next_events: &'a [NextEvents],
-    /// Id of each particle.
+    /// Id of each particle, by particle index.
     pub ids: &'a [u32],
 }
 
@@ -103,13 +103,14 @@ impl EventQueue {
         (time * self.rate) as u64
     }
 
-    /// Place in the ring of the bin with number `bin`, which is counted from the epoch (zero of time).
+    /// Index in the ring of the bin with the number `bin`, which counts the bins since the epoch (zero of time).
     #[inline]
     fn slot(&self, bin: u64) -> usize {
         (bin & (self.bins.count() as u64 - 1)) as usize
     }
 
-    /// True if a bin, given by its number since the epoch (zero of time), is too late for the ring.
+    /// True if the bin with the number `bin`, counted from the epoch (zero of time), covers a time beyond that of the
+    /// ring.
     #[inline]
     fn is_later(&self, bin: u64) -> bool {
         bin.saturating_sub(self.current) >= self.bins.count() as u64
@@ -166,8 +167,8 @@ impl EventQueue {
         self.near.len().checked_sub(after + 1).map(|at| self.near[at].place)
     }
 
-    /// Makes the next bin that may contain events the present one, and sorts its events; returns false if no event is
-    /// queued.
+    /// Makes the next bin that may contain events the present one, and sorts its events into the list of near events.
+    /// Returns false if no event is queued.
     fn turn(&mut self, book: EventTable) -> bool {
         if self.filed == 0 {
             // continues with the first of the events that were too far ahead for the ring

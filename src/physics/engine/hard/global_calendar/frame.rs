@@ -10,11 +10,11 @@ use serde::{Deserialize, Serialize};
 /// v' + u + g t. Primes denote values in the frame, and t is the time since the epoch (zero of the calendar's time).
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct FallingFrame {
-    /// Position [m] of the frame's origin at the epoch, the zero of t, relative to the origin of the scene.
+    /// [m] position of the frame's origin at the epoch, the zero of t, relative to the origin of the scene.
     pub offset: Vector3<f64>,
-    /// Velocity u [m/s] of the frame at the epoch, the zero of t, relative to the scene.
+    /// [m/s] velocity u of the frame at the epoch, the zero of t, relative to the scene.
     pub velocity: Vector3<f64>,
-    /// Gravity g [m/s²], the acceleration of the frame.
+    /// [m/s²] gravity g, the acceleration of the frame.
     pub gravity: Vector3<f64>,
 }
 

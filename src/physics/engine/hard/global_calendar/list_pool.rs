@@ -5,11 +5,12 @@
 //! unused. Above 64 entries the steps from one size to the next grow, to at most an eighth of the size, so that there
 //! are few different sizes.
 
-/// Number of entries by which the smallest rooms (memory blocks of neighbour lists) differ. So many neighbours are
-/// tested together.
+/// Number of entries by which the sizes of the smallest rooms (memory blocks of neighbour lists) differ. It equals the
+/// number of neighbours that are tested at the same time.
 const STEP: u32 = 4;
 
-/// Size of the smallest room (memory block of a neighbour list), in steps of four entries. It fills half a cache line.
+/// Size of the smallest room (memory block of a neighbour list), counted in steps of four entries. This room fills half
+/// a cache line.
 const LEAST: u32 = 2;
 
 /// Number of sizes of rooms (memory blocks of neighbour lists) from one power of two to the next.
@@ -39,10 +40,12 @@ pub fn room_for(count: u32) -> u8 {
     (PER_OCTAVE * doublings + steps.div_ceil(1 << doublings)) as u8
 }
 
-/// Free rooms (memory blocks of neighbour lists), left by lists that were moved to rooms of other sizes.
+/// Free rooms (memory blocks of neighbour lists). A list that grows or shrinks moves to a room of another size, and its
+/// old room becomes free.
 #[derive(Clone, Debug, Default)]
 pub struct ListPool {
-    /// For each size number, the indices in the long array at which the free rooms of that size begin.
+    /// For each size number of rooms (memory blocks), the indices in the array of all neighbour lists at which free
+    /// rooms of that size begin.
     free: Vec<Vec<u32>>,
 }
 

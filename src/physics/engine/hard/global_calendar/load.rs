@@ -272,8 +272,8 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// True if the particle at an index may touch a wall before it leaves its shell (ball in which its neighbour list
-    /// is valid) or the epoch ends.
+    /// True if the particle at the index `place` may touch a wall before it leaves its shell (ball in which its
+    /// neighbour list is valid) or the epoch ends.
     pub(super) fn at_wall(&self, place: usize, scene: &Scene) -> bool {
         if scene.walls.is_empty() {
             return false;

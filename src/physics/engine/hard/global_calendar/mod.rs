@@ -77,9 +77,9 @@ pub struct GlobalCalendar {
     /// Number of shells (balls in which neighbour lists are valid) that had been made when the particle store was last
     /// sorted.
     sorted_at: u64,
-    /// Number of collisions so far.
+    /// Number of collisions that the event queue has processed so far.
     pub events: u64,
-    /// Number of touch times computed so far.
+    /// Number of times of touch computed so far.
     foretold: u64,
     /// Number of times that the event queue of all particles, with all neighbour lists, was built so far.
     pub builds: u64,
@@ -106,7 +106,7 @@ pub struct GlobalCalendar {
 #[derive(Clone, Copy)]
 struct CalendarWindow {
     window: Window,
-    /// End of the window [s] since the epoch.
+    /// [s] end of the window, counted from the epoch (zero of the calendar's time).
     end: f64,
 }
 
@@ -370,7 +370,8 @@ impl GlobalCalendar {
         Self { shells, next_events, agenda: EventQueue::default(), ..self.clone() }
     }
 
-    /// Continues from a state that `state` has returned; clock and contact time stay as they are.
+    /// Continues from a state that [`state`](Self::state) has returned. The clock and the contact time of this event
+    /// queue stay as they are.
     pub fn resume(&mut self, state: Self) {
         let (clock, contact_time) = (self.clock.clone(), self.contact_time);
         *self = Self { clock, contact_time, ..state };

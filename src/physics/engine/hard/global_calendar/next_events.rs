@@ -10,12 +10,12 @@ use serde::{Deserialize, Serialize};
 #[repr(align(64))]
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct FlightState {
-    /// Position [m] of the particle at the time `time`, in the frame that falls with gravity. It may be outside the
+    /// [m] position of the particle at the time `time`, in the frame that falls with gravity. It may be outside the
     /// box.
     pub position: Vector3<f64>,
-    /// Velocity [m/s] of the particle in the frame that falls with gravity.
+    /// [m/s] velocity of the particle in the frame that falls with gravity.
     pub velocity: Vector3<f64>,
-    /// Time [s] since the epoch at which the particle is at `position`; usually that of its last event.
+    /// [s] time since the epoch at which the particle is at `position`; usually that of its last event.
     pub time: f64,
     /// Number of the particle's combination of radius and mass in `Shells::kinds`.
     pub kind: u32,
@@ -33,7 +33,7 @@ impl FlightState {
     }
 }
 
-/// Kind of a coming event of a particle.
+/// Kind of an event that a particle has next.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum EventKind {
     /// Touch of the particle with this index. The event is void if that particle collides before.
@@ -52,11 +52,12 @@ pub enum EventKind {
 #[repr(align(64))]
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct NextEvents {
-    /// Time [s] of the next event since the epoch; infinite if there is none.
+    /// [s] time of the next event since the epoch (zero of time); infinite if there is none.
     pub time: f64,
-    /// Time [s] of the second event since the epoch; not later than `time` if no second event is stored.
+    /// [s] time of the second event since the epoch (zero of time). It is not later than `time` if no second event is
+    /// stored.
     pub then: f64,
-    /// Kind of the next event.
+    /// Kind of the next event of the particle.
     pub next: EventKind,
     /// Kind of the second event. It becomes the next event if the first is void, because its partner has collided with
     /// another body.
@@ -77,7 +78,8 @@ impl NextEvents {
         Self { time: never, then: never, next: look, after: look, detail: 0, detail_after: 0, shell: Shell::default() }
     }
 
-    /// True if a second event is stored, which can replace the next event if that is void.
+    /// True if a second event is stored. It replaces the next event if the partner of the next event has collided
+    /// before.
     #[inline]
     pub fn has_more(&self) -> bool {
         self.then > self.time

@@ -26,7 +26,7 @@ struct Event {
     place: u32,
 }
 
-/// The earliest two of the events of a particle found so far.
+/// The earliest two events of a particle, among those that the prediction has found so far.
 #[derive(Clone, Copy)]
 struct Events {
     first: Event,
@@ -34,8 +34,8 @@ struct Events {
 }
 
 impl Events {
-    /// Adds an event if it is earlier than one of the two. If touches of two particles have equal times, that of the
-    /// partner with the lower id comes first. `ids` contains the id of each particle.
+    /// Adds an event if it is earlier than one of the two stored events. If touches with two particles have equal
+    /// times, the touch with the particle of the lower id comes first. `ids` contains the id of each particle.
     #[inline]
     fn offer(&mut self, event: Event, ids: &[u32]) {
         let before = |other: &Event| match (event.next, other.next) {
@@ -50,7 +50,7 @@ impl Events {
     }
 }
 
-/// Number of groups of four neighbours that are tested in a row before times of touch are computed for those that come
+/// Number of groups of four neighbours that are tested before times of touch are computed for the neighbours that come
 /// near.
 const AT_ONCE: usize = 4;
 

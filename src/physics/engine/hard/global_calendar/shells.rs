@@ -34,9 +34,9 @@ pub struct Shell {
 /// Class of particles: a combination of radius and mass.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RadiusClass {
-    /// Radius [m] of each of these particles.
+    /// [m] radius of each particle of the class.
     pub radius: f64,
-    /// Mass [kg] of each of these particles.
+    /// [kg] mass of each particle of the class.
     pub mass: f64,
 }
 
@@ -53,14 +53,15 @@ struct ShellLevel {
 /// The shells of all particles (balls in which neighbour lists are valid), with the lists.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Shells {
-    /// Distance [m] that a particle may move from the centre of its shell before it needs a new list.
+    /// [m] margin: distance that a particle may move from the centre of its shell (ball in which its neighbour list is
+    /// valid) before it needs a new list.
     pub margin: f64,
     /// All different combinations of radius and mass, in ascending order; `FlightState::kind` is an index of this list.
     pub kinds: Vec<RadiusClass>,
     /// Memory of all neighbour lists. Unused entries of a list contain the index of the particle to which the list
     /// belongs.
     near: Vec<u32>,
-    /// Number of shells made since the start of the run.
+    /// Number of shells (balls in which neighbour lists are valid) made since the start of the run.
     pub renewed: u64,
     /// Number of distances between shells computed since the start of the run.
     pub checks: u64,
@@ -87,11 +88,11 @@ pub struct Shells {
 /// Neighbour lists of some consecutive particles, before they are stored with those of other particles.
 #[derive(Default)]
 struct Lists {
-    /// Neighbours of all these particles, list after list.
+    /// Neighbours of all particles of these lists, list after list.
     near: Vec<u32>,
-    /// Number of neighbours in each list.
+    /// Number of neighbours in the list of each particle.
     counts: Vec<u32>,
-    /// Number of distances that were computed for these lists.
+    /// Number of distances between shells that were computed for these lists.
     checks: u64,
 }
 
@@ -100,14 +101,14 @@ struct Lists {
 /// never written takes no space.
 const SPARE: usize = 4;
 
-/// Inverse of the fraction by which the memory of the neighbour lists grows when it is full.
+/// Inverse of the fraction by which the memory of all neighbour lists grows when it is full: it grows by 1/16.
 const MORE: usize = 16;
 
 /// Number of indices in a cache line of 64 bytes.
 const PER_LINE: usize = 16;
 
 impl Shell {
-    /// Centre [m] of the shell.
+    /// Centre [m] of the shell, the ball in which the neighbour list of a particle is valid.
     #[inline]
     pub fn centre(&self) -> Vector3<f64> {
         widened(&self.centre)
@@ -222,7 +223,7 @@ impl Shells {
         }
     }
 
-    /// Number of the grid to which a particle belongs by its radius.
+    /// Number of the grid of shells to which a particle belongs by its radius; grid 0 is for the smallest radii.
     #[inline]
     fn level(&self, body: &FlightState) -> usize {
         let radius = self.radius(body);
@@ -257,39 +258,39 @@ impl Shells {
         self.largest
     }
 
-    /// True if all particles have equal radii.
+    /// True if all particles of the run have equal radii.
     #[inline]
     pub fn alike(&self) -> bool {
         self.smallest == self.largest
     }
 
-    /// Radius [m] of a particle.
+    /// Radius [m] of the particle with the flight `body`, from the list of all combinations of radius and mass.
     #[inline]
     pub fn radius(&self, body: &FlightState) -> f64 {
         self.kinds[body.kind as usize].radius
     }
 
-    /// Mass [kg] of a particle.
+    /// Mass [kg] of the particle with the flight `body`, from the list of all combinations of radius and mass.
     #[inline]
     pub fn mass(&self, body: &FlightState) -> f64 {
         self.kinds[body.kind as usize].mass
     }
 
-    /// Indices of the neighbours of a shell's particle.
+    /// Indices of the neighbours of the particle to which `shell` belongs.
     #[inline]
     pub fn neighbours(&self, shell: &Shell) -> &[u32] {
         &self.near[shell.first as usize..(shell.first + shell.count) as usize]
     }
 
-    /// Indices of the neighbours of a shell's particle in groups of four. If the last group is not full, the index of
-    /// the particle itself fills it.
+    /// Indices of the neighbours of the particle to which `shell` belongs, in groups of four. If the last group is not
+    /// full, the index of the particle itself fills it.
     #[inline]
     pub fn in_fours(&self, shell: &Shell) -> &[[u32; 4]] {
         let end = shell.first + shell.count.next_multiple_of(4);
         self.near[shell.first as usize..end as usize].as_chunks().0
     }
 
-    /// Prefetches the neighbour list of a shell into the cache.
+    /// Prefetches the neighbour list of `shell` into the processor's cache.
     #[inline]
     pub fn fetch_list(&self, shell: &Shell) {
         let (first, last) = (shell.first as usize, (shell.first + shell.count.saturating_sub(1)) as usize);

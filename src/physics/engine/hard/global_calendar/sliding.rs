@@ -12,9 +12,9 @@ use crate::particles::SideCrossings;
 use crate::scene::Scene;
 use std::borrow::Cow;
 
-/// [-] distance by which images slide in half an interval (time for which lists are made), over the margin of the
-/// shells. With 1 in place of 3, twice as many distances are computed in a gas of 1000 spheres at a volume fraction of
-/// 0.3.
+/// [-] distance by which images slide in half an interval (time for which neighbour lists across a sheared side are
+/// valid), over the margin of the shells. With 1 in place of 3, twice as many distances are computed in a gas of 1000
+/// spheres at a volume fraction of 0.3.
 pub const SLIDE: f64 = 3.0;
 
 impl GlobalCalendar {
@@ -44,7 +44,8 @@ impl GlobalCalendar {
     }
 
     /// Moves the particle at index `place` to the present time and into the box, and gives it a new shell (ball in
-    /// which its neighbour list is valid). Books the work of crossing a sheared side.
+    /// which its neighbour list is valid). If the particle crosses a sheared side, the work of the crossing is added to
+    /// the ledger.
     pub(super) fn renew(&mut self, place: u32, work: &mut Work<Recent>) {
         let (now, scene) = (self.now, work.scene);
         let (domain, mass) = (self.domain(scene), self.shells.mass(&self.bodies[place as usize]));
@@ -60,9 +61,9 @@ impl GlobalCalendar {
         self.shells.update_neighbour_list(place, &mut self.next_events, &self.bodies, &domain, at_wall);
     }
 
-    /// Takes back what wrapping the particle store into the box has booked in the ledger since the calendar wrote the
-    /// store. The calendar's own flights go on beyond the sheared sides; their crossings are booked when the particles
-    /// get new shells.
+    /// Removes from the ledger the side crossings that were added when the particle store was wrapped into the box,
+    /// after the event queue had written it. The flights in the queue go on beyond the sheared sides; their crossings
+    /// are recorded when the particles get new shells.
     pub(super) fn take_back_crossings(&self, work: &mut Work<Recent>) {
         if work.scene.domain.shear.is_none() {
             return;

@@ -14,12 +14,12 @@ pub struct WallContacts {
     pub contacts: Vec<AtWall>,
     /// Range of the numbers of each wall's contacts in `contacts`, by the number of the wall.
     of: Vec<Range<u32>>,
-    /// Search for the walls near a point.
+    /// Search structure for the walls near a point.
     pub near: NearWalls,
 }
 
 impl WallContacts {
-    /// Lists the contacts with the walls of a scene.
+    /// Lists all contacts that a sphere may have with the walls of a scene.
     pub fn of(scene: &Scene) -> Self {
         let (mut contacts, mut of) = (Vec::new(), Vec::new());
         for (wall, shape) in (0u32..).zip(&scene.walls) {
@@ -30,7 +30,7 @@ impl WallContacts {
         Self { contacts, of, near: NearWalls::of(&scene.walls) }
     }
 
-    /// Range of the numbers in `contacts` that belong to the wall with the number `wall`.
+    /// Range of numbers in `contacts` of the contacts with the wall that has the index `wall` in the scene.
     pub fn of_wall(&self, wall: u32) -> Range<u32> {
         self.of[wall as usize].clone()
     }

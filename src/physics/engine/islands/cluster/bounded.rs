@@ -82,8 +82,8 @@ impl<'a> IslandFinder<'a> for BoundedIslands<'a> {
         self.expand_all((0..self.list.len()).collect())
     }
 
-    /// Appends the pairs of a member with those later particles of its island whose balls overlap its ball. The ball of
-    /// a member contains its path after the first touch; that of a bystander contains its straight flight.
+    /// Appends the pairs of a member with those particles after it in its island whose balls overlap its ball. The ball
+    /// of a member contains its path after the first touch; that of a bystander contains its straight flight.
     fn list_pairs(&self, (a, member): (usize, &Member), (places, hot): (&[u32], usize), pairs: &mut Vec<Pair>) {
         // the ball is enlarged to allow for rounding, so that a touch at the very beginning is not lost
         let here = BoundingSphere { reach: member.ball.reach * (1.0 + 1e-9), ..member.ball };
@@ -181,7 +181,8 @@ impl BoundedIslands<'_> {
         true
     }
 
-    /// Computes the distances that members may reach, for those of the given islands that have changed.
+    /// Computes the distances that members may reach, for those of the islands `islands` that have changed since the
+    /// last computation.
     fn settle_changed(&mut self, islands: &[usize]) {
         for &which in islands {
             let cluster = &self.list[which];
@@ -207,7 +208,8 @@ impl BoundedIslands<'_> {
         true
     }
 
-    /// Unites an island with the islands `others`, and returns the number of the united island.
+    /// Unites the island with the number `which` with the islands `others`, and returns the number of the united
+    /// island.
     fn unite_all(&mut self, which: usize, others: Vec<usize>) -> usize {
         others.into_iter().fold(which, |which, other| self.unite(which, other))
     }

@@ -72,8 +72,8 @@ impl BoundedIslands<'_> {
         beside
     }
 
-    /// True if the gap between two particles, given by index, is so small that one may soon be pushed against the
-    /// other.
+    /// True if the gap between two particles, given by index, is at most [`BESIDE`] times the distance of their centres
+    /// at touch. One of them may then soon be pushed against the other.
     fn is_beside(&self, one: u32, other: u32) -> bool {
         let [a, b] =
             [one, other].map(|place| (self.particles.position[place as usize], self.particles.radius[place as usize]));

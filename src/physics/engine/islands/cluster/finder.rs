@@ -27,14 +27,15 @@ pub trait IslandFinder<'a>: DerefMut<Target = Clusters<'a>> + Sync + Sized {
     /// Measured costs of islands that are found by this method.
     const COSTS: PartCosts;
 
-    /// True if, after an interval of time had to be shortened because an island was too large, the next intervals until
-    /// the exchange with the gas are not longer than it.
+    /// True if parts stay short until the next exchange with the gas, after a part had to be shortened because an
+    /// island was too large: later parts are not longer than the shortened one.
     const KEEPS_SHORTER: bool;
 
-    /// Makes a finder from the data of a part, still without islands.
+    /// Makes a finder from the data `clusters` of a part (piece of the time between two exchanges with the gas), with
+    /// no islands.
     fn new(clusters: Clusters<'a>, limits: IslandLimits) -> Self;
 
-    /// Ends the search, and returns the islands found.
+    /// Ends the search for islands, and returns the islands that were found.
     fn into_clusters(self) -> Clusters<'a>;
 
     /// Makes islands of all particles that touch on straight flights or have a carried contact. `carried` contains the
@@ -61,9 +62,9 @@ pub trait IslandFinder<'a>: DerefMut<Target = Clusters<'a>> + Sync + Sized {
     /// `_trajectories`. Does nothing if trajectories are not used.
     fn follow(&mut self, _which: usize, _ways: Range<usize>, _trajectories: &MemberTrajectories) {}
 
-    /// Changes the islands in `retries`, and unites islands that may meet, before all these are solved again. Returns
-    /// the number of solved islands whose results became invalid because they met others; `None` if an island is too
-    /// large. Only islands are counted whose leader, the member with the smallest id, satisfies `mine`.
+    /// Changes the islands in `retries`, and unites islands that may meet; all these islands must be solved again.
+    /// Returns the number of solved islands whose results became invalid because they met others; `None` if an island
+    /// is too large. Only islands are counted whose leader, the member with the smallest id, satisfies `mine`.
     fn next_round(&mut self, retries: Vec<(usize, Retry)>, mine: impl Fn(u32) -> bool) -> Option<u64>;
 
     /// Velocity changes of a member in this part, in the order of time; `None` if its trajectory is unknown.
@@ -77,13 +78,13 @@ pub trait IslandFinder<'a>: DerefMut<Target = Clusters<'a>> + Sync + Sized {
         true
     }
 
-    /// Members that were added after the last sort into cells, so that [`for_each_beside`](Self::for_each_beside) does
-    /// not find them.
+    /// Members that were added after the members were last sorted into cells.
+    /// [`for_each_beside`](Self::for_each_beside) does not find these members.
     fn late(&self) -> &[Member] {
         &[]
     }
 
-    /// Calls `visit` with all members in cells that may come into a ball, and with a few others. `widest` [m] is the
-    /// largest distance of any member from the middle of its straight flight.
+    /// Calls `visit` with all members in cells that may come into the ball `ball`, and with a few members that do not.
+    /// `widest` [m] is the largest distance of any member from the middle of its straight flight.
     fn for_each_beside(&self, ball: &BoundingSphere, widest: f64, visit: &mut dyn FnMut(&Member));
 }

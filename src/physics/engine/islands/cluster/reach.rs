@@ -15,11 +15,11 @@ const MARGIN: f64 = 1.05;
 /// Largest distances [m] that particles may reach in a part, a piece of the time between two exchanges with the gas.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reach {
-    /// Largest distance from the middle of a straight flight to any point of the flying particle.
+    /// [m] largest distance from the middle of a straight flight to any point of the flying particle.
     pub flight: f64,
-    /// Largest distance that a member of an island may reach from the middle of its straight flight.
+    /// [m] largest distance that a member of an island may reach from the middle of its straight flight.
     pub around: f64,
-    /// Largest radius of the balls that contain the members of islands after the first touch in their island.
+    /// [m] largest radius of the balls that contain the members of islands after the first touch in their island.
     pub ball: f64,
 }
 
@@ -188,7 +188,7 @@ impl Clusters<'_> {
         self.list[which].hot.first().map(|&member| self.members[member as usize].place)
     }
 
-    /// The box of the scene.
+    /// The periodic box of the scene at the start of the part.
     pub fn domain(&self) -> &Domain {
         self.domain
     }

@@ -21,8 +21,8 @@ impl Clusters<'_> {
         retries.into_iter().map(|(member, _)| member).collect()
     }
 
-    /// Changes the island of a member before it is solved again. A bystander that was hit becomes a member, a speed
-    /// limit rises, or the island becomes a crowd, which is moved by uniform steps.
+    /// Changes the island of the member with the number `member` before the island is solved again. A bystander that
+    /// was hit becomes a member, a speed limit rises, or the island becomes a crowd, which is moved by uniform steps.
     fn apply_retry(&mut self, member: u32, retry: &Retry) {
         let mut which = self.members[member as usize].cluster as usize;
         match retry {

@@ -228,8 +228,8 @@ impl TracedIslands<'_> {
         changed.iter().all(|&which| !self.list[which].is_crowd()).then_some(in_vain)
     }
 
-    /// Sorts into cells the balls that contain deflected paths. In the first round these are the balls of all members.
-    /// Later the balls of the islands in `new` are added to those of earlier rounds, apart from the first.
+    /// Sorts into cells the balls that contain paths after a velocity change. In the first round these are the balls of
+    /// all members. In later rounds the balls of the islands in `new` are added to a second list of balls.
     fn lay_out(&mut self, new: &[usize]) {
         let Clusters { search, members: known, list, widest, .. } = &mut self.clusters;
         let region = &search.region;
@@ -289,7 +289,7 @@ impl TracedIslands<'_> {
     }
 
     /// True if two particles may touch on their trajectories after a velocity change of at least one of them. Touches
-    /// on straight flights are already known. True if a trajectory is unknown.
+    /// of two straight flights are not considered, because they are already known. True if a trajectory is unknown.
     fn may_touch(&self, one: &ParticleTrajectory, other: &ParticleTrajectory) -> bool {
         let (Some(turns), Some(others)) = (one.turns, other.turns) else { return true };
         let reach = self.particles.radius[one.place as usize] + self.particles.radius[other.place as usize];
@@ -301,8 +301,8 @@ impl TracedIslands<'_> {
         })
     }
 
-    /// Straight piece of a particle's trajectory. Piece 0 is the flight before the first of the velocity changes
-    /// `turns`, piece k that after change k.
+    /// Straight piece number `number` of the trajectory of the particle at index `place`. Piece 0 is the flight before
+    /// the first of the velocity changes `turns`, and piece k the flight after change k.
     fn leg(&self, place: u32, turns: &[VelocityChange], number: usize) -> Segment {
         let end = turns.get(number).map_or(self.part, |turn| turn.time);
         match number.checked_sub(1).and_then(|before| turns.get(before)) {
@@ -318,8 +318,8 @@ impl TracedIslands<'_> {
         }
     }
 
-    /// True if the centres of two particles come within `reach` [m] of each other while both are on these straight
-    /// pieces.
+    /// True if the centres of two particles come within `reach` [m] of each other while both are on the straight pieces
+    /// `one` and `other` of their trajectories.
     fn pass(&self, one: &Segment, other: &Segment, reach: f64) -> bool {
         let (from, to) = (one.span[0].max(other.span[0]), one.span[1].min(other.span[1]));
         if from > to {

@@ -9,12 +9,12 @@ use std::ops::Range;
 /// A change of a particle's velocity, which ends one straight flight and begins another.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct VelocityChange {
-    /// Time [s] of the change since the start of the part, a piece of the time between two exchanges with the gas.
+    /// [s] time of the change since the start of the part, a piece of the time between two exchanges with the gas.
     pub time: f64,
-    /// Position [m] that the particle would have had at the start of the part if it had always moved on the line of the
+    /// [m] position that the particle would have had at the start of the part if it had always moved on the line of the
     /// new flight.
     pub origin: Vector3<f64>,
-    /// New velocity [m/s], relative to the moving frame in which the speed of this particle is limited; in a sheared
+    /// [m/s] new velocity, relative to the moving frame in which the speed of this particle is limited; in a sheared
     /// box that frame contains the mean flow.
     pub velocity: Vector3<f64>,
 }
@@ -29,32 +29,33 @@ pub struct ParticleTrajectory<'a> {
     pub turns: Option<&'a [VelocityChange]>,
 }
 
-/// Trajectory of a member of a solved island, and balls that contain it.
+/// Trajectory of a member of a solved island (group of particles that may meet), with balls that contain the
+/// trajectory.
 #[derive(Clone)]
 pub struct PiecewiseTrajectory {
     /// Range of the particle's velocity changes in `MemberTrajectories::turns`, in the order of time.
     pub turns: Range<usize>,
     /// Ball that contains the path after the first velocity change; without a change, the straight flight.
     pub ball: BoundingSphere,
-    /// Radius [m] of a ball about the middle of the straight flight that contains the whole trajectory.
+    /// [m] radius of a ball about the middle of the straight flight that contains the whole trajectory.
     pub around: f64,
 }
 
 /// A straight piece of a trajectory between two successive velocity changes.
 pub struct Segment {
-    /// Times [s] of the beginning and the end of the piece since the start of the part.
+    /// [s] times of the beginning and the end of the piece since the start of the part.
     pub span: [f64; 2],
-    /// Position [m] that the particle would have had at the start of the part if it had always moved on the line of
+    /// [m] position that the particle would have had at the start of the part if it had always moved on the line of
     /// this piece.
     pub origin: Vector3<f64>,
-    /// Velocity [m/s] on this piece, relative to the moving frame of the search, which is common to all particles.
+    /// [m/s] velocity on this piece, relative to the moving frame of the search, which is common to all particles.
     pub velocity: Vector3<f64>,
 }
 
 /// Trajectories of the members of several islands that one thread has solved.
 #[derive(Default)]
 pub struct MemberTrajectories {
-    /// Trajectory of each member.
+    /// Trajectory of each member, for one island after another.
     pub ways: Vec<PiecewiseTrajectory>,
     /// Velocity changes of all these trajectories, those of one member in a row.
     pub turns: Vec<VelocityChange>,

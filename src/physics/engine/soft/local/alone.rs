@@ -28,10 +28,10 @@ pub struct OrbitState {
     pub angle: f64,
 }
 
-/// Constants of an isolated contact.
+/// Constants of an isolated contact, in which no other body takes part.
 #[derive(Clone, Copy, Debug)]
 pub struct IsolatedContact<'a> {
-    /// The contact law.
+    /// Contact law of the two bodies.
     pub law: &'a ContactLaw,
     /// The two bodies and their contact constants.
     pub touch: TouchingPair,
@@ -43,7 +43,7 @@ pub struct IsolatedContact<'a> {
     pub gravity: f64,
     /// [-] unit normal from the other body to particle i, at the start.
     pub normal: Vector3<f64>,
-    /// Stages of the Runge-Kutta method.
+    /// Stages of the Runge-Kutta method by which the contact is integrated.
     pub stages: &'a [RungeKuttaStage],
 }
 
@@ -55,7 +55,7 @@ impl IsolatedContact<'_> {
         with_law!(self.law, law => self.step_by(law, from, dt, sums))
     }
 
-    /// Makes the step of [`step`](Self::step) for a law of known type.
+    /// Makes the step of [`step`](Self::step) for a contact law whose type is known when the code is compiled.
     #[inline(always)]
     fn step_by(&self, law: &(impl Law + ?Sized), from: &OrbitState, dt: f64, sums: &mut AlongNormal) -> OrbitState {
         let (mut moved, mut kicked, mut turned) = (0.0, 0.0, 0.0);

@@ -31,7 +31,7 @@ use nalgebra::Vector3;
 use sliding::SlidingContact;
 use spring_energy::SpringEnergies;
 
-/// Two bodies that touch at the present time.
+/// Two bodies of an island that touch at the present time of the island.
 pub struct ReachedTouch<'a> {
     /// The two bodies and their contact constants.
     pub touch: TouchingPair,
@@ -39,7 +39,7 @@ pub struct ReachedTouch<'a> {
     pub met: Encounter,
     /// Walls, surfaces and gravity.
     pub scene: &'a Scene,
-    /// Time of the touch.
+    /// Time of the touch, in the falling frame of the island.
     pub moment: FrameTime,
     /// [s] time from the touch to the end of the window.
     pub remaining: f64,
@@ -55,7 +55,7 @@ pub trait InstantaneousRule: Sync {
     fn strike(&self, meeting: &ReachedTouch, particles: &mut Particles, log: &mut Log);
 }
 
-/// Rule by which every touch begins a contact.
+/// Rule by which every touch begins a contact, and none is an instantaneous impulse.
 pub struct NoInstants;
 
 impl InstantaneousRule for NoInstants {
@@ -67,13 +67,13 @@ impl InstantaneousRule for NoInstants {
     fn strike(&self, _meeting: &ReachedTouch, _particles: &mut Particles, _log: &mut Log) {}
 }
 
-/// Solver of islands of soft spheres.
+/// Solver of islands (groups of particles that may meet) of soft spheres, by local time steps.
 pub struct SoftIslands<I = NoInstants> {
-    /// The contact law.
+    /// Contact law of all contacts in islands.
     pub law: ContactLaw,
     /// Time integrator. Islands use fourth-order Runge-Kutta for `VelocityVerlet`, and Heun's method for `Rk2`.
     pub integrator: Integrator,
-    /// [s] time step within contacts.
+    /// [s] longest time step while bodies of the island are in contact.
     pub step: f64,
     /// Largest cost of an island. A more expensive island is given up, and its particles are moved by uniform steps.
     pub allowance: Allowance,
@@ -91,7 +91,7 @@ pub struct Allowance {
 }
 
 impl<I> SoftIslands<I> {
-    /// Runge-Kutta stages of a step.
+    /// Stages of the Runge-Kutta method by which the island makes a step.
     pub fn stages(&self) -> &'static [RungeKuttaStage] {
         match self.integrator {
             Integrator::VelocityVerlet => &FOURTH_ORDER,
@@ -100,13 +100,13 @@ impl<I> SoftIslands<I> {
     }
 }
 
-/// Working memory of one thread that solves islands.
+/// Working memory of one thread that solves one island after another.
 #[derive(Default)]
 pub struct IslandScratch {
     contacts: Vec<Contact>,
     /// Bodies and contact constants of every slot (candidate pair, or particle with wall).
     touches: Vec<TouchingPair>,
-    /// True for each slot in contact.
+    /// True for each slot (candidate pair, or particle with wall) that is in contact.
     touching: Vec<bool>,
     /// Present gap [m] and its rate [m/s] of every slot.
     gaps: Vec<(f64, f64)>,
@@ -119,9 +119,9 @@ pub struct IslandScratch {
     kicked: Vec<Vector3<f64>>,
     /// Springs of `contacts`; empty if spheres do not rotate.
     sliding: Vec<SlidingContact>,
-    /// [rad/s] spins at the start of the step.
+    /// [rad/s] spin of each particle at the start of the step.
     spin: Vec<Vector3<f64>>,
-    /// [rad/s²] angular accelerations at the last stage.
+    /// [rad/s²] angular acceleration of each particle at the last Runge-Kutta stage.
     turning: Vec<Vector3<f64>>,
     /// [rad/s²] angular acceleration of each particle, averaged over the stages of the step with their Runge-Kutta
     /// weights.
@@ -214,7 +214,8 @@ struct IslandRun<'a, I> {
 }
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
-    /// Moves the island until `end` [s], or until a particle leaves its bounds. Returns the index of that particle.
+    /// Moves the island until `end` [s], or until a particle leaves its bounds. Returns the local index of that
+    /// particle; `None` if the island has reached `end`.
     fn until(&mut self, end: f64) -> Result<Option<usize>, GivenUp> {
         self.look();
         while self.now < end {
@@ -283,7 +284,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.now = time;
     }
 
-    /// First touch on straight flights from now until `end` [s]: time [s] of the touch, and its slot.
+    /// First touch of two bodies on straight flights from now until `end` [s]: the time [s] of the touch, and its slot
+    /// (number of the candidate).
     fn next_touch(&mut self, end: f64) -> Option<(f64, usize)> {
         let left = end - self.now;
         self.island.pair_checks += self.island.list.slots() as u64;
@@ -300,7 +302,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         FrameTime::in_free_fall(self.now)
     }
 
-    /// Present gap [m] of a slot, and rate of change of the gap [m/s]; positive: separating.
+    /// Present gap [m] between the two bodies of the slot `slot`, and rate of change of the gap [m/s]; positive:
+    /// separating.
     fn gap(&self, slot: usize) -> (f64, f64) {
         let met = self.encounter(slot, &self.scratch.touches[slot].couple, self.moment());
         (met.gap, met.normal_velocity)
@@ -397,7 +400,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         Ok(())
     }
 
-    /// Repeats the step that began at `start` [s], with the length `dt` [s].
+    /// Repeats, with the length `dt` [s], the step that began at `start` [s].
     fn repeat(&mut self, start: f64, dt: f64) -> Rates {
         self.particles.position.clone_from(&self.scratch.position);
         self.particles.velocity.clone_from(&self.scratch.velocity);

@@ -35,19 +35,21 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         clear.fold(left, |least, time| if time >= 0.0 { least.min(time) } else { 0.0 })
     }
 
-    /// Separation [m] of two particles, and velocity [m/s] of the first relative to the second.
+    /// Separation [m] of particle i from particle j, and velocity [m/s] of i relative to j, at the present time of the
+    /// island.
     fn relative(&self, i: usize, j: usize) -> (Vector3<f64>, Vector3<f64>) {
         relative(self.particles, self.scene, [i, j], self.moment())
     }
 
-    /// Number of particles of a slot that also belong to `couple`.
+    /// Number of particles that belong both to the slot `slot` (candidate pair, or particle with wall) and to `couple`.
     fn shared(&self, slot: usize, couple: &Couple) -> usize {
         let places = self.scratch.touches[slot].couple.places();
         places.into_iter().flatten().filter(|&place| is_of(couple, place)).count()
     }
 
-    /// [s] time before which the gap of a slot cannot close, until the time `end` [s] of the window. The velocity of each
-    /// body of `couple` may change by `change` [m/s]. The result is negative if the gap is closed.
+    /// [s] time before which the gap of the slot `slot` cannot close, until the time `end` [s] of the window. The
+    /// velocity of each body of `couple` may change by `change` [m/s]. The result is negative if the gap is closed
+    /// already.
     fn clear_of(&self, slot: usize, couple: &Couple, change: f64, end: f64) -> f64 {
         let velocity = |place: u32| self.particles.velocity[place as usize];
         let (gap, rate) = self.scratch.gaps[slot];
@@ -70,7 +72,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// True if the gap of a slot may close within `time` [s] after a touch of one of its particles with another body.
+    /// True if the gap of the slot `slot` may close within `time` [s] after one of its particles touches another body.
     ///
     /// While two bodies fly straight, the rate at which their gap closes does not grow. An impulse changes the velocity
     /// of a particle by at most 2 (1 + μ) M |u_n|/m.
@@ -93,7 +95,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         (curved + change - rate) * time > gap
     }
 
-    /// Applies an impulse if the touch of a slot is instantaneous, and returns true in that case.
+    /// Applies an impulse if the touch of the two bodies of the slot `slot` is instantaneous. Returns true in that
+    /// case.
     pub(super) fn strike(&mut self, slot: usize) -> bool {
         let touch = self.scratch.touches[slot];
         let moment = self.moment();

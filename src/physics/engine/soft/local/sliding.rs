@@ -20,7 +20,7 @@ use nalgebra::Vector3;
 pub(super) enum Phase {
     /// The spring has no memory: its force follows from the present motion only.
     Memoryless,
-    /// The contact is too young to resist rolling or twisting.
+    /// The contact has not yet lasted for one contact time, so it does not resist rolling or twisting.
     Waiting,
     /// The force of spring and dashpot is below the limit.
     Stick,
@@ -30,7 +30,7 @@ pub(super) enum Phase {
     Free,
 }
 
-/// State of a spring, and the normal to which it refers.
+/// State of a spring, and the normal of the contact for which the state is valid.
 #[derive(Clone, Copy, Debug)]
 struct SpringState {
     /// Shear ξ [m] of a spring that sticks, or direction e [-] of the force of one that slides. It is normal to
@@ -39,19 +39,19 @@ struct SpringState {
     normal: Vector3<f64>,
 }
 
-/// Spring with a slider of a contact, during a step.
+/// State of one spring with a slider (sliding, rolling or twisting) of a contact, during a time step.
 #[derive(Clone, Copy, Debug)]
 pub struct SlidingContact {
     pub(super) phase: Phase,
-    /// State at the start of the step.
+    /// State at the start of the time step.
     start: SpringState,
-    /// State now.
+    /// State at the present time of the island.
     now: SpringState,
     /// Rate of change of the state [unit of the state per s] at the last stage, in the plane of the start.
     rate: Vector3<f64>,
     /// Weighted mean of the rates of all stages so far.
     mean: Vector3<f64>,
-    /// [m] shear ξ now.
+    /// [m] shear ξ at the present time of the island.
     pub(super) shear: Vector3<f64>,
     /// Margins [N] or [m/s], at the start of the step and now. The phase ends when one of them becomes negative.
     margins: [[f64; 2]; 2],
@@ -89,7 +89,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.scene.rotation.is_some()
     }
 
-    /// Takes over the springs of contacts that continue from an earlier window.
+    /// Makes the springs of the contacts that continue from an earlier window.
     pub(super) fn adopt_springs(&mut self) {
         self.scratch.sliding.clear();
         for k in 0..self.scratch.contacts.len() {
@@ -99,7 +99,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Appends the springs of a contact; `met` is the present encounter of its two bodies.
+    /// Appends the springs of the contact `touch`; `met` is the present encounter of its two bodies.
     pub(super) fn open_springs(&mut self, touch: &TouchingPair, course: &ContactState, met: &Encounter) {
         let motion = ContactMotion::of(self, touch, met, true);
         for &kind in self.kinds() {
@@ -226,7 +226,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Moves spins and springs by `dt` [s] at their mean rates, after positions and velocities have been moved.
+    /// Moves spins and springs by `dt` [s] at their mean rates, after the step has moved positions and velocities.
     pub(super) fn end_turning(&mut self, dt: f64) {
         let scratch = &mut *self.scratch;
         if let Some(spins) = &mut self.particles.spin {

@@ -14,21 +14,21 @@ use std::ops::Range;
 pub struct SpringEnergies {
     /// Energy of springs of all kinds, of pairs (first) and at walls (second).
     by_partner: [f64; 2],
-    /// Energy of rolling springs.
+    /// Energy of the rolling springs of all contacts.
     rolling: f64,
-    /// Energy of twisting springs.
+    /// Energy of the twisting springs of all contacts.
     twisting: f64,
 }
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
-    /// Kinds of springs of each contact.
+    /// Kinds of springs that each contact of the island has: sliding alone, or sliding, rolling and twisting.
     #[inline(always)]
     pub(super) fn kinds(&self) -> &'static [SpringKind] {
         let resists = self.scene.rotation.as_ref().is_some_and(|rotation| rotation.resists());
         if resists { &SpringKind::ALL } else { &SpringKind::ALL[..1] }
     }
 
-    /// Indices of the springs of contact `k`.
+    /// Range of the springs of contact `k` in the list of all springs of the island.
     pub(super) fn springs_of(&self, k: usize) -> Range<usize> {
         let kinds = self.kinds().len();
         k * kinds..(k + 1) * kinds
@@ -40,7 +40,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         springs.len() > 1 && self.scratch.sliding[springs.start + 1].phase != Phase::Waiting
     }
 
-    /// Bodies of contact `k`, and their present encounter.
+    /// The two bodies of contact `k`, and their present encounter (relative position and velocity).
     pub(super) fn met(&self, k: usize) -> (TouchingPair, Encounter) {
         let Contact { slot, touch, .. } = self.scratch.contacts[k];
         (touch, self.encounter(slot as usize, &touch.couple, self.moment()))

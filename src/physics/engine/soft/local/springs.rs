@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 /// Kind of relative motion that stretches a spring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SpringKind {
-    /// Slip of the surfaces.
+    /// Slip of the two surfaces at the contact.
     Slide,
     /// Rolling of the surfaces on one another.
     Roll,
@@ -21,11 +21,11 @@ pub enum SpringKind {
 }
 
 impl SpringKind {
-    /// All kinds, in the order of a contact's springs.
+    /// All kinds of motion, in the order in which the springs of a contact are stored.
     pub const ALL: [Self; 3] = [Self::Slide, Self::Roll, Self::Twist];
 
-    /// Component of a vector that a spring of this kind can have: along the normal for twisting, otherwise normal to
-    /// it.
+    /// Component of `vector` that a spring of this kind can have: along `normal` for twisting, perpendicular to
+    /// `normal` for sliding and rolling.
     pub fn in_space_of(self, vector: &Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
         let along = normal * vector.dot(normal);
         if self == Self::Twist { along } else { vector - along }
@@ -45,49 +45,50 @@ pub fn carried(kind: SpringKind, vector: &Vector3<f64>, from: &Vector3<f64>, to:
 
 /// Relative motion and normal force of a contact between bodies that rotate.
 pub struct ContactMotion {
-    /// [m/s] slip of the surfaces.
+    /// [m/s] slip velocity of the two surfaces at the contact.
     slip: Vector3<f64>,
-    /// [-] lever arms divided by radii.
+    /// [-] lever arm of the tangential force about the centre of a sphere, divided by the radius of the sphere.
     pub arm: f64,
-    /// [N] elastic part of the normal force.
+    /// [N] elastic part of the normal force of the contact.
     pub elastic: f64,
     /// [N] part of the normal force by the dashpot.
     pub viscous: f64,
-    /// Rolling and twisting; `None` if the contact does not resist these.
+    /// Rolling and twisting motion; `None` if the contact does not resist this motion.
     pub rolling: Option<RollingMotion>,
 }
 
 /// Motion that stretches one spring of a contact, and the properties of this spring.
 #[derive(Clone, Copy, Debug)]
 pub struct SpringMotion {
-    /// Kind of the motion.
+    /// Kind of motion that stretches the spring.
     pub kind: SpringKind,
     /// [m/s] relative velocity that stretches the spring.
     pub velocity: Vector3<f64>,
-    /// Constants at the present overlap.
+    /// Constants of the spring at the present overlap.
     pub constants: SpringDashpotSlider,
-    /// [-] growth of the shear per length of motion; less than 1 at the touch if the stiffness grows with the overlap.
+    /// [-] growth of the shear per length of relative motion. It is below 1 at the touch if the stiffness grows with
+    /// the overlap.
     pub grown: f64,
     /// [1/s] relative rates at which a change of the overlap changes the shear, the force and the dashpot of the spring.
     pub rates: SpringRates,
     /// [-] largest force of the spring divided by the normal force.
     friction: f64,
-    /// [N] largest force of the spring.
+    /// [N] largest force of the spring, which friction sets.
     pub limit: f64,
     /// True if the overlap is at most `TOUCHING` diameters.
     pub at_touch: bool,
-    /// Resistance to rolling or twisting; `None` for slip.
+    /// Resistance to rolling or twisting; `None` for the spring of slip.
     pub resistance: Option<Resistance>,
 }
 
-/// [-] overlap over the diameter up to which a contact counts as just begun.
+/// [-] overlap over the diameter up to which a contact counts as one that has just begun.
 const TOUCHING: f64 = 1e-9;
 
 /// [-] short time, as a fraction of a time step, after which force and limit of a beginning contact are compared.
 const SOON: f64 = 1e-4;
 
 impl ContactMotion {
-    /// Present motion of two touching bodies, with rolling and twisting if the contact `resists` these.
+    /// Present motion of the surfaces of two touching bodies. Rolling and twisting are included if `resists` is true.
     #[inline(always)]
     pub fn of(
         run: &IslandRun<'_, impl InstantaneousRule>,
@@ -136,8 +137,8 @@ impl ContactMotion {
 }
 
 impl SpringMotion {
-    /// True if a contact that begins without force slides at once. Spring force and limit are compared shortly after
-    /// the touch; `step` [s] is the time step.
+    /// True if the spring of a contact that begins without force slides at once. The force of the spring and its limit
+    /// are compared shortly after the touch; `step` [s] is the time step.
     pub fn slides_from_touch(&self, law: &ContactLaw, touch: &TouchingPair, met: &Encounter, step: f64) -> bool {
         let time = SOON * step;
         let overlap = -met.normal_velocity * time;
@@ -158,8 +159,8 @@ impl SpringMotion {
         stiff && self.friction > 0.0
     }
 
-    /// [N/s] rate of change of the limit; `acceleration` [m/s²] is that of the normal velocity, and `dt` [s] the time
-    /// step.
+    /// [N/s] rate of change of the largest force of the spring. `acceleration` [m/s²] is the rate of change of the
+    /// normal velocity, and `dt` [s] the time step.
     pub fn limit_rate(
         &self,
         law: &ContactLaw,

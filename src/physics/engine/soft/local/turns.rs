@@ -8,7 +8,7 @@ use crate::engine::soft::rotating::SurfaceMotion;
 use crate::record::{Between, Impact};
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
-    /// Begins a contact at a slot, unless the touch is instantaneous.
+    /// Begins a contact between the two bodies of the slot `slot`, unless their touch is an instantaneous impulse.
     pub(super) fn open(&mut self, slot: usize) {
         let (gap, rate) = self.scratch.gaps[slot];
         self.scratch.touches[slot].begin_at(-rate, (self.particles, self.scene), &self.engine.law);
@@ -29,8 +29,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.scratch.contacts.push(Contact { slot: slot as u32, touch, course });
     }
 
-    /// Repeats the step from `start` [s] with the length at which the gap of `slot` is zero. The first guess of that
-    /// length is `fraction` [-] of `dt` [s].
+    /// Repeats the step that began at `start` [s], with the length at which the gap of the slot `slot` is zero. The
+    /// first guess of that length is `fraction` [-] of `dt` [s].
     ///
     /// The contact of the slot ends when its gap becomes positive, or begins when the gap becomes negative. If two such
     /// instants nearly coincide, their order may differ from the estimate. The later one is then due at the very start
@@ -61,7 +61,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         rates
     }
 
-    /// Ends the contact of a slot if there is one, and begins one otherwise.
+    /// Ends the contact of the slot `slot` if there is one; otherwise begins a contact there.
     pub(super) fn turn(&mut self, slot: usize) {
         match self.scratch.contacts.iter().position(|c| c.slot as usize == slot) {
             None => self.open(slot),
