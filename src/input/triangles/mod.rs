@@ -64,6 +64,7 @@ pub enum TriangleError {
 /// use diptych::triangles::TriangleFile;
 /// use diptych::{Domain, Mesh, Scene, Species, Surface, Vector3, Wall, WallGeometry};
 ///
+/// # std::env::set_current_dir("../..")?; // the folder of the repository
 /// let file = TriangleFile::read("cases/walls/hopper.stl")?.scaled(1e-3); // millimetres
 /// let (_, findings) = Mesh::new("hopper", &file.heap, None)?;
 /// assert_eq!((file.heap.len(), findings.open_edges > 0), (192, true)); // a thin sheet
