@@ -27,12 +27,12 @@ use std::time::Instant;
 /// are enough for a velocity distribution.
 const PARTICLES: f64 = 500.0;
 
-/// Largest length of the short run that measures the agitation, as number of particles times number of windows (times
-/// between two kicks of drag). The run takes some seconds.
+/// Largest length of the short run that measures the agitation (random velocities). It is the number of particles times
+/// the number of windows (times between two kicks of drag). The run takes some seconds.
 const PARTICLE_WINDOWS: f64 = 4e6;
 
-/// Largest number of collisions in the short run that measures the agitation, estimated by kinetic theory from the
-/// initial velocities. The run takes some seconds.
+/// Largest number of collisions in the short run that measures the agitation (random velocities). The number is
+/// estimated by kinetic theory from the initial velocities. The run takes some seconds.
 const COLLISIONS: f64 = 5e5;
 
 /// [-] smallest width of a periodic side of the box in the short run, divided by the largest particle diameter. Sides
@@ -53,7 +53,8 @@ const STEPS: f64 = 2e7;
 /// Agitation (random velocities) and impact speeds of the particles of a case, measured in a short run of a smaller
 /// periodic box.
 pub struct Physics {
-    /// Length of the short run, and the collision rates and errors that the plan computes from it.
+    /// Length of the short run that measures the agitation, with the collision rates and errors that the plan computes
+    /// from this run.
     pub calibration: Calibration,
     /// [m²/s²] granular temperature of all particles.
     pub variance: f64,

@@ -66,9 +66,9 @@ struct CheckReport {
     title: String,
     /// Sentences that describe the scene and the run, one per entry.
     scene: Vec<String>,
-    /// Variant of the command `run`; `None` if the case itself gives no model.
+    /// Variant that the command `run` would run; `None` if the case itself gives no model.
     run: Option<CheckedVariant>,
-    /// Variants of the command `compare`.
+    /// Variants that the command `compare` would run.
     variants: Vec<CheckedVariant>,
     /// Reason why `compare` cannot run the case with soft and hard spheres; `None` if it can.
     compare_refused: Option<String>,
@@ -95,11 +95,11 @@ struct CheckedVariant {
     contact_law: Option<String>,
     /// [s] time step of the soft model; `None` if there is no contact law or if nothing can touch.
     time_step: Option<f64>,
-    /// [-] number of soft time steps of the whole run.
+    /// [-] number of time steps of soft spheres in the whole run; `None` if there is no time step.
     steps: Option<f64>,
-    /// [s] duration of the shortest contact of two particles.
+    /// [s] duration of the shortest contact of two particles; `None` if there is none.
     pair_contact: Option<f64>,
-    /// [s] duration of the shortest contact with a wall.
+    /// [s] duration of the shortest contact of a particle with a wall; `None` if there is none.
     wall_contact: Option<f64>,
     /// Kinds of contact, such as that of two species, with their names and durations [s]. At most 20 are listed, the
     /// shortest ones. Empty if there is at most one kind between particles and at most one at walls.

@@ -31,13 +31,13 @@ pub struct FluidSummary {
 /// Summary of a channel flow that was computed with a k-epsilon model of turbulence.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChannelSummary {
-    /// Name of the turbulence model.
+    /// Name of the k-epsilon model of turbulence.
     pub model: String,
-    /// [m/s] friction velocity u_τ.
+    /// [m/s] friction velocity u_τ of the channel flow.
     pub friction_velocity: f64,
     /// [-] friction Reynolds number u_τ h/ν of the channel.
     pub reynolds_tau: f64,
-    /// Number of cells over the half channel.
+    /// Number of cells of the grid over half the height of the channel.
     pub cells: usize,
     /// [-] distance of the first node of the grid from the wall, in wall units (y⁺).
     pub first_node: f64,

@@ -16,17 +16,17 @@ use std::time::Instant;
 
 /// Scene with many particles in which a chart compares methods, together with the outcomes of the reference method.
 pub struct Crowd {
-    /// Piece of the simulated time of the case that every method runs.
+    /// Piece of the simulated time of the case that every method of the chart runs.
     pub stretch: Stretch,
     /// Particles at the start of every method: those with which the first run of the reference begins the stretch.
     start: Particles,
-    /// Outcomes of the runs of the reference, one per seed.
+    /// Outcomes of the runs of the reference method, one for each seed.
     references: Vec<Outcome>,
     /// Description of the method of the reference for the reader, such as "hard spheres at exact instants".
     pub method: &'static str,
 }
 
-/// Function that takes one average from the outcome of a run; `None` if the run does not have it.
+/// Function that takes one average from the outcome of a run; `None` if the outcome does not contain this average.
 type OutcomeColumn = fn(&Outcome) -> Option<Estimate>;
 
 /// Averages over the whole scene in which methods can be compared. Each has a key, a name, a label of the axis of

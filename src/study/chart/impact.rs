@@ -36,11 +36,11 @@ pub struct HeadOn {
     pub bodies: (Species, Option<Species>),
     /// Properties of the two bodies on which the contact law depends, such as radii and masses.
     pub contact: Bodies,
-    /// Surface properties of the contact.
+    /// Surface properties of the contact, such as restitution and friction.
     pub surface: Surface,
     /// [m/s] normal speed at which the bodies approach each other, positive.
     pub approach: f64,
-    /// [s] time of straight flight from the start until the bodies touch.
+    /// [s] time of straight flight from the start until the two bodies first touch.
     pub touch: f64,
     /// [s] simulated time of one run.
     pub duration: f64,

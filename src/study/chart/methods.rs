@@ -8,7 +8,7 @@ use crate::output::ChartMethod;
 /// Parameter of a method that makes its results more precise and its runs more expensive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MethodParameter {
-    /// [-] number of steps per contact N_c.
+    /// [-] number of time steps per contact N_c of soft spheres.
     StepsPerContact,
     /// Elastic parameter of the contact law, such as the stiffness. It is swept at [`FINE_STEPS`] steps per contact.
     /// The field holds the parameter with its value in the case.
@@ -47,9 +47,9 @@ pub struct MethodSweep {
 /// Values over which the parameters of all methods of a chart are swept, from coarse to fine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Values {
-    /// [-] numbers of steps per contact N_c.
+    /// [-] numbers of time steps per contact N_c of soft spheres.
     pub steps_per_contact: Vec<f64>,
-    /// [-] factors by which the stiffness of the case is multiplied.
+    /// [-] factors by which the stiffness of the soft spheres of the case is multiplied.
     pub stiffness: Vec<f64>,
     /// [-] values of the step criterion θ of hard spheres that move in time steps.
     pub theta: Vec<f64>,

@@ -28,7 +28,7 @@ use crate::runs::{StudyError, conclude, folder, provenance, read, start, tell};
 
 /// Results of a chart, before they are written to files.
 pub struct ChartResults {
-    /// Reference against which errors are measured.
+    /// Description, for the reader, of the reference against which errors are measured.
     pub reference: String,
     /// Description of the runs from which each point of the chart is computed, for the reader.
     pub setting: String,

@@ -33,7 +33,7 @@ const LONGEST: f64 = 1e6;
 
 /// Piece of the simulated time of a case that every method of a chart runs.
 pub struct Stretch {
-    /// Experiment of this piece of time, which the methods run from a common initial state.
+    /// Experiment of the stretch (piece of simulated time), which all methods run from a common initial state.
     pub experiment: Experiment,
     /// [s] simulated time of the case before the stretch (piece of time that every method runs). The reference method
     /// runs this time once for each seed.

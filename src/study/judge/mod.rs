@@ -70,7 +70,7 @@ pub struct Criteria {
 pub struct ReplicaRuns<'a> {
     /// Outcome of the first replica. If there are several replicas, its averages are over all replicas.
     pub outcome: &'a Outcome,
-    /// Outcomes of all replicas except the first.
+    /// Outcomes of all replicas (runs with different seeds) except the first.
     pub others: &'a [Outcome],
 }
 

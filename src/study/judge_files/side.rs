@@ -33,7 +33,7 @@ pub struct JudgeSide {
 
 /// Data of a side: series over time, or a table of values without times.
 pub enum SideData {
-    /// Series over time, one per replica.
+    /// Series over time, with one table for each replica (run with its own seed).
     Series(SeriesFiles),
     /// Table of single values, each with a label and a standard error.
     Points(Vec<MeasuredPoint>),
@@ -55,7 +55,7 @@ pub struct SeriesFiles {
 pub struct TimedTable {
     /// Table of numbers with the columns of the file.
     pub table: NumberTable,
-    /// Index of the column of times in the table.
+    /// Index of the column of times in `table`.
     pub time: usize,
     /// Times of the rows, in seconds or, if no unit is given, in the unit of their column.
     pub times: Vec<f64>,

@@ -18,9 +18,9 @@ const LISTED: usize = 30;
 pub struct NumberTable {
     /// Path of the file, as shown in messages.
     pub name: String,
-    /// Names of the columns, in the order of the file.
+    /// Names of the columns of the table, in the order of the file.
     pub columns: Vec<String>,
-    /// True if the file is output of LAMMPS.
+    /// True if the program LAMMPS wrote the file.
     pub is_lammps: bool,
     /// Index of the text of the file in the list of sources.
     pub(super) source: usize,

@@ -47,7 +47,7 @@ pub struct Known {
     pub name: &'static str,
     /// Title of the factor in a sentence, such as "the stiffness".
     pub title: &'static str,
-    /// Function that plans the runs of the factor.
+    /// Function that plans the runs of the factor, or returns the reason why the factor makes no sense.
     pub make: Make,
 }
 

@@ -25,7 +25,7 @@ pub struct SensitivityTable<'a> {
 }
 
 impl SensitivityTable<'_> {
-    /// True if all runs are complete.
+    /// True if all runs of the study are complete, each with all its replicas.
     pub fn is_whole(&self) -> bool {
         self.outcomes.iter().flatten().all(Option::is_some)
     }
