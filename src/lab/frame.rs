@@ -40,9 +40,9 @@ pub struct Live {
     /// [J] residual of the energy balance: change of the energy since the start, minus the work, plus the recorded
     /// losses.
     pub residual: f64,
-    /// Number of finished impacts between particles.
+    /// Number of impacts between particles that have ended.
     pub pairs: u64,
-    /// Number of finished impacts at walls.
+    /// Number of impacts of particles on walls that have ended.
     pub walls: u64,
     /// [-] realised restitution as root mean square over all impacts, of pairs and at walls; `None` without an impact.
     pub restitution: Option<f64>,
@@ -65,11 +65,11 @@ pub struct Live {
 /// Result of the comparison of the two panels, in scenes whose statistics are tested.
 #[derive(Clone, Debug, Serialize)]
 pub struct PanelComparison {
-    /// Answer of the test: equivalent, different or unresolved.
+    /// Answer of the comparison of the two panels: equivalent, different or unresolved.
     pub answer: String,
     /// Sentence that explains the answer.
     pub sentence: String,
-    /// [s] simulated time at which the averaging period begins.
+    /// [s] simulated time at which averaging begins.
     pub from: f64,
     /// Profiles of the left and the right panel over the height. Each slice has the height y [mm], the streamwise
     /// velocity and its standard error [m/s], and the granular temperature [m²/s²].

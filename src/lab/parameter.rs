@@ -12,7 +12,7 @@ const DIGITS: i32 = 4;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum ParameterValue {
-    /// A number.
+    /// Number, in the unit in which the page shows the parameter.
     Number(f64),
     /// One of several words, such as the name of an integrator.
     Word(String),
@@ -55,9 +55,9 @@ pub enum LabParameter {
 pub struct ParameterRange {
     /// Parameter to which the limits apply.
     pub knob: LabParameter,
-    /// Smallest allowed value, in the unit in which the page shows the parameter.
+    /// Smallest allowed value, in the unit of the parameter on the page.
     pub least: f64,
-    /// Largest allowed value, in the unit in which the page shows the parameter.
+    /// Largest allowed value, in the unit of the parameter on the page.
     pub most: f64,
 }
 
@@ -67,9 +67,9 @@ pub struct ParameterRange {
 pub enum ParameterKind {
     /// Slider for a number between limits.
     Number {
-        /// Smallest allowed value, in the unit in which the page shows the parameter.
+        /// Smallest allowed value, in the unit of the parameter on the page.
         least: f64,
-        /// Largest allowed value, in the unit in which the page shows the parameter.
+        /// Largest allowed value, in the unit of the parameter on the page.
         most: f64,
         /// True if the scale of the slider is logarithmic.
         logarithmic: bool,

@@ -36,7 +36,7 @@ pub struct SceneChoice {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(tag = "ask", rename_all = "lowercase", deny_unknown_fields)]
 pub enum Ask {
-    /// Opens a scene at its start.
+    /// Opens a scene at its start, with the chosen settings.
     Open(SceneChoice),
     /// Continues or pauses the motion.
     Play {
@@ -91,7 +91,7 @@ pub struct ShownParameter {
 /// Description of a panel and of its method for the page.
 #[derive(Clone, Debug, Serialize)]
 pub struct PanelDescription {
-    /// Heading of the panel.
+    /// Heading of the panel on the page.
     pub title: String,
     /// Collision model: soft, hard or hybrid.
     pub model: &'static str,
@@ -116,7 +116,7 @@ pub struct Opened {
     pub title: &'static str,
     /// Description of the scene in three sentences.
     pub sentences: [&'static str; 3],
-    /// Equation that describes the scene.
+    /// Equation that describes the scene, as text for the page.
     pub equation: &'static str,
     /// Meaning of the symbols in the equation.
     pub symbols: &'static str,

@@ -46,7 +46,7 @@ const PACES: [f64; 2] = [0.02, 10.0];
 pub enum PageMessage {
     /// Message of the type `Tell`, as JSON text.
     Text(String),
-    /// Bytes of a frame.
+    /// Frame (data of one instant, from which the page draws), as bytes.
     Frame(Vec<u8>),
 }
 

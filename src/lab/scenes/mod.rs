@@ -44,7 +44,7 @@ pub struct LabScene {
     pub view: BoxView,
     /// Description of the scene in three sentences.
     pub sentences: [&'static str; 3],
-    /// Equation that describes the scene.
+    /// Equation that describes the scene, as text for the page.
     pub equation: &'static str,
     /// Meaning of the symbols in the equation.
     pub symbols: &'static str,
