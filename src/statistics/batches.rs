@@ -14,9 +14,9 @@ const SAME_LENGTH: f64 = 1.25;
 /// distribution are too wide for a useful error.
 pub const FEWEST_RUNS: usize = 3;
 
-/// Largest number of stated values (see [`Batches::of_stated`]) with independent errors. Each stated value is
-/// represented by 1024 made-up runs, one more than this number. With so many runs, Student's distribution is the normal
-/// one within 0.2 %.
+/// Largest number of values with a stated standard error (see [`Batches::of_stated`]) whose errors are independent.
+/// Each such value is represented by 1024 made-up runs, one more than this number. With so many runs, Student's
+/// distribution is the normal distribution within 0.2 %.
 pub const MOST_STATED: usize = 1023;
 
 /// Several averages over a run, or over the replicas of a run (runs with different seeds), with the values in each
@@ -25,9 +25,9 @@ pub const MOST_STATED: usize = 1023;
 pub struct Batches {
     /// Averages over the run or runs, one per component, each in the unit of its component.
     pub values: Vec<f64>,
-    /// One number per component and block. Blocks are in the order of time, one replica after the other. For an average
-    /// over samples the number is the average over the block. For other quantities it is the jackknife pseudo-value;
-    /// the mean of the pseudo-values equals the average up to terms of second order.
+    /// Numbers of each component, one per block. Blocks are in the order of time, one replica after the other. For an
+    /// average over samples, the number is the average over the block. For other quantities it is the jackknife
+    /// pseudo-value. The mean of the pseudo-values equals the average up to terms of second order.
     pub blocks: Vec<Vec<f64>>,
     /// Number of successive blocks that belong to one run: all blocks, or the blocks of one replica. Blocks of
     /// different runs are independent.
@@ -222,7 +222,7 @@ impl Batches {
     }
 }
 
-/// Assumption about the correlation between neighbouring blocks of different components.
+/// Assumption about the correlation of neighbouring blocks of time, which may differ from component to component.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Correlation {
     /// Each component has its own correlation. It is estimated from the measured value and from the distribution over

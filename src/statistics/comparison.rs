@@ -99,7 +99,7 @@ pub struct Comparison {
     pub answer: Answer,
     /// [-] largest difference that counts as equivalent, divided by the scale of each observable.
     pub margin: f64,
-    /// Observables with error bars, each with its answer.
+    /// Observables with error bars, each with its tests and its answer.
     pub judged: Vec<Judged>,
     /// Names of observables without error bars, which have no answer.
     pub unknown: Vec<String>,
