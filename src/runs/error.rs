@@ -1,4 +1,4 @@
-//! Errors with which a command ends, and their exit codes.
+//! Errors with which a command ends, and the exit codes of these errors.
 
 use crate::case::Diagnostic;
 use crate::engine::Failure;

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// Origin of a command: typed by the user, or continued by the command `resume`.
 pub enum CommandOrigin {
-    /// The user typed the command.
+    /// The user typed the command, and it begins.
     Typed,
     /// The user typed the command again for a folder with results. Completed runs are not repeated.
     TypedAgain,
@@ -137,7 +137,7 @@ pub fn provenance(case: &Case, scene: String) -> Provenance {
     }
 }
 
-/// Command line as the user typed it.
+/// Command line of this process as the user typed it, with quotes where a shell needs them.
 pub fn command_line() -> String {
     quoted(std::env::args_os())
 }

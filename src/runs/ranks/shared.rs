@@ -27,7 +27,7 @@ pub struct Traffic {
     pub calls: u64,
     /// Wall time spent on communication, including the time spent waiting for other processes.
     pub waited: Duration,
-    /// Wall time from the beginning to the end of the run.
+    /// Wall time of the shared run, from its beginning to its end.
     pub whole: Duration,
 }
 
