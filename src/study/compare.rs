@@ -150,7 +150,8 @@ impl VariantComparison<'_> {
     }
 }
 
-/// True if the comparison can end: every comparison has an answer, or a replica of some variant stopped early.
+/// True if the comparison can end: no comparison of two variants is unresolved, or a replica of some variant stopped
+/// early.
 fn is_decided(findings: &VariantFindings) -> bool {
     let stopped = findings.outcomes.iter().any(|one| one.failure.is_some());
     stopped || findings.comparisons.iter().all(|one| one.answer != Answer::Unresolved)

@@ -119,7 +119,7 @@ pub struct VariantFindings {
     pub outcomes: Vec<Outcome>,
     /// Comparisons of the variants with their references, each with an answer.
     pub comparisons: Vec<Verdict>,
-    /// Sentences of the report with the answers, the most important first.
+    /// Sentences of the report: first the answers of the comparisons, then further sentences.
     pub verdicts: Vec<String>,
     /// Settings by which the variants differ from one another, as typed in the case.
     pub overrides: Vec<String>,

@@ -108,8 +108,8 @@ impl Crowd {
         Ok(Ok((first.unwrap_or_default(), outcomes)))
     }
 
-    /// Quantities in which the methods are compared. Each has the mean over the runs of the reference and the scatter
-    /// between these runs.
+    /// Quantities in which the methods are compared. Each has a reference value, which is exact or a mean over the runs
+    /// of the reference, and the scatter between these runs.
     pub fn quantities(&self) -> Vec<ChartQuantity> {
         let mut quantities = Vec::new();
         let asked = self.stretch.experiment.scene.restitution_of_pairs();
