@@ -220,7 +220,7 @@ fn store_parts(
 /// Processes that have the particles at the beginning of a run that several processes share.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Beginning {
-    /// The lead process has all particles of the initial state.
+    /// The lead process has all particles, of the initial state or of a stored state.
     Whole,
     /// Each process has made its part of the initial state.
     Parts,

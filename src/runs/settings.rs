@@ -32,7 +32,7 @@ pub struct CommandSettings {
     pub origin: CommandOrigin,
     /// Path of the folder to which results are written.
     pub folder: PathBuf,
-    /// True if the results of an earlier command in the folder may be deleted.
+    /// True if the results of an earlier command in the folder may be replaced.
     pub overwrite: bool,
     /// True if the command prints nothing while it runs.
     pub quiet: bool,
@@ -86,7 +86,7 @@ impl CommandSettings {
     ///
     /// # Errors
     /// Returns an error if the folder is in use or cannot be written to. A command that begins also gets an error if
-    /// the folder contains results that it may not delete.
+    /// the folder contains results that it may not replace.
     pub fn open_folder(&self) -> Result<Folder, StudyError> {
         match &self.origin {
             CommandOrigin::Typed => make(self.folder.clone(), self.overwrite),
