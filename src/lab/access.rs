@@ -1,13 +1,13 @@
 //! Access control of the lab: a request must come from this machine and contain the token.
 //!
-//! Two kinds of requests by pages of other sites are refused. A site may give this machine a host name of its own (DNS
-//! rebinding); the browser then sends this name as `Host`. A page of another site may open a WebSocket to the lab; the
-//! browser then sends the address of this page as `Origin`.
+//! Two kinds of requests from pages of other sites are refused. In the first kind, a site gives this machine a host
+//! name of the site (DNS rebinding); the browser then sends this name as `Host`. In the second kind, a page of another
+//! site opens a WebSocket to the lab; the browser then sends the address of this page as `Origin`.
 
-/// Number of random bytes in the token. The text of the token has two hexadecimal digits per byte.
+/// Number of random bytes in the token. The text of the token has two hexadecimal digits for each byte.
 const BYTES: usize = 16;
 
-/// Random secret in the address of the lab. Requests must contain it, and it is too long to be found by trial.
+/// Random secret in the address of the lab. Requests must contain it. It is too long to be guessed.
 #[derive(Clone, Debug)]
 pub struct Token(String);
 
@@ -15,36 +15,36 @@ impl Token {
     /// Creates a token from random numbers of the operating system.
     ///
     /// # Errors
-    /// The operating system gives no random numbers.
+    /// Returns an error if the operating system gives no random numbers.
     pub fn new() -> Result<Self, getrandom::Error> {
         let mut bytes = [0; BYTES];
         getrandom::fill(&mut bytes)?;
         Ok(Self(bytes.iter().map(|byte| format!("{byte:02x}")).collect()))
     }
 
-    /// Token as text, in the form used in the address.
+    /// Token as text, as it is written in the address of the lab.
     pub fn as_str(&self) -> &str {
         &self.0
     }
 
-    /// Returns true if `other`, a part of an address, equals the token. The duration of the comparison does not depend
-    /// on the position of the first difference.
+    /// True if `other`, a part of an address, equals the token. The duration of the comparison does not depend on the
+    /// position of the first difference, so that it reveals nothing about the token.
     pub fn is(&self, other: &str) -> bool {
         let differing = self.0.bytes().zip(other.bytes()).fold(0, |differing, (a, b)| differing | (a ^ b));
         self.0.len() == other.len() && differing == 0
     }
 }
 
-/// Host names of this machine that a request may contain.
+/// Host names of this machine that a request may name in its `Host` header.
 const NAMES: [&str; 2] = ["127.0.0.1", "localhost"];
 
-/// True if a `Host` header names this machine and the port of the lab.
+/// True if the `Host` header of a request names this machine and the port of the lab.
 pub fn is_host(host: Option<&str>, port: u16) -> bool {
     host.is_some_and(|host| NAMES.iter().any(|name| host.eq_ignore_ascii_case(&format!("{name}:{port}"))))
 }
 
-/// True if an `Origin` header names a page of the lab at this port. Programs other than browsers send no such header,
-/// so a missing one is accepted unless `required` is true.
+/// True if the `Origin` header of a request names a page of the lab at the port `port`. Programs other than browsers
+/// send no such header, so a missing header is accepted unless `required` is true.
 pub fn is_origin(origin: Option<&str>, port: u16, required: bool) -> bool {
     match origin {
         None => !required,

@@ -1,16 +1,16 @@
-//! Lock that lets only one engine compute at a time, for any number of open pages. Other processor cores remain free
+//! Lock with which only one engine computes at a time, for any number of open pages. Other processor cores remain free
 //! for the server and the browser.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Lock shared by all sessions of a lab. Only the session that has locked it may compute.
+/// Lock that all sessions of a lab share. A session computes only while it holds this lock.
 #[derive(Clone, Debug, Default)]
 pub struct EngineLock(Arc<Mutex<()>>);
 
 impl EngineLock {
-    /// Waits for the lock and returns a guard. The lock is released when the guard is dropped.
+    /// Waits for the lock, and returns a guard that holds it until the guard is dropped.
     pub fn take(&self) -> MutexGuard<'_, ()> {
-        // the lock protects no data, so that a panic of the thread that had locked it leaves no data incomplete
+        // the lock protects no data, so no data can be incomplete if the thread that held it has panicked
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

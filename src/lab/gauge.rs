@@ -1,5 +1,5 @@
-//! Quantities that a scene of the lab measures at the end of every window, and their graphs. A window is the time
-//! between two exchanges of momentum with the gas.
+//! Quantities that a scene of the lab measures at the end of every window (time between two exchanges of momentum with
+//! the gas), and the graphs of these quantities.
 
 use crate::contact_law::Bodies;
 use crate::encounter::{Couple, FrameTime, Other};
@@ -11,33 +11,33 @@ use crate::scene::Scene;
 use crate::simulation::Simulation;
 use serde::Serialize;
 
-/// Number of intervals of a theoretical curve.
+/// Number of intervals from which a theoretical curve is drawn.
 const POINTS: usize = 200;
 
-/// Set of quantities that the lab measures and draws in a scene.
+/// Set of quantities that a scene of the lab measures and draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gauge {
-    /// Overlap, velocity and forces of two spheres.
+    /// Overlap, relative velocity and contact forces of two spheres.
     Impact,
-    /// Velocity of each sphere along x.
+    /// Velocity of each sphere along x, the direction of a row of spheres.
     Speeds,
     /// Height of one sphere above the floor, and the number of its impacts on the floor.
     Bounces,
-    /// Temperature and number of collisions of a gas.
+    /// Granular temperature and number of collisions of a gas.
     Gas,
-    /// Energy of a gas whose energy should be constant.
+    /// Energy of a gas divided by its initial energy; it should be constant.
     Energy,
-    /// Energy of a gas whose energy should be constant, on a logarithmic axis.
+    /// Energy of a gas divided by its initial energy, on a logarithmic axis; it should be constant.
     Explosion,
-    /// Mean motion of particles in a channel. The page also shows profiles of both panels.
+    /// Mean velocity and granular temperature of particles in a channel. The page also shows profiles of both panels.
     Channel,
-    /// Overlap, impacts and kinetic energy of a column of spheres on a floor.
+    /// Largest overlap, number of impacts, and kinetic energy of a column of spheres on a floor.
     Column,
-    /// Velocity, spin and slip of one ball at a wall below it.
+    /// Velocity of one ball along the wall below it, its spin, and its slip at this wall.
     Spin,
-    /// Height of the first ball above the floor, and the spin of the second one.
+    /// Height of the first ball of a heap above the floor, and spin of the second ball.
     Heap,
-    /// Numbers of found and of missed collisions of a gas.
+    /// Number of collisions that a sphere of a gas suffers, and share of the collisions that are missed.
     Missed,
 }
 
@@ -46,15 +46,15 @@ pub enum Gauge {
 pub struct Graph {
     /// Title of the graph.
     pub title: &'static str,
-    /// Column on the horizontal axis, and the label of that axis.
+    /// Index of the column on the horizontal axis, and the label of this axis.
     pub x: (usize, &'static str),
     /// Label of the vertical axis.
     pub y: &'static str,
-    /// Columns on the vertical axis.
+    /// Indices of the columns on the vertical axis.
     pub columns: Vec<usize>,
     /// True if the vertical axis is logarithmic.
     pub logarithmic: bool,
-    /// Theoretical curve with its name, if there is one.
+    /// Name and points of a theoretical curve; `None` if there is no theory.
     pub theory: Option<(&'static str, Vec<[f64; 2]>)>,
 }
 
@@ -68,15 +68,16 @@ impl Graph {
     }
 }
 
-/// Points of a theoretical curve `at` over time [s], from 0 to the duration of the experiment. The abscissas are times
-/// in units of `unit` [s]; times for which `at` gives `None` are left out.
+/// Points of a theoretical curve over time, from 0 to the duration of the experiment. The function `at` gives the
+/// ordinate at a time [s]; times without an ordinate are left out. The abscissas are times divided by `unit` [s].
 fn curve(experiment: &Experiment, unit: f64, at: impl Fn(f64) -> Option<f64>) -> Vec<[f64; 2]> {
     let times = (0..=POINTS).map(|k| experiment.run.duration * k as f64 / POINTS as f64);
     times.filter_map(|time| Some([time / unit, at(time)?])).collect()
 }
 
 impl Gauge {
-    /// Graphs of the quantities that this gauge measures.
+    /// Graphs of the quantities of this set, with theoretical curves for the `experiment` and its particles at the
+    /// `start`.
     pub fn graphs(self, experiment: &Experiment, start: &Particles) -> Vec<Graph> {
         const MICRO: (usize, &str) = (0, "time [µs]");
         const MILLI: (usize, &str) = (0, "time [ms]");
@@ -144,8 +145,8 @@ impl Gauge {
         }
     }
 
-    /// Quantities at one instant: a row with one value per column of the graphs, in the unit of the column. Some values
-    /// are relative to `at_start`, their value at the start.
+    /// Quantities of this set at one instant: a row with one value for each column of the graphs, in the unit of the
+    /// column. Some values are divided by `at_start`, the temperature or energy at the start.
     fn row(self, simulation: &Simulation, at_start: f64) -> Vec<f64> {
         let (particles, time) = (&simulation.particles, simulation.time);
         let suffered = 2.0 * simulation.record.pairs.count as f64 / particles.len().max(1) as f64;
@@ -191,8 +192,8 @@ impl Gauge {
         }
     }
 
-    /// Value at the start to which measured values are relative: the granular temperature [m²/s²] for a gas that cools,
-    /// otherwise the energy [J].
+    /// Value at the start by which some measured values are divided: the granular temperature [m²/s²] in a scene of a
+    /// cooling gas, else the energy [J].
     fn scale(self, simulation: &Simulation) -> f64 {
         match self {
             Self::Gas => temperature(&simulation.particles),
@@ -201,9 +202,9 @@ impl Gauge {
     }
 }
 
-/// Theoretical overlap of the lowest of n spheres at rest on top of each other, in per cent of the diameter, at the
-/// start and at the end of the run. For a linear spring the overlap is n m g/k. `None` without a contact law or a
-/// floor.
+/// Theoretical overlap of the lowest of n spheres that rest on one another, at the start and at the end of the run. A
+/// point has a time [ms] and the overlap in per cent of the diameter. For a linear spring the overlap is n m g/k.
+/// `None` without a contact law or a floor.
 fn statics(experiment: &Experiment, start: &Particles) -> Option<Vec<[f64; 2]>> {
     let law = experiment.law()?;
     let wall = experiment.scene.walls.first().map(|_| 0)?;
@@ -213,31 +214,32 @@ fn statics(experiment: &Experiment, start: &Particles) -> Option<Vec<[f64; 2]>> 
     Some(vec![[0.0, share], [1e3 * experiment.run.duration, share]])
 }
 
-/// [m²/s²] granular temperature: a third of the variance of the velocities.
+/// [m²/s²] granular temperature: a third of the mean square of the velocities relative to their mean.
 fn temperature(particles: &Particles) -> f64 {
     let count = particles.len().max(1) as f64;
     let mean = particles.velocity.iter().sum::<nalgebra::Vector3<f64>>() / count;
     particles.velocity.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / (3.0 * count)
 }
 
-/// Observer that measures the quantities of a gauge while a panel runs.
+/// Observer that measures the quantities of a set (gauge) while a panel runs.
 pub struct Meter<'a> {
     gauge: Gauge,
     experiment: &'a Experiment,
     at_start: Option<f64>,
-    /// Rows measured since the last frame, one value per column of the graphs.
+    /// Rows measured since the last frame. A row has one value for each column of the graphs, in the unit of this
+    /// column.
     pub rows: Vec<Vec<f64>>,
 }
 
 impl<'a> Meter<'a> {
-    /// Creates an observer for the quantities of `gauge`, without measured rows.
+    /// Creates an observer for the quantities of the set `gauge`, with no measured rows.
     pub fn new(gauge: Gauge, experiment: &'a Experiment) -> Self {
         Self { gauge, experiment, at_start: None, rows: Vec::new() }
     }
 
-    /// Time [µs], overlap δ [µm], normal velocity [m/s], and three forces [mN] between the first two spheres: spring
-    /// force, dashpot force, and their sum. The forces are computed from the contact law at this instant, and are 0
-    /// without an overlap.
+    /// Row of the set `Impact`, for the first two spheres: time [µs], overlap δ [µm], normal velocity [m/s], and spring
+    /// force, dashpot force and their sum [mN]. The forces are computed from the contact law at this instant; without
+    /// an overlap they are 0.
     fn meeting(&self, simulation: &Simulation) -> Vec<f64> {
         let (particles, scene) = (&simulation.particles, simulation.scene());
         let met = Couple { i: 0, other: Other::Particle(1) }.meet(particles, scene, FrameTime::default());
@@ -250,7 +252,7 @@ impl<'a> Meter<'a> {
     }
 }
 
-/// The first two spheres with the properties on which a contact law depends.
+/// First two spheres of the scene, with the properties on which a contact law depends.
 fn pair(scene: &Scene, particles: &Particles) -> Bodies {
     Bodies::pair(scene, particles, 0, 1)
 }

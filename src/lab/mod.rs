@@ -1,16 +1,16 @@
-//! The lab, opened by `diptych lab`: a page on which both collision models run side by side. The page is served on this
-//! machine only.
+//! Lab, opened by `diptych lab`: a page on which two simulations, such as soft and hard spheres, run side by side. The
+//! page is served to this machine only.
 //!
 //! ```text
 //!  browser --WebSocket--> server (one thread) --asks--> session (a thread per page) --> two panels --> Simulation
 //!          <--frames------------------------- <--tells--
 //! ```
 //!
-//! A scene is a case of `cases/` with changes in the form of `--set` arguments. If the page has not yet drawn two
-//! frames, no further frame is computed, so that a slow page receives fewer frames.
+//! A scene is a case of `cases/` with changes in the form of `--set` arguments. If the page has not drawn the last two
+//! frames, no new frame is computed, so a slow page gets fewer frames.
 //!
-//! The lab reads and writes no files. Its address contains a secret token. A request with another host name than that
-//! of this machine is refused ([`access`]).
+//! The lab reads and writes no files. Its address contains a secret token. A request that names another host than this
+//! machine is refused ([`access`]).
 
 pub mod access;
 mod engine_lock;
@@ -33,14 +33,14 @@ use crate::cli;
 use crate::study::{self, Signals, StudyError};
 use std::time::Duration;
 
-/// Interval of wall time at which the command checks whether Ctrl-C was pressed.
+/// Wall time between two checks whether the user has pressed Ctrl-C.
 const LOOK: Duration = Duration::from_millis(100);
 
 /// Runs `diptych lab`: serves the page until Ctrl-C or the signal to terminate.
 ///
 /// # Errors
-/// Bad input if the port is taken, or the system refuses to set a handler for signals. A failure if standard output
-/// cannot be written.
+/// Returns an error for bad input if the port is taken, or if the system refuses to set a handler for signals. It
+/// returns a failure if standard output cannot be written.
 pub fn lab(args: &cli::Lab) -> Result<(), StudyError> {
     let bad = |why: &dyn std::fmt::Display| StudyError::Input(format!("error: {why}"));
     let signals = Signals::listen()?;

@@ -1,19 +1,19 @@
-//! Files of the page of the lab, which are built into the program.
+//! Files of the page of the lab. They are built into the program.
 
-/// File of the page.
+/// One file of the page of the lab, such as a script.
 pub struct Asset {
     /// Path of the file in the address, after the token.
     pub path: &'static str,
-    /// Content type of the file, for the browser.
+    /// Content type of the file, which the server sends to the browser.
     pub kind: &'static str,
-    /// Whole text of the file.
+    /// Contents of the file as text.
     pub text: &'static str,
 }
 
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 const STYLE: &str = "text/css; charset=utf-8";
 
-/// All files of the page; the first is the page itself.
+/// All files of the page of the lab; the first is the page itself.
 pub const ASSETS: &[Asset] = &[
     Asset { path: "", kind: "text/html; charset=utf-8", text: include_str!("page/index.html") },
     Asset { path: "shared.css", kind: STYLE, text: include_str!("../output/page/style.css") },
@@ -28,6 +28,7 @@ pub const ASSETS: &[Asset] = &[
     Asset { path: "words.js", kind: SCRIPT, text: include_str!("page/words.js") },
 ];
 
-/// Content security policy: the page may load only its own files, and connect only to its own server.
+/// Content security policy that the server sends: the page may load only its own files, and connect only to its own
+/// server.
 pub const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' data:; \
      base-uri 'none'; form-action 'none'; frame-ancestors 'none'";

@@ -1,5 +1,5 @@
-//! Panel of the lab: a simulation that advances window by window, and its state for the page. A window is the time
-//! between two exchanges of momentum with the gas.
+//! Panel of the lab: a simulation that advances window by window (times between two exchanges of momentum with the
+//! gas), and its state for the page.
 
 use super::frame::{Live, Now, words};
 use super::gauge::{Gauge, Meter};
@@ -14,28 +14,28 @@ use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
 use std::time::Duration;
 
-/// Largest number of measured rows in a frame. Of more rows, only every n-th one is sent.
+/// Largest number of measured rows in a frame. If more rows were measured, only every n-th row is sent.
 const MOST_ROWS: usize = 100;
 
-/// Smallest number of windows (pieces of the run) per frame at the default pace of a scene. With two of them, the
-/// motion is smooth at a slower pace too.
+/// Smallest number of windows (pieces of the run) per frame at the default pace of a scene. With two windows, the
+/// motion is smooth at a slower pace as well.
 const WINDOWS_PER_FRAME: f64 = 2.0;
 
-/// Running simulation of one panel.
+/// Running simulation of one panel, with the observers that measure it.
 pub struct LabPanel<'a> {
     simulation: Simulation,
     course: RunLoop,
     meter: Meter<'a>,
-    /// Observers for the comparison of the panels; `None` in scenes whose statistics are not tested.
+    /// Observers for the comparison of both panels; `None` in scenes whose statistics are not tested.
     seen: Option<StandardObservers<'a>>,
     at_start: f64,
     over: bool,
     failure: Option<Failure>,
 }
 
-/// Lengths of the windows (pieces after which a panel can show its state), for frames `frame` [s] of simulated time
-/// apart. With drag or stepped hard spheres these are the windows of the case. Otherwise they are short enough for the
-/// frames, and about whole multiples of the time step.
+/// Lengths of the windows (pieces of the run after which the panel can show its state). `frame` [s] is the simulated
+/// time between two frames. With drag, or with hard spheres in time steps, the windows are those of the case. Otherwise
+/// they are short enough for the frames, and about whole multiples of the time step.
 fn schedule(experiment: &Experiment, particles: usize, frame: f64) -> Schedule {
     let own = Schedule::new(experiment);
     let dragged = experiment.scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
@@ -52,7 +52,7 @@ fn schedule(experiment: &Experiment, particles: usize, frame: f64) -> Schedule {
 }
 
 impl<'a> LabPanel<'a> {
-    /// Creates a panel in its initial state; `frame` [s] is the simulated time between two frames.
+    /// Creates a panel in its initial state `start`; `frame` [s] is the simulated time between two frames.
     pub fn new(experiment: &'a Experiment, start: Particles, gauge: Gauge, frame: f64) -> Self {
         let schedule = schedule(experiment, start.len(), frame);
         let mut seen = (gauge == Gauge::Channel).then(|| StandardObservers::new(experiment, start.fingerprint()));
@@ -69,13 +69,13 @@ impl<'a> LabPanel<'a> {
         }
     }
 
-    /// [s] simulated time that the panel has reached; `None` if its run is over.
+    /// [s] simulated time that the panel has reached; `None` if its run has ended.
     pub fn running(&self) -> Option<f64> {
         (!self.over).then_some(self.simulation.time)
     }
 
-    /// Continues the run until the simulated time `until` [s] is reached, the wall time `most` has passed, or the run
-    /// is over.
+    /// Continues the run until it reaches the simulated time `until` [s], the wall time `most` has passed, or the run
+    /// has ended.
     pub fn run(&mut self, until: f64, most: Duration) {
         if self.over || self.simulation.time >= until {
             return;
@@ -98,12 +98,13 @@ impl<'a> LabPanel<'a> {
         }
     }
 
-    /// State of the panel for the page, with all quantities measured since the last call.
+    /// State of the panel for the page, with the rows of quantities measured since the last call. At most 100 rows are
+    /// returned.
     pub fn now(&mut self) -> Now {
         let mut rows = std::mem::take(&mut self.meter.rows);
         let every = rows.len().div_ceil(MOST_ROWS).max(1);
         let mut place = rows.len();
-        // the last row is always kept
+        // the last row is always returned
         rows.retain(|_| {
             place -= 1;
             place.is_multiple_of(every)
@@ -144,8 +145,8 @@ impl<'a> LabPanel<'a> {
         }
     }
 
-    /// Position [m], speed [m/s] and overlap [m] of every particle, in the order of ids. Positions are wrapped into the
-    /// box along its periodic axes.
+    /// Position x, y, z [m], speed [m/s] and overlap [m] of every particle, in the order of ids. Along periodic axes,
+    /// positions are replaced by those of the image within the box.
     pub fn particles(&self) -> Vec<[f32; 5]> {
         let (particles, domain) = (&self.simulation.particles, &self.simulation.scene().domain);
         let overlaps = self.simulation.overlaps();
@@ -160,7 +161,7 @@ impl<'a> LabPanel<'a> {
         drawn
     }
 
-    /// Results of the panel so far, for the comparison of the panels; `None` at the start, and in scenes whose
+    /// Results of the panel so far, for the comparison of both panels. `None` at the start, and in scenes whose
     /// statistics are not tested.
     pub fn outcome(&self) -> Option<Outcome> {
         let seen = self.seen.clone()?;

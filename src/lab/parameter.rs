@@ -1,56 +1,56 @@
-//! Parameters that a user of the lab can change on the page: limits, and the `--set` arguments for a change.
+//! Parameters that a user of the lab can change on the page, with their limits and the `--set` arguments for a change.
 
 use crate::experiment::{Amount, Experiment, HardStepping, Integrator, TimeStep};
 use crate::output::numbers::significant;
 use crate::simulation::soft_step;
 use serde::{Deserialize, Serialize};
 
-/// Number of significant digits to which the page can set a number.
+/// Number of significant digits of the numbers that the page can set.
 const DIGITS: i32 = 4;
 
 /// Value of a parameter, in the form in which the page sends it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum ParameterValue {
-    /// A number.
+    /// Number, in the unit in which the page shows the parameter.
     Number(f64),
-    /// One of several words.
+    /// One of several words, such as the name of an integrator.
     Word(String),
 }
 
-/// Parameter of a scene that the page can change.
+/// Parameter of a scene that a user can change on the page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LabParameter {
-    /// Restitution e of pairs and walls [-].
+    /// [-] restitution e of the contacts of pairs and at walls.
     Restitution,
-    /// Friction μ of pairs and walls [-].
+    /// [-] friction coefficient μ of the contacts of pairs and at walls.
     Friction,
-    /// Stiffness k_n of a linear spring [N/m].
+    /// [N/m] stiffness k_n of the linear spring of soft contacts.
     Stiffness,
-    /// Steps per contact N_c [-].
+    /// [-] number of steps per contact N_c of soft spheres.
     StepsPerContact,
-    /// Time integrator of contacts.
+    /// Time integrator of the contacts of soft spheres.
     Integrator,
-    /// Window h: time between two exchanges of momentum with the gas [µs].
+    /// [µs] length of the window h, the time between two exchanges of momentum with the gas.
     Window,
-    /// Number of particles of a gas. The size of the box changes with this number so that the volume fraction stays the
-    /// same.
+    /// Number of particles of a gas. If it changes, the size of the box changes too, so that the volume fraction stays
+    /// constant.
     Count,
-    /// Number of spheres in a row.
+    /// Number of spheres in a row of spheres.
     Row,
-    /// Speed of each of two spheres before they meet [m/s].
+    /// [m/s] speed of each of two spheres before they collide.
     Approach,
-    /// Step criterion θ of stepped hard spheres [-]: distance that a typical pair moves relative to each other in one
-    /// step, over the diameter.
+    /// [-] step criterion θ of hard spheres in time steps: distance by which a typical pair of spheres approaches in
+    /// one step, divided by the diameter.
     Theta,
-    /// Clearance of hybrid spheres, in contact times [-]. A contact becomes an instantaneous collision if no third
-    /// particle can reach the two spheres within this time.
+    /// [-] clearance of hybrid spheres, in contact times. The contact of two spheres becomes an instantaneous collision
+    /// if no third particle can reach them within this time.
     Clearance,
-    /// Seed of the random start.
+    /// Seed of the random start of the particles.
     Seed,
 }
 
-/// Limits of a parameter, in the unit of the parameter on the page.
+/// Limits of a parameter, in the unit in which the page shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParameterRange {
     /// Parameter to which the limits apply.
@@ -61,30 +61,30 @@ pub struct ParameterRange {
     pub most: f64,
 }
 
-/// Kind of control with which the page shows a parameter.
+/// Kind of the control with which the page shows a parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ParameterKind {
-    /// A number between limits.
+    /// Slider for a number between limits.
     Number {
-        /// Smallest allowed value.
+        /// Smallest allowed value, in the unit of the parameter on the page.
         least: f64,
-        /// Largest allowed value.
+        /// Largest allowed value, in the unit of the parameter on the page.
         most: f64,
         /// True if the scale of the slider is logarithmic.
         logarithmic: bool,
         /// True if only whole numbers are allowed.
         whole: bool,
     },
-    /// One of several words, each with its description.
+    /// Choice of one of several words, each with its description.
     Words(Vec<(&'static str, &'static str)>),
 }
 
-/// Names of the two integrators: as typed in a case, and in words.
+/// Names of the two integrators of soft contacts: as typed in a case, and as shown on the page.
 const INTEGRATORS: [(&str, &str); 2] = [("velocity_verlet", "velocity Verlet"), ("rk2", "Runge-Kutta 2 (Heun)")];
 
 impl LabParameter {
-    /// Name of the parameter in messages between the page and the server.
+    /// Name of the parameter in the messages between the page and the server.
     pub fn name(self) -> &'static str {
         match self {
             Self::Restitution => "e",
@@ -101,7 +101,7 @@ impl LabParameter {
         }
     }
 
-    /// Label and unit of the parameter, for the page.
+    /// Label and unit of the parameter on the page; the unit is empty if the parameter has none.
     pub fn label(self) -> (&'static str, &'static str) {
         match self {
             Self::Restitution => ("restitution e", ""),
@@ -151,7 +151,8 @@ impl LabParameter {
         matches!(self, Self::Stiffness | Self::StepsPerContact | Self::Window | Self::Approach | Self::Theta)
     }
 
-    /// Value of the parameter in an experiment; `None` if the experiment has no such parameter.
+    /// Value of the parameter in an experiment, in the unit in which the page shows it. `None` if the experiment does
+    /// not have the parameter.
     pub fn value(self, experiment: &Experiment) -> Option<ParameterValue> {
         let number = match self {
             Self::Restitution => experiment.scene.contact.restitution,
@@ -181,7 +182,8 @@ impl LabParameter {
         Some(ParameterValue::Number(rounded(number)))
     }
 
-    /// Returns the `--set` arguments that give the parameter the value `setting`.
+    /// Arguments of the form `key=value` that give the parameter the value `setting`, for a scene with the given
+    /// `experiment`.
     pub fn sets(self, setting: &ParameterValue, experiment: &Experiment) -> Vec<String> {
         let value = match setting {
             ParameterValue::Word(word) => return vec![format!("soft.integrator={word}")],
@@ -205,7 +207,7 @@ impl LabParameter {
 }
 
 impl ParameterRange {
-    /// Kind of control with which the page shows the parameter.
+    /// Kind of the control with which the page shows the parameter.
     pub fn kind(&self) -> ParameterKind {
         let Self { knob, least, most } = *self;
         match knob {
@@ -214,10 +216,11 @@ impl ParameterRange {
         }
     }
 
-    /// Checks a value that the page sent, and rounds a number to the allowed digits.
+    /// Checks a value that the page sent. Returns the value, with a number rounded to [`DIGITS`] significant digits or
+    /// to a whole number.
     ///
     /// # Errors
-    /// In words: the value is beyond the limits or of the wrong kind.
+    /// Returns the reason, as text, if the value is beyond its limits or of the wrong kind.
     pub fn accept(&self, setting: &ParameterValue) -> Result<ParameterValue, String> {
         let (label, unit) = self.knob.label();
         match (setting, self.kind()) {
@@ -243,15 +246,15 @@ fn rounded(value: f64) -> f64 {
     format!("{value:.*e}", DIGITS as usize - 1).parse().unwrap_or(value)
 }
 
-/// Arguments of the form `key=value` that set a property, such as the restitution, for contacts of pairs and of every
-/// wall.
+/// Arguments of the form `key=value` that set the property `key` of contacts, such as the restitution, for pairs and
+/// for every wall.
 fn surfaces(experiment: &Experiment, key: &str, value: f64) -> Vec<String> {
     let walls = (0..experiment.scene.walls.len()).map(|wall| format!("walls[{wall}].{key}={value}"));
     std::iter::once(format!("contact.{key}={value}")).chain(walls).collect()
 }
 
-/// Arguments that set the number of particles, and enlarge or reduce the periodic sides of the box so that the volume
-/// fraction stays the same.
+/// Arguments of the form `key=value` that set the number of particles to `count`. They also change the periodic sides
+/// of the box, so that the volume fraction stays constant.
 fn crowd(experiment: &Experiment, count: f64) -> Vec<String> {
     let domain = &experiment.scene.domain;
     let sides: Vec<usize> = (0..3).filter(|axis| domain.periodic[*axis]).collect();
@@ -263,8 +266,8 @@ fn crowd(experiment: &Experiment, count: f64) -> Vec<String> {
     sizes.chain(std::iter::once(format!("particles[0].count={count}"))).collect()
 }
 
-/// Arguments that set the number of spheres in a row. The row begins with the spheres of the case; further spheres
-/// continue the row at equal distances.
+/// Arguments of the form `key=value` that set the number of spheres in a row to `count`. The row begins with the
+/// spheres of the case; further spheres follow at equal distances.
 fn row(experiment: &Experiment, count: usize) -> Vec<String> {
     let Some(Amount::Placed(placed)) = experiment.start.first().map(|population| &population.amount) else {
         return Vec::new();
@@ -283,7 +286,8 @@ fn row(experiment: &Experiment, count: usize) -> Vec<String> {
     vec![format!("particles[0].at=[{}]", (0..count).map(one).collect::<Vec<_>>().join(", "))]
 }
 
-/// Arguments that give both of two spheres the speed `speed` [m/s], each in its present direction.
+/// Arguments of the form `key=value` that set the speed of each of two spheres to `speed` [m/s]; their directions stay
+/// the same.
 fn approach(experiment: &Experiment, speed: f64) -> Vec<String> {
     let Some(Amount::Placed(placed)) = experiment.start.first().map(|population| &population.amount) else {
         return Vec::new();
@@ -295,8 +299,8 @@ fn approach(experiment: &Experiment, speed: f64) -> Vec<String> {
     (0..placed.len()).flat_map(|k| (0..3).filter_map(move |axis| moving(k, axis))).collect()
 }
 
-/// Arguments that set θ of stepped hard spheres, and the window in proportion to θ. A step ends at the end of a window
-/// at the latest, so that a window is one step of this engine.
+/// Arguments of the form `key=value` that set the step criterion θ of hard spheres in time steps, and the window in
+/// proportion to it. A step cannot be longer than a window, so in these scenes a window is one step.
 fn theta(experiment: &Experiment, theta: f64) -> Vec<String> {
     let mut sets = vec![format!("hard.theta={theta}")];
     if let (Some(window), HardStepping::Steps { theta: before }) = (experiment.run.window, experiment.hard.stepping) {
@@ -305,7 +309,7 @@ fn theta(experiment: &Experiment, theta: f64) -> Vec<String> {
     sets
 }
 
-/// Short text on the soft engine of an experiment: its integrator and its time step.
+/// Description of the method of soft spheres in an experiment: the integrator and the time step.
 pub fn soft_method(experiment: &Experiment, particles: usize) -> String {
     let step = soft_step(experiment, particles);
     let integrator = INTEGRATORS[usize::from(experiment.soft.integrator == Integrator::Rk2)].1;

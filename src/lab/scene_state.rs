@@ -1,4 +1,4 @@
-//! Scene of the lab with the settings of the user, and the experiments of both panels that follow from these.
+//! Scene of the lab with the settings of the user, and the experiments of both panels that result from them.
 
 use super::parameter::{LabParameter, soft_method};
 use super::protocol::{Opened, PanelDescription as Heading, SceneChoice, ShownParameter};
@@ -18,7 +18,7 @@ use crate::study::quoted;
 pub struct SceneState {
     /// Scene that the user has chosen on the page.
     pub scene: &'static LabScene,
-    /// Choice of the user on the page: scene and settings.
+    /// Scene and settings that the user has chosen on the page.
     pub choice: SceneChoice,
     /// Experiments of the left and the right panel.
     pub experiments: [Experiment; 2],
@@ -31,10 +31,11 @@ pub struct SceneState {
 }
 
 impl SceneState {
-    /// Reads and checks the scene that the user has chosen on the page.
+    /// Reads and checks the scene and the settings that the user has chosen on the page.
     ///
     /// # Errors
-    /// In words: there is no such scene or setting, a number is beyond its limits, or the case has an error.
+    /// Returns the reason, as text, if there is no such scene or setting, if a number is beyond its limits, or if the
+    /// case has an error.
     pub fn open(choice: &SceneChoice) -> Result<Self, String> {
         let scene = scenes::scene(&choice.scene).ok_or("there is no such scene")?;
         let right = scene.rights.get(choice.right).ok_or("the right panel cannot show this")?;
@@ -50,12 +51,12 @@ impl SceneState {
         Ok(Self { scene, choice: choice.clone(), experiments, starts, case, sets, own, warnings })
     }
 
-    /// Setup of the right panel.
+    /// Setup of the right panel that the user has chosen.
     fn right(&self) -> &'static PanelSetup {
         &self.scene.rights[self.choice.right]
     }
 
-    /// Description of the scene for the page.
+    /// Description of the scene and of both panels for the page.
     pub fn opened(&self) -> Opened {
         let scene = self.scene;
         let [left, right] = &self.experiments;
@@ -84,7 +85,7 @@ impl SceneState {
         }
     }
 
-    /// [s/s] simulated time per wall time, at the default speed of the animation.
+    /// [s/s] simulated time divided by wall time, at the default speed of the animation.
     pub fn pace(&self) -> f64 {
         self.experiments[0].run.duration / self.scene.lasts
     }
@@ -122,15 +123,15 @@ impl SceneState {
         }
     }
 
-    /// Command `diptych run` that repeats one panel, including the changes to the case.
+    /// Command `diptych run` that repeats the run of one panel, with all changes to the case as arguments.
     fn run_command(&self, side: &PanelSetup) -> String {
         let own = side.sets.iter().map(|set| (*set).to_owned());
         let sets = self.sets.iter().cloned().chain(own);
         command(["diptych", "run", self.scene.case, "--model", side.model.name()], sets)
     }
 
-    /// Command that compares both panels. It contains the name of the built-in case if `compare` runs the models of
-    /// both panels for this case by default. Otherwise it contains the name of the case file that the page can save.
+    /// Command that compares the runs of both panels. If `compare` runs just these two models for the built-in case,
+    /// the command names this case. Otherwise it names the case file that the page can save.
     fn command(&self) -> String {
         let plain = [&self.scene.left, self.right()].iter().all(|side| side.sets.is_empty());
         if plain && !self.case.names_variants() && self.right().model == Model::Hard {
@@ -139,13 +140,13 @@ impl SceneState {
         format!("diptych compare {}", self.file_name())
     }
 
-    /// Name of the case file that the page can save.
+    /// Name of the case file that the page can save, such as `lab-impact.toml`.
     pub fn file_name(&self) -> String {
         format!("lab-{}.toml", self.scene.name)
     }
 
-    /// Text of a case file with the present settings. With this file, `run` repeats the left panel, and `compare`
-    /// repeats both panels.
+    /// Text of a case file with the present settings. With this file, `diptych run` repeats the left panel, and
+    /// `diptych compare` repeats both panels.
     pub fn file(&self) -> String {
         let heading = format!(
             "{}: as set in `diptych lab`\n\nQuestion: {}\nSource: the built-in case `{}`.\n{}",
@@ -164,13 +165,14 @@ impl SceneState {
     }
 }
 
-/// Changes to the built-in case that belong to the scene, without those of a panel or a user.
+/// Changes to the built-in case that the scene makes, in the form `key=value`. Changes of one panel or of the user are
+/// not included.
 fn plain(scene: &LabScene) -> Vec<String> {
     scene.sets.iter().map(|set| (*set).to_owned()).collect()
 }
 
-/// Changes to the built-in case that come from the scene and from the settings on the page. A setting equal to the
-/// value in the experiment `own` is left out.
+/// Changes to the built-in case that the scene and the user make, in the form `key=value`. A setting of the user is
+/// left out if it equals the value in the experiment `own`.
 fn changes(scene: &LabScene, choice: &SceneChoice, own: &Experiment) -> Result<Vec<String>, String> {
     if let Some(name) = choice.settings.keys().find(|name| !scene.knobs.iter().any(|range| range.knob.name() == **name))
     {
@@ -189,7 +191,7 @@ fn changes(scene: &LabScene, choice: &SceneChoice, own: &Experiment) -> Result<V
     Ok(sets)
 }
 
-/// Reads a built-in case with changes, and makes the experiment of one panel.
+/// Reads a built-in case with the changes `sets`, and makes the experiment of the panel `side` from it.
 fn of_side(case: &BuiltIn, sets: &[String], side: &PanelSetup) -> Result<(Case, crate::case::Checked), String> {
     let case = Case::built_in(case, sets).map_err(|why| why.message)?;
     let own: Vec<String> = side.sets.iter().map(|set| (*set).to_owned()).collect();
@@ -197,7 +199,8 @@ fn of_side(case: &BuiltIn, sets: &[String], side: &PanelSetup) -> Result<(Case, 
     Ok((case, checked))
 }
 
-/// Short description of the method by which an experiment computes collisions of the particles of its start.
+/// Short description for the page of the way in which an experiment computes collisions. `start` has its particles at
+/// the start.
 fn method(experiment: &Experiment, start: &Particles) -> String {
     match (experiment.model(), experiment.hard.stepping) {
         (Model::Soft, _) => soft_method(experiment, start.len()),
@@ -216,7 +219,7 @@ fn method(experiment: &Experiment, start: &Particles) -> String {
     }
 }
 
-/// Command line with `--set` arguments, quoted for a shell.
+/// Command line made of `words` and of `--set` arguments, quoted for a shell.
 fn command<'a>(words: impl IntoIterator<Item = &'a str>, sets: impl Iterator<Item = String>) -> String {
     let words = words.into_iter().map(str::to_owned);
     let sets = sets.flat_map(|set| ["--set".to_owned(), set]);

@@ -1,5 +1,5 @@
-//! Server of the lab: sends the files of the page and opens a WebSocket for each page. The server accepts connections
-//! from this machine only.
+//! Server of the lab: sends the files of the page, and opens a WebSocket for each page. It accepts connections from
+//! this machine only.
 
 use super::access::{Token, is_host, is_origin};
 use super::engine_lock::EngineLock;
@@ -24,34 +24,35 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 use tokio::sync::{Semaphore, mpsc, watch};
 
-/// Largest number of pages that may be open at the same time.
+/// Largest number of pages of the lab that may be open at the same time.
 const MOST_SESSIONS: usize = 4;
 
-/// Largest number of requests of a page that its session has not yet read. If a page sends more, its connection is
+/// Largest number of requests of a page that wait until its session reads them. If a page sends more, its connection is
 /// closed.
 const MOST_ASKS: usize = 256;
 
-/// Largest number of messages to a page that its WebSocket has not yet sent; the session waits when it is reached.
+/// Largest number of messages that wait until the WebSocket of a page sends them. At this number, the session of the
+/// page waits.
 const UNSENT: usize = 4;
 
-/// Largest number of simultaneous connections, WebSockets not included. A page opens six connections, and many systems
+/// Largest number of simultaneous connections, not counting WebSockets. A page opens six connections, and many systems
 /// allow a process only 64 open files.
 const MOST_CONNECTIONS: usize = 40;
 
-/// Time limit for the head of a request, from the start of the connection or from the last answer. A page on this
-/// machine sends the head at once.
+/// Time limit in which a page must send the head of a request after it has connected or got the last answer. A page on
+/// this machine sends it at once.
 const HEAD: Duration = Duration::from_secs(2);
 
-/// Time after which a connection is closed. A page opens a new connection when needed.
+/// Time limit of a connection, after which it is closed. A page opens a new connection if it needs one.
 const CONNECTION: Duration = Duration::from_secs(60);
 
-/// Pause after the system has refused a connection, before the next attempt.
+/// Pause before the next attempt to accept a connection, after the system has reported an error.
 const AFTER_ERROR: Duration = Duration::from_millis(100);
 
-/// Reason why the lab cannot be served.
+/// Reason why the server of the lab cannot start.
 #[derive(Debug, thiserror::Error)]
 pub enum LabError {
-    /// The port cannot be used.
+    /// The server cannot listen at the port.
     #[error("cannot listen at port {port} of this machine: {why}\nhelp: leave --port out to get a free one")]
     Port {
         /// Number of the port; 0 means any free port.
@@ -59,10 +60,10 @@ pub enum LabError {
         /// Error of the operating system.
         why: std::io::Error,
     },
-    /// The operating system gives no random numbers.
+    /// The operating system gives no random numbers for the token.
     #[error("cannot make a token for the address: {0}")]
     Token(#[from] getrandom::Error),
-    /// The operating system gives no thread or event loop.
+    /// The operating system gives no thread or no event loop for the server.
     #[error("cannot start the server: {0}")]
     Start(std::io::Error),
 }
@@ -76,7 +77,7 @@ pub struct LabServer {
     server: JoinHandle<()>,
 }
 
-/// Data that all requests share; a copy refers to the same data.
+/// Data that all requests share. A clone refers to the same data.
 #[derive(Clone)]
 struct ServerState {
     port: u16,
@@ -88,11 +89,11 @@ struct ServerState {
 }
 
 impl LabServer {
-    /// Starts a server at a port of this machine. The server runs until [`stop`](Self::stop). Port 0 means any free
-    /// port.
+    /// Starts a server at the port `port` of this machine; 0 means any free port. The server runs until
+    /// [`stop`](Self::stop) is called.
     ///
     /// # Errors
-    /// The port is taken, or the system gives no random numbers or threads.
+    /// Returns an error if the port is taken, or if the system gives no random numbers or no thread.
     pub fn start(port: u16) -> Result<Self, LabError> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(|why| LabError::Port { port, why })?;
         let address = listener.local_addr().map_err(LabError::Start)?;
@@ -114,30 +115,30 @@ impl LabServer {
         Ok(Self { address, token, sessions, stop, server })
     }
 
-    /// Address that the user opens in a browser.
+    /// Address of the lab, which the user opens in a browser. It contains the token.
     pub fn url(&self) -> String {
         format!("http://{}/{}/", self.address, self.token.as_str())
     }
 
-    /// Address and port at which the server listens.
+    /// IP address and port at which the server listens.
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 
-    /// Number of pages that are open now.
+    /// Number of pages that are open at present.
     pub fn sessions(&self) -> usize {
         self.sessions.load(Ordering::SeqCst)
     }
 
-    /// Ends the server and all threads that it has started.
+    /// Stops the server and waits until it has ended, with all threads that it has started.
     pub fn stop(self) {
-        // errors are ignored: the server may have ended already, and a thread that panicked has printed a message
+        // errors are ignored: the server may have ended already, and a thread that has panicked has printed a message
         let _ = self.stop.send(true);
         let _ = self.server.join();
     }
 }
 
-/// Answers requests until the server is stopped, then waits for the threads of all sessions to end.
+/// Answers requests until the server is stopped, and then waits for the threads of all sessions to end.
 async fn serve(listener: TcpListener, shared: ServerState) {
     let (mut stop, threads) = (shared.stop.clone(), Arc::clone(&shared.threads));
     let checked = middleware::from_fn_with_state(shared.clone(), check);
@@ -153,7 +154,7 @@ async fn serve(listener: TcpListener, shared: ServerState) {
             () = until_told(&mut stop) => {}
         }
     }
-    // at the signal to stop, each WebSocket is closed, and the session of its page then ends
+    // when the server is stopped, each WebSocket is closed, and the session of its page then ends
     let threads = std::mem::take(&mut *threads.lock().unwrap_or_else(PoisonError::into_inner));
     for thread in threads {
         while !thread.is_finished() {
@@ -163,8 +164,8 @@ async fn serve(listener: TcpListener, shared: ServerState) {
     }
 }
 
-/// Accepts and answers connections. Their number and the duration of each connection are limited. Further connections
-/// wait until an earlier one ends.
+/// Accepts connections and answers their requests. The number of connections and the duration of each one are limited.
+/// Further connections wait until an earlier one has ended.
 async fn accept(listener: tokio::net::TcpListener, router: Router) {
     let places = Arc::new(Semaphore::new(MOST_CONNECTIONS));
     while let Ok(place) = Arc::clone(&places).acquire_owned().await {
@@ -186,28 +187,28 @@ async fn accept(listener: tokio::net::TcpListener, router: Router) {
     }
 }
 
-/// Waits for the signal to stop the server.
+/// Waits until the server is told to stop.
 async fn until_told(stop: &mut watch::Receiver<bool>) {
-    // an error means that the server object no longer exists
+    // an error means that the server object no longer exists, so the server must stop
     drop(stop.wait_for(|stop| *stop).await);
 }
 
-/// Answer that consists of a status and its standard text.
+/// Answer that consists of a status code and its standard text.
 fn plain(status: StatusCode) -> Response<Body> {
     let mut response = Response::new(Body::from(status.canonical_reason().unwrap_or_default()));
     *response.status_mut() = status;
     response
 }
 
-/// Text of a header that occurs exactly once, otherwise `None`. If a header occurs several times, a proxy may have used
-/// any of them.
+/// Text of a header that the request contains exactly once; `None` otherwise. If a header occurs several times,
+/// programs may disagree on its value.
 fn text(headers: &HeaderMap, name: header::HeaderName) -> Option<&str> {
     let mut all = headers.get_all(name).iter();
     let only = all.next().filter(|_| all.next().is_none())?;
     only.to_str().ok()
 }
 
-/// Refuses a request with another host name than that of this machine, from another page, or without the token. Every
+/// Refuses a request that names another host than this machine, comes from another page, or lacks the token. Every
 /// answer gets headers that isolate the page from other pages.
 async fn check(State(shared): State<ServerState>, request: Request, next: Next) -> Response<Body> {
     let headers = request.headers();
@@ -242,7 +243,7 @@ async fn file(Path((_, file)): Path<(String, String)>) -> Response<Body> {
     asset(&file)
 }
 
-/// Answer with a file of the page, or with status 404 for a path that is not in [`ASSETS`].
+/// Answer with the file of the page at `path`, or with status 404 if no such file is in [`ASSETS`].
 fn asset(path: &str) -> Response<Body> {
     let Some(asset) = ASSETS.iter().find(|asset| asset.path == path) else { return plain(StatusCode::NOT_FOUND) };
     let mut response = Response::new(Body::from(asset.text));
@@ -250,7 +251,7 @@ fn asset(path: &str) -> Response<Body> {
     response
 }
 
-/// Opens the WebSocket of a page, unless too many pages are open.
+/// Opens the WebSocket of a page. If too many pages are open, the answer is status 503.
 async fn socket(State(shared): State<ServerState>, upgrade: WebSocketUpgrade) -> Response<Body> {
     let taken = shared
         .sessions
@@ -265,7 +266,7 @@ async fn socket(State(shared): State<ServerState>, upgrade: WebSocketUpgrade) ->
         .on_upgrade(move |socket| serve_page(socket, shared, place))
 }
 
-/// One of the places for open pages, whose number is limited. Dropping this value frees the place for another page.
+/// Permission for one open page, whose number is limited. When this value is dropped, another page may be opened.
 struct PageSlot(Arc<AtomicUsize>);
 
 impl Drop for PageSlot {
@@ -304,7 +305,8 @@ async fn serve_page(mut socket: WebSocket, shared: ServerState, place: PageSlot)
     }
 }
 
-/// Passes a request of a page to its session. Returns false if the connection must be closed.
+/// Passes a request of a page to its session. Returns false if the connection must be closed, since the request is
+/// wrong or too many requests wait.
 fn hear(message: &ws::Message, ask: &SyncSender<Ask>) -> bool {
     match message {
         ws::Message::Text(text) => serde_json::from_str(text).is_ok_and(|asked| ask.try_send(asked).is_ok()),
@@ -313,7 +315,7 @@ fn hear(message: &ws::Message, ask: &SyncSender<Ask>) -> bool {
     }
 }
 
-/// Starts the thread of a session. The engines of the session compute in this thread alone.
+/// Starts the thread of a session. All computations of the session run in this thread.
 fn start(
     session: Session,
     place: PageSlot,
@@ -326,7 +328,7 @@ fn start(
         threads.push(thread);
         Ok(())
     });
-    // the thread ends when the session is over and the pool is dropped
+    // the thread ends when the session has ended and the pool is dropped
     pool.build()?.spawn(move || {
         session.run();
         drop(place);

@@ -1,7 +1,8 @@
-//! Session of an open page: runs two panels side by side while the page is visible. Each session has its own thread.
+//! Session of an open page of the lab: runs two panels side by side while the page is visible. Each session has its own
+//! thread.
 //!
-//! Both panels advance to equal simulated times. Nothing is computed while the page still has to draw two frames. A
-//! slow, hidden or stopped page therefore causes no work, and a page always shows a recent frame.
+//! Both panels advance to equal simulated times. Nothing is computed while the page has two frames that it has not
+//! drawn. A slow, hidden or paused page therefore causes no work, and a page always shows a recent frame.
 
 use super::engine_lock::EngineLock;
 use super::frame::{Head, Now, PanelComparison, bytes};
@@ -17,50 +18,50 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 use std::time::Duration;
 use tokio::sync::mpsc::Sender;
 
-/// Largest number of frames that have been sent to the page but that the page has not yet drawn.
+/// Largest number of frames that have been sent to the page, but that the page has not drawn.
 const UNDRAWN: u32 = 2;
 
-/// Wall time between two frames.
+/// Wall time from one frame to the next.
 const FRAME: Duration = Duration::from_millis(33);
 
-/// Largest wall time that a panel may compute for one frame. A panel that needs longer shows the simulated time that it
-/// has reached.
+/// Largest wall time that one panel may compute for one frame. A panel that needs longer shows the simulated time that
+/// it has reached.
 const BUDGET: Duration = Duration::from_millis(14);
 
-/// Largest wall time since the last frame that the motion makes up for in the next frame. The rest of a longer pause is
-/// left out.
+/// Largest wall time since the last frame that is converted to simulated time for the next frame. The rest of a longer
+/// pause is left out.
 const LATEST: Duration = Duration::from_millis(100);
 
-/// Wall time between two comparisons of the panels.
+/// Wall time from one comparison of the panels to the next.
 const VERDICT: Duration = Duration::from_millis(1500);
 
-/// [-] margin of equivalence of the comparison, equal to the default of `compare`.
+/// [-] margin of equivalence of the comparison, equal to the default of the command `compare`.
 const MARGIN: f64 = 0.01;
 
-/// [-] smallest and largest factor on the default pace of a scene.
+/// [-] smallest and largest factor that a user can apply to the default pace of a scene.
 const PACES: [f64; 2] = [0.02, 10.0];
 
-/// Messages of a session to its page.
+/// Message of a session to its page.
 #[derive(Debug)]
 pub enum PageMessage {
-    /// Message as JSON text.
+    /// Message of the type `Tell`, as JSON text.
     Text(String),
-    /// Bytes of a frame.
+    /// Frame (data of one instant, from which the page draws), as bytes.
     Frame(Vec<u8>),
 }
 
-/// Session of one open page: channels to the page, and the lock of the engine.
+/// Session of one open page of the lab: channels to the page, and the lock of the engines.
 pub struct Session {
     /// Channel of requests from the page.
     pub asks: Receiver<Ask>,
     /// Channel of messages to the page.
     pub tells: Sender<PageMessage>,
-    /// Lock of the engine; the session computes only while it has locked it.
+    /// Lock that all sessions share. The session computes only while it holds this lock.
     pub turn: EngineLock,
 }
 
-/// Requests of a page so far: motion on or off, page visible or not, one step requested or not, number of frames still
-/// to be drawn, and factor on the pace.
+/// State of the page, from its requests so far. It consists of motion on or off, page visible or not, single frame
+/// requested or not, number of frames that the page has not drawn, and factor on the pace.
 struct Wish {
     playing: bool,
     looking: bool,
@@ -69,11 +70,11 @@ struct Wish {
     factor: f64,
 }
 
-/// Error: the page has been closed, so the session ends.
+/// Error that ends the session: the page has been closed.
 struct Gone;
 
 impl Session {
-    /// Runs the session until the page is closed.
+    /// Runs the session until the user closes the page.
     pub fn run(self) {
         let scenes = SCENES.iter().map(|scene| Listed { name: scene.name, title: scene.title }).collect();
         let mut next =
@@ -89,7 +90,7 @@ impl Session {
         self.tells.blocking_send(PageMessage::Text(text)).map_err(|_| Gone)
     }
 
-    /// Waits for the page to open a scene that can be run.
+    /// Waits until the page opens a scene that can be run.
     fn first(&self) -> Result<SceneState, Gone> {
         loop {
             if let Ask::Open(choice) = self.asks.recv().map_err(|_| Gone)?
@@ -100,8 +101,8 @@ impl Session {
         }
     }
 
-    /// Opens the scene that the user has chosen on the page, and sends its description. If the scene cannot be run,
-    /// sends the reason, and returns `None`.
+    /// Opens the scene that the user has chosen on the page, and sends its description. If the scene cannot be run, the
+    /// reason is sent, and `None` is returned.
     fn open(&self, choice: &SceneChoice) -> Result<Option<SceneState>, Gone> {
         let stage = {
             let _turn = self.turn.take();
@@ -113,10 +114,10 @@ impl Session {
         }
     }
 
-    /// Runs a scene until the page opens another scene. Returns this other scene.
+    /// Runs a scene until the page opens another scene, which is returned.
     fn play(&self, stage: &SceneState, wish: &mut Wish) -> Result<SceneState, Gone> {
         let mut run = StageRun::new(stage);
-        // the initial state is always sent
+        // the initial state is always sent, also to a paused page
         self.show(&mut run, wish)?;
         loop {
             if let Some(stage) = self.listen(wish, &run)? {
@@ -134,8 +135,7 @@ impl Session {
         }
     }
 
-    /// Handles requests of the page until it is time for the next frame. Returns the opened scene if the page has
-    /// chosen one.
+    /// Handles requests of the page until the next frame is due. Returns the new scene if the page has opened one.
     fn listen(&self, wish: &mut Wish, run: &StageRun) -> Result<Option<SceneState>, Gone> {
         let mut choice = None;
         let mut ask = if wish.wants(run) {
@@ -149,7 +149,7 @@ impl Session {
         };
         while let Some(next) = ask {
             match next {
-                // only the last of several choices is opened, because moving a slider sends many choices
+                // only the last of several choices is opened, because a slider sends many choices while it is moved
                 Ask::Open(other) => choice = Some(other),
                 Ask::Play { on } => wish.playing = on,
                 Ask::Step => wish.single = true,
@@ -177,24 +177,24 @@ impl Session {
 }
 
 impl Wish {
-    /// True if the next frame is to be computed: the motion is on, the page is visible and has drawn its frames, and a
-    /// panel has not reached its end.
+    /// True if the next frame should be computed: the motion is on, the page is visible and has drawn enough frames,
+    /// and at least one panel has not reached its end.
     fn wants(&self, run: &StageRun) -> bool {
         let moving = self.playing || self.single;
         moving && self.looking && self.undrawn < UNDRAWN && run.panels.iter().any(|panel| panel.running().is_some())
     }
 }
 
-/// Panels of an opened scene while they run.
+/// Panels of an opened scene while they run, with the times of the last frame and of the last comparison.
 struct StageRun<'a> {
     stage: &'a SceneState,
     panels: [LabPanel<'a>; 2],
     clock: Clock,
-    /// Wall time at which the last frame was made, on the clock of this run.
+    /// Wall time at which the last frame was made, measured by `clock`.
     shown: Duration,
-    /// Comparison of the panels that the next frame will contain; `None` if the page has it already.
+    /// Comparison of the panels for the next frame; `None` if the page has got the last comparison.
     judged: Option<PanelComparison>,
-    /// Wall time of the last comparison of the panels, on the clock of this run.
+    /// Wall time of the last comparison of the panels, measured by `clock`.
     judged_at: Duration,
 }
 
@@ -217,14 +217,14 @@ impl<'a> StageRun<'a> {
         (self.shown + FRAME).saturating_sub(self.clock.now()).max(Duration::from_millis(1))
     }
 
-    /// [s] simulated time by which the panels advance for the next frame: the wall time since the last frame times the
-    /// pace. `factor` [-] is relative to the default pace; with `single` the wall time is that of one frame.
+    /// [s] simulated time by which the panels advance for the next frame: wall time since the last frame times pace.
+    /// `factor` [-] multiplies the default pace. If `single` is true, the wall time is that from one frame to the next.
     fn stretch(&self, factor: f64, single: bool) -> f64 {
         let passed = if single { FRAME } else { (self.clock.now() - self.shown).min(LATEST) };
         self.stage.pace() * factor * passed.as_secs_f64()
     }
 
-    /// Advances both panels to the same simulated time: that of the slower panel, plus `stretch` [s].
+    /// Advances both panels to equal simulated times: the time of the panel that is behind, plus `stretch` [s].
     fn go_on(&mut self, stretch: f64) {
         let times = self.panels.iter().filter_map(LabPanel::running);
         let until = times.fold(f64::INFINITY, f64::min) + stretch;
@@ -236,7 +236,7 @@ impl<'a> StageRun<'a> {
         }
     }
 
-    /// Compares the results of both panels so far. Only scenes whose statistics are tested have results.
+    /// Compares the results of both panels so far. Nothing is compared in scenes whose statistics are not tested.
     fn judge(&mut self) {
         let [Some(left), Some(right)] = [self.panels[0].outcome(), self.panels[1].outcome()] else { return };
         let outcomes = [left, right];
@@ -262,8 +262,8 @@ impl<'a> StageRun<'a> {
     }
 }
 
-/// Profiles of a channel for the page. A row per slice has y [mm], streamwise velocity and its standard error [m/s],
-/// and granular temperature [m²/s²].
+/// Profile of a channel for the page, one row for each slice: height y [mm], streamwise velocity and its standard error
+/// [m/s], and granular temperature [m²/s²].
 fn profile(outcome: &Outcome) -> Vec<[Option<f64>; 4]> {
     let rows = outcome.profiles.slices.iter().map(|row| {
         let normal: Option<Vec<f64>> = [UU, VV, WW].into_iter().map(|one| Some(row.of(one)?.value)).collect();

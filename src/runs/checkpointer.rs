@@ -1,4 +1,4 @@
-//! Checkpoints of a command: the states of its runs are stored at intervals, when a run is over, and when the user
+//! Checkpoints of a command. The states of its runs are stored at intervals, when a run has ended, and when the user
 //! stops the command. In this file the end of a run means its final state and the data of its observers.
 
 use super::error::StudyError;
@@ -15,61 +15,62 @@ use crate::stored::StoreError;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Stores the states of the runs of a command, and checks whether the command is to stop.
+/// Stores the states of the runs of a command, and tells a run when it must pause or stop.
 pub struct Checkpointer {
     signals: Signals,
-    /// Store for checkpoints; `None` if the command writes no checkpoints.
+    /// Store for the files of checkpoints; `None` if the command writes no checkpoints.
     store: Option<Store>,
     every: Option<Duration>,
-    /// Instant of the last checkpoint or, before the first one, of the start of the command.
+    /// Wall time of the last checkpoint or, before the first one, of the start of the command.
     last: Instant,
-    /// Run that was in progress when the earlier command stopped, with its stored state; `None` if there is no such
-    /// state, or after its use.
+    /// Run that was in progress when the earlier command stopped, with its stored state. `None` if there is no such
+    /// state, or if it has been used.
     under_way: Option<(RunIdentity, StoredRun)>,
-    /// [s] simulated time of the last stored state of the run in progress; `None` without one.
+    /// [s] simulated time of the last stored state of the run in progress; `None` if no state is stored.
     stored: Option<f64>,
-    /// True if other runs or a report remain to be done after the run in progress.
+    /// True if other runs or a report must be done after the run in progress.
     more: bool,
     /// True if a run was stopped before its end, by the user or because its results cannot be written.
     stopped: bool,
-    /// Reason why the results of the run cannot be written; `None` if they can.
+    /// Reason why the results of the run in progress cannot be written; `None` if they can.
     unwritten: Option<String>,
     quiet: bool,
     resumed: bool,
-    /// Command that resumes the stopped command, for messages.
+    /// Command that resumes this command if it stops, for messages.
     remedy: String,
-    /// Form in which the final state of a run and the data of its observers are stored or sent.
+    /// Place to which the final state of a run and the data of its observers go.
     ends: Ends,
 }
 
-/// Treatment of the end of a run, which means its final state and the data of its observers.
+/// Place to which the end of a run goes, which is its final state and the data of its observers.
 #[derive(Clone, Default)]
 enum Ends {
-    /// The end of the run is stored in a file, if other work remains or if a state of the run was stored before.
+    /// A file: it is written if other work remains, or if an earlier state of the run was stored.
     #[default]
     Stored,
-    /// Another process requires the end of the run. When the run is over, its end is kept here as bytes.
+    /// Memory, as bytes, because another process needs the end of the run. It is empty until the run has ended.
     Caught(Vec<u8>),
-    /// The end of the run was received from another process, as bytes.
+    /// The end of the run came from another process, as these bytes.
     Received(Vec<u8>),
-    /// The end of the run is not stored, because the result computed from it is stored instead.
+    /// No place: instead of the end of the run, the result computed from it is stored.
     Replaced,
 }
 
 impl Checkpointer {
-    /// Creates the checkpointer for a command that writes into `folder`. If the command begins, its arguments are
+    /// Creates the checkpointer of a command that writes into `folder`. If the command begins, its arguments are
     /// stored. If the command is resumed, the stored state is read.
     ///
     /// # Errors
-    /// The case of a resumed command has changed; the system refuses a folder or the signal handlers.
+    /// Returns an error if the case of a resumed command has changed, or if the system refuses access to the folder or
+    /// the signal handlers.
     pub fn new(
         settings: &CommandSettings,
         folder: &Folder,
         case: &Case,
         runs: &[ResumableRun],
     ) -> Result<Self, StudyError> {
-        // replicas of a variant have one name: the identity of the first of them is compared; if results are stored,
-        // the name alone identifies a run, and no identity is compared
+        // replicas of a variant have one name, so the identity of the first one is compared; if results are stored, the
+        // name alone identifies a run, and no identity is compared
         let mut first: Vec<RunIdentity> = Vec::new();
         for run in runs.iter().filter(|_| !settings.keeps_results).map(|run| &run.identity) {
             if first.iter().all(|known| known.name != run.name) {
@@ -103,11 +104,11 @@ impl Checkpointer {
         Ok(checkpointer)
     }
 
-    /// Creates the checkpointer of a helper. A helper is a process that does runs for the lead process of the command.
-    /// It stores states in the folder of the lead process, and sends the ends of runs to the lead process.
+    /// Creates the checkpointer of a helper, a process that does runs for the lead process of the command. It stores
+    /// states in the folder of the lead process, and sends final states and data of observers to the lead process.
     ///
     /// # Errors
-    /// The system refuses the signal handlers.
+    /// Returns an error if the system refuses the signal handlers.
     pub fn of_helper(settings: &CommandSettings) -> Result<Self, StudyError> {
         let CheckpointEvery(every) = settings.checkpoint_every;
         Ok(Self {
@@ -142,7 +143,7 @@ impl Checkpointer {
         &self.signals
     }
 
-    /// Creates a checkpointer with files of its own for one of several concurrent runs. If the command is resumed, the
+    /// Creates a checkpointer with separate files for one of several concurrent runs. If the command is resumed, the
     /// stored state of this run is read. No progress messages are printed.
     pub fn for_run(&self, run: &RunIdentity) -> Self {
         let store = self.store.as_ref().map(|store| store.for_run(run));
@@ -160,19 +161,19 @@ impl Checkpointer {
         one
     }
 
-    /// True if the user has asked the command to stop, so that no new run should begin.
+    /// True if the user has asked the command to stop. No new run may then begin.
     pub fn is_stopping(&self) -> bool {
         self.signals.say_stop()
     }
 
-    /// Records that concurrent runs were stopped before their end. A resumed command continues all of them.
+    /// Records that concurrent runs were stopped before they had ended. A resumed command continues all of them.
     pub fn stop(&mut self) {
         self.stopped = true;
         self.stored = None;
     }
 
-    /// Stores the command line, so that the command can be resumed even if it is killed before the first checkpoint.
-    /// Without a store, files of an earlier command are removed.
+    /// Stores the command line, so that the command can be resumed even if it is killed before the first checkpoint. If
+    /// the command writes no checkpoints, files of an earlier command are removed.
     fn begin(&mut self, command: &StoredCommand, folder: &Path) -> Result<(), OutputError> {
         match &self.store {
             Some(store) => store.begin(command),
@@ -181,8 +182,8 @@ impl Checkpointer {
         }
     }
 
-    /// Reads the newest stored state of the run that was in progress when the command stopped. A state that cannot be
-    /// used gives a warning.
+    /// Reads the newest stored state of the run that was in progress when the command stopped. A warning is printed for
+    /// a state that cannot be used.
     fn find_stored(&mut self) {
         self.resumed = true;
         let Some(store) = &mut self.store else { return };
@@ -197,8 +198,8 @@ impl Checkpointer {
         self.under_way = newest.found;
     }
 
-    /// Stored state from which a run continues: the end of the run or a state before it. `None` if the run must begin
-    /// at its start.
+    /// Stored state from which a run continues: its end, or a state before it. `None` if the run must begin at its
+    /// start.
     pub fn earlier(&mut self, run: &RunIdentity) -> Option<StoredRun> {
         self.stored = None;
         if let Ends::Received(bytes) = &self.ends {
@@ -231,33 +232,35 @@ impl Checkpointer {
         }
     }
 
-    /// Records whether other runs or a report remain to be done after the next run.
+    /// Records with `more` that other runs or a report must be done after the next run.
     pub fn set_more(&mut self, more: bool) {
         self.more = more;
     }
 
-    /// True if the run in progress should pause at the end of this window, because a checkpoint is due or the user
-    /// stops it.
+    /// True if the run in progress must pause at the end of its present window (time between two kicks of drag). The
+    /// reason is that a checkpoint is due, or that the user stops the command.
     pub fn is_due(&self) -> bool {
         self.signals.say_stop() || self.every.is_some_and(|every| self.last.elapsed() >= every)
     }
 
-    /// Stores the part with the index `number` of the state of a run that several processes share. If `over` is true,
-    /// the state is the end of the run. The data common to all parts are stored afterwards.
+    /// Stores one part of the state of a run that several processes share; `number` is the index of the part. If `over`
+    /// is true, the state is the end of the run. The data common to all parts are stored later.
     ///
     /// # Errors
-    /// The part cannot be written.
+    /// Returns an error if the part cannot be written.
     pub fn keep_part(&self, run: &RunIdentity, over: bool, number: usize, part: &[u8]) -> Result<(), OutputError> {
         self.store.as_ref().map_or(Ok(()), |store| store.keep_part(run, over, number, part))
     }
 
-    /// Stored part with the index `number` of the state of a run, as bytes; empty if there is no usable file.
+    /// Stored part with the index `number` of the state of a run, as bytes; empty if there is no usable file. If `over`
+    /// is true, the state is the end of the run.
     pub fn part(&self, run: &RunIdentity, over: bool, number: usize) -> Vec<u8> {
         self.store.as_ref().and_then(|store| store.part(run, over, number).ok()).unwrap_or_default()
     }
 
-    /// Stores the state of a run that is not over; `parts` is the result of storing the parts of this state. Returns
-    /// true if the command is to stop. If storing fails, the run continues, and the state stored before remains.
+    /// Stores the state of a run that has not ended; `parts` is the result of storing the parts of this state. Returns
+    /// true if the command must stop. If storing fails, the run continues, and the state that was stored before
+    /// remains.
     pub fn keep(&mut self, run: &RunIdentity, kept: &StoredRun, parts: Result<(), OutputError>) -> bool {
         if let Some(store) = &mut self.store {
             match parts.and_then(|()| store.keep(run, kept)) {
@@ -278,8 +281,8 @@ impl Checkpointer {
         tell(format!("warning: no checkpoint at this time: {why}; {stored}"));
     }
 
-    /// True if the final state of a run and the data of its observers are to be stored, or sent to another process.
-    /// They are stored if work remains after the run, or if a state of the run was stored before.
+    /// True if the final state of a run and the data of its observers must be stored or sent to another process. They
+    /// are stored if work remains after the run, or if an earlier state of the run was stored.
     pub fn wants_the_end(&self) -> bool {
         match self.ends {
             Ends::Caught(_) => true,
@@ -288,11 +291,11 @@ impl Checkpointer {
         }
     }
 
-    /// Stores the final state of a run and the data of its observers, after its `parts` were written. If another
-    /// process requires these data, they are kept in memory as bytes instead.
+    /// Stores the final state of a run and the data of its observers, after its `parts` have been written. If another
+    /// process needs these data, they are put into memory as bytes instead.
     ///
     /// # Errors
-    /// The end cannot be serialised for another process.
+    /// Returns an error if the data cannot be serialised for another process.
     pub fn finish(
         &mut self,
         run: &RunIdentity,
@@ -309,8 +312,8 @@ impl Checkpointer {
         Ok(())
     }
 
-    /// Final state of the run and data of its observers as bytes, to be sent to another process; empty if they were not
-    /// kept.
+    /// Final state of the run and data of its observers as bytes, to be sent to another process; empty if there are no
+    /// such bytes.
     pub fn into_end(self) -> Vec<u8> {
         match self.ends {
             Ends::Caught(bytes) | Ends::Received(bytes) => bytes,
@@ -321,7 +324,7 @@ impl Checkpointer {
     /// Receives the final state of the run and the data of its observers from another process, and stores them.
     ///
     /// # Errors
-    /// The bytes are not the end of this run.
+    /// Returns an error if the bytes do not belong to this run.
     pub fn receive(&mut self, run: &RunIdentity, bytes: &[u8]) -> Result<(), StudyError> {
         match open::<(RunIdentity, StoredRun)>(bytes) {
             Ok((of, kept)) if of == *run => {
@@ -340,7 +343,8 @@ impl Checkpointer {
         }
     }
 
-    /// Stored result of a run that is over; `None` if there is none, or if the command was not resumed.
+    /// Stored result of a run that has ended, as bytes. `None` if there is no such result, or if the command was not
+    /// resumed.
     pub fn result(&self, run: &RunIdentity) -> Option<Vec<u8>> {
         self.store.as_ref().filter(|_| self.resumed)?.result(run)
     }
@@ -348,13 +352,13 @@ impl Checkpointer {
     /// Stores the result of a run in place of its states.
     ///
     /// # Errors
-    /// The result cannot be written.
+    /// Returns an error if the result cannot be written.
     pub fn store_result(&self, run: &RunIdentity, result: &[u8]) -> Result<(), OutputError> {
         self.store.as_ref().map_or(Ok(()), |store| store.for_run(run).finish(run, &result))
     }
 
-    /// Stops a command whose results cannot be written. The user can resume the command from the stored state as soon
-    /// as writing is possible again.
+    /// Stops a command whose results cannot be written. When writing is possible again, the user can resume the command
+    /// from the stored state.
     pub fn stop_unwritten(&mut self, why: &Failure) {
         self.stopped = true;
         self.unwritten = Some(why.to_string());
@@ -365,7 +369,8 @@ impl Checkpointer {
         self.stopped
     }
 
-    /// Error with which a stopped command ends, after the report on its completed part was written.
+    /// Error with which a stopped command ends, after the report on its completed part has been written. `name` is that
+    /// of the stopped run.
     pub fn stop_error(&self, name: &str) -> StudyError {
         if let Some(why) = &self.unwritten {
             let help = match (&self.store, self.stored) {
@@ -388,11 +393,10 @@ impl Checkpointer {
         })
     }
 
-    /// Returns the result of writing a report. If writing failed, the error names the command that writes the report
-    /// later.
+    /// Returns the result of writing a report. If writing failed, the error names the command that does it later.
     ///
     /// # Errors
-    /// The given error, with its remedy.
+    /// Returns the given error, with the command that the user can type later.
     pub fn with_remedy<T>(&self, written: Result<T, OutputError>) -> Result<T, StudyError> {
         written.map_err(|why| match &self.store {
             Some(_) => {
@@ -402,16 +406,16 @@ impl Checkpointer {
         })
     }
 
-    /// Removes the stored states, which are no longer needed once all results are written.
+    /// Removes the stored states. They are not needed when all results have been written.
     ///
     /// # Errors
-    /// A file that cannot be removed.
+    /// Returns an error if a file cannot be removed.
     pub fn done(self) -> Result<(), OutputError> {
         self.store.as_ref().map_or(Ok(()), Store::remove)
     }
 }
 
-/// Simulated time [s] of a stored state as text, with six digits or fewer.
+/// Simulated time [s] of a stored state as text, with six significant digits or fewer.
 fn time(kept: &StoredRun) -> String {
     numbers::significant(kept.pause.snapshot.time, 6)
 }
@@ -442,7 +446,7 @@ fn refuse_changes(earlier: &StoredCommand, now: &StoredCommand, case: &Case) -> 
     Ok(())
 }
 
-/// Error for a checkpoint file that cannot be used, if no other file can be used either.
+/// Error for a checkpoint file that cannot be used, if there is no other usable file.
 pub fn unusable(path: &Path, why: &Unreadable) -> StudyError {
     StudyError::Input(format!("error: the checkpoint {} {why}", path.display()))
 }

@@ -1,4 +1,4 @@
-//! Errors with which a command ends, and their exit codes.
+//! Errors with which a command ends, and the exit codes of these errors.
 
 use crate::case::Diagnostic;
 use crate::engine::Failure;
@@ -6,16 +6,17 @@ use crate::outcome::Outcome;
 use crate::output::OutputError;
 use serde::{Deserialize, Serialize};
 
-/// Reason why a command failed or was stopped.
+/// Reason why a command has failed or was stopped.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum StudyError {
-    /// The input is wrong; nothing was computed and nothing written. Exit code 2.
+    /// The input is wrong. Nothing has been computed or written. Exit code 2.
     #[error("{0}")]
     Input(String),
-    /// The command failed after it had begun; files written before remain readable. Exit code 1.
+    /// The command failed after it had begun. Files that were written before the failure can be read. Exit code 1.
     #[error("{0}")]
     Failed(String),
-    /// The user stopped the command. Results so far have been written, and the command can be resumed. Exit code 130.
+    /// The user has stopped the command. Results so far have been written, and the command can be resumed. Exit code
+    /// 130.
     #[error("{0}")]
     Stopped(String),
 }
@@ -37,14 +38,14 @@ impl From<OutputError> for StudyError {
     }
 }
 
-/// Returns an error if some variants of a command failed.
+/// Returns an error if the runs of some variants failed. Each variant has a name and its failure, if there is one.
 pub fn failures_of<'a>(variants: impl Iterator<Item = (&'a str, Option<&'a Failure>)>) -> Result<(), StudyError> {
     let failed: Vec<String> =
         variants.filter_map(|(name, why)| Some(format!("error: \"{name}\" stopped: {}", why?))).collect();
     if failed.is_empty() { Ok(()) } else { Err(StudyError::Failed(failed.join("\n"))) }
 }
 
-/// Returns an error if some outcomes of a command failed.
+/// Returns an error if some outcomes of a command contain a failure.
 pub fn failures(outcomes: &[Outcome]) -> Result<(), StudyError> {
     failures_of(outcomes.iter().map(|o| (o.experiment.name.as_str(), o.failure.as_ref())))
 }

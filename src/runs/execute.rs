@@ -21,11 +21,12 @@ use crate::stored::StoreError;
 use crate::work_sharing::keep_workers_spinning;
 use std::sync::Arc;
 
-/// Runs a variant from the particles `start` to its end or to a failure, which is part of the outcome. `others` are
-/// observers in addition to the standard ones. Returns the outcome and the final state in the order of ids.
+/// Runs a variant from the particles `start` to its end or to a failure; a failure is a part of the outcome. `others`
+/// are observers in addition to the standard ones. Returns the outcome and the final state of the particles in the
+/// order of ids.
 pub fn execute(experiment: &Experiment, start: Particles, others: &mut [&mut dyn Observer]) -> (Outcome, Particles) {
-    // the whole loop runs on a thread of the pool, because any other thread would sleep and be woken at every parallel
-    // loop
+    // the whole loop runs on a thread of the pool, because a thread outside the pool would sleep and be woken at every
+    // parallel loop
     keep_workers_spinning(|| {
         let mut seen = StandardObservers::new(experiment, start.fingerprint());
         let mut simulation = Simulation::new(experiment, start).with_clock(Clock::wall());
@@ -40,11 +41,11 @@ pub fn execute(experiment: &Experiment, start: Particles, others: &mut [&mut dyn
     })
 }
 
-/// Runs a variant like [`execute`], with a checkpointer that stores the run at intervals and may stop it. A run that
-/// was stored before its end continues from the stored state. A run that is over is not repeated.
+/// Runs a variant like [`execute`], with a checkpointer that stores the state of the run at intervals and may stop the
+/// run. If a state is stored, the run continues from this state. A run that has ended is not repeated.
 ///
 /// # Errors
-/// The stored state belongs to another run.
+/// Returns an error if the stored state belongs to another run.
 pub fn execute_with_checkpoints(
     run: &ResumableRun,
     others: &mut [&mut dyn Observer],
@@ -53,11 +54,11 @@ pub fn execute_with_checkpoints(
     keep_workers_spinning(|| simulate_with_checkpoints(run, others, checkpointer, None))
 }
 
-/// Runs a variant that all processes share, after sending them its index in the list of runs. The final state is
-/// returned if `gives_end` is true; otherwise the returned state has no particles.
+/// Runs a variant that all processes share; called in the lead process, which first sends the index of the run to the
+/// other processes. The final state is returned if `gives_end` is true; otherwise the returned state has no particles.
 ///
 /// # Errors
-/// Errors of [`execute_with_checkpoints`].
+/// Returns the errors of [`execute_with_checkpoints`].
 pub fn execute_together(
     run: &ResumableRun,
     others: &mut [&mut dyn Observer],
@@ -79,22 +80,22 @@ pub fn execute_together(
     result
 }
 
-/// A run that all processes share.
+/// Run that all processes share, with the choices of what is printed and returned.
 #[derive(Clone, Copy)]
 pub struct SharedRun<'a> {
-    /// Index of the run in the list that every process has made.
+    /// Index of the run in the list of runs, which is equal in all processes.
     pub index: usize,
     /// Processes that share the run.
     pub ranks: &'a Ranks,
-    /// True if no summary of the run is to be printed.
+    /// True if no summary of the communication is printed after the run.
     pub quiet: bool,
-    /// True if the final state is to be returned.
+    /// True if the final state is returned after the run.
     pub gives_end: bool,
 }
 
-/// Takes part in a run that all processes share, in a process other than the lead. `others` are the observers that work
-/// on parts of the particles, in the order of the lead process. In the lead process they precede all other additional
-/// observers.
+/// Takes part in a run that all processes share, in a process other than the lead. `others` are the additional
+/// observers that work on parts of the particles. They have the order in which the lead process lists them, before all
+/// its other additional observers.
 pub fn follow(run: &ResumableRun, others: &mut [&mut dyn Observer], ranks: &Ranks) {
     let experiment = &run.experiment;
     let Ok(start) = run.start() else { return };
@@ -195,8 +196,8 @@ fn simulate_with_checkpoints(
     Ok((seen.outcome(&simulation, failure, hash), particles))
 }
 
-/// Stores the parts of a state, one for each process; `over` is true at the end of the run. If the state is not divided
-/// into parts, all particles are gathered in this process and nothing is stored here.
+/// Stores the parts of the state of a run, one part for each process; `over` is true at the end of the run. If the
+/// state is not divided into parts, all particles are gathered in this process and nothing is stored.
 fn store_parts(
     simulation: &mut Simulation,
     (run, checkpointer): (&RunIdentity, &Checkpointer),
@@ -216,20 +217,20 @@ fn store_parts(
     written
 }
 
-/// Place of the particles at the beginning of a run that several processes share.
+/// Processes that have the particles at the beginning of a run that several processes share.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Beginning {
-    /// The lead process has all particles.
+    /// The lead process has all particles, of the initial state or of a stored state.
     Whole,
     /// Each process has made its part of the initial state.
     Parts,
-    /// The lead process has a stored state, and sends each process its part.
+    /// The lead process has a stored state in parts, and sends each process its part.
     Dealt,
 }
 
 impl Beginning {
-    /// Place of the particles for a run. `is_part` is true if each process has made a part of the initial state.
-    /// `stored` is the number of parts of the stored state; `None` without a stored state.
+    /// Processes that have the particles at the beginning of a run. `is_part` is true if each process has made a part
+    /// of the initial state. `stored` is the number of parts of the stored state; `None` without a stored state.
     fn of(is_part: bool, stored: Option<usize>) -> Self {
         match stored {
             None if is_part => Self::Parts,
@@ -238,7 +239,7 @@ impl Beginning {
         }
     }
 
-    /// Message by which the lead process sends this value to the other processes.
+    /// Message with this value, which the lead process sends to the other processes.
     fn told(self) -> Vec<u8> {
         vec![self as u8]
     }
@@ -251,15 +252,15 @@ impl From<Vec<u8>> for Beginning {
     }
 }
 
-/// Ends this process with an error message, and with it all others. Without its message, the state of this process
-/// would differ from those of the others.
+/// Ends this process with an error message; all other processes then end too. If this process went on after the error,
+/// its state would differ from that of the others.
 fn leave(why: &StoreError) -> ! {
     tell(format!("error: the processes cannot go on together: {why}"));
     std::process::exit(1);
 }
 
-/// Makes the simulation of a run from its start, which may be one of several parts of the particles. `None` for
-/// `communicator` means that the run is not shared.
+/// Makes the simulation of a run from its start, which may be a part of the particles. `communicator` is the connection
+/// to the other processes; `None` means that the run is not shared.
 fn begin(experiment: &Experiment, start: Start, communicator: Option<&dyn Communicator>) -> Simulation {
     match communicator.filter(|_| start.is_part) {
         Some(communicator) => Simulation::part(experiment, start.particles, communicator),
@@ -267,13 +268,13 @@ fn begin(experiment: &Experiment, start: Start, communicator: Option<&dyn Commun
     }
 }
 
-/// Shares the simulation with all processes. If `in_parts` is true each process continues with its part of the
-/// particles, else the lead process has all of them. `observers` is their number.
+/// Makes all processes share the simulation. If `in_parts` is true, each process continues with its part of the
+/// particles. Otherwise the lead process has all particles. `observers` is the number of observers.
 fn share(simulation: Simulation, with: Arc<dyn Communicator>, observers: usize, in_parts: bool) -> Simulation {
     if in_parts { simulation.shared_in_parts(with, observers) } else { simulation.shared(with, observers) }
 }
 
-/// Error of a run whose state cannot be stored, or whose stored state belongs to another run; `why` is the reason.
+/// Error of a run whose state cannot be stored, or whose stored state belongs to another run, with the reason `why`.
 fn unfit(why: impl std::fmt::Display) -> StudyError {
     StudyError::Failed(format!("error: cannot store this run or go on with it: {why}"))
 }

@@ -1,5 +1,5 @@
 //! Executor of the runs of a command. Runs are done one at a time or concurrently, by the threads of this process and
-//! by other processes. A stored run continues from its stored state, and a run that is over is not run again.
+//! by other processes. A stored run continues from its stored state, and a run that has ended is not repeated.
 
 use super::checkpointer::Checkpointer;
 use super::error::StudyError;
@@ -24,18 +24,18 @@ use std::rc::Rc;
 
 /// Result that a command computes from a run, such as an outcome or a row of a table.
 pub trait RunResult: Send + Sized {
-    /// Computes the result of a run that is over, or that could not begin.
+    /// Computes the result of a run that has ended, or of a run that could not begin.
     ///
     /// # Errors
-    /// The run could not begin, and the command does not accept this as a result.
+    /// Returns an error if the run could not begin, and the command does not accept this as a result.
     fn of(run: &ResumableRun, outcome: Result<Outcome, StudyError>) -> Result<Self, StudyError>;
 
-    /// Bytes of the result, to be sent to the lead process. `None` if the final state of the run and the data of its
-    /// observers are to be sent instead.
+    /// Result as bytes, which are sent to the lead process. `None` if the final state of the run and the data of its
+    /// observers are sent instead.
     fn to_bytes(&self) -> Option<Vec<u8>>;
 
-    /// Result from the bytes that another process has sent; `None` if the process has sent the final state and the data
-    /// of the observers instead.
+    /// Result from the bytes that another process has sent. `None` if the bytes are the final state of the run and the
+    /// data of its observers.
     fn from_bytes(bytes: &[u8]) -> Option<Self>;
 }
 
@@ -53,28 +53,29 @@ impl RunResult for Outcome {
     }
 }
 
-/// Executor of the runs of a command, in the lead process.
+/// Executor of the runs of a command. It exists in the lead process.
 pub struct Executor<'a> {
-    /// Folder for the results of the command.
+    /// Folder to which the results of the command are written.
     pub folder: Rc<Folder>,
-    /// Checkpointer that stores the runs.
+    /// Checkpointer that stores the states of the runs.
     pub checkpointer: Checkpointer,
     /// Runs of the command, in the order of their indices.
     pub runs: Vec<ResumableRun>,
     progress: Progress,
     threads: ThreadBudget,
     ranks: &'a Ranks,
-    /// True if nothing is to be printed.
+    /// True if the command prints nothing.
     pub quiet: bool,
 }
 
 impl<'a> Executor<'a> {
     /// Opens the folder for the results of `runs` and finds their stored states. All processes must pass equal lists of
-    /// runs. In a helper process this call does runs for the lead until the command ends, and then returns `None`. `R`
-    /// is the result of [concurrent](Self::concurrently) runs.
+    /// runs. In a helper process, the call does runs for the lead process until the command ends, and then returns
+    /// `None`. `R` is the type of the results of runs that are done [concurrently](Self::concurrently).
     ///
     /// # Errors
-    /// The list of runs could not be made or differs between processes; the system refused the folder or a thread.
+    /// Returns an error if the list of runs could not be made or differs between processes, or if the system refuses
+    /// the folder or a thread.
     pub fn begin<R: RunResult>(
         settings: &CommandSettings,
         case: &Case,
@@ -105,27 +106,27 @@ impl<'a> Executor<'a> {
         Ok(Some(Self { folder, checkpointer, runs, progress, threads, ranks, quiet: settings.quiet }))
     }
 
-    /// Prints a line for the user, unless the command is to print nothing.
+    /// Prints a line for the user, unless the command prints nothing.
     pub fn say(&self, line: impl Display) {
         if !self.quiet {
             tell(line);
         }
     }
 
-    /// Adds a run that depends on the results of the others, and returns its index. It must be done
-    /// [alone](Self::alone), since helper processes do not have it in their lists.
+    /// Adds a run that depends on the results of earlier runs, and returns its index. It must be done
+    /// [alone](Self::alone), since the lists of the helper processes do not contain it.
     pub fn add(&mut self, run: ResumableRun) -> usize {
         self.progress.add(&run.experiment);
         self.runs.push(run);
         self.runs.len() - 1
     }
 
-    /// Does or resumes one run, with observers in addition to the standard ones. The trajectory of the run is written
-    /// if it is requested; if it cannot be written, the run fails. Returns the outcome and the final state in the order
-    /// of ids. With several processes the final state is returned only if `gives_end` is true.
+    /// Does or resumes the run with the index `index`, with the observers `others` in addition to the standard ones. If
+    /// a trajectory is requested and cannot be written, the run fails. Returns the outcome and the final state of the
+    /// particles in the order of ids. With several processes, the final state is returned only if `gives_end` is true.
     ///
     /// # Errors
-    /// The stored state is not of this run.
+    /// Returns an error if the stored state belongs to another run.
     pub fn alone(
         &mut self,
         index: usize,
@@ -140,8 +141,8 @@ impl<'a> Executor<'a> {
         std::thread::scope(|scope| {
             let mut trajectory =
                 run.trajectory.as_ref().map(|(name, asked)| Trajectory::new(scope, folder, name, *asked));
-            // in the other processes of a shared run the trajectory is the first observer, so it must be the first one
-            // here too
+            // in the other processes of a shared run the trajectory is the first additional observer, so it must be the
+            // first one here as well
             let first = trajectory.as_mut().map(|trajectory| trajectory as &mut dyn Observer);
             let mut observers: Vec<&mut dyn Observer> = first.into_iter().collect();
             observers.push(&mut watch);
@@ -164,18 +165,19 @@ impl<'a> Executor<'a> {
         })
     }
 
-    /// Stored result of a run, if the run was completed before the command was resumed.
+    /// Stored result of the run with the index `index`; `None` if the run had not ended when the command was resumed.
     pub fn stored<R: RunResult>(&self, index: usize) -> Option<R> {
         R::from_bytes(&self.checkpointer.result(&self.runs[index].identity)?)
     }
 
-    /// Does the runs at these indices at the same time, in all processes and as many as there are threads. Results do
-    /// not depend on these numbers. `finished` is called with the index and the result of each run, in the order in
-    /// which runs end. If the user stops the command, unfinished runs are stored and left out.
+    /// Does the runs with the indices `indices` concurrently, in all processes and in as many runs as there are
+    /// threads. The results do not depend on the numbers of processes and threads. The function `finished` gets the
+    /// index and the result of each run, in the order in which runs end. If the user stops the command, incomplete runs
+    /// are stored and left out.
     ///
     /// # Errors
-    /// The first error of `finished`; a run could not begin, or its stored state belongs to another run; a result
-    /// cannot be stored; no thread can be started.
+    /// Returns the first error of `finished`. Other errors are that a run cannot begin, that its stored state belongs
+    /// to another run, that a result cannot be stored, or that no thread can be started.
     pub fn concurrently<R: RunResult>(
         &self,
         indices: &[usize],
@@ -192,16 +194,16 @@ impl<'a> Executor<'a> {
         })
     }
 
-    /// Ends the command after all results were written: removes the stored states and prints the last sentences.
+    /// Ends the command after all results have been written: prints the final sentences, and removes the stored states.
     ///
     /// # Errors
-    /// A stored state that cannot be removed.
+    /// Returns an error if a stored state cannot be removed.
     pub fn finish(self, sentences: &[String], report: &Path) -> Result<(), StudyError> {
         self.conclude(sentences, report);
         Ok(self.checkpointer.done()?)
     }
 
-    /// Prints the last sentences and the path of the report, unless the command is to print nothing.
+    /// Prints the final sentences and the path of the report, unless the command prints nothing.
     pub fn conclude(&self, sentences: &[String], report: &Path) {
         if !self.quiet {
             conclude(sentences, "Report", report);
@@ -209,7 +211,7 @@ impl<'a> Executor<'a> {
     }
 }
 
-/// Runs of a command in the form in which several processes share them.
+/// List of the runs of a command, in the form in which several processes share it.
 struct ResumableRuns<'a, R> {
     runs: &'a [ResumableRun],
     folder: &'a Folder,
@@ -219,7 +221,8 @@ struct ResumableRuns<'a, R> {
 }
 
 impl<R: RunResult> ResumableRuns<'_, R> {
-    /// Does one run with the checkpointer `own`; `None` if the run was stopped before its end.
+    /// Does the run with the index `index`, using the checkpointer `own`. `None` if the run was stopped before it had
+    /// ended.
     fn run_with(&self, index: usize, own: &mut Checkpointer) -> Result<Option<R>, StudyError> {
         if own.is_stopping() {
             return Ok(None);
@@ -262,8 +265,8 @@ impl<R: RunResult> RunList for ResumableRuns<'_, R> {
             self.progress.ended_elsewhere(index);
             return Ok(result);
         }
-        // the outcome is computed from the received final data, as for a run that was over before the command was
-        // resumed
+        // the outcome is computed from the received final data, like that of a run that had ended before the command
+        // was resumed
         let run = &self.runs[index];
         let mut own = self.checkpointer.for_run(&run.identity);
         own.receive(&run.identity, bytes)?;

@@ -1,7 +1,7 @@
 //! Runs of the commands: this module makes outcomes from settings and a list of runs.
 //!
-//! `Executor` does the runs, one at a time or at the same time, by threads of this process and by other processes. A
-//! stored run continues from its state. The commands make the list of runs, and make documents from the outcomes.
+//! `Executor` does the runs, one at a time or concurrently, by threads of this process and by other processes. A stored
+//! run continues from its stored state. The commands make the list of runs, and write documents about the outcomes.
 
 mod checkpointer;
 mod error;

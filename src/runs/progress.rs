@@ -1,9 +1,9 @@
-//! Progress on the terminal: the simulated time that the run has reached, its speed, and the time left for all runs. If
-//! output is piped, one line is printed per interval.
+//! Progress on the terminal: the simulated time that the run has reached, its speed, and the remaining wall time of all
+//! runs. If the output is not a terminal, one line is printed per interval.
 //!
-//! A run stores the time that it has reached in its clock, also within a window (the time between two exchanges of
-//! momentum with the gas). A separate thread reads this clock and updates the display. So the display changes during a
-//! long window too, and does not slow the run down.
+//! A run stores the time that it has reached in its clock, also within a window (time between two exchanges of momentum
+//! with the gas). A separate thread reads this clock and updates the display. So the display changes during a long
+//! window as well, and does not slow the run down.
 
 use super::terminal::tell;
 use crate::clock::Reached;
@@ -19,21 +19,21 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Time between two printed lines of progress, if the output is not a terminal.
+/// Wall time between two printed lines of progress, if the output is not a terminal.
 pub const INTERVAL: Duration = Duration::from_secs(10);
 
-/// Time between two updates of the display.
+/// Wall time between two updates of the display.
 const REFRESH: Duration = Duration::from_millis(200);
 
 /// Number of positions of the progress bar from empty to full.
 const TICKS: u64 = 10_000;
 
-/// [-] fraction of the wall time of a run over which the present speed is measured. The speed may change: a settling
-/// bed, for example, becomes slower.
+/// [-] share of the wall time of a run, counted back from the present, over which the present speed is measured. The
+/// speed may change: a settling bed, for example, becomes slower.
 const RECENT: f64 = 1.0 / 3.0;
 
-/// [s] wall time from which on the remaining time is estimated. In the first part of a run, lists and tables are made,
-/// so its speed is not typical.
+/// [s] wall time of a run after which its remaining time is estimated. A run first makes lists and tables, so its
+/// initial speed is not typical.
 const UNKNOWN: f64 = 1.0;
 
 /// Progress of all runs of a command, and the thread that displays it.
@@ -56,7 +56,7 @@ enum ProgressDisplay {
     Lines,
 }
 
-/// Present state of one run.
+/// Progress of one run, with its name, model and duration for the display.
 struct RunProgress {
     name: String,
     model: Model,
@@ -80,29 +80,29 @@ impl RunProgress {
 enum RunStage {
     Waiting,
     Running(Track),
-    /// The run is over. The numbers are its simulated time and its wall time [s].
+    /// The run has ended. The numbers are its simulated time and its wall time [s].
     Over([f64; 2]),
 }
 
-/// Progress of one run over wall time.
+/// Progress of a run that has begun, as a function of wall time.
 struct Track {
     began: Instant,
     reached: ProgressSource,
-    /// [s] points (wall time since the begin, simulated time) from which the present speed is computed, the latest
-    /// last.
+    /// [s] points from which the present speed is computed, the latest last. A point has the wall time since the run
+    /// began, and the simulated time.
     points: Vec<[f64; 2]>,
 }
 
-/// Source from which the display takes the simulated time that a run has reached.
+/// Source of the simulated time that a run has reached, for the display.
 enum ProgressSource {
-    /// The run is in this process; the value reads the clock of the run. `None` if the run has no clock.
+    /// The run is in this process, and its clock is read. `None` if the run has no clock.
     Here(Option<Reached>),
-    /// The run is in another process, whose last message contained this time [s].
+    /// The run is in another process; the number is the simulated time [s] in its last message.
     Told(f64),
 }
 
 impl ProgressSource {
-    /// [s] simulated time that the run has reached, as far as it is known.
+    /// [s] simulated time that the run has reached, as far as this process knows; 0 without a clock.
     fn time(&self) -> f64 {
         match self {
             Self::Here(reached) => reached.as_ref().map_or(0.0, Reached::time),
@@ -112,12 +112,12 @@ impl ProgressSource {
 }
 
 impl Track {
-    /// [s] simulated time that the run has reached, and its present speed [s/s]: simulated time per wall time. `None`
-    /// as long as the speed is not known.
+    /// [s] simulated time that the run has reached, and its present speed [s/s]: simulated time divided by wall time.
+    /// The speed is `None` while it is not known.
     fn now(&mut self) -> (f64, Option<f64>) {
         let wall = self.began.elapsed().as_secs_f64();
         let time = self.reached.time();
-        // a point is stored if the wall time has grown by one per cent since the last point
+        // a point is stored if the wall time has increased by one per cent since the last point
         if self.points.last().is_none_or(|[last, _]| wall > 1.01 * last) {
             self.points.push([wall, time]);
         }
@@ -130,7 +130,7 @@ impl Track {
 }
 
 impl Progress {
-    /// Creates the progress of runs with the given experiments; nothing is displayed if `quiet` is true.
+    /// Creates the progress display of runs with these experiments. Nothing is displayed if `quiet` is true.
     pub fn new<'a>(experiments: impl IntoIterator<Item = &'a Experiment>, quiet: bool) -> Self {
         let display = if quiet {
             ProgressDisplay::Silent
@@ -156,20 +156,20 @@ impl Progress {
         Self { board, show }
     }
 
-    /// Creates an observer that reports the progress of the run with this index among the experiments.
+    /// Creates an observer that reports the progress of one run; `run` is its index among the experiments.
     pub fn watch(&self, run: usize) -> Watch {
         Watch { board: Arc::clone(&self.board), run }
     }
 }
 
 impl Progress {
-    /// Adds the run of an experiment.
+    /// Adds the run of an experiment to the display.
     pub fn add(&self, experiment: &Experiment) {
         lock(&self.board).runs.push(RunProgress::of(experiment));
     }
 
-    /// Records that the run at this index is done by another process, and has reached the simulated time `time` [s]
-    /// there.
+    /// Records that another process does the run with the index `run`, and has reached the simulated time `time` [s] in
+    /// it.
     pub fn is_elsewhere(&self, run: usize, time: f64) {
         let stage = &mut lock(&self.board).runs[run].stage;
         if matches!(stage, RunStage::Waiting) {
@@ -183,14 +183,14 @@ impl Progress {
         }
     }
 
-    /// Records that another process has ended the run at this index.
+    /// Records that another process has ended the run with the index `run`.
     pub fn ended_elsewhere(&self, run: usize) {
         let mut board = lock(&self.board);
         let duration = board.runs[run].duration;
         board.end(run, duration);
     }
 
-    /// Indices of the runs in progress, each with the simulated time [s] that it has reached.
+    /// Indices of the runs in progress, each with the simulated time [s] that the run has reached.
     pub fn under_way(&self) -> Vec<(usize, f64)> {
         let board = lock(&self.board);
         let one = |(place, run): (usize, &RunProgress)| match &run.stage {
@@ -214,13 +214,14 @@ impl Drop for Progress {
     }
 }
 
-/// Locks the board, even after a panic of a thread that held the lock, because every entry of the board is complete.
+/// Locks the board, even if a thread has panicked while it held the lock; every entry of the board is then complete as
+/// well.
 fn lock(board: &Mutex<Board>) -> MutexGuard<'_, Board> {
     board.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Observer of one run that is called at the start of the run and at its end. In between, the display reads the clock
-/// of the run. In a resumed run the first call is at the next sample.
+/// Observer of one run that is called when the run starts and when it ends. In between, the display reads the clock of
+/// the run. In a resumed run the first call is at the next sample.
 pub struct Watch {
     board: Arc<Mutex<Board>>,
     run: usize,
@@ -245,7 +246,7 @@ impl Observer for Watch {
 }
 
 impl Board {
-    /// Displays the progress if it is time to do so. The display shows the running run with the highest index.
+    /// Updates the display if it is due. It shows the run in progress with the highest index.
     fn show(&mut self) {
         let due = match &self.display {
             ProgressDisplay::Silent => false,
@@ -254,7 +255,7 @@ impl Board {
         };
         let Some(run) = self.runs.iter().rposition(|run| matches!(run.stage, RunStage::Running(_))) else { return };
         if !due {
-            // this call stores the points from which the speed is measured
+            // stores the points from which the speed is measured
             self.rates();
             return;
         }
@@ -270,8 +271,8 @@ impl Board {
         }
     }
 
-    /// Records that the run at this index ended at the simulated time `time` [s]. A line is printed if it reached its
-    /// full duration.
+    /// Records that the run with the index `run` has ended at the simulated time `time` [s]. A line is printed if this
+    /// is its full duration.
     fn end(&mut self, run: usize, time: f64) {
         let wall = match &self.runs[run].stage {
             RunStage::Running(track) => track.began.elapsed().as_secs_f64(),
@@ -288,19 +289,19 @@ impl Board {
         }
     }
 
-    /// Simulated time [s] that every run has reached, and its speed [s/s] (simulated time per wall time) if it is
-    /// known.
+    /// Simulated time [s] that each run has reached, and its speed [s/s]: simulated time divided by wall time, `None`
+    /// if it is not known.
     fn rates(&mut self) -> Vec<(f64, Option<f64>)> {
         let one = |run: &mut RunProgress| match &mut run.stage {
             RunStage::Waiting => (0.0, None),
             RunStage::Running(track) => track.now(),
-            // this process has measured no wall time for a run that was over before the command began
+            // this process has measured no wall time for a run that had ended before the command began
             RunStage::Over([time, wall]) => (*time, Some(*time / *wall).filter(|rate| rate.is_finite() && *rate > 0.0)),
         };
         self.runs.iter_mut().map(one).collect()
     }
 
-    /// Completed share of all runs [-], and a line of text on all runs and on the run at index `k`.
+    /// Completed share of all runs [-], and a line of text on all runs and on the run with the index `k`.
     fn line(&mut self, k: usize) -> (f64, String) {
         let rates = self.rates();
         let (time, rate) = rates[k];
@@ -321,9 +322,9 @@ impl Board {
         (simulated / count as f64, text)
     }
 
-    /// [s] remaining wall time of all runs: the sum over the runs, divided by the number of running ones. Runs that
-    /// have not begun count as fast as those of their model or, without such, as the mean of all. `None` if no speed is
-    /// known.
+    /// [s] remaining wall time of all runs: the sum over the runs, divided by the number of runs in progress. A run
+    /// that has not begun counts as fast as the runs with its model or, without such runs, as the mean of all runs.
+    /// `None` if no speed is known.
     fn left(&self, rates: &[(f64, Option<f64>)]) -> Option<f64> {
         let mean = |model: Option<Model>| {
             let known = self.runs.iter().zip(rates).filter(|(run, _)| model.is_none_or(|model| run.model == model));
@@ -341,14 +342,14 @@ impl Board {
     }
 }
 
-/// Text on the remaining wall time [s]; `None` means that it is not known yet.
+/// Text on the remaining wall time `left` [s]; `None` means that the time is not known.
 fn remaining(left: Option<f64>) -> String {
     left.map_or("estimating the time left".to_owned(), |left| format!("{} left", span(left)))
 }
 
-/// Time span [s] as text, such as "3 minutes".
+/// Time span `seconds` [s] as text, such as "3 minutes".
 pub fn span(seconds: f64) -> String {
-    /// [s] longest span that is written: a thousand years, which is within the range of a duration.
+    /// [s] longest span that is written: a thousand years, which is within the range of the type of durations.
     const LONGEST: f64 = 3.2e10;
     if seconds < 10.0 {
         return format!("{} s", significant(seconds, 2));
@@ -356,16 +357,16 @@ pub fn span(seconds: f64) -> String {
     HumanDuration(Duration::from_secs_f64(seconds.min(LONGEST))).to_string()
 }
 
-/// [-] completed share at `time` [s] of a run with the given duration [s]. The share is exactly 1 at the end, although
-/// a sum of windows has rounding errors.
+/// [-] completed share of a run of the length `duration` [s] that has reached `time` [s]. The share is exactly 1 at the
+/// end, although a sum of windows has rounding errors.
 fn share(time: f64, duration: f64) -> f64 {
     if duration > 0.0 { (time * (1.0 + 1e-9) / duration).min(1.0) } else { 1.0 }
 }
 
-/// Style of the progress line for a terminal of any width; text that is too long is cut off.
+/// Style of the progress line, for a terminal of any width. Text that is too long is cut off.
 fn style() -> ProgressStyle {
     let template = "{percent:>3} % {bar:16} {wide_msg}";
-    // if the template is not valid, the default bar is used
+    // the default bar is used if the template is not valid
     ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
@@ -411,7 +412,7 @@ mod tests {
         }
     }
 
-    /// Creates a run that has reached `time` [s] after `wall` [s], at constant speed.
+    /// Creates a run that has reached the simulated time `time` [s] after the wall time `wall` [s], at constant speed.
     fn running(model: Model, duration: f64, time: f64, wall: f64) -> RunProgress {
         let clock = Clock::wall();
         clock.tell(time);
@@ -451,8 +452,8 @@ mod tests {
         assert!(known.starts_with("90 seconds left") || known.starts_with("2 minutes left"), "{known}");
     }
 
-    /// Checks a finished hard run of 1 s that took 10 s, and a soft run that has simulated half of 1 s in 40 s. Another
-    /// soft run and another hard run have not begun.
+    /// Checks the remaining time of four runs. A hard run of 1 s ended after 10 s, and a soft run has simulated half of
+    /// 1 s in 40 s. Another soft run and another hard run have not begun.
     #[test]
     fn the_time_left_is_that_of_all_runs() {
         let waiting = |model| RunProgress { stage: RunStage::Waiting, ..running(model, 1.0, 0.0, 0.0) };
@@ -468,7 +469,7 @@ mod tests {
         assert!((done - 0.375).abs() < 1e-6 && text.starts_with("all 4 runs: 1 done, about 2 minutes left"), "{text}");
     }
 
-    /// Checks a run that simulated nine tenths fast and is slow now, so that much time is left.
+    /// Checks a run that simulated the first nine tenths quickly and is now slow, so that much time remains.
     #[test]
     fn the_speed_is_that_of_late() {
         let mut run = running(Model::Soft, 1.0, 0.95, 60.0);

@@ -1,4 +1,4 @@
-//! A run that can be resumed: its experiment, its initial state, and the identity by which its stored state is found.
+//! Run that can be resumed: its experiment, its initial state, and the identity by which its stored state is found.
 
 use super::error::StudyError;
 use crate::checkpoint::{RunIdentity, checksum};
@@ -8,47 +8,49 @@ use crate::particles::Particles;
 use crate::placement::{Start, initial_state};
 use std::sync::{Mutex, PoisonError};
 
-/// A run that can be resumed.
+/// Run of a command that can be resumed after the command was stopped.
 pub struct ResumableRun {
-    /// Experiment to be run.
+    /// Experiment that is run.
     pub experiment: Experiment,
-    /// Name and checksum of the run, by which its stored state is found.
+    /// Name and checksum of the run. Its stored state is found by them.
     pub identity: RunIdentity,
-    /// True if no other run is done at the same time, so that the wall time of this run can be measured. If this is
-    /// true for all runs of the command, all processes share each run.
+    /// True if no other run is done at the same time, so that the wall time of this run is meaningful. If this is true
+    /// for all runs of a command, all processes share each run.
     pub is_lone: bool,
-    /// Trajectory to be written, with the name of its files; only a run that is done alone has one.
+    /// Name of the files of the trajectory and settings of the trajectory; `None` if none is written. Only a run that
+    /// is done alone has a trajectory.
     pub trajectory: Option<(String, Trajectories)>,
-    /// Initial state, if it was made beforehand; `None` after the run has begun.
+    /// Initial state; `None` if it has not been made before the run begins, or if the run has taken it.
     start: Mutex<Option<Start>>,
 }
 
 impl ResumableRun {
-    /// Creates the run of an experiment from a given start.
+    /// Creates the run of an experiment from the initial state `start`.
     ///
     /// # Errors
-    /// The experiment cannot be written as JSON.
+    /// Returns an error if the experiment cannot be written as JSON.
     pub fn new(experiment: Experiment, start: Start) -> Result<Self, StudyError> {
         let identity = identity(&experiment, start.fingerprint)?;
         Ok(Self { experiment, identity, is_lone: false, trajectory: None, start: Mutex::new(Some(start)) })
     }
 
-    /// Creates a run that is identified by a hash of all data on which it depends. Its initial state is made when the
-    /// run begins.
+    /// Creates a run that is identified by `hash`, a hash of all data on which the run depends. Its initial state is
+    /// made when the run begins.
     pub fn known_by(hash: &str, experiment: Experiment) -> Self {
         let identity = RunIdentity::of_hash(hash);
         Self { experiment, identity, is_lone: false, trajectory: None, start: Mutex::default() }
     }
 
-    /// Marks this run as one that is done alone. Its trajectory is written if one is given.
+    /// Marks the run as one during which no other run is done. `trajectory` has the name of the files and the settings
+    /// of its trajectory; `None` if none is written.
     pub fn lone(self, trajectory: Option<(String, Trajectories)>) -> Self {
         Self { is_lone: true, trajectory, ..self }
     }
 
-    /// Initial state. It is moved out of this value, so that its memory is free once the run is over.
+    /// Initial state of the run. It is taken out of this value, so that its memory is free when the run has ended.
     ///
     /// # Errors
-    /// The scene is too crowded for a start.
+    /// Returns an error if the scene is too crowded to start.
     pub fn start(&self) -> Result<Start, StudyError> {
         let made = self.start.lock().unwrap_or_else(PoisonError::into_inner).take();
         made.map_or_else(|| start(&self.experiment).map(Start::from), Ok)
@@ -60,12 +62,12 @@ fn identity(experiment: &Experiment, start: u64) -> Result<RunIdentity, StudyErr
         .map_err(|why| StudyError::Failed(format!("error: cannot store the command: {why}")))
 }
 
-/// Checksum of a list of runs; it depends on their order.
+/// Checksum of a list of runs. It depends on their order.
 pub fn mark(runs: &[ResumableRun]) -> u32 {
     mark_of(runs.iter().map(|run| run.identity.checksum()))
 }
 
-/// Checksum of a list of experiments; it depends on their order but not on their initial states.
+/// Checksum of a list of experiments. It depends on their order, but not on their initial states.
 pub fn mark_of_experiments<'a>(experiments: impl Iterator<Item = &'a Experiment>) -> u32 {
     mark_of(experiments.map(|experiment| identity(experiment, 0).map_or(0, |identity| identity.checksum())))
 }
@@ -74,16 +76,17 @@ fn mark_of(checksums: impl Iterator<Item = u32>) -> u32 {
     checksum(&checksums.flat_map(u32::to_le_bytes).collect::<Vec<u8>>())
 }
 
-/// Makes the initial state of one variant. If the scene is too crowded for a start, the input is wrong.
+/// Makes the initial state of one variant. Returns an error (wrong input) if the scene is too crowded to start or too
+/// large for the memory.
 pub fn start(experiment: &Experiment) -> Result<Particles, StudyError> {
     refuse_too_large(experiment)?;
     initial_state(experiment).map_err(|crowded| StudyError::Input(format!("error: {crowded}")))
 }
 
-/// Refuses a run for which there is not enough memory, before the memory is taken.
+/// Returns an error if there is not enough memory for a run, before any memory is taken.
 ///
 /// # Errors
-/// [`StudyError::Input`], with the memory that the run requires and the memory that is free.
+/// The error is [`StudyError::Input`], with the memory that the run needs and the memory that is free.
 pub fn refuse_too_large(experiment: &Experiment) -> Result<(), StudyError> {
     match memory::refusal(experiment) {
         None => Ok(()),

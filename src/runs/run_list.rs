@@ -1,4 +1,4 @@
-//! Concurrent runs, each on its own threads, in this process or in another one.
+//! Concurrent runs, each on its own threads, in this process or in other processes.
 
 use super::error::StudyError;
 use super::ranks::{Message, Ranks};
@@ -10,54 +10,57 @@ use std::sync::{Mutex, PoisonError};
 use std::thread::scope;
 use std::time::{Duration, Instant};
 
-/// Time between two checks for messages from other processes. The waiting functions of MPI would keep a core busy.
+/// Wall time between two checks for messages from other processes. The waiting functions of MPI would occupy a core.
 pub const POLL_INTERVAL: Duration = Duration::from_millis(1);
 
-/// Time between two messages of a helper about the progress of its runs.
+/// Wall time between two messages of a helper process about the progress of its runs.
 const REPORT_INTERVAL: Duration = Duration::from_secs(1);
 
-/// A list of runs that may be done in any order, and by any process that has made an equal list.
+/// List of runs that may be done in any order, and by any process that has an equal list.
 pub trait RunList: Sync {
     /// Result of one run of the list.
     type Answer: Send;
 
-    /// Number of runs that may be done concurrently.
+    /// Number of runs of the list that may be done concurrently.
     fn count(&self) -> usize;
 
-    /// Does one run in the thread pool from which this method is called. `None` if the run was stopped before its end;
-    /// then no other run may begin.
+    /// Does the run with the index `index` in the thread pool from which this method is called. `None` if the run was
+    /// stopped before it had ended; no other run may begin in this case.
     ///
     /// # Errors
-    /// The run cannot be done.
+    /// Returns an error if the run cannot be done.
     fn run(&self, index: usize) -> Result<Option<Self::Answer>, StudyError>;
 
-    /// Does one run and returns the result as bytes, for another process; `None` if the run was stopped before its end.
+    /// Does the run with the index `index`, and returns its result as bytes for another process. `None` if the run was
+    /// stopped before it had ended.
     ///
     /// # Errors
-    /// The run cannot be done, or its result cannot be serialised.
+    /// Returns an error if the run cannot be done, or if its result cannot be serialised.
     fn run_for_another(&self, index: usize) -> Result<Option<Vec<u8>>, StudyError>;
 
-    /// Takes part in the run at this index, which all processes share.
+    /// Takes part in the run with the index `index`, which all processes share.
     fn follow(&self, _index: usize, _ranks: &Ranks) {}
 
-    /// Result of one run from the bytes that another process has sent.
+    /// Result of the run with the index `index`, made from the bytes that another process has sent.
     ///
     /// # Errors
-    /// The bytes do not belong to this run.
+    /// Returns an error if the bytes do not belong to this run.
     fn answer_of_another(&self, index: usize, bytes: &[u8]) -> Result<Self::Answer, StudyError>;
 
-    /// Records that another process has begun this run, or has reached `time` [s] in it.
+    /// Records that another process does the run with the index `index`, and has reached the simulated time `time` [s]
+    /// in it.
     fn is_elsewhere(&self, index: usize, time: f64);
 
-    /// Indices of the runs in progress in this process, and the time [s] that each has reached.
+    /// Indices of the runs in progress in this process, each with the simulated time [s] that the run has reached.
     fn under_way(&self) -> Vec<(usize, f64)>;
 }
 
-/// Does the runs at these indices of the list, in this process and in helpers. `finished` is called with the index and
-/// the result of each run, in the order in which runs end.
+/// Does the runs with the indices `indices`, in this process and in helper processes. The function `finished` gets the
+/// index and the result of each run, in the order in which runs end.
 ///
 /// # Errors
-/// The first error of `finished`; a helper that cannot do any run; no thread can be started.
+/// Returns the first error of `finished`, the error of a helper that can do no run, or an error if no thread can be
+/// started.
 pub fn distribute<R: RunList>(
     runs: &R,
     indices: &[usize],
@@ -111,10 +114,10 @@ pub fn distribute<R: RunList>(
     })
 }
 
-/// Does the runs whose indices the lead process sends, in a helper process, until the command is over.
+/// Does runs in a helper process until the command has ended. The lead process sends the indices of the runs.
 ///
 /// # Errors
-/// No thread can be started.
+/// Returns an error if no thread can be started.
 pub fn help<R: RunList>(runs: &R, share: ThreadBudget, ranks: &Ranks, signals: &Signals) -> Result<(), StudyError> {
     let pools = pools(share, runs.count())?;
     scope(|scope| {
@@ -143,7 +146,7 @@ pub fn help<R: RunList>(runs: &R, share: ThreadBudget, ranks: &Ranks, signals: &
     Ok(())
 }
 
-/// Thread pools, one for each of the runs that this process does at the same time. `count` is the number of all runs.
+/// Thread pools of this process, one for each run that it does at the same time. `count` is the number of all runs.
 fn pools(share: ThreadBudget, count: usize) -> Result<Vec<ThreadPool>, StudyError> {
     let (at_once, threads) = share.of(count);
     let build = |_| ThreadPoolBuilder::new().num_threads(threads).build();
@@ -153,7 +156,7 @@ fn pools(share: ThreadBudget, count: usize) -> Result<Vec<ThreadPool>, StudyErro
 }
 
 /// Starts a worker thread for each pool. The threads do the runs whose indices are sent through the returned sender,
-/// and end when it is dropped. The receiver gets the index and the result of each run.
+/// and end when the sender is dropped. The returned receiver gets the index and the result of each run.
 fn crew<'scope, 'env, A: Send + 'scope>(
     scope: &'scope std::thread::Scope<'scope, 'env>,
     pools: &'env [ThreadPool],
@@ -178,18 +181,18 @@ fn crew<'scope, 'env, A: Send + 'scope>(
     (orders, answers)
 }
 
-/// Event for which a process waits.
+/// Event for which a process waits, such as the end of a run.
 enum Heard<A> {
-    /// A run is over in this process.
+    /// A run has ended in this process: its index and its result.
     Here(usize, A),
-    /// A message from another process has arrived.
+    /// This message of another process has arrived.
     There(Message),
     /// Nothing has happened during the longest wait.
     Nothing,
 }
 
-/// Waits for the end of a run in this process or for a message. With other processes, the wait is at most
-/// [`REPORT_INTERVAL`]. `None` if all workers have ended.
+/// Waits for the end of a run in this process, or for a message. With several processes, it waits at most
+/// [`REPORT_INTERVAL`]. `None` if all worker threads have ended.
 fn wait<A>(answers: &Receiver<(usize, A)>, ranks: &Ranks) -> Option<Heard<A>> {
     if ranks.count() == 1 {
         return answers.recv().ok().map(|(index, answer)| Heard::Here(index, answer));

@@ -1,5 +1,5 @@
-//! Settings of a command that does runs. The settings are made from the arguments of the command in one place; the code
-//! of runs depends on the settings only.
+//! Settings of a command that does runs. They are made from the arguments of the command in one place; the code that
+//! does runs depends on nothing else of the command.
 
 use super::error::StudyError;
 use crate::case::Case;
@@ -9,41 +9,41 @@ use crate::output::{Folder, Provenance};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-/// Origin of a command: typed by the user, or continued by `resume`.
+/// Origin of a command: typed by the user, or continued by the command `resume`.
 pub enum CommandOrigin {
-    /// The user typed the command.
+    /// The user typed the command, and it begins.
     Typed,
-    /// The user typed the command again for existing results. Completed runs are not repeated.
+    /// The user typed the command again for a folder with results. Completed runs are not repeated.
     TypedAgain,
-    /// The command `resume` continues the earlier command.
+    /// The command `resume` continues a command that was stopped.
     Resumed {
-        /// Folder with the results of the command.
+        /// Folder with the results of the stopped command.
         folder: PathBuf,
-        /// Command line as it was typed when the command began.
+        /// Command line of the stopped command, as the user typed it.
         command: StoredCommand,
-        /// True if the command prints nothing while it runs.
+        /// True if the continued command prints nothing.
         quiet: bool,
     },
 }
 
-/// Settings of a command that does runs.
+/// Settings of a command that does runs: folder of results, threads, and times of checkpoints.
 pub struct CommandSettings {
-    /// Origin of the command.
+    /// Origin of the command: typed or resumed.
     pub origin: CommandOrigin,
-    /// Path of the folder for the results.
+    /// Path of the folder to which results are written.
     pub folder: PathBuf,
     /// True if the results of an earlier command in the folder may be replaced.
     pub overwrite: bool,
-    /// True if nothing is to be printed while the command runs.
+    /// True if the command prints nothing while it runs.
     pub quiet: bool,
-    /// Number of threads of a process; `None` if the user gave none.
+    /// Number of threads of each process; `None` if the user has not given it.
     pub threads: Option<u16>,
-    /// True if the result of each run is stored in place of its final state. Stored results remain after the command is
-    /// over.
+    /// True if the result of each run is stored instead of its final state. Stored results remain when the command has
+    /// ended.
     pub keeps_results: bool,
     /// True if the runs are done one after the other, each with all threads.
     pub in_turn: bool,
-    /// Wall time between two checkpoints.
+    /// Wall time between two checkpoints, or never.
     pub checkpoint_every: CheckpointEvery,
 }
 
@@ -66,14 +66,15 @@ impl CommandSettings {
         }
     }
 
-    /// Marks a command that the user typed again for existing results as one that continues the earlier command.
+    /// Changes the origin of a command from `Typed` to `TypedAgain`: the command continues the runs of an earlier
+    /// command in its folder.
     pub fn goes_on(&mut self) {
         if let CommandOrigin::Typed = self.origin {
             self.origin = CommandOrigin::TypedAgain;
         }
     }
 
-    /// Command line with which the command began.
+    /// Command line with which the command began; for a resumed command, that of the stopped command.
     pub fn arguments(&self) -> Vec<OsString> {
         match &self.origin {
             CommandOrigin::Typed | CommandOrigin::TypedAgain => std::env::args_os().collect(),
@@ -81,10 +82,11 @@ impl CommandSettings {
         }
     }
 
-    /// Opens the folder for the results.
+    /// Opens the folder to which results are written.
     ///
     /// # Errors
-    /// The folder is in use, cannot be written to, or contains results although the command begins.
+    /// Returns an error if the folder is in use or cannot be written to. A command that begins also gets an error if
+    /// the folder contains results that it may not replace.
     pub fn open_folder(&self) -> Result<Folder, StudyError> {
         match &self.origin {
             CommandOrigin::Typed => make(self.folder.clone(), self.overwrite),
@@ -94,24 +96,23 @@ impl CommandSettings {
         }
     }
 
-    /// Provenance of the results: command, case and program. `scene` is a description of the scene.
+    /// Origin of the results for the report: command, case and program. `scene` is a description of the scene.
     pub fn provenance(&self, case: &Case, scene: String) -> Provenance {
         Provenance { command: quoted(self.arguments()), ..provenance(case, scene) }
     }
 }
 
-/// Reads the case of a command.
+/// Reads the case of a command, with the changes that the user has typed.
 pub fn read(path: &Path, input: &Input) -> Result<Case, StudyError> {
     Ok(Case::read(path, &input.sets())?)
 }
 
-/// Makes the folder of a command. A folder that cannot be written to is reported as wrong input, since nothing has been
-/// computed yet.
+/// Makes the folder for the results of a command. An error counts as wrong input, since nothing has been computed.
 pub fn folder(output: &Output, case: &Path, command: &str) -> Result<Folder, StudyError> {
     make(place(output, case, command), output.overwrite)
 }
 
-/// Path of the folder for the results of a command: the one that the user gave, or `out/<case>-<command>`.
+/// Path of the folder for the results of a command: the path that the user has given, else `out/<case>-<command>`.
 fn place(output: &Output, case: &Path, command: &str) -> PathBuf {
     output.out.clone().unwrap_or_else(|| {
         let stem = case.file_stem().map_or("case".into(), |stem| stem.to_string_lossy());
@@ -119,12 +120,13 @@ fn place(output: &Output, case: &Path, command: &str) -> PathBuf {
     })
 }
 
-/// Creates a folder for results; an error counts as bad input. Without `overwrite` it must not contain results.
+/// Creates a folder for results. An error counts as wrong input. If `overwrite` is false, the folder must not contain
+/// results.
 fn make(path: PathBuf, overwrite: bool) -> Result<Folder, StudyError> {
     Folder::create(path, overwrite).map_err(|error| StudyError::Input(format!("error: {error}")))
 }
 
-/// Provenance of the results: command, case and program. `scene` is a description of the scene.
+/// Origin of the results for the report: command, case and program. `scene` is a description of the scene.
 pub fn provenance(case: &Case, scene: String) -> Provenance {
     Provenance {
         title: case.title.clone(),
@@ -135,15 +137,15 @@ pub fn provenance(case: &Case, scene: String) -> Provenance {
     }
 }
 
-/// Command line as the user typed it.
+/// Command line of this process as the user typed it, with quotes where a shell needs them.
 pub fn command_line() -> String {
     quoted(std::env::args_os())
 }
 
-/// A command line as text, quoted where a shell requires it.
+/// Command line as text, with quotes where a shell needs them.
 pub fn quoted(arguments: impl IntoIterator<Item = OsString>) -> String {
     let quoted = arguments.into_iter().enumerate().map(|(k, argument)| {
-        // the program is written by its name, without its path
+        // the program has its name only, without its path
         let argument = if k == 0 { "diptych".into() } else { argument.to_string_lossy().into_owned() };
         let plain = |c: char| c.is_ascii_alphanumeric() || "-_=./,:+".contains(c);
         if !argument.is_empty() && argument.chars().all(plain) {

@@ -1,4 +1,4 @@
-//! Standard observers: the measurements that make up the outcome of every run.
+//! Standard observers: the measurements of every run, from which its outcome is made.
 
 use crate::engine::Failure;
 use crate::experiment::{Experiment, Model, SoftStepping};
@@ -11,12 +11,12 @@ use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
 use crate::statistics::Accumulator;
 
-/// Standard observers: the measurements that make up the outcome of every run.
+/// Standard observers of one run: the measurements from which its outcome is made.
 #[derive(Clone)]
 pub(crate) struct StandardObservers<'a> {
     experiment: &'a Experiment,
     initial_state_hash: u64,
-    /// Times of the windows and samples of the run.
+    /// Times of the windows (times between two kicks of drag) and of the samples of the run.
     pub schedule: Schedule,
     profiles: Accumulator,
     motion: Motion,
@@ -36,7 +36,8 @@ pub(crate) struct StandardObservers<'a> {
 }
 
 impl<'a> StandardObservers<'a> {
-    /// Creates the standard observers of a run before its start. `initial_state_hash` is the hash of the initial state.
+    /// Creates the standard observers of a run that has not started. `initial_state_hash` is the hash of its initial
+    /// state.
     pub fn new(experiment: &'a Experiment, initial_state_hash: u64) -> Self {
         let schedule = Schedule::new(experiment);
         Self {
@@ -61,7 +62,7 @@ impl<'a> StandardObservers<'a> {
         }
     }
 
-    /// All standard observers and the measurements that the case asks for, followed by the `others`.
+    /// All standard observers and the measurements that the case asks for, followed by the observers `others`.
     pub fn with<'b>(&'b mut self, others: &'b mut [&mut dyn Observer]) -> Vec<&'b mut dyn Observer> {
         let Self { profiles, motion, pairs, walls, energy, momentum, .. } = self;
         let Self { stresses, gas, flows, series, paths, kinds, rings, mixing, measurements, .. } = self;
@@ -72,12 +73,12 @@ impl<'a> StandardObservers<'a> {
         own.into_iter().chain(asked).chain(others.iter_mut().map(|other| &mut **other as &mut dyn Observer)).collect()
     }
 
-    /// Outcome of a run that is over or has failed, made from the measurements.
+    /// Outcome of a run that has ended or failed, made from the measurements of the observers.
     pub fn outcome(self, simulation: &Simulation, failure: Option<Failure>, final_state_hash: u64) -> Outcome {
         let steadiness =
             self.motion.steadiness(self.experiment.run.average_from, self.kinds.series(&self.experiment.scene));
-        // interval k ends at sample k + 1; the first interval used is the first one entirely within the averaging
-        // period
+        // interval k ends at sample k + 1; the first interval used is the first one that lies entirely within the
+        // averaging period
         let first = self.motion.first(steadiness.from);
         Outcome {
             experiment: self.experiment.clone(),
@@ -126,7 +127,7 @@ impl<'a> StandardObservers<'a> {
     }
 }
 
-/// Wall times [s] of the parts of a run, such as engine and sampling, and the number of threads.
+/// Wall times [s] of the parts of a run, such as engine and sampling, and the number of threads of the run.
 fn timing(simulation: &Simulation) -> Timing {
     let (spent, parts) = (simulation.spent, simulation.engine_spent());
     Timing {
@@ -140,8 +141,8 @@ fn timing(simulation: &Simulation) -> Timing {
     }
 }
 
-/// [s] time step of soft contacts, or time between two searches for collisions. `None` if collisions are computed at
-/// their instants. `window` [s] is the largest step.
+/// [s] time step of the run: step of soft contacts, or mean step of hard spheres in time steps and of DSMC. `None`
+/// without time steps. `window` [s] is the largest step of soft contacts.
 fn time_step(experiment: &Experiment, simulation: &Simulation, window: f64) -> Option<f64> {
     let steps = simulation.counters().steps;
     match (experiment.model(), experiment.soft.stepping) {

@@ -1,8 +1,8 @@
-//! Output to the user. This is the only file that writes to standard output and standard error.
+//! Output to the user. No other file writes to standard output or standard error.
 //!
 //! Standard output or standard error may be closed, full, or a pipe whose reader has ended (`diptych run CASE 2>&1 |
-//! head -1`). Rust's `println!` and `eprintln!` would then end the program. The functions in this file return, so that
-//! the work continues and its files are written.
+//! head -1`). Rust's `println!` and `eprintln!` would then end the program. The functions in this file return instead,
+//! so that the work continues and its files are written.
 
 use super::error::StudyError;
 use crate::case::{Checked, Diagnostic};
@@ -18,8 +18,8 @@ pub fn tell(line: impl Display) {
     let _ = writeln!(stderr().lock(), "{}", legible::lines(&line));
 }
 
-/// Prints the final sentences of a study and the path of the file with all results, on standard output. If this fails,
-/// a warning is printed; all results are in the folder nevertheless.
+/// Prints the final sentences of a study on standard output, then `what` and the path `file` of the file with all
+/// results. If the sentences cannot be printed, a warning is printed; all results are in the folder nevertheless.
 pub fn conclude(sentences: &[String], what: &str, file: &Path) {
     let lines: String = sentences.iter().map(|sentence| format!("{sentence}\n")).collect();
     if let Err(why) = answer(&format!("{lines}{what}: {}\n", file.display())) {
@@ -27,20 +27,20 @@ pub fn conclude(sentences: &[String], what: &str, file: &Path) {
     }
 }
 
-/// Prints a text that is the whole result of a command, on standard output. It is no error if the reader closes the
-/// pipe early.
+/// Prints a text that is the whole result of a command on standard output. It is no error if the reader closes the pipe
+/// before the end.
 ///
 /// # Errors
-/// [`StudyError::Failed`] if the text cannot be printed, for example because the disk is full. No other copy of the
-/// text exists.
+/// Returns [`StudyError::Failed`] if the text cannot be printed, for example because the disk is full. There is no
+/// other copy of the text.
 pub fn answer(text: &str) -> Result<(), StudyError> {
     print(&legible::lines(text))
 }
 
-/// Prints a JSON text that is the whole result of a command, as [`answer`] does.
+/// Prints a JSON text that is the whole result of a command, like [`answer`].
 ///
 /// # Errors
-/// The errors of [`answer`].
+/// Returns the errors of [`answer`].
 pub fn answer_json(text: &str) -> Result<(), StudyError> {
     print(&legible::json(text))
 }
@@ -55,7 +55,7 @@ fn print(text: &str) -> Result<(), StudyError> {
     }
 }
 
-/// Prints the warnings of all variants; equal warnings are printed once.
+/// Prints the warnings about all variants, equal warnings once. Nothing is printed if `quiet` is true.
 pub fn warn(variants: &[Checked], quiet: bool) {
     let mut told: Vec<&Diagnostic> = Vec::new();
     for warning in variants.iter().flat_map(|(_, warnings)| warnings) {

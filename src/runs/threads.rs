@@ -4,7 +4,8 @@ use super::error::StudyError;
 use super::ranks::Ranks;
 use crate::cli::Effort;
 
-/// Sets the number of threads of this process. Other processes of the command may be on this machine too.
+/// Sets the number of threads of this process: the number that the user has given, else an equal share of the cores for
+/// each process on this computer.
 pub fn share_threads(effort: &Effort, ranks: &Ranks) -> Result<(), StudyError> {
     if ranks.count() == 1 {
         return use_threads(effort.threads.map(usize::from));
@@ -14,9 +15,9 @@ pub fn share_threads(effort: &Effort, ranks: &Ranks) -> Result<(), StudyError> {
     start_threads(threads, rayon::ThreadPoolBuilder::new().num_threads(threads))
 }
 
-/// Sets the number of threads of the whole process, if the user gives it. With one thread, the calling thread itself
-/// does the work. Otherwise it would wait for another thread in each window, which takes most of the time of small
-/// scenes on a busy machine.
+/// Sets the number of threads of this process, if the user has given it. With one thread, the calling thread does the
+/// work itself. Otherwise it would wait for another thread in each window, which takes most of the time of small scenes
+/// on a busy machine.
 pub fn use_threads(threads: Option<usize>) -> Result<(), StudyError> {
     let Some(threads) = threads else { return Ok(()) };
     let mut pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
@@ -32,7 +33,7 @@ fn start_threads(threads: usize, pool: rayon::ThreadPoolBuilder) -> Result<(), S
     })
 }
 
-/// Distribution of the threads of a process among runs.
+/// Distribution of the threads of a process among runs that are done at the same time.
 #[derive(Clone, Copy)]
 pub struct ThreadBudget {
     /// Number of threads of the process.
@@ -43,7 +44,7 @@ pub struct ThreadBudget {
 }
 
 impl ThreadBudget {
-    /// Number of runs that are done at the same time, of `count` runs, and number of threads of each.
+    /// Number of runs that are done at the same time, out of `count` runs, and number of threads of each of them.
     pub fn of(self, count: usize) -> (usize, usize) {
         let at_once = if self.in_turn { 1 } else { self.threads.min(count).max(1) };
         (at_once, (self.threads / at_once).max(1))

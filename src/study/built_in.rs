@@ -7,14 +7,14 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// [characters] width of the column of case names in the list; each name is followed by the question that the case
-/// answers.
+/// [characters] width of the column with the names of the cases in the printed list. The title of the case follows each
+/// name.
 const NAMES: usize = 30;
 
-/// Prints the built-in cases with their questions, and the built-in sets of values.
+/// Prints the list of the built-in cases, with title and question of each, and the list of the built-in sets of values.
 ///
 /// # Errors
-/// The list cannot be written.
+/// Returns an error if the list cannot be written.
 pub fn cases() -> Result<(), StudyError> {
     let mut text = String::from("Built-in cases, for any command that takes a case, and for `diptych init NAME`:\n\n");
     for case in built_in::cases() {
@@ -30,18 +30,18 @@ pub fn cases() -> Result<(), StudyError> {
     answer(&text)
 }
 
-/// Question that a case answers, from the comment at the top of its file: the text after "Question:", up to the next
-/// heading word or the end of the paragraph. `None` without such text.
+/// Question that a case answers: the text after "Question:" in the comment at the top of the file of the case. The text
+/// ends before "Source:" on a new line or at the end of the paragraph. `None` if the comment has no "Question:".
 fn question(heading: &str) -> Option<String> {
     let after = heading.split_once("Question:")?.1;
     let end = after.find("\n\n").into_iter().chain(after.find("\nSource:")).min().unwrap_or(after.len());
     Some(after[..end].split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
-/// Writes a built-in case to a new file, and the files named in the case to the same folder.
+/// Copies a built-in case to a new file, and the files that the case names to the folder of this new file.
 ///
 /// # Errors
-/// There is no such case, or the file exists or cannot be written: bad input.
+/// Returns an error if no built-in case has the name, or if a file exists already or cannot be written.
 pub fn init(args: &Init) -> Result<(), StudyError> {
     let bad = |message: String| StudyError::Input(format!("error: {message}"));
     let Some(case) = built_in::case(&args.name) else {
@@ -60,7 +60,7 @@ pub fn init(args: &Init) -> Result<(), StudyError> {
     write(&path, case.text.as_bytes(), "another file")?;
     for (name, bytes) in built_in::files_of(&case) {
         let beside = path.with_file_name(&name);
-        // a file with equal contents, written for another case, serves both cases
+        // an existing file with equal contents, written for another case, is not written again
         if std::fs::read(&beside).is_ok_and(|there| there == bytes) {
             continue;
         }
@@ -72,7 +72,7 @@ pub fn init(args: &Init) -> Result<(), StudyError> {
     Ok(())
 }
 
-/// Writes a file, either completely or not at all; an existing file is not changed.
+/// Writes a new file, either completely or not at all. Returns an error if the file exists already.
 fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();

@@ -1,9 +1,9 @@
-//! Measurements on which a plan depends: the agitation of the particles, and the cost of a window on this machine. A
-//! window is the time between two exchanges of momentum with the gas.
+//! Measurements on which a plan depends: the agitation (random velocities) of the particles, and the wall time of a
+//! window on this machine. A window is the time between two exchanges of momentum with the gas.
 //!
-//! The physics is measured in a short run in a smaller periodic box. The length of this run is given by numbers of
-//! windows and collisions, so it is equal on every machine. Wall times are measured in a few windows of the case at its
-//! full size; no recommendation depends on them.
+//! The agitation is measured in a short run of a smaller periodic box. Numbers of windows and collisions set the length
+//! of this run, so it is equal on every machine. Wall times are measured in a few windows of the case at its full size;
+//! no recommendation depends on these times.
 
 use super::trust::granular_temperature;
 use crate::contact_law::ContactLaw;
@@ -23,55 +23,58 @@ use nalgebra::Vector3;
 use std::f64::consts::PI;
 use std::time::Instant;
 
-/// Approximate number of particles in the short run that measures the agitation. The number is enough for a velocity
-/// distribution.
+/// Approximate number of particles in the short run that measures the agitation (random velocities). So many particles
+/// are enough for a velocity distribution.
 const PARTICLES: f64 = 500.0;
 
-/// Largest length of the short run that measures the agitation, as number of particles times number of windows (times
-/// between two kicks of drag). The run takes some seconds.
+/// Largest length of the short run that measures the agitation (random velocities). It is the number of particles times
+/// the number of windows (times between two kicks of drag). The run takes some seconds.
 const PARTICLE_WINDOWS: f64 = 4e6;
 
-/// Largest number of collisions in the short run that measures the agitation, estimated by kinetic theory from the
-/// initial velocities. The run takes some seconds.
+/// Largest number of collisions in the short run that measures the agitation (random velocities). The number is
+/// estimated by kinetic theory from the initial velocities. The run takes some seconds.
 const COLLISIONS: f64 = 5e5;
 
-/// [-] smallest width of a shortened periodic side of the box in the short run, divided by the largest particle
-/// diameter.
+/// [-] smallest width of a periodic side of the box in the short run, divided by the largest particle diameter. Sides
+/// are not shortened below this width.
 const NARROWEST: f64 = 10.0;
 
-/// Smallest number of impacts from which the distribution of their speeds is computed: ten impacts then lie beyond the
-/// 99 % quantile.
+/// Smallest number of impacts from which a distribution of impact speeds is computed. With this number, ten impacts are
+/// faster than the 99 % quantile.
 const IMPACTS: u64 = 1000;
 
-/// [s] wall time after which the timing of windows of one collision model ends.
+/// [s] wall time after which the timing of one collision model ends.
 const PATIENCE: f64 = 0.4;
 
-/// Number of steps times number of particles in a timed piece of uniform time steps; such a piece takes some tenths of
-/// a second.
+/// Number of steps times number of particles in the timed part of a window with uniform time steps. The timing of such
+/// a part takes some tenths of a second.
 const STEPS: f64 = 2e7;
 
-/// Agitation and impact speeds of the particles of a case, measured in a short run in a smaller periodic box.
+/// Agitation (random velocities) and impact speeds of the particles of a case, measured in a short run of a smaller
+/// periodic box.
 pub struct Physics {
-    /// Length of the short run, and the collision rates and errors that the plan computes from it.
+    /// Length of the short run that measures the agitation, with the collision rates and errors that the plan computes
+    /// from this run.
     pub calibration: Calibration,
     /// [m²/s²] granular temperature of all particles.
     pub variance: f64,
     /// [m²/s²] granular temperature of each species.
     pub temperatures: Vec<f64>,
-    /// Variation of the agitation with the height between the walls and with the direction of the velocity.
+    /// Ratios of the velocity variance at different heights between the walls and in different directions to its mean.
     pub spread: AgitationSpread,
-    /// [m/s] normal speeds of the collisions of pairs, if neither a gas flow nor heating nor lossless impacts keep the
-    /// temperature constant: its mean then does not give the speeds. `None` otherwise, or with too few collisions.
+    /// [m/s] distribution of the normal speeds of collisions between particles. Given only if the temperature changes
+    /// during the run, so that the speeds do not follow from its mean. `None` if gas, heating or lossless impacts keep
+    /// the temperature constant, or after too few collisions.
     pub pair_speeds: Option<Histogram>,
-    /// [m/s] normal speeds of the wall impacts; `None` with too few impacts.
+    /// [m/s] distribution of the normal speeds of wall impacts; `None` after too few impacts.
     pub wall_speeds: Option<Histogram>,
 }
 
-/// True if all particles start at random positions, some of them with random velocities, and there are at least 100.
-/// They then form a gas, at least for a while.
+/// True if the particles form a gas at the start: at least 100 particles, all at random positions, and at least some
+/// with random velocities.
 pub fn is_gas(experiment: &Experiment) -> bool {
-    /// Smallest number of particles of a gas. With fewer, the collision rate has a statistical error of 1/sqrt(N), more
-    /// than 10 %.
+    /// Smallest number of particles that count as a gas. With fewer particles, the collision rate has a relative
+    /// statistical error 1/sqrt(N) of more than 10 %.
     const FEWEST: usize = 100;
     let random = |population: &crate::experiment::Population| matches!(population.amount, Amount::Count(_));
     experiment.start.iter().all(random)
@@ -88,8 +91,8 @@ pub fn start_variances(experiment: &Experiment) -> Vec<f64> {
     variances
 }
 
-/// Measures the agitation and the impact speeds in a short run of the case in a smaller periodic box. `None` if the
-/// particles do not form a gas, or if the smaller box cannot be filled.
+/// Measures the agitation (random velocities) and the impact speeds in a short run of the case in a smaller periodic
+/// box. `None` if the particles do not form a gas, or if the smaller box cannot be filled.
 pub fn physics(experiment: &Experiment) -> Option<Physics> {
     if !is_gas(experiment) {
         return None;
@@ -99,7 +102,8 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
     let drawn = variance_of(&start);
     let (outcome, end) = execute(&small, start, &mut []);
     let found = granular_temperature(&outcome).filter(|found| found.is_finite() && *found > 0.0).unwrap_or(drawn);
-    // if nothing drives the particles, the temperature is that of the start minus the part that collisions dissipate
+    // without gas, heating or moving walls: temperature of the start times the share that collisions leave in the short
+    // run
     let variance =
         if is_driven(experiment) { found } else { found / drawn * variance_of(&initial_state(experiment).ok()?) };
     let count = outcome.particles.max(1) as f64;
@@ -131,8 +135,9 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
     Some(Physics { calibration, variance, temperatures, spread, pair_speeds, wall_speeds })
 }
 
-/// Slices between two flat walls with their shares of the particles and their velocity variances. The spread of the
-/// agitation is computed from these slices. Particle centres keep half a diameter from both walls.
+/// Slices of the box between two flat walls: each with its share of the particles, its share of the height, and the
+/// variances of the three velocity components. Only heights that particle centres can have count; they are at least
+/// half the largest diameter away from both walls.
 fn slices(outcome: &Outcome) -> Vec<Slice> {
     let scene = &outcome.experiment.scene;
     let height = scene.domain.size.y;
@@ -165,8 +170,8 @@ fn is_driven(experiment: &Experiment) -> bool {
     scene.fluid.is_some() || scene.domain.shear.is_some() || scene.is_heated() || moves
 }
 
-/// True if no gas, gravity, shear, heat or moving wall acts on the particles, and all impacts are elastic and frictionless. The
-/// kinetic energy then stays constant from the start.
+/// True if no gas, gravity, shear, heat or moving wall acts on the particles, and all impacts are elastic and
+/// frictionless. The kinetic energy then stays constant from the start.
 fn conserves(experiment: &Experiment) -> bool {
     let scene = &experiment.scene;
     let surfaces = scene.surfaces(2);
@@ -175,8 +180,8 @@ fn conserves(experiment: &Experiment) -> bool {
     is_left_alone && lossless.all(|lossless| lossless)
 }
 
-/// Case with shorter periodic sides of its box, so with fewer particles at equal number density. The spheres are hard,
-/// and the duration is so short that the run takes some seconds.
+/// Copy of the case with shorter periodic sides of its box, so with fewer particles at equal number density. The
+/// spheres are hard, and the duration is so short that the run takes some seconds.
 fn smaller(experiment: &Experiment) -> Experiment {
     let mut small = experiment.clone();
     let count: usize = experiment.count();
@@ -216,8 +221,8 @@ fn smaller(experiment: &Experiment) -> Experiment {
     small
 }
 
-/// [m²/s²] granular temperature of each species, by species index. `variance` is the mean over all particles; the
-/// ratios between species are those of the state `end`.
+/// [m²/s²] granular temperature of each species, by species index. `variance` [m²/s²] is the mean of these temperatures
+/// over all particles. The ratios of the temperatures are taken from the particles `end`.
 fn by_species(end: &Particles, variance: f64, species: usize) -> Vec<f64> {
     let mean = end.velocity.iter().sum::<Vector3<f64>>() / end.len().max(1) as f64;
     let mut sums = vec![(0.0, 0.0); species];
@@ -233,8 +238,8 @@ fn by_species(end: &Particles, variance: f64, species: usize) -> Vec<f64> {
     sums.iter().map(|sums| variance * share(sums)).collect()
 }
 
-/// [-] relative standard error of the granular temperature in a slice, as the median over all slices; `None` if no
-/// slice has an error.
+/// [-] standard error of the granular temperature of a slice, divided by the temperature; median over all slices.
+/// `None` if no slice has a standard error.
 fn temperature_error(outcome: &Outcome) -> Option<f64> {
     let relative = |row: &SliceRow| {
         let parts: Vec<Estimate> = [UU, VV, WW].into_iter().map(|column| row.of(column)).collect::<Option<_>>()?;
@@ -249,7 +254,7 @@ fn temperature_error(outcome: &Outcome) -> Option<f64> {
 }
 
 /// Copy of the experiment with the collision model and the time stepping of `choice`. Soft and hybrid spheres get the
-/// contact law `law`, else that of the case. `None` if they need a law and there is none.
+/// contact law `law`; without it, that of the case. `None` if they need a contact law and neither gives one.
 pub fn with_choice(experiment: &Experiment, choice: EngineChoice, law: Option<ContactLaw>) -> Option<Experiment> {
     let mut chosen = experiment.clone();
     chosen.soft.law = law.or(experiment.soft.law);
@@ -269,7 +274,8 @@ pub fn with_choice(experiment: &Experiment, choice: EngineChoice, law: Option<Co
     Some(chosen)
 }
 
-/// Timing of some windows of a run, extrapolated to the cost of the whole run.
+/// Timing of some windows (times between two kicks of drag) of a run, with the wall time of the whole run extrapolated
+/// from it.
 pub struct Timed {
     /// [s] extrapolated wall time of the whole run; if the run failed, wall time until the failure.
     pub seconds: f64,
@@ -277,12 +283,12 @@ pub struct Timed {
     pub windows: u64,
     /// [byte] memory of this process at the end of the timed windows; `None` if the system does not report it.
     pub memory: Option<f64>,
-    /// Reason why the run stopped early; `None` if it did not.
+    /// Reason why the engine stopped during the timed windows; `None` if it did not stop.
     pub failure: Option<Failure>,
 }
 
-/// Predicted wall time and memory of each collision model. Each is computed from the timing of some windows (times
-/// between two kicks of drag) that begin with the particles `start`. Soft spheres have the law `law`.
+/// Predicted wall time and memory of each collision model. Each prediction comes from the timing of some windows (times
+/// between two kicks of drag), which begin with the particles `start`. Soft spheres have the contact law `law`.
 pub fn costs(experiment: &Experiment, start: &Particles, law: Option<ContactLaw>) -> Vec<PredictedCost> {
     EngineChoice::ALL
         .into_iter()
@@ -299,9 +305,9 @@ pub fn costs(experiment: &Experiment, start: &Particles, law: Option<ContactLaw>
         .collect()
 }
 
-/// Times some windows (times between two kicks of drag) of a run from `start`, and extrapolates to the whole run. The
-/// timing covers at most the share `most` [-] of the run, or ends after `PATIENCE`. Other programs on the machine slow
-/// it down as they would the run.
+/// Times some windows (times between two kicks of drag) of a run that begins with the particles `start`, and
+/// extrapolates to the whole run. The timing ends after the share `most` [-] of the run, or after the wall time
+/// `PATIENCE`. Other programs on the machine slow the timing down as they would slow down the run.
 pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
     let schedule = Schedule::new(experiment);
     let windows = schedule.windows_per_sample as f64 * schedule.samples as f64;
@@ -321,7 +327,7 @@ pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
     let most = (most * total).max(3.0).min(total).ceil();
     let clock = Instant::now();
     let (mut timed, mut batch, mut seconds) = (0.0, 1.0_f64, 0.0);
-    // lists and tables are made in the first window, which is not counted if there are more windows
+    // the first window is not counted if more windows follow, because it also creates lists and tables
     let mut first = (0.0, 0.0);
     let mut failure = None;
     while timed < most && seconds < PATIENCE {
@@ -348,9 +354,9 @@ pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
     }
 }
 
-/// [s] `window`, or a shorter time that costs little wall time, since a long window may contain any number of impacts.
-/// The trials begin with ten times the time in which the fastest particle moves by the largest diameter. Each further
-/// trial is twice as long.
+/// [s] length of a part of a window that takes little wall time; at most `window` [s]. A long window may contain any
+/// number of impacts. The first trial has ten times the time in which the fastest particle moves by the largest
+/// diameter. Each further trial is twice as long.
 fn short_enough(experiment: &Experiment, start: &Particles, window: f64) -> f64 {
     let diameter = 2.0 * start.radius.iter().copied().fold(0.0, f64::max);
     let speed = start.largest_speed(Vector3::zeros()) + (experiment.scene.gravity.norm() * diameter).sqrt();
@@ -369,14 +375,15 @@ fn short_enough(experiment: &Experiment, start: &Particles, window: f64) -> f64 
     window
 }
 
-/// [byte] memory for the figures and the page of one variant, which are made when the run is over (measured on the
-/// built-in cases).
+/// [byte] memory for the figures and the page of one variant. They are made after the run, so the timing does not
+/// include them (measured on the built-in cases).
 const REPORT: f64 = 0.5e6;
 
 /// [byte] memory of one particle in the store: position, velocity, radius, mass, species, id.
 const BYTES: f64 = 8.0 * 8.0 + 2.0 + 4.0;
 
-/// [s] wall time for adding the velocities of all particles to the averages over slices once.
+/// [s] wall time of one sample of the statistics: the velocities of all particles are added to the averages over
+/// slices.
 fn sampling(experiment: &Experiment, particles: &Particles) -> f64 {
     let mut accumulator = Accumulator::new(experiment.statistics.slices, experiment.scene.domain.size.y);
     let clock = Instant::now();
@@ -384,8 +391,8 @@ fn sampling(experiment: &Experiment, particles: &Particles) -> f64 {
     clock.elapsed().as_secs_f64()
 }
 
-/// [byte] memory that this process uses now; `None` if the system does not report it (Linux: VmRSS of
-/// /proc/self/status).
+/// [byte] memory that this process uses now, from the line VmRSS of /proc/self/status on Linux. `None` on a system
+/// without this file.
 fn resident() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
@@ -393,8 +400,8 @@ fn resident() -> Option<f64> {
     Some(1024.0 * kibibytes)
 }
 
-/// Copy of the experiment whose windows (times between two kicks of drag) all have one length. In a gas each species
-/// starts with its granular temperature in `temperatures` [m²/s²], by species index.
+/// Copy of the experiment in which all windows (times between two kicks of drag) have equal length. In a gas, each
+/// species starts with random velocities of the granular temperature `temperatures` [m²/s²], listed by species index.
 pub fn agitated(experiment: &Experiment, temperatures: &[f64]) -> Experiment {
     let mut moved = experiment.clone();
     for population in moved.start.iter_mut().filter(|_| experiment.scene.fluid.is_some()) {

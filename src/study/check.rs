@@ -15,26 +15,26 @@ use serde::Serialize;
 use std::collections::HashSet;
 use std::fmt::Write;
 
-/// Largest number of particles for which `check` tries to place them, to find scenes that are too crowded. More
-/// particles take seconds; only `plan` places them.
+/// Largest number of particles that `check` tries to place, in order to find scenes that are too crowded. More
+/// particles would take seconds; the command `plan` places them.
 const MOST: usize = 1_000_000;
 
-/// Limit of the effort for placing the particles, about 5 s of wall time. Each tried position counts as 1, and each
-/// round over all particles counts as the number of particles.
+/// Limit on the effort for placing the particles, about 5 s of wall time. The effort is the number of tried positions,
+/// plus the number of particles for each round over all particles.
 const EFFORT: u64 = 5_000_000;
 
-/// Smallest limit on the number of rounds over all particles while they are placed. Ten rounds are enough where
-/// insertion is quick.
+/// Smallest limit on the number of rounds over all particles while they are placed. Ten rounds are enough in scenes
+/// where random insertion is quick.
 const ROUNDS: u64 = 20;
 
-/// Largest number of kinds of contact in the list, such as pairs of two species. The list contains the kinds with the
-/// shortest contacts, on which the time step depends.
+/// Largest number of kinds of contact in the printed list. A kind is, for example, the contact of two species. The list
+/// contains the kinds with the shortest contacts, on which the time step depends.
 const LISTED: usize = 20;
 
 /// Checks a case and prints the runs that it defines.
 ///
 /// # Errors
-/// The mistake in the case; with JSON output it is printed too.
+/// Returns the mistake in the case as an error. With JSON output, the mistake is also printed.
 pub fn check(args: &Check) -> Result<(), StudyError> {
     let found = Case::read(&args.case, &args.input.set).and_then(|case| CheckReport::of(&case));
     if !args.json {
@@ -55,7 +55,7 @@ pub fn check(args: &Check) -> Result<(), StudyError> {
 /// Text that `check` prints for a case.
 ///
 /// # Errors
-/// The mistake in the case: no model can run it, or a variant that the case names cannot run.
+/// Returns the mistake in the case: no model can run it, or a variant that the case names cannot run.
 pub fn check_text(case: &Case) -> Result<String, Diagnostic> {
     Ok(CheckReport::of(case)?.text())
 }
@@ -64,66 +64,66 @@ pub fn check_text(case: &Case) -> Result<String, Diagnostic> {
 struct CheckReport {
     case: String,
     title: String,
-    /// Descriptions of the scene and the run in words, one statement per entry.
+    /// Sentences that describe the scene and the run, one per entry.
     scene: Vec<String>,
-    /// Variant of the command `run`; `None` if the case itself gives no model.
+    /// Variant that the command `run` would run; `None` if the case itself gives no model.
     run: Option<CheckedVariant>,
-    /// Variants of the command `compare`.
+    /// Variants that the command `compare` would run.
     variants: Vec<CheckedVariant>,
-    /// Reason why `compare` cannot run soft and hard spheres; `None` if it can.
+    /// Reason why `compare` cannot run the case with soft and hard spheres; `None` if it can.
     compare_refused: Option<String>,
-    /// Keys that `sweep` varies.
+    /// Keys to which the command `sweep` gives several values, with these values.
     sweep: Vec<Varied>,
-    /// Warnings for the reader, each once.
+    /// Warnings about the case for the reader, without duplicates.
     warnings: Vec<Diagnostic>,
 }
 
-/// A key that `sweep` varies.
+/// Key to which the command `sweep` gives several values.
 #[derive(Serialize)]
 struct Varied {
     key: String,
-    /// Values of the key as typed.
+    /// Values of the key, as typed in the case.
     values: Vec<String>,
 }
 
-/// One variant, with the times computed for it.
+/// One variant of the case, with its time step, contact times and windows.
 #[derive(Serialize)]
 struct CheckedVariant {
     name: String,
     model: Model,
     /// Name, value and unit of the elastic parameter of the contact law; `None` for hard spheres.
     contact_law: Option<String>,
-    /// [s] time step of the soft model; `None` if nothing can touch.
+    /// [s] time step of the soft model; `None` if there is no contact law or if nothing can touch.
     time_step: Option<f64>,
-    /// [-] number of soft time steps of the whole run.
+    /// [-] number of time steps of soft spheres in the whole run; `None` if there is no time step.
     steps: Option<f64>,
-    /// [s] duration of the shortest contact of two particles.
+    /// [s] duration of the shortest contact of two particles; `None` if there is none.
     pair_contact: Option<f64>,
-    /// [s] duration of the shortest contact with a wall.
+    /// [s] duration of the shortest contact of a particle with a wall; `None` if there is none.
     wall_contact: Option<f64>,
-    /// Kinds of contact with their names and durations [s]. Empty unless there are several kinds of pairs or several at
-    /// walls. At most 20 are listed, the shortest ones.
+    /// Kinds of contact, such as that of two species, with their names and durations [s]. At most 20 are listed, the
+    /// shortest ones. Empty if there is at most one kind between particles and at most one at walls.
     contacts: Vec<(String, f64)>,
-    /// [s] length of a window, the time between two exchanges of momentum with the gas; the shortest one if windows
-    /// grow during the run.
+    /// [s] length of a window, the time between two exchanges of momentum with the gas. If windows grow during the run,
+    /// this is the shortest one.
     window: f64,
     /// [s] length of the longest window, the time between two exchanges of momentum with the gas.
     longest: f64,
-    /// [-] number of windows of the whole run, as a float because a case may have more windows than a 64-bit integer
-    /// can count.
+    /// [-] number of windows (times between two exchanges of momentum with the gas) of the whole run. It is a float,
+    /// because a case may have more windows than a 64-bit integer can count.
     windows: f64,
     samples: u64,
 }
 
 impl CheckReport {
-    /// Examines a case: its scene, its variants and what they need. If one model cannot run a case that `run` accepts,
-    /// the report gives the reason.
+    /// Examines a case: its scene, its variants, their time steps and the obstacles to their runs. If `run` accepts a
+    /// case that `compare` cannot run, the report gives the reason.
     fn of(case: &Case) -> Result<Self, Diagnostic> {
         let sweep = varied(case)?;
         let (run, variants) = (case.experiment(None, None), case.variants(None));
         let (variants, refused) = match variants {
             Ok(variants) => (variants, None),
-            // the case does not list its variants, so it may be made for one of the models only
+            // the case lists no variants, so it may be made for only one of the models
             Err(why) if run.is_ok() && !case.names_variants() => (Vec::new(), Some(why)),
             Err(why) => return Err(run.err().filter(|_| !case.names_variants()).unwrap_or(why)),
         };
@@ -133,7 +133,7 @@ impl CheckReport {
         let mut warnings: Vec<Diagnostic> = Vec::new();
         let mut looked_at = HashSet::new();
         for (experiment, told) in run.iter().chain(&variants) {
-            // a variant with an equal description is not examined again
+            // a variant whose description equals that of an examined variant is not examined again
             let stops = if looked_at.insert(describe(experiment)) { stops(experiment)? } else { Vec::new() };
             for warning in told.iter().cloned().chain(stops) {
                 if !warnings.contains(&warning) {
@@ -183,8 +183,8 @@ impl CheckReport {
     }
 }
 
-/// Keys that the case varies in a sweep. Every value is tried, with the other keys at their first values; a value that
-/// cannot run is an error.
+/// Keys that the case varies in a sweep. Every value of a key is checked with the other keys at their first values. A
+/// value that cannot run is an error.
 fn varied(case: &Case) -> Result<Vec<Varied>, Diagnostic> {
     let axes = case.own_axes()?;
     for (k, axis) in axes.iter().enumerate() {
@@ -227,7 +227,8 @@ impl CheckedVariant {
         }
     }
 
-    /// Report as text for the terminal: the scene, and for each variant time step, contact times and windows.
+    /// Text of one variant for the terminal: contact law, time step, contact times, and the number and lengths of its
+    /// windows.
     fn text(&self) -> String {
         let mut text = String::new();
         if let (Some(law), Some(step), Some(steps)) = (&self.contact_law, self.time_step, self.steps) {
@@ -254,8 +255,8 @@ impl CheckedVariant {
     }
 }
 
-/// Kinds of contact, such as two species, with the durations [s] of their contacts at the fastest impacts. Empty unless
-/// there are several kinds of pairs or several at walls.
+/// Kinds of contact, such as that of two species, with the durations [s] of their contacts at the fastest impacts.
+/// Empty if there is at most one kind between particles and at most one at walls.
 fn contacts(experiment: &Experiment, law: &ContactLaw) -> Vec<(String, f64)> {
     let kinds = at_fastest_impacts(experiment);
     let several = |wall: bool| kinds.iter().filter(|kind| kind.wall == wall).count() > 1;
@@ -271,12 +272,12 @@ fn contacts(experiment: &Experiment, law: &ContactLaw) -> Vec<(String, f64)> {
     times
 }
 
-/// Reasons that would prevent a run, found without running it. If there is too little memory, this is the only reason.
-/// Otherwise the reasons are those of `plan` against hard spheres. Limits of soft spheres are checked when a case is
-/// read; hard spheres in time steps are not checked.
+/// Reasons that would prevent a run, found without running it. If the memory is too small, this is the only reason.
+/// Otherwise the obstacles to hard spheres are listed, as the command `plan` finds them. Limits of soft spheres are
+/// checked when a case is read; hard spheres in time steps are not checked.
 ///
 /// # Errors
-/// The scene is too crowded to start, so that `run` refuses it.
+/// Returns an error if the scene is so crowded that the command `run` refuses it.
 fn stops(experiment: &Experiment) -> Result<Vec<Diagnostic>, Diagnostic> {
     let by_events = experiment.model() == Model::Hard && experiment.hard.stepping == HardStepping::Events;
     if let Some((why, help)) = memory::refusal(experiment) {
@@ -301,7 +302,7 @@ fn stops(experiment: &Experiment) -> Result<Vec<Diagnostic>, Diagnostic> {
     Ok(found.map(warning).collect())
 }
 
-/// Warning that no random start was found with the limited effort of `check`.
+/// Warning that `check` found no random start of the particles within its limited effort.
 fn not_yet_placed() -> Diagnostic {
     let message = "no random start was found with the effort that `check` makes: a run tries longer, and refuses a scene that is too crowded";
     let help = "see whether the walls leave room for all particles; fewer of them start sooner";

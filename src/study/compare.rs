@@ -13,23 +13,25 @@ use crate::runs::{CommandOrigin, CommandSettings, Ranks, StudyError, read, share
 use crate::statistics::{Answer, ErrorLevels};
 use std::ops::Range;
 
-/// Number of further replicas of each variant after which `--until-decided` tests again whether the comparison is
-/// decided. Four replicas of each variant give Student's t 6 degrees of freedom.
+/// Number of further replicas of each variant from one interim test of `--until-decided` to the next. Four replicas of
+/// each of two variants give Student's t 6 degrees of freedom.
 const PIECE: usize = 4;
 
-/// Largest number of replicas of each variant with `--until-decided` but without `--replicas`: sixteen interim tests.
+/// Largest number of replicas of each variant with `--until-decided` but without `--replicas`: sixteen tests of 4
+/// further replicas each.
 const MOST: usize = 64;
 
-/// Runs all variants of a case and writes their results to one folder. Returns the answer of all comparisons together;
-/// `None` for a single variant.
+/// Runs all variants of a case and writes their results to one folder. Returns one answer for all comparisons of the
+/// variants; `None` if there is a single variant.
 ///
 /// # Errors
-/// Bad input, before anything is computed; failures of engines, after everything has been written.
+/// Returns an error for bad input, before anything is computed, or for failures of engines, after everything has been
+/// written.
 pub fn compare(args: &Compare, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
     compare_on(args, CommandOrigin::Typed, ranks)
 }
 
-/// Begins or resumes a comparison. Runs that are over are not done again.
+/// Begins or resumes a comparison of variants. Runs that are complete are not repeated.
 pub(super) fn compare_on(args: &Compare, origin: CommandOrigin, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
     let settings = CommandSettings {
         checkpoint_every: args.keep.checkpoint_every,
@@ -60,11 +62,11 @@ pub(super) fn compare_on(args: &Compare, origin: CommandOrigin, ranks: &Ranks) -
     Ok(overall(&judged.comparisons))
 }
 
-/// Numbers of replicas after which a comparison is tested before its end. Each such interim test is a "look" at the
-/// results so far.
+/// Numbers of replicas after which a comparison is tested. Each of these tests is called a "look" at the results so
+/// far; all but the last are interim tests.
 #[derive(Clone, Copy, Debug)]
 struct Looks {
-    /// Number of further replicas of each variant from one interim test to the next.
+    /// Number of further replicas of each variant from one test to the next.
     piece: usize,
     /// Largest number of replicas of each variant, reached at the last test.
     most: usize,
@@ -84,30 +86,30 @@ impl Looks {
         self.most.div_ceil(self.piece)
     }
 
-    /// Number of replicas of each variant that are complete at the interim test with number `look`, counted from 1.
+    /// Number of replicas of each variant that are complete at the test with number `look`, counted from 1.
     fn replicas(self, look: usize) -> usize {
         (look * self.piece).min(self.most)
     }
 
-    /// Indices of the replicas of each variant that are added for the interim test `look` (from 1). Index 0 is the
-    /// first run of the variant, which is done before and left out.
+    /// Indices of the replicas of each variant that are added for the test with number `look`, counted from 1. Index 0,
+    /// the first run of the variant, is left out, because it is done earlier.
     fn range(self, look: usize) -> Range<usize> {
         self.replicas(look - 1).max(1)..self.replicas(look)
     }
 }
 
-/// Results of a comparison so far, and the settings by which they are judged.
+/// Results of a comparison so far, with the numbers of replicas and the margin by which they are judged.
 struct VariantComparison<'a> {
     variants: &'a Variants,
     looks: Looks,
-    /// [-] margin of equivalence for the answers.
+    /// [-] margin of equivalence: relative difference up to which two results count as equal in the answers.
     margin: f64,
     results: VariantResults<'a>,
 }
 
 impl VariantComparison<'_> {
-    /// Runs the replicas of a variant that the interim test with number `look` requires. If the user stops the command,
-    /// the results so far are written, and the error says so.
+    /// Runs the replicas of a variant that the test with number `look` requires. If the user stops the command, the
+    /// results so far are written, and an error that says so is returned.
     fn run_replicas(&mut self, variant: usize, look: usize) -> Result<(), StudyError> {
         if self.results.run_replicas(variant, self.looks.range(look))? {
             return Ok(());
@@ -116,14 +118,14 @@ impl VariantComparison<'_> {
         Err(self.results.stopped(variant))
     }
 
-    /// Writes the results so far, judged with the error levels of the interim test `look`. Called after every variant
-    /// and every test, so that results remain if the command is stopped.
+    /// Writes the results so far, judged with the error levels of the test with number `look`. This is done after every
+    /// variant and every test, so that results remain if the command is stopped.
     fn write_part(&self, look: usize) -> Result<(), StudyError> {
         self.results.write(&self.judged(look), false).map(drop)
     }
 
-    /// Judges the results so far with the error levels of the interim test `look`. The answers of the comparisons come
-    /// first, then further sentences.
+    /// Judges the results so far with the error levels of the test with number `look`. The findings contain the answers
+    /// of the comparisons first, then further sentences.
     fn judged(&self, look: usize) -> VariantFindings {
         let pooled = self.results.runs.iter().map(|runs| pool(runs[0].clone(), runs[1..].to_vec()));
         let (outcomes, others): (Vec<Outcome>, Vec<Vec<Outcome>>) = pooled.unzip();
@@ -148,7 +150,8 @@ impl VariantComparison<'_> {
     }
 }
 
-/// True if the comparison can end: every comparison is decided, or a replica of some variant stopped early.
+/// True if the comparison can end: no comparison of two variants is unresolved, or a replica of some variant stopped
+/// early.
 fn is_decided(findings: &VariantFindings) -> bool {
     let stopped = findings.outcomes.iter().any(|one| one.failure.is_some());
     stopped || findings.comparisons.iter().all(|one| one.answer != Answer::Unresolved)

@@ -7,50 +7,50 @@ use crate::output::{FIGURES, Folder, OutputError, SUMMARY, figures};
 use crate::runs::{StudyError, conclude, folder, read};
 use serde::Serialize;
 
-/// Number of equally spaced rows in `profile.csv` for a profile that was not computed on a grid.
+/// Number of equally spaced rows in `profile.csv`, for a profile that was not computed on a grid.
 const ROWS: usize = 401;
 
-/// Summary of a gas profile.
+/// Summary of the velocity profile of a gas.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FluidSummary {
-    /// [m] height of the box along y.
+    /// [m] height of the box along y, the wall-normal direction.
     pub height: f64,
-    /// [m/s] mean velocity over the height, or over the cross-section of a pipe.
+    /// [m/s] mean velocity of the gas over the height of the box, or over the cross-section of a pipe.
     pub bulk_velocity: f64,
     /// [m/s] greatest velocity of the gas.
     pub maximum_velocity: f64,
-    /// [-] Reynolds number of the mean velocity and the distance between the walls of the gas, or the diameter of the
-    /// pipe.
+    /// [-] Reynolds number of the mean velocity and the distance between the walls of the gas. In a pipe, the diameter
+    /// replaces this distance.
     pub reynolds_number: f64,
-    /// [m/s] friction velocity u_τ; `None` for a profile without one.
+    /// [m/s] friction velocity u_τ of the gas; `None` for a profile without one.
     pub friction_velocity: Option<f64>,
-    /// Summary of the solution, for a k-epsilon profile.
+    /// Summary of the computed channel flow, for a k-epsilon profile; `None` for other profiles.
     pub channel: Option<ChannelSummary>,
 }
 
-/// Summary of a channel flow computed with a k-epsilon model of turbulence.
+/// Summary of a channel flow that was computed with a k-epsilon model of turbulence.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChannelSummary {
-    /// Name of the turbulence model.
+    /// Name of the k-epsilon model of turbulence.
     pub model: String,
-    /// [m/s] friction velocity u_τ.
+    /// [m/s] friction velocity u_τ of the channel flow.
     pub friction_velocity: f64,
-    /// [-] friction Reynolds number u_τ h/ν.
+    /// [-] friction Reynolds number u_τ h/ν of the channel.
     pub reynolds_tau: f64,
-    /// Number of cells over the half channel.
+    /// Number of cells of the grid over half the height of the channel.
     pub cells: usize,
-    /// [-] distance of the first node from the wall, in wall units (y⁺).
+    /// [-] distance of the first node of the grid from the wall, in wall units (y⁺).
     pub first_node: f64,
     /// Number of iterations of the equations of k and ε until they converged.
     pub iterations: usize,
-    /// [-] largest relative change of a variable in the last iteration.
+    /// [-] largest relative change of a variable of the turbulence model in the last iteration.
     pub residual: f64,
     /// [-] imbalance of the k equation, integrated over the half channel: (production - dissipation - wall
     /// flux)/production.
     pub k_imbalance: f64,
 }
 
-/// One row of `profile.csv`: the gas at one height. Cells are empty if the profile gives no value.
+/// One row of `profile.csv`: the gas at one height y, in SI units. Cells are empty if the profile gives no value.
 #[derive(Serialize)]
 struct FluidProfileRow {
     y_m: f64,
@@ -67,7 +67,7 @@ struct FluidProfileRow {
 /// Computes the gas profile of a case and writes it to `profile.csv`, `figures/` and `summary.json`.
 ///
 /// # Errors
-/// Bad input, before anything is written; afterwards a file that cannot be written.
+/// Returns an error for bad input, before anything is written, or for a file that cannot be written.
 pub fn fluid(args: &Args) -> Result<(), StudyError> {
     let case = read(&args.case, &args.input)?;
     let checked = match case.experiment(None, None) {
@@ -114,12 +114,12 @@ pub fn fluid(args: &Args) -> Result<(), StudyError> {
     Ok(())
 }
 
-/// Writes the profile of the gas between walls at y = 0 and y = `height` [m]. A k-epsilon profile is written at its
-/// nodes in both halves, with points of the law of the wall near the walls (without k, ε, ν_t). Any other profile is
-/// written at equal distances.
+/// Writes the profile of the gas between walls at y = 0 and y = `height` [m]. A k-epsilon profile is written at the
+/// nodes of its grid in both halves of the channel. Near the walls it has points of the law of the wall, without k, ε
+/// and ν_t. Any other profile is written at equal distances.
 ///
 /// # Errors
-/// A file that cannot be written.
+/// Returns an error if a file cannot be written.
 pub fn write_profile(fluid: &Fluid, height: f64, folder: &Folder) -> Result<FluidSummary, OutputError> {
     let mut csv = csv::Writer::from_writer(Vec::new());
     for row in rows(&fluid.profile, height) {
@@ -201,8 +201,8 @@ fn summary(fluid: &Fluid, height: f64) -> FluidSummary {
     }
 }
 
-/// Gases of the variants of a case, each with the name of the first variant that has this gas. Empty if all variants
-/// have one gas.
+/// Gas profiles of the variants of a case, each with the name of the first variant that has this gas. Empty if all
+/// variants have one gas.
 fn gases(case: &Case) -> Vec<(String, Profile)> {
     let mut gases: Vec<(String, Profile)> = Vec::new();
     for (experiment, _) in case.variants(None).unwrap_or_default() {
@@ -216,18 +216,21 @@ fn gases(case: &Case) -> Vec<(String, Profile)> {
     if gases.len() < 2 { Vec::new() } else { gases }
 }
 
-/// [m] length of the Reynolds number: distance between the walls of the gas, or diameter of its pipe.
+/// [m] length in the Reynolds number of the gas: distance between its walls, or diameter of its pipe. `height` [m] is
+/// the height of the box.
 fn width(profile: &Profile, height: f64) -> f64 {
     let [low, high] = profile.between(height);
     high - low
 }
 
-/// [m/s] mean velocity over the height: stored for a channel flow, else averaged over [`ROWS`] equally spaced points.
+/// [m/s] mean velocity of the gas over the height `height` [m]. A channel flow stores this mean; else [`ROWS`] equally
+/// spaced points are averaged.
 fn bulk_velocity(profile: &Profile, height: f64) -> f64 {
     profile.bulk_velocity().unwrap_or_else(|| mean(profile, height))
 }
 
-/// [m/s] mean velocity over the height by the trapezoidal rule, from [`ROWS`] equally spaced points.
+/// [m/s] mean velocity of the gas over the height `height` [m], by the trapezoidal rule on [`ROWS`] equally spaced
+/// points.
 fn mean(profile: &Profile, height: f64) -> f64 {
     let sample = profile.sample(height, ROWS);
     sample.windows(2).map(|pair| 0.5 * (pair[0].1 + pair[1].1)).sum::<f64>() / (ROWS - 1) as f64

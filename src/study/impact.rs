@@ -1,4 +1,4 @@
-//! `diptych impact`: computes one impact, of two spheres or of a sphere and a wall, with each collision model.
+//! `diptych impact`: computes one impact of two spheres, or of a sphere and a wall, with each collision model.
 
 use super::oblique::oblique;
 use crate::case::describe_variants;
@@ -18,17 +18,18 @@ use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
 use std::path::Path;
 
-/// Built-in case that runs if no case is named.
+/// Name of the built-in case that runs if the command names no case.
 const DEFAULT_CASE: &str = "impact";
 
-/// Largest number of points of a path. To store, write and draw so many points of 24 bytes takes some hundred
-/// megabytes.
+/// Largest number of points of a path (gap and normal velocity over time). Some hundred megabytes are needed to store,
+/// write and draw so many points of 24 bytes.
 const MOST_POINTS: f64 = 1e7;
 
-/// Number of points of the path of a body, except for soft spheres, whose path has a point per time step.
+/// Number of intervals between the stored points of a path. The path of soft spheres has a point after each time step
+/// instead.
 const POINTS: f64 = 400.0;
 
-/// The two bodies of the case that collide, and the surface properties of their contact.
+/// The two bodies of the case that collide, with the surface properties of their contact.
 #[derive(Clone, Copy)]
 pub(super) struct ImpactPair {
     pub partner: Partner,
@@ -37,10 +38,11 @@ pub(super) struct ImpactPair {
     diameter: f64,
 }
 
-/// Runs the impact under each variant and writes the results to one folder.
+/// Simulates the impact with each variant of the case and writes the results to one folder.
 ///
 /// # Errors
-/// Bad input before anything is computed; failures of engines after everything has been written.
+/// Returns an error for bad input, before anything is computed, or for failures of engines, after everything has been
+/// written.
 pub fn impact(args: &ImpactArguments) -> Result<(), StudyError> {
     let path = args.case.clone().unwrap_or_else(|| DEFAULT_CASE.into());
     let case = read(&path, &args.input)?;
@@ -87,7 +89,7 @@ pub fn impact(args: &ImpactArguments) -> Result<(), StudyError> {
     failures_of(bounces.iter().map(|bounce| (bounce.name.as_str(), bounce.failure.as_ref())))
 }
 
-/// Notes for the reader on effects that neither the pictures nor the closed form include.
+/// Notes for the reader on effects that are missing in the pictures or in the closed form.
 fn notes(surface: &Surface) -> Vec<String> {
     let mut notes = vec![
         "The closed form of a soft contact (the paper's Eq. 6) leaves out gravity and any other contact while it lasts."
@@ -99,7 +101,8 @@ fn notes(surface: &Surface) -> Vec<String> {
     notes
 }
 
-/// Sentences on the differences in rebound between oblique impacts of each variant and those of the first variant.
+/// Sentences on the oblique impacts of each further variant: how far the rebound differs from that of the first
+/// variant.
 fn differences(study: &ObliqueStudy) -> Vec<String> {
     let first = &study.curves[0].name;
     let sentence = |k: usize| {
@@ -135,7 +138,7 @@ fn sentence(bounce: &Bounce, surface: &Surface) -> String {
     }
 }
 
-/// Refuses a soft impact with so many time steps that its path, with one point per step, would fill the memory.
+/// Refuses a soft impact with so many time steps that its path would fill the memory. The path has one point per step.
 fn check_path(experiment: &Experiment, particles: usize, case: &Path) -> Result<(), StudyError> {
     let steps = experiment.run.duration / soft_step(experiment, particles);
     if experiment.model() != Model::Soft || steps <= MOST_POINTS {
@@ -148,7 +151,8 @@ fn check_path(experiment: &Experiment, particles: usize, case: &Path) -> Result<
     )))
 }
 
-/// Refuses an impact of two spheres under the DSMC model, in which pairs collide at random.
+/// Refuses an impact of two spheres with the DSMC model. In this model pairs collide at random, so the impact has no
+/// certain time and place.
 fn check_chance(experiment: &Experiment, meeting: &ImpactPair, case: &Path) -> Result<(), StudyError> {
     if experiment.model() != Model::Dsmc || matches!(meeting.partner, Partner::Wall(_)) {
         return Ok(());
@@ -160,8 +164,8 @@ fn check_chance(experiment: &Experiment, meeting: &ImpactPair, case: &Path) -> R
     )))
 }
 
-/// The two bodies of the scene: two spheres, or one sphere and the nearest wall. A restitution that depends on the speed
-/// is that at their present speed of approach.
+/// The two bodies of the scene: two spheres, or one sphere and the nearest wall. If the restitution depends on the
+/// speed, it is taken at the present speed of approach.
 pub(super) fn meeting(scene: &Scene, particles: &Particles, case: &Path) -> Result<ImpactPair, StudyError> {
     let mut found = two_bodies(scene, particles, case)?;
     let approach = -point(scene, particles, &found, 0.0).normal_velocity;
@@ -199,8 +203,8 @@ fn two_bodies(scene: &Scene, particles: &Particles, case: &Path) -> Result<Impac
     }
 }
 
-/// Gap [m] and normal velocity [m/s] of the two bodies at the simulated time `time` [s]. The gap is negative while they
-/// overlap, and the velocity is positive while they separate.
+/// Gap [m] between the two bodies and their normal relative velocity [m/s], at the simulated time `time` [s]. The gap
+/// is negative while they overlap, and the velocity is positive while they separate.
 pub(super) fn point(scene: &Scene, particles: &Particles, meeting: &ImpactPair, time: f64) -> PathPoint {
     let place = |id: u32| particles.id.iter().position(|&other| other == id).unwrap_or_default();
     let i = place(0);
@@ -220,8 +224,8 @@ pub(super) fn point(scene: &Scene, particles: &Particles, meeting: &ImpactPair, 
     PathPoint { time, gap, normal_velocity }
 }
 
-/// Runs the impact under one variant, and stores gap and normal velocity after every window. In a soft run a window is
-/// one time step, else a 400th of the run.
+/// Simulates the impact with one variant. Gap and normal velocity are stored after every window, which is one time step
+/// for soft spheres, else a 400th of the run.
 fn bounce(experiment: &Experiment, particles: Particles, meeting: &ImpactPair) -> Bounce {
     let scene = &experiment.scene;
     let duration = experiment.run.duration;
@@ -260,9 +264,9 @@ fn bounce(experiment: &Experiment, particles: Particles, meeting: &ImpactPair) -
     }
 }
 
-/// Closed form of the impact: straight flight up to the touch, the contact, then straight flight. The contact follows
-/// the contact law (soft; Eq. 6 of the paper) or takes an instant (hard). `None` if gravity curves the flight towards a
-/// wall, or if the bodies do not meet.
+/// Closed form of the impact: straight flight until the bodies touch, the contact, then straight flight. A soft contact
+/// follows the contact law (Eq. 6 of the paper); a hard one takes an instant. `None` if gravity curves the flight
+/// towards a wall, or if the bodies do not meet.
 fn closed_form(experiment: &Experiment, meeting: &ImpactPair, first: PathPoint) -> Option<Analytic> {
     let approach = -first.normal_velocity;
     let bent = matches!(meeting.partner, Partner::Wall(_)) && experiment.scene.gravity.norm() > 0.0;
@@ -276,7 +280,7 @@ fn closed_form(experiment: &Experiment, meeting: &ImpactPair, first: PathPoint) 
     if let Some(law) = experiment.law() {
         let spring = law.between(&meeting.bodies);
         contact_time = law.contact_time(&spring, approach);
-        // e = 0 means critical damping, with which the contact never ends
+        // e = 0 means critical damping, with which a contact has no end
         if !contact_time.is_finite() {
             return None;
         }
@@ -300,7 +304,7 @@ fn closed_form(experiment: &Experiment, meeting: &ImpactPair, first: PathPoint) 
         PathPoint { time, gap, normal_velocity }
     };
     let mut times: Vec<f64> = (0..=POINTS as usize).map(|k| duration * k as f64 / POINTS).collect();
-    // the path has corners at the beginning and the end of the contact, which the picture must contain
+    // the path has corners at the beginning and the end of the contact, which the picture must show
     times.extend([touch * (1.0 - f64::EPSILON), end].iter().filter(|t| **t < duration));
     // points within the contact, which may be much shorter than the run
     let during = (1..POINTS as usize).map(|k| touch + contact_time * k as f64 / POINTS);

@@ -1,4 +1,4 @@
-//! `diptych keys`: prints every key of a case, from the types that read it.
+//! `diptych keys`: prints every key of a case. The list is made from the types that read a case.
 
 use crate::case::keys::{Key, KeyTable, schema, tables};
 use crate::case::nearest;
@@ -6,7 +6,7 @@ use crate::cli::Keys;
 use crate::runs::{StudyError, answer, answer_json};
 use std::fmt::Write;
 
-/// Text above the tables of the page of keys.
+/// Text above the tables of the page of keys, in Markdown.
 const INTRODUCTION: &str = "\
 # Keys of a case
 
@@ -22,10 +22,10 @@ set from the command line, as in `--set soft.steps_per_contact=50` or `--set 'pa
 An editor that knows JSON schemas completes and checks keys with the output of `diptych keys --schema`.
 ";
 
-/// Prints the keys of a case.
+/// Prints the keys of a case, as text, as Markdown or as a JSON schema.
 ///
 /// # Errors
-/// There is no such table, or the text cannot be written.
+/// Returns an error if the named table does not exist, or if the text cannot be written.
 pub fn keys(args: &Keys) -> Result<(), StudyError> {
     if args.schema {
         return answer_json(&format!("{:#}\n", schema()));
@@ -42,12 +42,12 @@ pub fn keys(args: &Keys) -> Result<(), StudyError> {
     answer(&if args.markdown { page(&shown) } else { shown.iter().map(|table| text(table)).collect() })
 }
 
-/// True if the table has this name, or lies within the table of this name.
+/// True if `table` has the name `name`, or lies within the table with this name.
 fn is_within(table: &KeyTable, name: &str) -> bool {
     table.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }
 
-/// Page of all keys, which is stored as `docs/keys.md`.
+/// Page of all keys in Markdown, which is stored as `docs/keys.md`.
 pub fn markdown() -> String {
     page(&tables().iter().collect::<Vec<_>>())
 }
@@ -68,12 +68,12 @@ fn text(table: &KeyTable) -> String {
     text + "\n"
 }
 
-/// Remark in brackets that a key is required under the condition `when`; empty if `when` is `None`.
+/// Remark in brackets that a table is required under the condition `when`; empty if `when` is `None`.
 fn required(when: Option<&String>) -> String {
     when.map_or(String::new(), |when| format!(" (required {when})").replace(" always", ""))
 }
 
-/// Properties of a key except its meaning, each in a few words.
+/// Type, unit, range, condition and default of a key, each in a few words.
 fn facts(key: &Key) -> Vec<String> {
     let kind = match &key.unit {
         Some(unit) => format!("{} [{unit}]", key.kind),
@@ -99,10 +99,10 @@ fn page(tables: &[&KeyTable]) -> String {
     page
 }
 
-/// A key as a row of a Markdown table.
+/// Row for one key in a Markdown table of keys.
 fn row(key: &Key) -> String {
     let code = |text: &Option<String>| text.as_ref().map_or(String::new(), |text| format!("`{text}`"));
-    // a default in words is set as text; a default that could be typed is set as code
+    // a default in words is set as text; a default that a user could type is set as code
     let default = match (&key.required, &key.default) {
         (Some(when), _) => format!("required {when}").replace(" always", ""),
         (None, Some(default)) if !default.starts_with(['"', '[']) && default.contains([' ', '`']) => default.clone(),

@@ -1,23 +1,23 @@
-//! `diptych completions` and `diptych man`: prints completions for a shell, and manual pages.
+//! `diptych completions` and `diptych man`: prints completions for a shell, and manual pages of the commands.
 
 use crate::cli::{Cli, Completions, Man};
 use crate::runs::{StudyError, answer};
 use clap::CommandFactory;
 
-/// Prints the completions of a shell.
+/// Prints the script with which a shell completes the commands and options of diptych.
 ///
 /// # Errors
-/// Standard output cannot be written.
+/// Returns an error if standard output cannot be written.
 pub fn completions(args: &Completions) -> Result<(), StudyError> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "diptych", &mut script);
     answer(&String::from_utf8_lossy(&script))
 }
 
-/// Prints a manual page.
+/// Prints the manual page of diptych or of one of its commands.
 ///
 /// # Errors
-/// There is no such command, or the page cannot be written.
+/// Returns an error if there is no such command, or if the page cannot be written.
 pub fn man(args: &Man) -> Result<(), StudyError> {
     let mut whole = Cli::command();
     whole.build();

@@ -1,4 +1,4 @@
-//! Studies, which are the tasks that users do with the engines: run, compare, impact. Studies use engines only through
+//! Studies: the tasks that users do with the engines, such as run, compare and impact. Studies use engines only through
 //! the trait `Engine`.
 
 mod built_in;

@@ -10,20 +10,20 @@ use crate::rotation::{PartialSlip, slip};
 use crate::simulation::Simulation;
 use nalgebra::Vector3;
 
-/// Number of points of a curve.
+/// Number of impacts, each with another slip, from which a curve is made.
 const POINTS: usize = 28;
 
-/// [-] largest reduced slip s/(μ u_n) of a curve, divided by that at which sticking ends under Walton's rule with β_0 =
-/// 0.
+/// [-] largest reduced slip s/(μ u_n) before an impact, divided by the slip at which sticking ends under Walton's rule
+/// with β_0 = 0.
 const REACH: f64 = 2.0;
 
 /// Number of windows (pieces of the run) per contact time in the simulation of an impact. `LONGEST` is the largest
-/// number of contact times.
+/// number of windows; an impact that has not ended then has no point on the curve.
 const WINDOWS: f64 = 10.0;
 const LONGEST: u64 = 60;
 
-/// [-] Mindlin's ratio k_t/k_n = 4 G*/E* of the two bodies, under the first variant whose contact law has elastic
-/// constants.
+/// [-] Mindlin's ratio k_t/k_n = 4 G*/E* of the tangential and normal stiffness of the two bodies. It is computed with
+/// the contact law of the first variant whose law has elastic constants; `None` without such a law.
 fn compliance_ratio(variants: &[(&Experiment, &Particles)], meeting: &ImpactPair) -> Option<f64> {
     let ratio = |(experiment, _): &(&Experiment, &Particles)| {
         // the law's ratio is that of 8 G* a to the factor 4/3 E* of Hertz's force, whose derivative is 2 E* a
@@ -32,12 +32,13 @@ fn compliance_ratio(variants: &[(&Experiment, &Particles)], meeting: &ImpactPair
     variants.iter().filter_map(ratio).find(|ratio| *ratio > 0.0)
 }
 
-/// [-] ratio M_t/M of solid spheres (docs/rotation.md), for which the measured points are valid.
+/// [-] ratio M_t/M of the effective masses of slip and normal motion for solid spheres (docs/rotation.md). The measured
+/// points are valid for this ratio.
 const SOLID: f64 = 2.0 / 7.0;
 
-/// Angle of impact [°] and ratio of the tangential velocities of the centre after and before. Spheres of aluminium
-/// oxide of 5 mm hit thick soda-lime glass at 3.9 m/s (Kharaz, Gorham and Salman 2001, Powder Technol. 120, 281; digits
-/// of the test DEM05 of MFIX, truongd8593/mfix@15c6363a).
+/// Measured angle of impact [°], and tangential velocity of the centre after the impact divided by that before it.
+/// Spheres of aluminium oxide of 5 mm hit thick soda-lime glass at 3.9 m/s (Kharaz, Gorham and Salman 2001, Powder
+/// Technol. 120, 281; digits of the test DEM05 of MFIX, truongd8593/mfix@15c6363a).
 const MEASURED: [(f64, f64); 8] = [
     (2.0275, 0.7938),
     (3.9282, 0.7450),
@@ -49,11 +50,11 @@ const MEASURED: [(f64, f64); 8] = [
     (59.8416, 0.9019),
 ];
 
-/// [-] coefficient of friction of these surfaces (MFIX DEM05).
+/// [-] coefficient of friction of the surfaces in the measured impacts (MFIX DEM05).
 const MEASURED_FRICTION: f64 = 0.092;
 
-/// Oblique impacts under each variant, with the normal speed `speed` [m/s] of the case. `None` without rotation,
-/// friction or approach.
+/// Oblique impacts of the two bodies with each variant, at the normal speed `speed` [m/s] of the case. `None` if there
+/// is no rotation, no friction or no approach.
 pub(super) fn oblique(
     variants: &[(&Experiment, &Particles)],
     meeting: &ImpactPair,
@@ -94,7 +95,8 @@ pub(super) fn oblique(
     Some(ObliqueStudy { curves, measured, partial_slip, impulse })
 }
 
-/// [-] ratio M_t/M of the effective mass of the slip to that of the normal motion of the two bodies.
+/// [-] ratio M_t/M of the effective mass of the slip to that of the normal motion of the two bodies. `None` if the
+/// particles do not rotate.
 fn mass_ratio(particles: &Particles, meeting: &ImpactPair) -> Option<f64> {
     let inertia = particles.inertia.as_ref()?;
     let others = if matches!(meeting.partner, Partner::Particle(_)) { 2 } else { 1 };
@@ -102,15 +104,15 @@ fn mass_ratio(particles: &Particles, meeting: &ImpactPair) -> Option<f64> {
     Some(crate::rotation::tangential_mass((0..others).map(body)) / meeting.bodies.effective_mass)
 }
 
-/// [m/s] slip of the surfaces after an impact without gas and gravity. The last argument has the normal speed and the
-/// slip before the impact [m/s]. `None` if the impact does not end.
+/// [m/s] slip of the surfaces after an impact without gas and gravity. The last argument has the normal speed [m/s] and
+/// the slip [m/s] before the impact. `None` if the impact does not end.
 fn thrown(
     experiment: &Experiment,
     particles: &Particles,
     meeting: &ImpactPair,
     (normal_speed, slip_before): (f64, f64),
 ) -> Option<f64> {
-    /// [-] gap before the impact, divided by the radius.
+    /// [-] gap between the surfaces at the start of the run, divided by the radius of the first particle.
     const GAP: f64 = 1e-6;
     let mut experiment = experiment.clone();
     experiment.scene.gravity = Vector3::zeros();

@@ -1,5 +1,5 @@
 //! `diptych plan CASE`: predictions for a case before it is run, with the recommended engine, stiffness, time step and
-//! length.
+//! duration.
 
 use super::calibration::{Physics, agitated, costs, is_gas, physics, start_variances, variance_of, with_choice};
 use crate::case::{Case, Checked, Diagnostic, name_of};
@@ -26,23 +26,23 @@ use crate::runs::{StudyError, answer, answer_json, read, start, use_threads, war
 use crate::schedule::Schedule;
 use crate::simulation::soft_step;
 
-/// [-] default of the desired relative error, `--target-error`.
+/// [-] relative error of averages that a plan aims at if the option `--target-error` is not given.
 pub const USUAL_TARGET: f64 = 0.01;
 
-/// Plan of a case, its recommendation, and the case with the recommended settings.
+/// Plan of a case, the settings that it recommends, and the case with these settings.
 pub struct PlannedExperiment {
-    /// Predictions and measurements.
+    /// Predictions for the run, and the measurements on which they depend.
     pub plan: RunPrediction,
-    /// Recommended settings.
+    /// Settings that are recommended: engine, contact law, steps per contact and others.
     pub recommendation: Recommendation,
-    /// The case with the recommended engine, stiffness and steps; unchanged if no engine is adequate.
+    /// Case with the recommended engine, stiffness and time steps. It is unchanged if no engine is adequate.
     pub experiment: Experiment,
 }
 
-/// Plans a case and prints the plan.
+/// Makes the plan of a case and prints it.
 ///
 /// # Errors
-/// The mistake in the case.
+/// Returns the mistake in the case.
 pub fn plan(args: &Arguments) -> Result<(), StudyError> {
     let case = read(&args.case, &args.input)?;
     let checked = any_model(&case, args.effort.seed)?;
@@ -53,8 +53,8 @@ pub fn plan(args: &Arguments) -> Result<(), StudyError> {
     if args.json { answer_json(&document) } else { answer(&document) }
 }
 
-/// Experiment of the case with its own model or, if that model cannot run the case, with soft or else hard spheres. A
-/// plan chooses the model itself.
+/// Experiment of the case with its own model. If this model cannot run the case, the model is soft spheres or else hard
+/// spheres. A plan needs any model that can run, since it recommends the model itself.
 pub fn any_model(case: &Case, seed: Option<u64>) -> Result<Checked, Diagnostic> {
     case.experiment(None, seed).or_else(|why| {
         let other = |model| case.experiment(Some(model), seed).ok();
@@ -79,11 +79,12 @@ fn document(
     if json { Ok(plan_json(&document)?) } else { Ok(plan_text(&document)) }
 }
 
-/// Plans an experiment whose averages should have the relative error `target` [-]. If `timed` is true, runs of every
-/// model are timed for some windows too. The recommendation does not depend on the timing.
+/// Makes the plan of an experiment whose averages should have the relative error `target` [-]. If `timed` is true,
+/// every model is also run for some windows (times between two kicks of drag) to measure its cost. The recommendation
+/// does not depend on this timing.
 ///
 /// # Errors
-/// The scene is too crowded to start.
+/// Returns an error if the scene is too crowded to start.
 pub fn plan_of(experiment: &Experiment, target: f64, timed: bool) -> Result<PlannedExperiment, StudyError> {
     let measured = physics(experiment);
     let temperatures =
@@ -105,8 +106,8 @@ pub fn plan_of(experiment: &Experiment, target: f64, timed: bool) -> Result<Plan
     plan.averaging = averaging(experiment, &plan).filter(|_| plan.transient.is_none());
     if timed {
         plan.costs = costs(&moved, &particles, law);
-        // the timing is valid for flying particles; in a bed at rest one island contains all particles, and local steps
-        // cost more than uniform steps
+        // the timing is valid for flying particles; in a bed at rest one island (group of particles that may meet)
+        // contains all particles, and local steps cost more than uniform steps
         let local = |cost: &&mut PredictedCost| {
             matches!(cost.model, EngineChoice::SoftLocal | EngineChoice::Hybrid) && cost.failure.is_none()
         };
@@ -119,7 +120,8 @@ pub fn plan_of(experiment: &Experiment, target: f64, timed: bool) -> Result<Plan
     Ok(PlannedExperiment { plan, recommendation, experiment })
 }
 
-/// Predictions that do not depend on the contact law, such as collision rates, mean free path and cost.
+/// Predictions that do not depend on the contact law, such as collision rates, mean free path and rest. Fields that
+/// depend on the contact law are empty.
 fn without_contacts(
     experiment: &Experiment,
     target: f64,
@@ -174,7 +176,7 @@ fn without_contacts(
     }
 }
 
-/// Adds the predictions that depend on the contact law: contacts, time steps and overlaps.
+/// Adds to a plan the predictions that depend on the contact law `law`: contacts, time steps and overlaps.
 fn with_contacts(
     plan: &mut RunPrediction,
     experiment: &Experiment,
@@ -233,8 +235,8 @@ fn with_contacts(
     }
 }
 
-/// Kinds of contact of the case, such as a pair of species, with their impact speeds. The speeds are those of a gas or,
-/// in scenes of few bodies, of these bodies.
+/// Kinds of contact of the case, such as that of two species, with their impact speeds. In a gas the speeds follow from
+/// the temperatures; in scenes of few bodies they are those of the bodies.
 fn kinds(
     experiment: &Experiment,
     plan: &RunPrediction,
@@ -246,7 +248,7 @@ fn kinds(
     let temperature = |species: usize| temperatures.get(species).copied().unwrap_or(0.0);
     if plan.gas.is_some() {
         let spread = measured.map_or_else(AgitationSpread::even, |found| found.spread.clone());
-        // with several species, a histogram does not tell which species collided
+        // with several species, the measured speeds do not show which species collided
         let counted = measured.filter(|_| experiment.scene.species.len() == 1);
         let speeds = |variance, counted: Option<&Histogram>, parts: &[[f64; 2]]| match counted {
             Some(speeds) => ImpactSpeeds::Measured { variance, speeds: speeds.clone() },
@@ -261,12 +263,12 @@ fn kinds(
     bodies(experiment, particles, plan.rest.as_ref().map_or(0.0, |rest| rest.speed))
 }
 
-/// [-] smallest averaging time, divided by the mean time between two collisions of a particle. Only beyond several such
-/// times do errors fall with the root of the averaging time.
+/// [-] smallest averaging time, divided by the mean time between two collisions of a particle. Errors fall with the
+/// root of the averaging time if this time is several mean times between collisions.
 const FREE_TIMES: f64 = 10.0;
 
-/// Number of particles and averaging time for the desired error. Errors fall with the root of particles times time.
-/// `None` without a gas, or if the short run was not steady or gave no error.
+/// Number of particles and averaging time with which averages get the desired error. Errors fall with the root of the
+/// number of particles times the time. `None` without a gas, or if the short run was not steady or gave no error.
 fn averaging(experiment: &Experiment, plan: &RunPrediction) -> Option<Averaging> {
     let (gas, run) = (plan.gas.as_ref()?, plan.calibration.as_ref().filter(|run| run.steady)?);
     let needed = run.particles as f64 * run.averaged * (run.temperature_error? / plan.target_error).powi(2);
@@ -286,8 +288,8 @@ fn averaging(experiment: &Experiment, plan: &RunPrediction) -> Option<Averaging>
     })
 }
 
-/// Copy of the case with the recommended settings; unchanged if no engine is adequate. A contact law that is stiff
-/// enough is kept.
+/// Copy of the case with the recommended settings. It is unchanged if no engine is adequate. A contact law of the case
+/// that is stiff enough is not changed.
 fn follow(experiment: &Experiment, recommendation: &Recommendation) -> Experiment {
     let Some(engine) = recommendation.engine else { return experiment.clone() };
     let Some(mut chosen) = with_choice(experiment, engine, recommendation.law) else { return experiment.clone() };

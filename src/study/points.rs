@@ -1,4 +1,4 @@
-//! Independent points of a study, which run several at once, with their progress.
+//! Independent points of a study, of which several run at once, with a progress display.
 
 use crate::runs::{StudyError, tell};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -6,11 +6,12 @@ use rayon::prelude::*;
 use std::io::{IsTerminal, stderr};
 use std::time::Instant;
 
-/// Runs `one` on all points of a study, several at once, and returns the results in the order of the points. The
-/// results do not depend on the threads. `name` stands beside the progress, which is hidden if `quiet` is true.
+/// Runs the function `one` on all points of a study, several at once, and returns the results in the order of the
+/// points. The results do not depend on the number of threads. `name` is displayed with the progress; nothing is
+/// displayed if `quiet` is true.
 ///
 /// # Errors
-/// The first error of a point.
+/// Returns the error of one of the points that fail.
 pub fn run_points<P: Sync, R: Send>(
     name: &str,
     quiet: bool,
@@ -18,7 +19,7 @@ pub fn run_points<P: Sync, R: Send>(
     one: impl Fn(&P) -> Result<R, StudyError> + Sync,
 ) -> Result<Vec<R>, StudyError> {
     let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(points.len() as u64) };
-    // if the template is not valid, the default bar is used
+    // the default progress bar is used if the template is not valid
     if let Ok(style) = ProgressStyle::with_template("{bar:16} {pos} of {len} points, {eta} left  {wide_msg}") {
         bar.set_style(style);
     }

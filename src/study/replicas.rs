@@ -6,10 +6,11 @@ use crate::outcome::{Averaged, Outcome, Replicas};
 use crate::runs::StudyError;
 use crate::statistics::{Batches, Estimate, FEWEST_RUNS, ProfileTable, U};
 
-/// Experiments of all replicas: the first has the seed of the case, the others the next seeds.
+/// Experiments of all replicas of a variant. The first has the seed of the case, and each further one the next larger
+/// seed.
 ///
 /// # Errors
-/// Bad input: all particles have given positions, so that the replicas would be equal.
+/// Returns an error if all particles start at given positions, since the replicas would then be equal.
 pub fn replicas(experiment: &Experiment, count: u16) -> Result<Vec<Experiment>, StudyError> {
     if count > 1 && experiment.start.iter().all(|population| matches!(population.amount, Amount::Placed(_))) {
         return Err(StudyError::Input(format!(
@@ -26,10 +27,10 @@ pub fn replicas(experiment: &Experiment, count: u16) -> Result<Vec<Experiment>, 
     Ok((0..count).map(one).collect())
 }
 
-/// Pools the replicas of a variant into one outcome; returns it, and all replicas but the first. Profiles, temperature,
-/// rates, averages of species and measurements are averages over the replicas. Steadiness is that of most replicas.
-/// Other results, such as times and energy balances, are those of the first one. Failed replicas are left out unless
-/// all have failed; the failure remains in the outcome.
+/// Pools the replicas of a variant into one outcome, and returns it with the outcomes of the further replicas.
+/// Profiles, temperature, rates, averages of species and measurements are averages over the replicas. The outcome is
+/// steady if more than half of the replicas are. Other results, such as times and energy balances, are those of the
+/// first replica. Failed replicas are left out unless all have failed; the outcome contains the failure.
 pub fn pool(first: Outcome, others: Vec<Outcome>) -> (Outcome, Vec<Outcome>) {
     let failure = std::iter::once(&first).chain(&others).find_map(|run| run.failure.clone());
     let (mut rest, failed): (Vec<Outcome>, Vec<Outcome>) = others.into_iter().partition(|run| run.failure.is_none());
@@ -42,8 +43,8 @@ pub fn pool(first: Outcome, others: Vec<Outcome>) -> (Outcome, Vec<Outcome>) {
     (outcome, rest)
 }
 
-/// [-] share of particles that keep their positions above which the averages of one run are not valid for other runs.
-/// The share has an uncertainty of about 0.05.
+/// [-] largest share of particles that may stay in their layer during averaging. With a larger share, averages of one
+/// run are not valid for other runs. The share has an uncertainty of about 0.05.
 pub const FROZEN: f64 = 0.2;
 
 fn merge(first: &Outcome, others: &[Outcome]) -> Outcome {
@@ -86,8 +87,9 @@ fn merge(first: &Outcome, others: &[Outcome]) -> Outcome {
     outcome
 }
 
-/// [-] scatter of averages between runs over their standard errors estimated within each run, as root mean square over
-/// the averages that are known.
+/// [-] standard deviation of an average between runs, divided by its standard error estimated within each run. It is
+/// the root mean square over the bulk velocity, the temperature and the impact rates, as far as they are known. `None`
+/// if none is known.
 fn scatter_over_errors(runs: &[&Outcome]) -> Option<f64> {
     let of = |run: &Outcome| -> [Option<Estimate>; 4] {
         let count = run.profiles.slices.len() as f64;
@@ -106,7 +108,7 @@ fn scatter_over_errors(runs: &[&Outcome]) -> Option<f64> {
         let centre = known.iter().map(|one| one.0).sum::<f64>() / count;
         let between = known.iter().map(|one| (one.0 - centre).powi(2)).sum::<f64>() / (count - 1.0);
         let within = known.iter().map(|one| one.1 * one.1).sum::<f64>() / count;
-        // differences by rounding alone do not count as scatter
+        // differences by rounding do not count as scatter
         (within.sqrt() > 1e-12 * centre.abs()).then(|| between / within)
     };
     let ratios: Vec<f64> = (0..4).filter_map(ratio).collect();

@@ -12,11 +12,11 @@ use clap::Parser;
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// Continues the command whose results are in a folder.
+/// Continues the command whose results are in the folder that `args` names.
 ///
 /// # Errors
-/// The folder has nothing that could be resumed, another version of the program wrote it, or its case has changed.
-/// Otherwise the errors are those of the command.
+/// Returns an error if the folder has nothing that could be resumed, if another version of the program wrote it, or if
+/// its case has changed. Other errors are those of the resumed command.
 pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
     let typed = args.folder.display();
     let input = |message: String| StudyError::Input(format!("error: {message}"));
@@ -33,7 +33,7 @@ pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
         ))
     })?;
     let origin = CommandOrigin::Resumed { folder, command, quiet: args.quiet };
-    // only the following commands store their state
+    // only these commands store their state
     if let Command::Run(mut run) = cli.command {
         adopt(args, &mut run.output, &mut run.effort);
         run_on(&run, origin, ranks)
@@ -54,13 +54,14 @@ pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
     }
 }
 
-/// Replaces the options of the earlier command by the options typed for `resume`.
+/// Replaces options of the resumed command by the options typed for `resume`: the number of threads, and the choice to
+/// print nothing.
 fn adopt(args: &Resume, output: &mut Output, effort: &mut Effort) {
     output.quiet |= args.quiet;
     effort.threads = args.threads.or(effort.threads);
 }
 
-/// Error with the reason why there is nothing to resume.
+/// Error that says why the results in `folder` cannot be resumed.
 fn refusal(folder: &Path, why: Unreadable) -> StudyError {
     let path = folder.join(CHECKPOINT).join(COMMAND[0]);
     match why {

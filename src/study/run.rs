@@ -15,15 +15,16 @@ use crate::runs::{CommandOrigin, CommandSettings, Ranks, StudyError, read, share
 use crate::schedule::Schedule;
 use crate::statistics::Estimate;
 
-/// Runs a case with one model and writes the results to a folder.
+/// Runs a case with one model and writes the results to one folder.
 ///
 /// # Errors
-/// Bad input, before anything is computed; a failure of the engine, after all results up to it have been written.
+/// Returns an error for bad input, before anything is computed, or for a failure of the engine, after all results up to
+/// it have been written.
 pub fn run(args: &Run, ranks: &Ranks) -> Result<(), StudyError> {
     run_on(args, CommandOrigin::Typed, ranks)
 }
 
-/// Begins or resumes a run.
+/// Begins or resumes the run of a case with one model.
 pub(super) fn run_on(args: &Run, origin: CommandOrigin, ranks: &Ranks) -> Result<(), StudyError> {
     let settings = CommandSettings {
         checkpoint_every: args.keep.checkpoint_every,
@@ -56,12 +57,12 @@ pub(super) fn run_on(args: &Run, origin: CommandOrigin, ranks: &Ranks) -> Result
     if !is_whole {
         return Err(results.stopped(0));
     }
-    // writing the report replaces the folder of figures, so the budgets are written afterwards
+    // writing the report replaces the folder of figures, so the budgets are written later
     let balance = moments.map_or(Ok(Vec::new()), |moments| budgets(&moments, &findings.outcomes[0], &folder))?;
     results.finish(&findings, &[findings.verdicts.clone(), balance].concat(), &report)
 }
 
-/// Variant that the command runs. The text is the reason for its model, if the program chose the model.
+/// Variant that the command runs. The text is the reason for its model, if the user let the program choose the model.
 fn variant(args: &Run, ranks: &Ranks) -> Result<(Variants, Option<String>), StudyError> {
     let case = read(&args.case, &args.input.with_every(args.every.as_ref()))?;
     let auto = args.model == Some(ModelChoice::Auto);
@@ -78,8 +79,9 @@ fn variant(args: &Run, ranks: &Ranks) -> Result<(Variants, Option<String>), Stud
     Ok((variants, reason))
 }
 
-/// Refuses `--budgets` (of the second moments of velocity) in two cases. Budgets follow each particle from window to window,
-/// so no particle may come or go. They are sums over windows of one length, so windows may not differ in length.
+/// Refuses the option `--budgets` (budgets of the second moments of velocity) if particles may come or go, or if
+/// windows (times between two kicks of drag) differ in length. Budgets follow each particle from window to window, and
+/// they are sums over windows of one length.
 fn refuse_budgets(args: &Run, experiment: &Experiment) -> Result<(), StudyError> {
     let schedule = Schedule::new(experiment);
     if args.budgets && experiment.scene.has_openings() {
@@ -100,7 +102,7 @@ fn refuse_budgets(args: &Run, experiment: &Experiment) -> Result<(), StudyError>
     Err(StudyError::Input(format!("error: {why}\nhelp: --set run.window=\"{:?} s\"", schedule.window)))
 }
 
-/// Writes the budgets of the second moments; returns a sentence on the remaining imbalance.
+/// Writes the budgets of the second moments of velocity, and returns sentences with the terms of each budget.
 fn budgets(moments: &SecondMoments, outcome: &Outcome, folder: &Folder) -> Result<Vec<String>, StudyError> {
     let Some(budgets) = moments.budgets(outcome.steadiness.from) else {
         return Ok(vec!["No budgets: a slice saw no particle, or nothing was averaged.".into()]);
@@ -127,7 +129,8 @@ fn budgets(moments: &SecondMoments, outcome: &Outcome, folder: &Folder) -> Resul
     Ok(MOMENTS.iter().zip(&budgets.whole).map(sentence).chain([walls]).collect())
 }
 
-/// Changes the experiment to the engine that its plan recommends. Returns the reason as a line for the user.
+/// Changes the experiment to the engine that its plan recommends. Returns the reason for this engine as a line for the
+/// user.
 fn choose(experiment: &mut Experiment) -> Result<String, StudyError> {
     let planned = plan_of(experiment, USUAL_TARGET, false)?;
     let recommendation = &planned.recommendation;

@@ -1,8 +1,8 @@
 //! `diptych sweep CASE`: runs the variants of a case at several values of its keys.
 //!
-//! Every run is identified by the hash of its resolved case. The result of a run is stored under this hash when the run
-//! is done, and remains when the sweep is over. If a sweep is started again, also with other values, only the missing
-//! runs are done. A run that belongs to several points is done once (hard spheres do not depend on a stiffness).
+//! The hash of the resolved case identifies a run. The result of a run is stored under this hash, and remains when the
+//! sweep has ended. If a sweep is started again, also with other values, only the missing runs are done. A run that
+//! belongs to several points is done once (hard spheres do not depend on a stiffness).
 
 use super::replicas::{FROZEN, replicas};
 use crate::case::{Case, Checked, SweepAxis, describe_variants, fingerprint};
@@ -21,18 +21,19 @@ use clap::Parser;
 use std::collections::HashSet;
 use std::path::Path;
 
-/// Largest number of rows of a sweep; a reader would not read more rows one by one.
+/// Largest number of rows in the table of a sweep. A reader would not read more rows one by one.
 const MOST: usize = 10_000;
 
-/// Does the missing runs of a sweep and writes the folder of its results.
+/// Does the missing runs of a sweep and writes its results to a folder.
 ///
 /// # Errors
-/// Bad input, before anything is computed; runs that stopped early, after everything has been written.
+/// Returns an error for bad input, before anything is computed, or for runs that stopped early, after everything has
+/// been written.
 pub fn sweep(args: &Sweep, ranks: &Ranks) -> Result<(), StudyError> {
     sweep_on(args, CommandOrigin::Typed, ranks)
 }
 
-/// Begins or resumes a sweep. Runs that are over are not done again.
+/// Begins or resumes a sweep. Runs that are complete are not repeated.
 pub(super) fn sweep_on(args: &Sweep, origin: CommandOrigin, ranks: &Ranks) -> Result<(), StudyError> {
     let mut settings = CommandSettings {
         in_turn: args.in_turn,
@@ -71,7 +72,7 @@ pub(super) fn sweep_on(args: &Sweep, origin: CommandOrigin, ranks: &Ranks) -> Re
         let how = run.failure.as_ref().map_or(String::new(), |why| format!(", stopped: {why}"));
         executor.say(format!("{done} of {wanted} runs: {}, {:.1} s{how}", names[index], run.wall_seconds));
         give(&mut rows, &run);
-        // results so far are written so that the user can read them, and remain if the sweep is stopped
+        // results so far are written, so that the user can read them and they remain if the sweep is stopped
         if done < wanted {
             study(&rows)?;
         }
@@ -91,7 +92,7 @@ fn is_begun(folder: &Path) -> bool {
     command.is_some_and(|cli| matches!(cli.command, Command::Sweep(_)))
 }
 
-/// Reads the case of a sweep with its axes (keys and values), and plans the runs.
+/// Reads the case of a sweep with its axes (each a key with its values), and plans the runs.
 fn planned(args: &Sweep) -> Result<(Case, Vec<SweepAxis>, SweepPlan), StudyError> {
     let mut case = read(&args.case, &args.input)?;
     let axes = case.axes(&args.sweep)?;
@@ -100,7 +101,8 @@ fn planned(args: &Sweep) -> Result<(Case, Vec<SweepAxis>, SweepPlan), StudyError
 }
 
 impl RunResult for SweepRun {
-    /// Measured values of a run that is over. If the scene is too crowded to start, the result contains this error.
+    /// Values measured in a run that has ended. If the scene was too crowded to start, the result contains this error
+    /// instead.
     fn of(run: &ResumableRun, outcome: Result<Outcome, StudyError>) -> Result<Self, StudyError> {
         let mut result = Self { identity: run.identity.name.clone(), ..Self::default() };
         let outcome = match outcome {
@@ -134,7 +136,7 @@ impl RunResult for SweepRun {
     }
 }
 
-/// Error of a sweep that the user has stopped.
+/// Error of a sweep that the user has stopped after `done` of the `wanted` runs.
 fn stopped(done: usize, wanted: usize) -> StudyError {
     StudyError::Stopped(format!(
         "the sweep was stopped: {done} of {} are done; the same command goes on with what is missing",
@@ -142,7 +144,7 @@ fn stopped(done: usize, wanted: usize) -> StudyError {
     ))
 }
 
-/// Error of a sweep if some of its runs stopped early.
+/// Error of a sweep in which some runs stopped early; it names these runs with their failures.
 fn failures(rows: &[SweepRow], variants: &[String], axes: &[SweepAxis]) -> Result<(), StudyError> {
     let failed = rows.iter().filter_map(|row| {
         let name = format!("\"{}\" at {}", variants[row.variant], point(axes, &row.at));
@@ -152,8 +154,8 @@ fn failures(rows: &[SweepRow], variants: &[String], axes: &[SweepAxis]) -> Resul
     if failed.is_empty() { Ok(()) } else { Err(StudyError::Failed(failed.join("\n"))) }
 }
 
-/// Adds the result of a run to every row of the table to which the run belongs. The results of a row are in the order
-/// of its replicas, because averages depend on the order of their terms.
+/// Adds the result of a run to every row of the table that needs this run. The results of a row are in the order of its
+/// replicas, because averages depend on the order of their terms.
 fn give(rows: &mut [SweepRow], run: &SweepRun) {
     for row in rows {
         let times = row.identities.iter().filter(|identity| **identity == run.identity).count();
@@ -162,22 +164,23 @@ fn give(rows: &mut [SweepRow], run: &SweepRun) {
     }
 }
 
-/// Rows of the table of a sweep, and the runs that it needs.
+/// Rows of the table of a sweep, and the runs that these rows need.
 #[derive(Default)]
 struct SweepPlan {
     variants: Vec<String>,
     rows: Vec<SweepRow>,
-    /// Variants of all points, each with its warnings.
+    /// Experiments of all variants at all points, each with its warnings.
     checked: Vec<Checked>,
-    /// Runs of the sweep, each once.
+    /// Runs of the sweep, without duplicates.
     runs: Vec<ResumableRun>,
-    /// Names of the runs for messages, in the order of `runs`.
+    /// Names of the runs in messages, in the order of `runs`.
     names: Vec<String>,
-    /// Hashes of the cases of all runs, by which equal runs are found.
+    /// Hashes of the resolved cases of all runs, by which equal runs are found.
     known: HashSet<String>,
-    /// Index of the first variant with hard spheres, with which the other variants are compared; `None` without one.
+    /// Index of the first variant with hard spheres, with which the other variants are compared; `None` if there is no
+    /// such variant.
     reference: Option<usize>,
-    /// True if the case requests trajectories, which a sweep does not write.
+    /// True if the case requests trajectories. A sweep does not write them.
     has_trajectories: bool,
 }
 
@@ -208,7 +211,8 @@ impl SweepPlan {
         Ok(plan)
     }
 
-    /// Adds a variant at a point of the sweep, with one run for each replica.
+    /// Adds a variant at a point of the sweep, with one run for each of `count` replicas. `at` has the index of the
+    /// value on each axis.
     fn add(&mut self, axes: &[SweepAxis], at: &[usize], checked: Checked, count: u16) -> Result<(), StudyError> {
         let experiment = &checked.0;
         let variant = self.variants.iter().position(|name| *name == experiment.name).unwrap_or_else(|| {
@@ -234,8 +238,8 @@ impl SweepPlan {
     }
 }
 
-/// Index of the value on each axis, for the point with the number `index` (from 0). The value of the last axis changes
-/// fastest.
+/// Indices of the values on all axes for the point with the number `index`, counted from 0. The value of the last axis
+/// changes fastest.
 fn at(axes: &[SweepAxis], mut index: usize) -> Vec<usize> {
     let mut at: Vec<usize> = Vec::new();
     for axis in axes.iter().rev() {

@@ -1,4 +1,4 @@
-//! Limits of the reliability of the results of a run, in sentences.
+//! Sentences on the reliability of the results of a run, and on what limits it.
 
 use crate::experiment::Model;
 use crate::outcome::Outcome;
@@ -7,11 +7,11 @@ use crate::predict::gas;
 use crate::statistics::{Estimate, UU, VV, WW};
 use crate::study::judge::not_steady;
 
-/// [-] smallest difference between the given and the realised restitution for which a note is written. Restitution is
-/// given to two digits, and this is half of the last digit.
+/// [-] smallest difference between the given and the realised restitution that a note reports. Restitution is given to
+/// two digits, and this difference is half of the last digit.
 pub(super) const MISS: f64 = 0.005;
 
-/// One sentence on a run: simulated time, wall time and impacts, or the failure.
+/// Sentence that sums up a run: particles, simulated time, wall time and impacts, or the failure.
 pub fn verdict(outcome: &Outcome) -> String {
     let how = match &outcome.failure {
         Some(why) => format!("stopped after {} s: {why}", numbers::significant(outcome.simulated_seconds, 4)),
@@ -27,8 +27,8 @@ pub fn verdict(outcome: &Outcome) -> String {
     format!("\"{}\": {how}.", outcome.experiment.name)
 }
 
-/// [m²/s²] granular temperature T = <|v - U|²>/3 over all slices, from the second moments about the mean of each slice;
-/// `None` without samples.
+/// [m²/s²] granular temperature T = <|v - U|²>/3 of all particles. It is computed from the second moments about the
+/// mean velocity of each slice. `None` without samples.
 pub fn granular_temperature(outcome: &Outcome) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0.0);
     for row in &outcome.profiles.slices {
@@ -41,7 +41,7 @@ pub fn granular_temperature(outcome: &Outcome) -> Option<f64> {
 }
 
 /// [-] relative reduction of the effective diameter of soft spheres of the first species, after Barker and Henderson.
-/// `None` for hard spheres, without samples or impacts, and for few bodies, which do not form a gas.
+/// `None` for hard spheres, without samples or impacts between particles, and for few bodies, which do not form a gas.
 pub fn softness(outcome: &Outcome) -> Option<f64> {
     if outcome.record.pairs.count == 0 || !outcome.paths.points.is_empty() {
         return None;
@@ -52,7 +52,7 @@ pub fn softness(outcome: &Outcome) -> Option<f64> {
     shrink.is_finite().then_some(shrink)
 }
 
-/// Sentences on effects that limit the reliability of each outcome, such as a run that is not steady.
+/// Sentences on effects that limit the reliability of each outcome, such as that a run is not steady.
 pub fn notes(outcomes: &[Outcome]) -> Vec<String> {
     let mut notes = Vec::new();
     for outcome in outcomes {
@@ -96,7 +96,7 @@ pub fn notes(outcomes: &[Outcome]) -> Vec<String> {
     notes
 }
 
-/// Adds a note if the realised restitution of an outcome differs from the given one by more than 0.005.
+/// Adds a note if the mean restitution of the impacts of an outcome differs from the given one by more than 0.005.
 fn restitution(outcome: &Outcome, note: &mut impl FnMut(String)) {
     let scene = &outcome.experiment.scene;
     if let Some(asked) = scene.restitution_of_pairs()

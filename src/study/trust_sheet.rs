@@ -1,4 +1,4 @@
-//! Trust sheet of a variant: numbers that show how reliable its results are, each with its expected value.
+//! Trust sheet of a variant: numbers that show how reliable its results are, each with its expected value or its limit.
 
 use super::trust::{MISS, softness};
 use crate::engine::Failure;
@@ -7,22 +7,23 @@ use crate::outcome::Outcome;
 use crate::output::{Expected, HalvedStep, Judgement, TrustCheck, TrustSheet};
 use crate::statistics::Estimate;
 
-/// Number of standard errors beyond which a difference from the expected value is not attributed to chance.
+/// Number of standard errors from which a difference from the expected value is not attributed to chance.
 const SUSPECT: f64 = 3.0;
-/// [-] largest share of the energy that may remain unexplained in the energy balance. The error of the integrator at 20
-/// steps per contact is much smaller.
+/// [-] largest share of the energy that may remain unexplained in the energy balance of a run. The error of the
+/// integrator at 20 steps per contact is much smaller.
 const RESIDUAL: f64 = 1e-3;
-/// [-] limit of the overlap at the mean impact speed, divided by the diameter of the smaller particle: λ in the paper's
-/// Eq. 11.
+/// [-] limit of the mean overlap of the impacts, divided by the diameter of the smaller particle. It is λ in Eq. 11 of
+/// the paper, which uses the mean impact speed.
 const MEAN_OVERLAP: f64 = 0.01;
-/// [-] limit of the largest overlap, divided by the diameter of the smaller particle: the weaker of the two limits
-/// below the paper's Eq. 10.
+/// [-] limit of the largest overlap, divided by the diameter of the smaller particle. It is the weaker of the two
+/// limits below Eq. 10 of the paper.
 const LARGEST_OVERLAP: f64 = 0.1;
-/// [-] reduction of the diameter by softness that lowers the collision rate by 1 %. The rate of a dilute gas is
-/// proportional to the diameter squared.
+/// [-] relative reduction of the effective diameter by softness that lowers the collision rate by 1 %. The rate of a
+/// dilute gas is proportional to the diameter squared.
 const SOFTNESS: f64 = 0.005;
 
-/// Makes the trust sheet of one outcome.
+/// Makes the trust sheet (checks of reliability) of the outcome of one variant. `halved_step` is the comparison with a
+/// run whose time step is half as long.
 pub fn trust_sheet(outcome: &Outcome, halved_step: HalvedStep) -> TrustSheet {
     let mut checks = vec![completed(outcome), escapes(outcome)];
     checks.extend(restitutions(outcome));
@@ -39,8 +40,9 @@ fn certain(value: f64) -> Estimate {
     Estimate::without_error(value)
 }
 
-/// Makes one check of the sheet. With the expectation `Equals`, the result is suspect if the difference exceeds
-/// `allowed` and, if there is a standard error, also exceeds 3 standard errors.
+/// Makes one check of the trust sheet. With the expectation `Equals`, a result is suspect if its difference from the
+/// expected value exceeds `allowed`. If the result has a standard error, the difference must also exceed 3 standard
+/// errors.
 fn check(name: &'static str, unit: &'static str, found: Estimate, expected: Expected, allowed: f64) -> TrustCheck {
     let mut check =
         TrustCheck { name, unit, found: Some(found), expected, judgement: Judgement::Stated, remark: String::new() };

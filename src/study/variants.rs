@@ -1,5 +1,5 @@
-//! Variants of a case that are run one after the other, each with its replicas: the list of their runs, and their
-//! results.
+//! Variants of a case that are run one after the other, each with its replicas (runs with different seeds): the list of
+//! their runs, and their results.
 
 use super::replicas::replicas;
 use super::trust_sheet::trust_sheet;
@@ -22,30 +22,31 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Variants of a case that a command runs.
+/// Variants of a case that a command runs, with the number of their runs.
 pub struct Variants {
     /// Case from which the variants are made.
     pub case: Case,
-    /// Experiment of each variant, with the warnings about it.
+    /// Experiment of each variant, with the warnings about it for the user.
     pub checked: Vec<Checked>,
-    /// Number of runs of each variant, with different seeds.
+    /// Number of runs of each variant; the runs differ in their seeds.
     pub replicas: u16,
     /// Settings of the trajectories of the first run of each variant; `None` if no trajectories are written.
     pub trajectories: Option<Trajectories>,
-    /// True if each variant is tested with half the time step.
+    /// True if a test with half the time step follows the first run of each variant.
     pub verify: bool,
 }
 
 impl Variants {
-    /// Experiments of the variants, each with the first of its seeds.
+    /// Experiments of all variants, each with the seed of its first replica.
     pub fn experiments(&self) -> impl Iterator<Item = &Experiment> + Clone {
         self.checked.iter().map(|(experiment, _)| experiment)
     }
 
-    /// Refuses a shared run in which processes would be idle: more processes than particles, and no replicas.
+    /// Returns an error if some of the processes that share a run would be idle: there are more processes than
+    /// particles, and no replicas.
     ///
     /// # Errors
-    /// Some processes would be idle.
+    /// The message of the error names the largest useful number of processes.
     pub fn refuse_idle(&self, ranks: &Ranks) -> Result<(), StudyError> {
         let processes = ranks.count();
         let particles = self.experiments().map(|experiment| experiment.count().max(1)).min().unwrap_or(1);
@@ -59,14 +60,14 @@ impl Variants {
         )))
     }
 
-    /// Checksum of the variants. All processes compare it before they make initial states, so that all have equal
-    /// variants.
+    /// Checksum of the experiments of all variants. All processes compare it before they make initial states, to make
+    /// sure that their variants are equal.
     pub fn mark(&self) -> u32 {
         mark_of_experiments(self.experiments())
     }
 
-    /// List of the runs, variant by variant. The first run of a variant is done alone, so that its wall time is
-    /// measured; its replicas follow.
+    /// Runs of all variants, variant by variant. The first run of a variant is done alone, so that its wall time is
+    /// meaningful. The replicas of the variant follow.
     fn runs(&self, ranks: &Ranks) -> Result<Vec<ResumableRun>, StudyError> {
         let names = file_names(self.experiments().map(|experiment| experiment.name.as_str()));
         let mut runs = Vec::new();
@@ -81,8 +82,8 @@ impl Variants {
         Ok(runs)
     }
 
-    /// Initial states of the variants, one each. If all processes share the runs, each process makes only its part of
-    /// the particles.
+    /// Initial state of the first run of each variant. If all processes share the runs, each process makes only its
+    /// part of the particles.
     fn starts(&self, ranks: &Ranks) -> Result<Vec<Start>, StudyError> {
         if ranks.count() == 1 {
             self.experiments().try_for_each(refuse_too_large)?;
@@ -105,33 +106,33 @@ pub struct VariantResults<'a> {
     executor: Executor<'a>,
     provenance: Provenance,
     parameters: Vec<Value>,
-    /// Outcomes of all replicas of each variant.
+    /// Outcomes of all complete replicas of each variant.
     pub runs: Vec<Vec<Outcome>>,
     sheets: Vec<TrustSheet>,
     frames: Vec<Frames>,
 }
 
-/// Results of the variants in the form in which they are written to a document.
+/// Results of the variants in the form in which they are written to a report.
 #[derive(Default)]
 pub struct VariantFindings {
     /// Outcome of each variant, averaged over its replicas.
     pub outcomes: Vec<Outcome>,
-    /// Comparisons of the variants with their references.
+    /// Comparisons of the variants with their references, each with an answer.
     pub comparisons: Vec<Verdict>,
-    /// Answers in sentences, the shortest first.
+    /// Sentences of the report: first the answers of the comparisons, then further sentences.
     pub verdicts: Vec<String>,
-    /// Settings in which each variant differs, as typed in the case.
+    /// Settings by which the variants differ from one another, as typed in the case.
     pub overrides: Vec<String>,
-    /// Limits of the reliability of the numbers, a sentence each.
+    /// Sentences on the limits of the reliability of the results.
     pub notes: Vec<String>,
 }
 
 impl<'a> VariantResults<'a> {
-    /// Prepares the runs of the variants; `scene` is a description of their scene. A helper process executes its part
-    /// of the runs in this call until the command is over, and then returns `None`.
+    /// Prepares the runs of the variants; `scene` is a description of their scene. Processes that help the first
+    /// process do their parts of the runs in this call until the command ends. They then get `None`.
     ///
     /// # Errors
-    /// The scene is too crowded to start; and the errors of [`Executor::begin`].
+    /// Returns an error if the scene is too crowded to start, and the errors of [`Executor::begin`].
     pub fn begin(
         variants: &'a Variants,
         settings: &CommandSettings,
@@ -151,16 +152,16 @@ impl<'a> VariantResults<'a> {
         }))
     }
 
-    /// Folder for the results of the command.
+    /// Folder to which the results of the command are written.
     pub fn folder(&self) -> Rc<Folder> {
         Rc::clone(&self.executor.folder)
     }
 
-    /// Does the first run of the next variant, with the `observers` in addition to the standard ones. Returns the final
-    /// state, which is the argument of [`check`](Self::check).
+    /// Does the first run of the next variant, with `observers` in addition to the standard ones. Returns the final
+    /// state of the run, which [`check`](Self::check) needs.
     ///
     /// # Errors
-    /// The stored state belongs to another run.
+    /// Returns an error if the stored state belongs to another run.
     pub fn run_first(&mut self, observers: Vec<&mut dyn Observer>) -> Result<Particles, StudyError> {
         let Variants { checked, replicas, verify, .. } = self.variants;
         let variant = self.runs.len();
@@ -175,10 +176,11 @@ impl<'a> VariantResults<'a> {
         Ok(end)
     }
 
-    /// Makes the trust sheet of the variant that was run last; `end` is the final state of its first run.
+    /// Makes the trust sheet (checks of reliability) of the variant that was run last; `end` is the final state of its
+    /// first run.
     ///
     /// # Errors
-    /// The stored state for the test with half the time step belongs to another run.
+    /// Returns an error if the stored state of the test with half the time step belongs to another run.
     pub fn check(&mut self, end: Particles) -> Result<(), StudyError> {
         let Some(outcome) = self.runs.last().and_then(|runs| runs.first()) else { return Ok(()) };
         let halved = if self.variants.verify {
@@ -190,11 +192,11 @@ impl<'a> VariantResults<'a> {
         Ok(())
     }
 
-    /// Does the replicas of a variant with the indices `range` concurrently; index 0 is its first run. Returns false if
-    /// the user has stopped the variant; unfinished replicas are then left out.
+    /// Does the replicas of a variant with the indices `range`, several at once; index 0 is its first run. Returns
+    /// false if the user has stopped the command. Replicas that are not complete are then left out.
     ///
     /// # Errors
-    /// The stored state of a replica belongs to another run.
+    /// Returns an error if the stored state of a replica belongs to another run.
     pub fn run_replicas(&mut self, variant: usize, range: Range<usize>) -> Result<bool, StudyError> {
         if !range.is_empty() && !self.executor.checkpointer.is_stopped() {
             let name = &self.variants.checked[variant].0.name;
@@ -213,15 +215,15 @@ impl<'a> VariantResults<'a> {
         Ok(!self.executor.checkpointer.is_stopped())
     }
 
-    /// Error of a command that was stopped in a variant.
+    /// Error of a command that the user has stopped during the runs of a variant.
     pub fn stopped(&self, variant: usize) -> StudyError {
         self.executor.checkpointer.stop_error(&self.variants.checked[variant].0.name)
     }
 
-    /// Writes the document on the results so far, with a summary if they are `whole`. Returns the path of the report.
+    /// Writes a report on the results so far, with a summary if `whole` is true. Returns the path of the report.
     ///
     /// # Errors
-    /// A file cannot be written.
+    /// Returns an error if a file cannot be written.
     pub fn write(&self, findings: &VariantFindings, whole: bool) -> Result<PathBuf, StudyError> {
         let study = Study {
             provenance: &self.provenance,
@@ -238,17 +240,18 @@ impl<'a> VariantResults<'a> {
         self.executor.checkpointer.with_remedy(write(&self.executor.folder, &study))
     }
 
-    /// Ends the command after all results were written, and prints `sentences`.
+    /// Ends the command after all results have been written, and prints `sentences` and the path of the report.
     ///
     /// # Errors
-    /// Some variants failed; a stored state cannot be removed.
+    /// Returns an error if the run of a variant failed, or if a stored state cannot be removed.
     pub fn finish(self, findings: &VariantFindings, sentences: &[String], report: &Path) -> Result<(), StudyError> {
         self.executor.finish(sentences, report)?;
         failures(&findings.outcomes)
     }
 }
 
-/// File names for the variants: their names in letters that any system accepts. No two file names are equal.
+/// Names of files for the variants: the names of the variants in letters that any system accepts. No two of them are
+/// equal.
 fn file_names<'a>(variants: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for variant in variants {

@@ -1,4 +1,5 @@
-//! `--verify`: measures the effect of halving the time step and the window.
+//! Option `--verify`: measures the change of the results if time step and window (time between two kicks of drag) are
+//! halved.
 
 use crate::experiment::{AverageFrom, Experiment, HardStepping, TimeStep};
 use crate::outcome::Outcome;
@@ -9,16 +10,18 @@ use crate::schedule::Schedule;
 use crate::statistics::Estimate;
 use std::convert::Infallible;
 
-/// Length of the run divided by that of the test of the step. The test runs with the original settings and with half
-/// the step, which costs up to twice as much. Together this is up to three fifteenths of the cost of the run.
+/// Length of the run divided by that of each part of the test. One part has the settings of the run, and the other part
+/// half the step, which doubles the cost at most. The whole test thus takes up to three fifteenths of the cost of the
+/// run.
 const PARTS: f64 = 15.0;
 
-/// Number of samples in the test, which is enough for the blocks of a standard error.
+/// Number of samples in each part of the test. So many are enough for the blocks from which a standard error is
+/// computed.
 const SAMPLES: f64 = 48.0;
 
-/// Continues a run from its final state for a fifteenth of its length, once with its settings and once with half the
-/// step and window. `end` is the final state in the order of ids. Contacts in progress begin anew in both
-/// continuations. Progress is shown unless `quiet` is true.
+/// Continues a run from its final state for a fifteenth of its length: once with its settings, and once with half the
+/// time step and half the window (time between two kicks of drag). `end` has the final state in the order of ids.
+/// Contacts in progress begin anew in both continuations. Progress is shown unless `quiet` is true.
 pub fn verify(outcome: &Outcome, end: &Particles, quiet: bool) -> HalvedStep {
     let run = |experiment: &Experiment| {
         let progress = Progress::new([experiment], quiet);
@@ -28,10 +31,10 @@ pub fn verify(outcome: &Outcome, end: &Particles, quiet: bool) -> HalvedStep {
     halved
 }
 
-/// Tests a run as [`verify`] does, with a checkpointer that stores the test and may stop it.
+/// Tests a run like [`verify`]. In addition, the checkpointer stores the state of the test, and may stop it.
 ///
 /// # Errors
-/// The stored state belongs to another run.
+/// Returns an error if the stored state belongs to another run.
 pub(super) fn verify_with_checkpoints(
     outcome: &Outcome,
     end: &Particles,
@@ -45,7 +48,8 @@ pub(super) fn verify_with_checkpoints(
     })
 }
 
-/// Does the test of the step: one run with the original settings and one with half the step. `run` does a run.
+/// Continues the run twice, with its settings and with half the step, and compares the results. The function `run` does
+/// one run.
 fn halve<E>(outcome: &Outcome, mut run: impl FnMut(&Experiment) -> Result<Outcome, E>) -> Result<HalvedStep, E> {
     if let Some(why) = &outcome.failure {
         return Ok(HalvedStep::Unknown(format!("the run itself stopped early: {why}")));
@@ -77,8 +81,8 @@ fn halve<E>(outcome: &Outcome, mut run: impl FnMut(&Experiment) -> Result<Outcom
     }))
 }
 
-/// Experiment of the test, `stretch` [s] long. Step and window (time between two kicks of drag) are halved if `halved`
-/// is true.
+/// Experiment that continues the run for `stretch` [s]. If `halved` is true, time step and window (time between two
+/// kicks of drag) are half as long.
 fn stretched(outcome: &Outcome, stretch: f64, halved: bool) -> Experiment {
     let mut experiment = outcome.experiment.clone();
     let factor = if halved { 0.5 } else { 1.0 };
@@ -101,7 +105,7 @@ fn stretched(outcome: &Outcome, stretch: f64, halved: bool) -> Experiment {
     experiment
 }
 
-/// Quantities that are compared, each with name, unit and value.
+/// Quantities that are compared between both continuations, each with name, unit and value.
 fn quantities(run: &Outcome) -> [(&'static str, &'static str, Option<Estimate>); 5] {
     let through = run.record.ledger.through(run.energy_at_start);
     let residual = (through > 0.0).then(|| run.energy_residual.over(through));

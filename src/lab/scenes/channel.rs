@@ -1,4 +1,4 @@
-//! Scene of the lab: a short and narrow piece of the paper's channel.
+//! Scene of the lab: a short and narrow piece of the channel of the paper.
 
 use super::{BoxView, HARD, LabScene, SOFT};
 use crate::lab::gauge::Gauge;

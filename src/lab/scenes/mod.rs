@@ -1,6 +1,6 @@
 //! Scenes of the lab. A scene is a case of `cases/` with changes, adjustable parameters, graphs and texts.
 //!
-//! A new scene is a file in this folder that is named below in `mod` and in [`SCENES`].
+//! A new scene is a file in this folder, which must be named below in `mod` and in [`SCENES`].
 
 mod bounce;
 mod channel;
@@ -20,43 +20,43 @@ use super::parameter::ParameterRange;
 use crate::experiment::Model;
 use serde::Serialize;
 
-/// Description of one scene of the lab.
+/// One scene of the lab: case, panels, adjustable parameters, graphs and texts.
 pub struct LabScene {
-    /// Name of the scene in requests.
+    /// Name of the scene in requests of the page.
     pub name: &'static str,
     /// Heading of the scene on the page.
     pub title: &'static str,
-    /// Name of the built-in case.
+    /// Name of the built-in case from which the scene is made.
     pub case: &'static str,
     /// Changes to the case for both panels, in the form of `--set` arguments.
     pub sets: &'static [&'static str],
     /// Setup of the left panel.
     pub left: PanelSetup,
-    /// Setups that the right panel may show. The first one is shown by default.
+    /// Setups that the user can choose for the right panel. The first one is shown by default.
     pub rights: &'static [PanelSetup],
-    /// Parameters that the page can change, with their limits.
+    /// Parameters that the user can change on the page, with their limits.
     pub knobs: &'static [ParameterRange],
-    /// Quantities that are measured and drawn.
+    /// Set of quantities that are measured and drawn.
     pub gauge: Gauge,
-    /// [s] wall time of the whole scene at its default pace.
+    /// [s] wall time of the whole animation at its default pace.
     pub lasts: f64,
-    /// View of the box that the page draws.
+    /// Part of the box that the page draws, and its axes.
     pub view: BoxView,
     /// Description of the scene in three sentences.
     pub sentences: [&'static str; 3],
-    /// Equation that describes the scene.
+    /// Equation that describes the scene, as text for the page.
     pub equation: &'static str,
     /// Meaning of the symbols in the equation.
     pub symbols: &'static str,
-    /// Question for the student.
+    /// Question about the scene for the student.
     pub question: &'static str,
-    /// Answer to the question.
+    /// Answer to the question, for the student.
     pub answer: &'static str,
 }
 
 /// Setup of one panel: heading, collision model and changes to the case.
 pub struct PanelSetup {
-    /// Heading of the panel.
+    /// Heading of the panel on the page.
     pub title: &'static str,
     /// Collision model of the panel.
     pub model: Model,
@@ -64,7 +64,7 @@ pub struct PanelSetup {
     pub sets: &'static [&'static str],
 }
 
-/// Part of the box that the page draws, and its axes.
+/// Part of the box that the page draws, and the coordinates on its axes.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct BoxView {
     /// Coordinate drawn on the horizontal axis: 0, 1 or 2 for x, y or z.
@@ -72,20 +72,22 @@ pub struct BoxView {
     /// Coordinate drawn on the vertical axis: 0, 1 or 2 for x, y or z.
     pub up: usize,
     /// [m] part of the box that is drawn: lower and upper limit on the horizontal axis, then on the vertical axis.
-    /// `None`: the whole box.
+    /// `None` means the whole box.
     pub region: Option<[f64; 4]>,
-    /// [-] factor by which the drawing enlarges gaps between spheres; only for scenes of two spheres.
+    /// [-] factor by which the drawing enlarges gaps and overlaps of two spheres; `None` for scenes of other numbers of
+    /// spheres.
     pub magnify: Option<f64>,
 }
 
-/// View of the whole box along the z axis.
+/// View of the whole box along the z axis, with x to the right and y upwards.
 const WHOLE: BoxView = BoxView { right: 0, up: 1, region: None, magnify: None };
 
-/// Setup with soft spheres, with the contact law and the steps of the case.
+/// Setup of a panel with soft spheres, with the contact law and the time step of the case.
 const SOFT: PanelSetup = PanelSetup { title: "soft", model: Model::Soft, sets: &[] };
-/// Setup with hard spheres, whose collisions are computed at their exact instants.
+/// Setup of a panel with hard spheres, whose collisions are computed as in the case, by default at their exact
+/// instants.
 const HARD: PanelSetup = PanelSetup { title: "hard", model: Model::Hard, sets: &[] };
-/// Setup with hybrid spheres, whose contacts are soft or instantaneous.
+/// Setup of a panel with hybrid spheres, whose contacts are soft or instantaneous.
 const HYBRID: PanelSetup = PanelSetup { title: "hybrid", model: Model::Hybrid, sets: &[] };
 
 /// All scenes, in the order in which the page lists them.
@@ -104,7 +106,7 @@ pub const SCENES: &[LabScene] = &[
     stepped::SCENE,
 ];
 
-/// Finds the scene with the given name.
+/// Finds the scene with the name `name`; `None` if there is no such scene.
 pub fn scene(name: &str) -> Option<&'static LabScene> {
     SCENES.iter().find(|scene| scene.name == name)
 }

@@ -1,35 +1,36 @@
 //! Averages over a run and their covariance, computed from averages over blocks of time (method of batch means).
 //!
 //! Each block gives values of several averages at once. The covariance of the averages and their degrees of freedom are
-//! computed from the correlation of neighbouring blocks.
+//! computed from the scatter of the blocks and the correlation of neighbouring blocks.
 
 use super::errors::{Estimate, FEWEST_BLOCKS, LARGEST_CORRELATION, block_size, inflation, mean};
 use nalgebra::{DMatrix, DVector};
 
-/// [-] largest ratio of the block lengths of two runs for which their blocks are assumed to have equal correlations.
-/// The correlations are then measured in both runs together.
+/// [-] largest ratio of the block lengths of two runs with which their blocks are assumed to be equally correlated. The
+/// correlation is then measured in both runs together.
 const SAME_LENGTH: f64 = 1.25;
 
-/// Smallest number of independent runs for an error. With two runs the tails of Student's distribution are too wide for
-/// a useful error.
+/// Smallest number of independent runs from which a standard error is computed. With two runs, the tails of Student's
+/// distribution are too wide for a useful error.
 pub const FEWEST_RUNS: usize = 3;
 
-/// Largest number of stated values (see [`Batches::of_stated`]) with independent errors. Each stated value is
-/// represented by 1024 made-up runs, one more than this number. With so many runs, Student's distribution is the normal
-/// one within 0.2 %.
+/// Largest number of values with a stated standard error (see [`Batches::of_stated`]) whose errors are independent.
+/// Each such value is represented by 1024 made-up runs, one more than this number. With so many runs, Student's
+/// distribution is the normal distribution within 0.2 %.
 pub const MOST_STATED: usize = 1023;
 
-/// Several averages over a run, or over the replicas of a run, with their values in each block of time.
+/// Several averages over a run, or over the replicas of a run (runs with different seeds), with the values in each
+/// block of time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Batches {
-    /// The averages, one per component, in the unit of the component.
+    /// Averages over the run or runs, one per component, each in the unit of its component.
     pub values: Vec<f64>,
-    /// One number per component and block. Blocks are in the order of time, one replica after the other. For an average
-    /// over samples the number is the average over the block. For other quantities it is the jackknife pseudo-value;
-    /// the mean of the pseudo-values equals the average up to terms of second order.
+    /// Numbers of each component, one per block. Blocks are in the order of time, one replica after the other. For an
+    /// average over samples, the number is the average over the block. For other quantities it is the jackknife
+    /// pseudo-value. The mean of the pseudo-values equals the average up to terms of second order.
     pub blocks: Vec<Vec<f64>>,
-    /// Number of successive blocks of one run: all blocks, or the blocks of one replica. Blocks of different runs are
-    /// independent.
+    /// Number of successive blocks that belong to one run: all blocks, or the blocks of one replica. Blocks of
+    /// different runs are independent.
     pub per_run: usize,
     /// [s] start of the first block of each run.
     pub from: f64,
@@ -40,9 +41,9 @@ pub struct Batches {
 }
 
 impl Batches {
-    /// Blocks of one quantity that is sampled every `interval` [s] from the time `from` [s] on. There are 20 to 39
-    /// blocks, or one for each sample if there are fewer than 40 samples. Samples that do not fill a block are left out
-    /// at the beginning. `None` without a sample, or if a sample is not finite.
+    /// Average and blocks of one quantity that is sampled every `interval` [s], first at the time `from` [s]. There are
+    /// 20 to 39 blocks, or one for each sample if there are fewer than 40 samples. Samples that do not fill a block are
+    /// left out at the beginning. `None` without a sample, or if a sample is not finite.
     pub fn of_series(samples: &[f64], interval: f64, from: f64) -> Option<Self> {
         if samples.is_empty() || samples.iter().any(|sample| !sample.is_finite()) {
             return None;
@@ -60,7 +61,8 @@ impl Batches {
         })
     }
 
-    /// Blocks of independent runs, with one block per run. `values` contains the values of each component in every run.
+    /// Averages over independent runs, with one block per run. `values` has one list for each component: its values in
+    /// all runs.
     pub fn of_runs(values: Vec<Vec<f64>>) -> Self {
         Self {
             values: values.iter().map(|runs| mean(runs)).collect(),
@@ -72,12 +74,13 @@ impl Batches {
         }
     }
 
-    /// Blocks of a value with a stated standard error, both in the unit of the value. The error is taken as known from
-    /// very many independent runs: the blocks are made up so that they have this mean and this error of the mean. Two
-    /// values whose `number`s differ (both below [`MOST_STATED`]) have independent errors.
+    /// Average and blocks that represent a value with a stated standard error, both in the unit of the value. The
+    /// blocks are made up so that their mean and its standard error are these numbers, as if from very many independent
+    /// runs. Two values with different `number`s, both below [`MOST_STATED`], have independent errors.
     pub fn of_stated(value: f64, error: f64, number: usize) -> Self {
         let apart = error * (MOST_STATED as f64).sqrt();
-        // Walsh functions: each has as many runs above as below the value, and any two are orthogonal
+        // Walsh functions: in each function, as many runs are above the value as below it, and any two functions are
+        // orthogonal
         let is_above = |run: usize| (run & (1 + number % MOST_STATED)).count_ones().is_multiple_of(2);
         let blocks = (0..=MOST_STATED).map(|run| if is_above(run) { value + apart } else { value - apart }).collect();
         Self { values: vec![value], ..Self::of_runs(vec![blocks]) }
@@ -88,8 +91,8 @@ impl Batches {
         self.blocks.first().map_or(0, Vec::len)
     }
 
-    /// Joins the components of several averages that have equal blocks of time. `None` without parts, or if the blocks
-    /// differ.
+    /// Combines averages that have equal blocks of time to one set with all components. `None` without parts, or if the
+    /// blocks differ.
     pub fn join<'a>(parts: impl IntoIterator<Item = &'a Self>) -> Option<Self> {
         let mut parts = parts.into_iter();
         let mut whole = parts.next()?.clone();
@@ -103,7 +106,8 @@ impl Batches {
         Some(whole)
     }
 
-    /// Linear combinations of the components, one for each row of weights.
+    /// Linear combinations of the components. Each row of `weights` has one weight [-] per component, and gives one new
+    /// component.
     pub fn project(&self, weights: &[Vec<f64>]) -> Self {
         let dot = |row: &[f64], of: &dyn Fn(usize) -> f64| row.iter().enumerate().map(|(k, w)| w * of(k)).sum::<f64>();
         let values = weights.iter().map(|row| dot(row, &|k| self.values[k])).collect();
@@ -111,7 +115,7 @@ impl Batches {
         Self { values, blocks: weights.iter().map(blocks).collect(), ..*self }
     }
 
-    /// First component with its standard error; `None` without a component.
+    /// First component with its standard error; the error is unknown with too few blocks. `None` without a component.
     pub fn estimate(&self) -> Option<Estimate> {
         let (value, blocks) = (*self.values.first()?, self.blocks.first()?);
         if !self.tells_errors() {
@@ -125,8 +129,8 @@ impl Batches {
 
     /// Averages over several runs of one variant. With at least 8 runs, or if `by_runs` is true, each run is one block,
     /// and nothing is assumed about the correlation within a run. Otherwise the blocks of all runs are used, one run
-    /// after the other. `by_runs` is for particles that do not mix within a run, since only the scatter between runs
-    /// then gives a valid error. `None` without a run.
+    /// after the other. `by_runs` is for particles that do not mix within a run: only the scatter between runs then
+    /// gives a valid error. `None` without a run.
     pub fn pool(runs: &[&Self], by_runs: bool) -> Option<Self> {
         let first = *runs.first()?;
         if runs.len() == 1 {
@@ -150,8 +154,8 @@ impl Batches {
         Some(Self { values, blocks: components.map(blocks).collect(), per_run: shortest, ..*first })
     }
 
-    /// Weighted sum of averages of independent runs, block by block. The blocks of the sum scatter as much as all runs
-    /// together. `None` without parts, or if the blocks of the runs differ.
+    /// Weighted sum of averages of independent runs, block by block. Each part has its weight [-]. The scatter of the
+    /// summed blocks is that of all runs together. `None` without parts, or if the blocks of the runs differ.
     pub fn sum(parts: &[(f64, &Self)]) -> Option<Self> {
         let (_, first) = parts.first()?;
         let alike = |one: &Self| {
@@ -171,13 +175,13 @@ impl Batches {
         })
     }
 
-    /// Averages up to a time [s], over the blocks whose samples all lie before or at this time. If each run is one
-    /// block, all blocks are used.
+    /// Averages up to the simulated time `time` [s]: blocks with a later sample are left out. If each run is one block,
+    /// no block is left out.
     pub fn until(&self, time: f64) -> Self {
         if self.per_run <= 1 {
             return self.clone();
         }
-        // sample times are sums of many steps, and their rounding must not exclude a block
+        // sample times are sums of many steps, and their rounding errors must not exclude a block
         let blocks = (time + self.interval - self.from) / self.length * (1.0 + 1e-9);
         let last = blocks.floor().max(0.0) as usize;
         if last >= self.per_run {
@@ -190,24 +194,25 @@ impl Batches {
         Self { values: blocks.iter().map(|blocks| mean(blocks)).collect(), blocks, per_run: last, ..*self }
     }
 
-    /// True if there are enough blocks for a standard error: 8 successive blocks, or 3 runs.
+    /// True if there are enough blocks for a standard error: 8 successive blocks, or 3 runs of one block each.
     pub fn tells_errors(&self) -> bool {
         self.count() >= if self.per_run == 1 { FEWEST_RUNS } else { FEWEST_BLOCKS }
     }
 
-    /// [s] time covered by the averages, summed over all replicas.
+    /// [s] length of time over which the averages are taken, summed over all replicas.
     pub fn span(&self) -> f64 {
         self.length * self.count() as f64
     }
 
-    /// Deviation of each block from the mean of all blocks, with one row per block and one column per component.
+    /// Deviation of each block from the mean of all blocks, in the unit of its component. The matrix has one row per
+    /// block and one column per component.
     fn deviations(&self) -> DMatrix<f64> {
         let centres: Vec<f64> = self.blocks.iter().map(|blocks| mean(blocks)).collect();
         DMatrix::from_fn(self.count(), self.values.len(), |block, k| self.blocks[k][block] - centres[k])
     }
 
-    /// [-] correlation of neighbouring blocks of one component: mean product of their deviations divided by the mean
-    /// square.
+    /// [-] correlation of neighbouring blocks of the component with index `component`: mean product of their deviations
+    /// divided by the mean square of the deviations.
     fn neighbours(&self, deviations: &DMatrix<f64>, component: usize) -> f64 {
         let column: Vec<f64> = deviations.column(component).iter().copied().collect();
         let square = column.iter().map(|d| d * d).sum::<f64>() / column.len() as f64;
@@ -217,31 +222,33 @@ impl Batches {
     }
 }
 
-/// Assumption about the correlation between neighbouring blocks of different components.
+/// Assumption about the correlation of neighbouring blocks of time, which may differ from component to component.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Correlation {
-    /// Each component has a different correlation. Its estimate combines the measured value with the distribution over
+    /// Each component has its own correlation. It is estimated from the measured value and from the distribution over
     /// all components.
     Each(Prior),
-    /// All components have the same correlation.
+    /// All components have one common correlation, the mean of the measured values.
     Common,
 }
 
-/// Distribution of the correlations between neighbouring blocks of time, over many components: mean and true spread.
+/// Distribution over many components of the correlation between neighbouring blocks of time: its mean and its true
+/// variance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Prior {
-    /// [-] mean of the correlations.
+    /// [-] mean of the correlations over all components.
     mean: f64,
-    /// [-] true variance between components: the measured variance minus the sampling variance.
+    /// [-] true variance of the correlations between components: their measured variance minus that due to chance.
     between: f64,
 }
 
 impl Prior {
-    /// Distribution computed from pairs: a measured correlation and the variance [-] that chance alone gives to it.
+    /// Distribution computed from several correlations. Each pair has a measured correlation [-] and its variance due
+    /// to chance [-].
     pub fn of(measured: &[(f64, f64)]) -> Self {
         let count = measured.len() as f64;
         if count < 2.0 {
-            // with a single component the spread between components is unknown; a large value hardly changes the
+            // with a single component the variance between components is unknown; a large value hardly changes the
             // measured correlation and its variance
             return Self { mean: measured.first().map_or(0.0, |one| one.0), between: 1.0 };
         }
@@ -251,10 +258,10 @@ impl Prior {
         Self { mean: centre, between: (spread - chance).max(0.0) }
     }
 
-    /// Best estimate of a correlation that was measured with the sampling variance `chance`, and the variance of this
-    /// estimate, both [-]. The measured value is moved towards the mean of all components (James and Stein). It is
-    /// moved by at most one standard error, so that a component with a high correlation remains high (Efron and Morris
-    /// 1972).
+    /// Best estimate of a correlation, and the variance of this estimate, both [-]. `measured` is the measured
+    /// correlation, and `chance` its variance due to chance. The measured value is moved towards the mean of all
+    /// components (James and Stein), but by at most one standard error. A component with a high correlation thus keeps
+    /// a high one (Efron and Morris 1972).
     fn guess(&self, measured: f64, chance: f64) -> (f64, f64) {
         let weight = self.between / (self.between + chance);
         let width = chance.sqrt();
@@ -263,21 +270,22 @@ impl Prior {
     }
 }
 
-/// Difference of two independent sets of averages, with its covariance.
+/// Difference of two independent sets of averages, with its covariance and its degrees of freedom.
 #[derive(Clone, Debug)]
 pub struct Contrast {
-    /// Averages of the first set minus averages of the second set.
+    /// Averages of the first set minus averages of the second set, each in the unit of its component.
     pub difference: DVector<f64>,
-    /// Covariance of each of the two sets.
+    /// Covariance matrices of the averages, one for each of the two sets.
     covariances: [DMatrix<f64>; 2],
-    /// Degrees of freedom of the variance of each set, as if the correlation were known exactly.
+    /// [-] degrees of freedom of the variance of each set, if the correlation of its blocks were known exactly.
     freedoms: [f64; 2],
-    /// [-] contribution of the uncertain correlation to the inverse of the degrees of freedom.
+    /// [-] inverse of the degrees of freedom that the uncertainty of the correlation alone would give. It is added to
+    /// the inverse degrees of freedom of both sets.
     unsure: f64,
 }
 
 impl Contrast {
-    /// Difference of two sets of averages; `None` if one of the sets has too few blocks for an error.
+    /// Difference of the averages of `a` minus those of `b`; `None` if one of the sets has too few blocks for an error.
     pub fn new(a: &Batches, b: &Batches, correlation: Correlation) -> Option<Self> {
         if !a.tells_errors() || !b.tells_errors() || a.values.len() != b.values.len() {
             return None;
@@ -292,7 +300,7 @@ impl Contrast {
             let guesses: Vec<(f64, f64)> = guesses(&correlations[place], correlation);
             covariances[place] = covariance(run, &deviations[place], &guesses);
             let square = guesses.iter().map(|guess| guess.0 * guess.0).fold(0.0, f64::max);
-            // degrees of freedom of independent blocks whose variance is as uncertain as that of this exponentially
+            // degrees of freedom of independent blocks with a variance as uncertain as that of this exponentially
             // correlated series
             freedoms[place] = (count - 1.0) * (1.0 - square) / (1.0 + square);
             // the inflation (1 + ρ)/(1 - ρ) of a variance has the relative variance 4 var(ρ)/(1 - ρ²)²
@@ -303,23 +311,24 @@ impl Contrast {
         Some(Self { difference, covariances, freedoms, unsure })
     }
 
-    /// Covariance matrix of the difference, with one row and one column per component.
+    /// Covariance matrix of the difference, the sum of those of both sets. It has one row and one column per component.
     pub fn covariance(&self) -> DMatrix<f64> {
         &self.covariances[0] + &self.covariances[1]
     }
 
-    /// Standard error of one component of the difference, in the unit of the component.
+    /// Standard error of the component of the difference with index `component`, in the unit of the component.
     pub fn error(&self, component: usize) -> f64 {
         self.covariances.iter().map(|covariance| covariance[(component, component)]).sum::<f64>().sqrt()
     }
 
-    /// Standard error of a linear combination of the components; `direction` holds the factor of each component.
+    /// Standard error of a linear combination of the components of the difference. `direction` has the factor of each
+    /// component.
     pub fn error_along(&self, direction: &DVector<f64>) -> f64 {
         (direction.transpose() * self.covariance() * direction)[0].max(0.0).sqrt()
     }
 
-    /// Degrees of freedom [-] of the estimated variance of a linear combination (Welch and Satterthwaite; Yao 1965 for
-    /// several components). `direction` holds the factor of each component.
+    /// [-] degrees of freedom of the estimated variance of a linear combination of the components (Welch and
+    /// Satterthwaite; Yao 1965 for several components). `direction` has the factor of each component.
     pub fn freedom(&self, direction: &DVector<f64>) -> f64 {
         let parts: Vec<f64> =
             self.covariances.iter().map(|covariance| (direction.transpose() * covariance * direction)[0]).collect();
@@ -329,7 +338,7 @@ impl Contrast {
         if inverse.is_finite() { (1.0 / inverse).max(1.0) } else { self.freedoms.iter().sum() }
     }
 
-    /// Degrees of freedom of the estimated variance of one component, for Student's t test.
+    /// [-] degrees of freedom of the estimated variance of one component of the difference, for Student's t test.
     pub fn freedom_of(&self, component: usize) -> f64 {
         let mut direction = DVector::zeros(self.difference.len());
         direction[component] = 1.0;
@@ -337,8 +346,8 @@ impl Contrast {
     }
 }
 
-/// Measured correlations between neighbouring blocks of all components of two runs, each with its sampling variance:
-/// the input of [`Prior::of`]. Empty if there are no neighbouring blocks.
+/// Measured correlations [-] between neighbouring blocks of all components of two runs, each with its variance due to
+/// chance [-]. They are the input of [`Prior::of`]. Empty if there are no neighbouring blocks.
 pub fn measured(a: &Batches, b: &Batches) -> Vec<(f64, f64)> {
     let runs = [a, b];
     if !runs.iter().all(|run| run.tells_errors()) {
@@ -350,26 +359,26 @@ pub fn measured(a: &Batches, b: &Batches) -> Vec<(f64, f64)> {
     both.into_iter().filter(|one| one.1 > 0.0).collect()
 }
 
-/// Correlation to be used for each component, and the variance of this correlation, both [-]. `measured` holds the same
-/// two numbers as measured for each component.
+/// Estimated correlation [-] of neighbouring blocks of each component, and the variance [-] of this estimate.
+/// `measured` has the measured correlation and its variance due to chance for each component.
 fn guesses(measured: &[(f64, f64)], correlation: Correlation) -> Vec<(f64, f64)> {
     match correlation {
         Correlation::Each(prior) => measured.iter().map(|&(rho, chance)| prior.guess(rho, chance)).collect(),
         Correlation::Common => {
             let count = measured.len().max(1) as f64;
             let [rho, chance] = [0, 1].map(|k| measured.iter().map(|one| [one.0, one.1][k]).sum::<f64>() / count);
-            // neighbouring slices fluctuate together, so that four slices count as one
+            // neighbouring slices fluctuate together, so four slices count as one independent slice
             vec![(rho.clamp(0.0, LARGEST_CORRELATION), chance / (count / 4.0).max(1.0)); measured.len()]
         }
     }
 }
 
-/// Covariance matrix of the averages of a run, from the scatter of its blocks. `guesses` holds the correlation of
-/// neighbouring blocks and its variance for each component.
+/// Covariance matrix of the averages of a run, computed from the scatter of its blocks. `guesses` has, for each
+/// component, the correlation [-] of neighbouring blocks and its variance [-].
 fn covariance(run: &Batches, deviations: &DMatrix<f64>, guesses: &[(f64, f64)]) -> DMatrix<f64> {
     let count = run.count() as f64;
-    // factor: variance of the mean, times the number of blocks, over the variance of a block. The mean follows slow
-    // fluctuations, so the scatter about the mean is smaller than the variance by the factor 1 - inflation/count
+    // factor: variance of the mean, times the number of blocks, divided by the variance of a block. The mean follows
+    // slow fluctuations, so the scatter about the mean is smaller than the variance by the factor 1 - factor/count
     let widths = guesses.iter().map(|&(rho, _)| {
         let factor = inflation(rho, run.per_run);
         (factor / (1.0 - factor / count).max(0.05)).sqrt()
@@ -379,15 +388,16 @@ fn covariance(run: &Batches, deviations: &DMatrix<f64>, guesses: &[(f64, f64)]) 
     scatter.component_mul(&(&widths * widths.transpose()))
 }
 
-/// Measured correlation between neighbouring blocks of each component of one run, with its sampling variance, both [-].
+/// Measured correlation [-] between neighbouring blocks of each component of one run, with its variance [-] due to
+/// chance.
 fn own_correlations(run: &Batches, deviations: &DMatrix<f64>) -> Vec<(f64, f64)> {
     let count = run.count() as f64;
     let one = |component: usize| {
         if run.per_run <= 1 {
             return (0.0, 0.0);
         }
-        // the measured value is too low by (1 + 3 ρ)/count, because the mean was computed from the same blocks
-        // (Marriott and Pope 1954)
+        // the measured value is too low by (1 + 3 ρ)/count, because the mean is computed from the same blocks (Marriott
+        // and Pope 1954)
         let raw = run.neighbours(deviations, component);
         let rho = ((raw + 1.0 / count) / (1.0 - 3.0 / count)).min(LARGEST_CORRELATION);
         (rho, (1.0 - rho * rho) / count)
@@ -395,8 +405,9 @@ fn own_correlations(run: &Batches, deviations: &DMatrix<f64>) -> Vec<(f64, f64)>
     (0..run.values.len()).map(one).collect()
 }
 
-/// Measured correlations between neighbouring blocks for each of two runs: one pair per component, the correlation and
-/// its sampling variance [-]. If the runs have nearly equal block lengths, both get the averages over the two runs.
+/// Measured correlations between neighbouring blocks in each of two runs. Each component has the correlation [-] and
+/// its variance [-] due to chance. If the runs have nearly equal block lengths, both get the averages over the two
+/// runs.
 fn correlations(runs: [&Batches; 2], deviations: &[DMatrix<f64>; 2]) -> [Vec<(f64, f64)>; 2] {
     let ratio = runs[0].length / runs[1].length;
     let alike = (1.0 / SAME_LENGTH..SAME_LENGTH).contains(&ratio) && runs.iter().all(|run| run.per_run > 1);

@@ -1,28 +1,28 @@
-//! Comparison of two runs. The result is one of three answers for each observable, and one answer for all observables
-//! together.
+//! Comparison of two runs in several observables. There are three possible answers for each observable, and one answer
+//! for all observables together.
 
 use super::batches::Prior;
 use super::difference::{EQUIVALENCE_LEVEL, Folded, Observable, Tested};
 use serde::Serialize;
 
-/// [-] probability that a difference in any observable is found although the two systems are equal.
+/// [-] default probability that a difference in any observable is found although the two systems are equal.
 pub const LEVEL: f64 = 0.01;
 
-/// Probabilities of the two wrong answers, "different" and "equivalent".
+/// Accepted probabilities of the two wrong answers of a comparison, "different" and "equivalent".
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ErrorLevels {
     /// [-] probability that a difference in any observable is found although the two systems are equal.
     pub difference: f64,
-    /// [-] probability that two systems are called equivalent although they differ at one position by the margin, the
+    /// [-] probability of the answer "equivalent" for two systems that differ at one position by the margin, the
     /// largest accepted difference.
     pub equivalence: f64,
 }
 
 impl ErrorLevels {
-    /// Levels of the interim test with number `look` (from 1) in a sequence of at most `looks` equally spaced tests.
-    /// Each test gets a share of the total level by the spending function α t², where t is the share of the tests done
-    /// (Lan & DeMets 1983; Kim & DeMets 1987). The probability of any wrong answer in all tests is at most that of a
-    /// single test, for any dependence between the tests.
+    /// Levels of one test in a sequence of at most `looks` equally spaced interim tests. `look` is the number of the
+    /// test, counted from 1. Each test gets a share of the total level by the spending function α t², where t is the
+    /// share of the tests done (Lan & DeMets 1983; Kim & DeMets 1987). The probability of any wrong answer in all tests
+    /// is at most that of a single test, for any dependence between the tests.
     pub fn of_look(look: usize, looks: usize) -> Self {
         let spent = |look: usize| (look as f64 / looks.max(1) as f64).powi(2);
         let share = spent(look) - spent(look.saturating_sub(1));
@@ -32,23 +32,23 @@ impl ErrorLevels {
 }
 
 impl Default for ErrorLevels {
-    /// Levels of a single test: 1 % and 5 %.
+    /// Levels of a single test: 1 % for "different" and 5 % for "equivalent".
     fn default() -> Self {
         Self { difference: LEVEL, equivalence: EQUIVALENCE_LEVEL }
     }
 }
 
-/// Answer of a comparison, from the most favourable to the least favourable.
+/// Answer of a comparison of two runs, in the order from the most favourable to the least favourable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Answer {
-    /// At every position the difference is shown to be smaller than the margin (the largest accepted difference), at
+    /// The difference is shown to be smaller than the margin (the largest accepted difference) at every position, at
     /// the level of 5 % (two one-sided tests).
     Equivalent,
-    /// Neither equivalence nor a difference is shown by the tests.
+    /// The tests show neither equivalence nor a difference.
     Unresolved,
-    /// A difference is found, at the level of 1 % for all observables together. It is not shown to be within the
-    /// margin, the largest accepted difference.
+    /// A difference is found, at the level of 1 % for all observables together. The difference is not shown to be
+    /// smaller than the margin, the largest accepted difference.
     Different,
 }
 
@@ -63,7 +63,7 @@ impl Answer {
     }
 }
 
-/// One observable of two runs, with the results of its tests and the answer that follows from them.
+/// One observable of two runs, with the results of its tests and the answer.
 #[derive(Clone, Debug, Serialize)]
 pub struct Judged {
     /// Results of the tests of this observable.
@@ -71,42 +71,42 @@ pub struct Judged {
     pub tested: Tested,
     /// True if a difference is found, at the level of 1 % for all observables together (Holm 1979).
     pub detected: bool,
-    /// Answer for this observable: equivalent, unresolved or different.
+    /// Answer for this observable.
     pub answer: Answer,
-    /// [-] smallest margin (accepted difference), over the scale of the observable, with which the answer would be
-    /// "equivalent".
+    /// [-] smallest margin (largest accepted difference), divided by the scale of the observable, with which the answer
+    /// would be "equivalent".
     pub reached: f64,
-    /// [-] smallest margin (accepted difference), over the scale of the observable, with which the answer would be
-    /// "equivalent" if the difference is smooth across the profile.
+    /// [-] smallest margin (largest accepted difference), divided by the scale of the observable, with which the answer
+    /// would be "equivalent" if the difference were smooth across the profile.
     pub reached_smooth: f64,
-    /// [-] interval, over the scale of the observable, that contains the differences at all positions. If both its ends
-    /// are within the margin, the largest accepted difference, the observable is equivalent.
+    /// [-] interval that contains the differences at all positions, divided by the scale of the observable. If both
+    /// ends are smaller than the margin (the largest accepted difference) in magnitude, the observable is equivalent.
     pub interval: [f64; 2],
-    /// True if a one-sided test shows that the difference named first by a report exceeds the margin, the largest
-    /// accepted difference.
+    /// True if a one-sided test shows that the difference exceeds the margin, the largest accepted difference. The test
+    /// is done for the difference that a report names first.
     pub beyond: bool,
-    /// [-] smallest smooth difference, relative to the scale, that would be found in 80 % of cases.
+    /// [-] smallest smooth difference, divided by the scale of the observable, that would be found in 80 % of cases.
     pub detectable: f64,
-    /// [-] factor by which the run would have to be longer to show equal systems equivalent in all observables in 80 %
-    /// of cases.
+    /// [-] factor by which the run would have to be longer, so that equal systems are shown equivalent in all
+    /// observables in 80 % of cases.
     pub stretch: f64,
 }
 
 /// Comparison of two runs in several observables.
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
-    /// Answer for all observables together: the worst of their answers, where "different" is the worst.
+    /// Answer for all observables together: the least favourable of their answers.
     pub answer: Answer,
-    /// [-] requested margin: largest difference that is accepted, over the scale of each observable.
+    /// [-] largest difference that counts as equivalent, divided by the scale of each observable.
     pub margin: f64,
-    /// Observables with error bars, each with its answer.
+    /// Observables with error bars, each with its tests and its answer.
     pub judged: Vec<Judged>,
-    /// Names of observables without error bars, for which there is no answer.
+    /// Names of observables without error bars, which have no answer.
     pub unknown: Vec<String>,
 }
 
 impl Comparison {
-    /// Observables in which the tests find a difference between the two runs, the most significant first.
+    /// Observables in which the tests find a difference between the two runs, the most significant observable first.
     pub fn detected(&self) -> Vec<&Judged> {
         let mut found: Vec<&Judged> = self.judged.iter().filter(|one| one.detected).collect();
         found.sort_by(|a, b| a.tested.chance.total_cmp(&b.tested.chance));
@@ -114,8 +114,8 @@ impl Comparison {
     }
 }
 
-/// Compares two runs in a list of observables, which has the same order for both runs. `margin` [-] is the largest
-/// accepted difference, over the scale of each observable.
+/// Compares two runs in several observables, which have the same order in `a` and `b`. `margin` [-] is the largest
+/// accepted difference, divided by the scale of each observable.
 pub fn compare(a: &[Observable], b: &[Observable], margin: f64, levels: ErrorLevels) -> Comparison {
     let folded: Vec<Option<Folded>> = a.iter().zip(b).map(|(a, b)| Folded::new(a, b)).collect();
     let prior = Prior::of(&folded.iter().flatten().flat_map(Folded::correlations).collect::<Vec<_>>());
@@ -142,14 +142,14 @@ pub fn compare(a: &[Observable], b: &[Observable], margin: f64, levels: ErrorLev
     Comparison { answer, margin, judged, unknown }
 }
 
-/// Margin and error levels with which each of several observables is tested for equivalence.
+/// Margin of equivalence and error levels for the tests of one of several observables.
 struct EquivalenceTest {
     margin: f64,
-    /// [-] level of the test for a difference in one observable.
+    /// [-] level of the test for a difference, for a single observable.
     level: f64,
-    /// [-] level of each one-sided test of equivalence.
+    /// [-] level of each one-sided test for equivalence.
     equivalence: f64,
-    /// Number of positions, over all observables, that have to be shown equivalent.
+    /// Number of positions that must be shown equivalent, summed over all observables.
     places: usize,
 }
 
@@ -176,9 +176,10 @@ impl EquivalenceTest {
     }
 }
 
-/// Significance of several tests with the probabilities `chances` [-], by Holm's procedure (1979): true for each
-/// significant one. The probability of any false result is `level` [-]. The smallest of m probabilities must be below
-/// level/m, the next one below level/(m - 1), and so on. The procedure ends at the first probability that is too large.
+/// Decides by Holm's procedure (1979) which of several tests are significant: true for a significant test. `chances`
+/// [-] are the probabilities of the tests. The probability of any false result is `level` [-]. The smallest of m
+/// probabilities must be at most level/m, the next at most level/(m - 1), and so on. The procedure ends at the first
+/// probability that is too large.
 pub fn holm(chances: &[f64], level: f64) -> Vec<bool> {
     let mut order: Vec<usize> = (0..chances.len()).collect();
     order.sort_by(|&a, &b| chances[a].total_cmp(&chances[b]));

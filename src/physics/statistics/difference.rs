@@ -1,11 +1,10 @@
-//! Tests of one observable of two runs. The tests show whether there is a difference, and give an upper bound of the
-//! difference.
+//! Tests of one observable of two runs. They show whether the runs differ, and give an upper bound of the difference.
 //!
 //! A profile has three tests. Student's t test of the mean over the profile finds a uniform difference. Hotelling's T²
 //! test finds a difference in a few smooth shapes across the channel. A test of the slice with the largest deviation
 //! finds a local difference, as at a wall. It is Student's t test with as many trials as there are slices. The smallest
-//! of the three probabilities is multiplied by three, the number of tests (by two if the mean vanishes). A single
-//! number has Student's t test only.
+//! of the three probabilities is multiplied by three, the number of tests. If the mean vanishes by definition or
+//! symmetry, there are two tests. A single number has only Student's t test.
 //!
 //! Equivalence is tested at every position separately, so the bound is valid for a difference of any shape.
 
@@ -16,57 +15,58 @@ use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 use std::borrow::Cow;
 
-/// [-] probability of a false answer "equivalent" if the true difference equals the margin, the largest difference that
-/// is accepted. This is the usual value for two one-sided tests.
+/// [-] probability of a false answer "equivalent" if the true difference equals the margin, the largest accepted
+/// difference. The value is usual for two one-sided tests.
 pub const EQUIVALENCE_LEVEL: f64 = 0.05;
-/// [-] accepted probability that a run of the recommended length fails to show equal systems equivalent.
+/// [-] accepted probability that runs of the recommended length fail to show that equal systems are equivalent.
 const FAILED: f64 = 0.2;
-/// Number of standard deviations [-] below which a normally distributed number lies with a probability of 80 %.
+/// [-] number of standard deviations below which a normally distributed number lies with a probability of 80 %.
 const POWER: f64 = 0.8416;
-/// [-] scatter, relative to the scale of the observable, up to which it is attributed to rounding. A difference up to
-/// ten times as large then counts as zero.
+/// [-] largest scatter, divided by the scale of the observable, that is attributed to rounding. A difference up to ten
+/// times as large then counts as zero.
 const ROUNDING: f64 = 1e-12;
-/// Smallest number of degrees of freedom for each tested shape. With fewer degrees of freedom, Hotelling's distribution
-/// has such long tails that one more shape reduces the power of the test.
+/// [-] smallest number of degrees of freedom for each shape in Hotelling's test. With fewer, Hotelling's distribution
+/// has such long tails that a further shape reduces the power of the test.
 const FREEDOM_PER_SHAPE: f64 = 4.0;
 
 /// Quantity that is compared between two runs: a number, a profile over slices, or a curve over time.
 #[derive(Clone, Debug)]
 pub struct Observable {
-    /// Name of the observable; for a profile, the name of its column in `profiles.csv`.
+    /// Name of the observable. A profile has the name of its column in `profiles.csv`.
     pub name: Cow<'static, str>,
     /// Unit of the observable; empty if it has none.
     pub unit: &'static str,
-    /// Centres of the slices [m], or times [s]; empty for a single number.
+    /// Positions: centres of the slices [m] for a profile, times [s] for a curve; empty for a single number.
     pub places: Vec<f64>,
-    /// Symmetry under a mirror at the mid-plane; `Neither` for a curve over time.
+    /// Symmetry of a profile under a mirror at the mid-plane of the channel; `Neither` for a curve over time.
     pub parity: Parity,
-    /// True if the mean over the positions is fixed by definition, as for a density relative to its mean.
+    /// True if the mean over the positions is fixed by definition, as for a density divided by its mean.
     pub fixed_mean: bool,
     /// Scale by which differences are divided, in the unit of the observable.
     pub scale: f64,
-    /// Description of the scale, in words that follow "% of".
+    /// Description of the scale, in words that follow "% of", such as "its mean".
     pub scale_is: &'static str,
-    /// Average at each position with its blocks of time: one [`Batches`] with one component per position. A single
-    /// number has one position. `None` if the average is unknown.
+    /// Average at each position, with the blocks of time from which its error is computed. Each entry has one
+    /// component. A single number has one position. `None` if the average is unknown.
     pub parts: Vec<Option<Batches>>,
 }
 
-/// Difference between two runs, first minus second, in the unit of the observable.
+/// Difference between two runs, first minus second, in the unit of the observable, with its standard error.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Deviation {
-    /// Centre of the slice [m] or time [s]; `None` for the mean over all positions, or for a single number.
+    /// Position of the difference: centre of a slice [m] or time [s]. `None` for the mean over all positions, and for a
+    /// single number.
     pub place: Option<f64>,
-    /// Difference between the two runs at `place`, in the unit of the observable.
+    /// Value in the first run minus value in the second run, in the unit of the observable.
     pub difference: f64,
-    /// Standard error of the difference; 0 if neither run scatters.
+    /// Standard error of the difference, in the unit of the observable; 0 if neither run scatters.
     pub error: f64,
-    /// [-] number of degrees of freedom of the error.
+    /// [-] degrees of freedom of the standard error.
     pub freedom: f64,
 }
 
 impl Deviation {
-    /// [-] two-sided probability that equal systems show at least this difference, by Student's t test.
+    /// [-] probability that equal systems show a difference of at least this size, of either sign, by Student's t test.
     pub fn chance(&self) -> f64 {
         if self.error > 0.0 {
             two_sided(self.difference / self.error, self.freedom)
@@ -75,19 +75,21 @@ impl Deviation {
         }
     }
 
-    /// Upper bound of the magnitude of the difference by a one-sided test at the level `level` [-].
+    /// Upper bound of the magnitude of the difference, by a one-sided test at the level `level` [-], in the unit of the
+    /// observable.
     pub fn bound(&self, level: f64) -> f64 {
         self.difference.abs() + self.width(level)
     }
 
-    /// Half-width that a one-sided test at the level `level` [-] adds to the difference, in the unit of the observable.
+    /// Distance from the difference to its upper bound, by a one-sided test at the level `level` [-], in the unit of
+    /// the observable.
     pub fn width(&self, level: f64) -> f64 {
         if self.error > 0.0 { student_bound(level, self.freedom) * self.error } else { 0.0 }
     }
 }
 
-/// Results of the tests of one observable of two runs. Differences and bounds are in the unit of the observable,
-/// probabilities [-].
+/// Results of the tests of one observable of two runs. Differences and bounds are in the unit of the observable;
+/// probabilities are numbers [-].
 #[derive(Clone, Debug, Serialize)]
 pub struct Tested {
     /// Name of the observable that was tested.
@@ -96,43 +98,46 @@ pub struct Tested {
     pub unit: &'static str,
     /// Scale by which differences are divided, in the unit of the observable.
     pub scale: f64,
-    /// Description of the scale, in words that follow "% of".
+    /// Description of the scale, in words that follow "% of", such as "its mean".
     pub scale_is: &'static str,
-    /// Difference of the mean over all positions, or of the single number. `None` if this difference vanishes by
-    /// definition or by symmetry.
+    /// Difference of the mean over all positions, or of the single number. `None` if the mean is fixed by definition or
+    /// by symmetry.
     pub mean: Option<Deviation>,
-    /// Deviation at the position where it is largest in units of its standard error; `None` for a single number.
+    /// Difference at the position where it is most significant; `None` for a single number.
     pub largest: Option<Deviation>,
-    /// [-] probability that equal systems show at least this difference in the smooth shapes (polynomials across the
-    /// profile).
+    /// [-] probability that equal systems show a difference of at least this size in the smooth shapes (polynomials
+    /// across the profile).
     pub smooth_chance: f64,
-    /// [-] probability that equal systems show at least the largest difference found at one position; `None` for a
+    /// [-] probability that equal systems show a difference of at least this size at any one position; `None` for a
     /// single number.
     pub local_chance: Option<f64>,
-    /// [-] probability that equal systems show a difference of at least this size in any of the tests.
+    /// [-] probability that equal systems show a difference of at least this size in any of the tests of the
+    /// observable.
     pub chance: f64,
-    /// Upper bound of the difference at any position, from two one-sided tests at every position. Their level is 5 %
-    /// unless there are several interim tests.
+    /// Upper bound of the magnitude of the difference at any position, in the unit of the observable. It comes from two
+    /// one-sided tests at every position, at the level of 5 % or, with several interim tests, at a lower one.
     pub bound: f64,
-    /// Upper bound of the difference if it is a sum of the smooth shapes, at the same level as `bound`.
+    /// Upper bound of the magnitude of the difference, in the unit of the observable, if the difference is a sum of the
+    /// smooth shapes. Its level is that of `bound`.
     pub smooth_bound: f64,
     /// Differences at all positions; a single number has one position.
     #[serde(skip)]
     places: Vec<Deviation>,
-    /// Standard error of the coefficient of the first smooth shape, times the largest value of this shape.
+    /// Standard error of the coefficient of the first smooth shape, times the largest value of this shape, in the unit
+    /// of the observable.
     #[serde(skip)]
     first_error: f64,
-    /// [-] degrees of freedom of `first_error`.
+    /// [-] degrees of freedom of the standard error `first_error`.
     #[serde(skip)]
     first_freedom: f64,
-    /// Number of smooth shapes that are tested together by Hotelling's test.
+    /// Number of smooth shapes (polynomials across the profile) that Hotelling's test combines.
     #[serde(skip)]
     shapes: usize,
 }
 
 impl Tested {
-    /// Difference that a report names first: the difference of the mean, or the largest difference at a position if
-    /// that is more significant.
+    /// Difference that a report names first: that of the mean or, if it is more significant, the largest one at a
+    /// position.
     pub fn headline(&self) -> Option<Deviation> {
         match (self.mean, self.largest) {
             (Some(mean), Some(largest)) if mean.chance() > largest.chance() => Some(largest),
@@ -140,22 +145,23 @@ impl Tested {
         }
     }
 
-    /// Smallest difference in the first shape that is found in 80 % of cases at the level `level` [-], in the unit of
-    /// the observable. The first shape is uniform unless the mean difference is known to vanish.
+    /// Smallest difference in the first smooth shape that a test at the level `level` [-] finds in 80 % of cases, in
+    /// the unit of the observable. The first shape is uniform unless the mean difference vanishes by definition or
+    /// symmetry.
     pub fn detectable(&self, level: f64) -> f64 {
         let level = level / self.tests();
         let bound = if self.mean.is_some() {
             student_bound(0.5 * level, self.first_freedom)
         } else {
-            // a difference of s standard errors in one of K shapes gives T² of about s² + K - 1
+            // a difference of s standard errors in one of K shapes gives a T² of about s² + K - 1
             let others = self.shapes.saturating_sub(1) as f64;
             (hotelling_bound(level, self.shapes, self.first_freedom) - others).max(0.0).sqrt()
         };
         self.first_error * (bound + POWER)
     }
 
-    /// Number of tests of the observable, by which the smallest probability is multiplied: 1 for a single number, 3 for
-    /// a profile, 2 for a profile whose mean is known to vanish.
+    /// [-] number of tests of the observable, by which the smallest probability is multiplied: 1 for a single number, 3
+    /// for a profile, 2 for a profile whose mean difference vanishes by definition or symmetry.
     fn tests(&self) -> f64 {
         match (self.mean, self.largest) {
             (_, None) => 1.0,
@@ -164,20 +170,20 @@ impl Tested {
         }
     }
 
-    /// Interval that contains the differences at all positions, each by one-sided tests at the level `level` [-]. The
-    /// interval is in the unit of the observable.
+    /// Interval that contains the differences at all positions, in the unit of the observable. Each of its ends comes
+    /// from one-sided tests at the level `level` [-].
     pub fn interval(&self, level: f64) -> [f64; 2] {
         let ends = self.places.iter().map(|one| [one.difference - one.width(level), one.difference + one.width(level)]);
         ends.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]).unwrap_or_default()
     }
 
-    /// Number of positions at which the difference has an error above 0.
+    /// Number of positions at which the difference has a standard error above 0.
     pub fn scattering(&self) -> usize {
         self.places.iter().filter(|one| one.error > 0.0).count()
     }
 
-    /// Smallest margin within which equal systems are shown equivalent in 80 % of cases, at the position with the
-    /// largest error, in the unit of the observable. `places` is the number of positions, over all observables, that
+    /// Smallest margin with which equal systems are shown equivalent in 80 % of cases, in the unit of the observable.
+    /// It is that of the position with the largest error. `places` is the number of positions of all observables that
     /// must be shown equivalent. `level` [-] is the level of each one-sided test.
     pub fn width_needed(&self, level: f64, places: usize) -> f64 {
         let surely =
@@ -187,31 +193,33 @@ impl Tested {
     }
 }
 
-/// Observable of two runs, folded about the mid-plane for the tests. Folding averages the values of mirrored positions.
+/// Observable of two runs whose values at mirrored positions have been averaged (folding about the mid-plane), ready
+/// for the tests.
 pub struct Folded {
     name: Cow<'static, str>,
     unit: &'static str,
     scale: f64,
     scale_is: &'static str,
-    /// Centres of the slices [m], or times [s], that remain after folding; empty for a single number.
+    /// Positions that remain after mirrored ones have been averaged: centres of slices [m] or times [s]; empty for a
+    /// single number.
     places: Vec<f64>,
     batches: [Batches; 2],
-    /// Value of each smooth shape (a polynomial across the profile) at each folded position.
+    /// Value of each smooth shape (polynomial across the profile) at each of the remaining positions.
     shapes: Vec<Vec<f64>>,
-    /// True if the first shape is uniform, so that its coefficient is the mean difference.
+    /// True if the first smooth shape is uniform, so that its coefficient is the mean difference.
     has_mean: bool,
 }
 
 impl Folded {
-    /// Folds an observable of two runs about the mid-plane. `None` if the runs have no position in common, or if one
-    /// run has no errors.
+    /// Averages the values of an observable at positions that are mirror images about the mid-plane, in both runs.
+    /// `None` if no position is known in both runs, or if one run has no errors.
     pub fn new(a: &Observable, b: &Observable) -> Option<Self> {
         let count = a.places.len().max(1);
         if [a, b].iter().any(|one| one.parts.len() != count) {
             return None;
         }
         let (places, rows) = fold(count, a.parity);
-        // a folded position is known if both of its halves are known
+        // the average of two mirrored positions is known if both are known
         let known = |row: &[f64]| {
             row.iter().enumerate().all(|(k, weight)| *weight == 0.0 || a.parts[k].is_some() && b.parts[k].is_some())
         };
@@ -234,14 +242,15 @@ impl Folded {
         Some(Self { name, unit, scale, scale_is, places, batches, shapes, has_mean })
     }
 
-    /// Correlations between neighbouring blocks of time, measured for the coefficient of each shape, with their
-    /// variances [-].
+    /// Correlations [-] between neighbouring blocks of time of the coefficients of all smooth shapes. Each has its
+    /// variance [-] due to chance.
     pub fn correlations(&self) -> Vec<(f64, f64)> {
         let [a, b] = self.projected(&self.shapes);
         measured(&a, &b)
     }
 
-    /// Coefficients of `shapes` in each of the two runs, averaged over the run and in each block of time.
+    /// Coefficients of the smooth shapes `shapes` in each of the two runs, averaged over the run and in each block of
+    /// time.
     fn projected(&self, shapes: &[Vec<f64>]) -> [Batches; 2] {
         let count = self.batches[0].values.len() as f64;
         let weights: Vec<Vec<f64>> =
@@ -249,8 +258,8 @@ impl Folded {
         [0, 1].map(|k| self.batches[k].project(&weights))
     }
 
-    /// Tests this observable. `prior` is the distribution of the correlations in all observables, and `level` [-] the
-    /// level of each one-sided test of equivalence. `None` if a run has too few blocks.
+    /// Tests the observable. `prior` is the distribution of the correlations between blocks over all observables, and
+    /// `level` [-] the level of each one-sided test of equivalence. `None` if a run has too few blocks.
     pub fn test(&self, prior: Prior, level: f64) -> Option<Tested> {
         let rounding = ROUNDING * self.scale.abs();
         let [a, b] = &self.batches;
@@ -289,20 +298,22 @@ impl Folded {
     }
 }
 
-/// Positions `kept`, shifted and scaled so that the positions `all` would extend from -1 to 1.
+/// Positions `kept` on a scale on which the positions `all` extend from -1 to 1.
 fn places_across(all: &[f64], kept: &[f64]) -> Vec<f64> {
     let (Some(first), Some(last)) = (all.first(), all.last()) else { return vec![0.0] };
     let (middle, half) = (0.5 * (first + last), 0.5 * (last - first));
     kept.iter().map(|place| if half > 0.0 { (place - middle) / half } else { 0.0 }).collect()
 }
 
-/// Difference between the two runs at each of the `places`, which are the components of `contrast`.
+/// Difference between the two runs at each of the `places`, which correspond to the components of `contrast`. Errors up
+/// to `rounding` count as 0.
 fn at_places(contrast: &Contrast, places: &[f64], rounding: f64) -> Vec<Deviation> {
     places.iter().enumerate().map(|(k, &place)| deviation(contrast, k, Some(place), rounding)).collect()
 }
 
-/// Difference in one component of `contrast`, at `place`. If its error is not above `rounding`, the error counts as 0,
-/// and so does a difference up to ten times `rounding`.
+/// Difference in the component of `contrast` with index `component`, which belongs to the position `place`. If its
+/// error is at most `rounding`, the error counts as 0. A difference of at most ten times `rounding` then counts as 0 as
+/// well.
 fn deviation(contrast: &Contrast, component: usize, place: Option<f64>, rounding: f64) -> Deviation {
     let (difference, error) = (contrast.difference[component], contrast.error(component));
     if error > rounding {
@@ -312,13 +323,13 @@ fn deviation(contrast: &Contrast, component: usize, place: Option<f64>, rounding
     Deviation { place, difference, error: 0.0, freedom: 1.0 }
 }
 
-/// Difference between two runs as coefficients of a few smooth shapes (polynomials across the profile), with its
-/// covariance.
+/// Difference between two runs, expressed by the coefficients of a few smooth shapes (polynomials across the profile),
+/// with its covariance.
 struct Smooth {
-    /// Value of each shape at each position.
+    /// Value of each smooth shape at each position.
     shapes: Vec<Vec<f64>>,
     contrast: Contrast,
-    /// Indices of the shapes whose coefficients scatter; other coefficients are known exactly.
+    /// Indices of the shapes whose coefficients scatter; the coefficients of the other shapes are known exactly.
     scattering: Vec<usize>,
 }
 
@@ -338,12 +349,14 @@ impl Smooth {
         }
     }
 
-    /// Difference of the mean over all positions. The first shape must be uniform. `None` without shapes.
+    /// Difference of the mean over all positions: the coefficient of the first shape, which must be uniform. `None`
+    /// without shapes.
     fn mean(&self, rounding: f64) -> Option<Deviation> {
         (!self.shapes.is_empty()).then(|| deviation(&self.contrast, 0, None, rounding))
     }
 
-    /// [-] probability that equal systems show at least this difference in the shapes, by Hotelling's distribution.
+    /// [-] probability that equal systems show a difference of at least this size in the smooth shapes, by Hotelling's
+    /// distribution.
     fn chance(&self, rounding: f64) -> f64 {
         let exact = (0..self.shapes.len()).filter(|k| !self.scattering.contains(k));
         if exact.into_iter().any(|k| self.contrast.difference[k].abs() > 10.0 * rounding) {
@@ -360,8 +373,8 @@ impl Smooth {
         if square > 0.0 { hotelling(square, self.scattering.len(), self.contrast.freedom(&direction)) } else { 1.0 }
     }
 
-    /// Upper bound of the difference at the position where this bound is largest. `level` [-] is the level of each
-    /// one-sided test.
+    /// Upper bound of the magnitude of the difference at the position where this bound is largest, in the unit of the
+    /// observable. `level` [-] is the level of each one-sided test.
     fn bound(&self, level: f64) -> f64 {
         let places = self.shapes.first().map_or(0, Vec::len);
         let at = |place: usize| {
@@ -373,8 +386,8 @@ impl Smooth {
         (0..places).map(at).fold(0.0, f64::max)
     }
 
-    /// Standard error of the coefficient of the first shape, times the largest value of this shape, and the degrees of
-    /// freedom of this error.
+    /// Standard error of the coefficient of the first shape, times the largest value of this shape, in the unit of the
+    /// observable. The second number is the degrees of freedom [-] of this error.
     fn first(&self) -> (f64, f64) {
         let Some(shape) = self.shapes.first() else { return (0.0, 1.0) };
         let largest = shape.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
@@ -382,8 +395,8 @@ impl Smooth {
     }
 }
 
-/// [-] probability that |t| exceeds `deviation` standard errors, by Student's distribution. For infinitely many degrees
-/// of freedom this is the normal distribution.
+/// [-] probability that |t| exceeds `deviation`, by Student's distribution with `freedom` degrees of freedom. For
+/// infinitely many degrees of freedom this is the normal distribution.
 pub fn two_sided(deviation: f64, freedom: f64) -> f64 {
     if freedom.is_infinite() {
         return Normal::new(0.0, 1.0).map_or(1.0, |law| 2.0 * law.sf(deviation.abs()));
@@ -391,21 +404,21 @@ pub fn two_sided(deviation: f64, freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(1.0, |law| (2.0 * law.sf(deviation.abs())).min(1.0))
 }
 
-/// [-] number of standard errors that Student's t exceeds with the probability `level` [-], on one side.
+/// [-] value that Student's t with `freedom` degrees of freedom exceeds with the probability `level` [-].
 pub fn student_bound(level: f64, freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |law| law.inverse_cdf(1.0 - level))
 }
 
-/// [-] probability that T² of `shapes` components exceeds `square` (Hotelling 1931). The value T² (ν - K + 1)/(ν K) has
-/// Fisher's F distribution, where K is the number of shapes and ν the number of degrees of freedom.
+/// [-] probability that Hotelling's T² (1931) of K = `shapes` components exceeds `square` if there is no difference.
+/// The value T² (ν - K + 1)/(ν K) has Fisher's F distribution, where ν is the number `freedom` of degrees of freedom.
 fn hotelling(square: f64, shapes: usize, freedom: f64) -> f64 {
     let count = shapes as f64;
     let rest = (freedom - count + 1.0).max(1.0);
     FisherSnedecor::new(count, rest).map_or(1.0, |law| law.sf(square * rest / (freedom * count)))
 }
 
-/// Value [-] that Hotelling's T² of `shapes` components exceeds with the probability `level` [-] if there is no
-/// difference.
+/// [-] value that Hotelling's T² of `shapes` components exceeds with the probability `level` [-] if there is no
+/// difference. `freedom` is the number of degrees of freedom.
 fn hotelling_bound(level: f64, shapes: usize, freedom: f64) -> f64 {
     let count = shapes as f64;
     let rest = (freedom - count + 1.0).max(1.0);

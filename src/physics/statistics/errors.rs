@@ -1,26 +1,25 @@
 //! Standard errors of averages of correlated samples.
 //!
-//! A run is usually short in units of its relaxation time. Plain blocking then reaches no plateau, and its error is too
-//! small (by half, for a run of 10 relaxation times). The functions in this file measure the correlation between
-//! neighbouring blocks, correct it for its known bias in short series, and enlarge the error accordingly. The result of
+//! A run is usually short in units of its relaxation time. The error by plain blocking then reaches no plateau and is
+//! too small (by half, for a run of 10 relaxation times). The functions in this file measure the correlation between
+//! neighbouring blocks, correct it for its known bias in short series, and enlarge the error accordingly. The error by
 //! plain blocking remains a lower limit.
 
 use serde::{Deserialize, Serialize};
 
-/// Smallest number of blocks (or samples) for a standard error. With fewer blocks, their correlation cannot be
-/// measured.
+/// Smallest number of blocks (or samples) from which a standard error is computed. With fewer blocks, their correlation
+/// cannot be measured.
 pub const FEWEST_BLOCKS: usize = 8;
-/// Smallest number of blocks into which a series is merged; the number is always less than twice this. With more blocks
-/// only the fast noise would be resolved, and slow fluctuations would be missed. Fewer blocks would leave too little
-/// data for an estimate.
+/// Smallest number of blocks into which a long series is merged; the number is always less than twice as large. More
+/// blocks would resolve fast noise, but miss slow fluctuations. Fewer blocks would be too few data for an estimate.
 const BLOCKS: usize = 20;
-/// [-] largest accepted correlation between neighbouring blocks. A series with a higher correlation is a single slow
-/// fluctuation.
+/// [-] largest correlation between neighbouring blocks that is used. A series with a higher correlation is a single
+/// slow fluctuation.
 pub(super) const LARGEST_CORRELATION: f64 = 0.9;
 
-/// Value and its standard error, in the unit of the value.
+/// Value of a quantity and its standard error, both in the unit of the quantity.
 ///
-/// Without a sample there is no estimate: functions return `Option<Estimate>`.
+/// Functions return `None` instead of an estimate if there is no sample.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     /// Estimated value of the quantity.
@@ -35,18 +34,18 @@ impl Estimate {
         Self { value, error: Some(error) }
     }
 
-    /// Creates an estimate whose standard error is unknown.
+    /// Creates an estimate from a value whose standard error is unknown.
     pub fn without_error(value: f64) -> Self {
         Self { value, error: None }
     }
 
-    /// Creates an estimate whose standard error is 0.
+    /// Creates an estimate from a value that is known exactly: its standard error is 0.
     pub fn exact(value: f64) -> Self {
         Self { value, error: Some(0.0) }
     }
 
-    /// Mean of independent estimates of one number. The mean has no error if one estimate has no error. `None` without
-    /// estimates, or if one of the values is unknown.
+    /// Mean of independent estimates of one number, with its standard error. The error is unknown if one of the
+    /// estimates has none. `None` without estimates, or if one of them is `None`.
     pub fn mean_of(estimates: impl Iterator<Item = Option<Self>>) -> Option<Self> {
         let all: Vec<Self> = estimates.collect::<Option<_>>()?;
         let count = all.len() as f64;
@@ -56,7 +55,7 @@ impl Estimate {
         (!all.is_empty()).then(|| Self { value, error: square.map(|sum| sum.sqrt() / count) })
     }
 
-    /// Estimate times a factor that is known exactly.
+    /// Estimate multiplied by a factor that is known exactly.
     pub fn times(self, factor: f64) -> Self {
         Self { value: self.value * factor, error: self.error.map(|error| error * factor) }
     }
@@ -66,50 +65,51 @@ impl Estimate {
         Self { value: self.value / divisor, error: self.error.map(|error| error / divisor) }
     }
 
-    /// Difference of this estimate and another, independent one.
+    /// This estimate minus another estimate. The two estimates must be independent.
     pub fn less(self, other: Self) -> Self {
         let error = self.error.zip(other.error).map(|(one, other)| one.hypot(other));
         Self { value: self.value - other.value, error }
     }
 
-    /// [-] value in units of its standard error; `None` without a positive error.
+    /// [-] value divided by its standard error; `None` if the error is unknown or 0.
     pub fn in_errors(self) -> Option<f64> {
         self.error.filter(|error| *error > 0.0).map(|error| self.value / error)
     }
 }
 
-/// Mean of equally spaced samples in the order of time, with a standard error that takes their correlation into
+/// Mean of equally spaced samples in the order of time. Its standard error takes the correlation of the samples into
 /// account.
 ///
-/// `None` without a sample, or if their mean is not finite. Fewer than 8 samples give no standard error.
+/// `None` without a sample, or if the mean is not finite. With fewer than 8 samples the standard error is unknown.
 pub fn estimate(samples: &[f64]) -> Option<Estimate> {
     let value = mean(samples);
     value.is_finite().then(|| Estimate { value, error: standard_error(samples, Removed::Mean) })
 }
 
-/// Number of pieces that are merged into each block, for an error estimate from `count` equal pieces. If pieces are
-/// left over, callers omit them at the beginning of the series.
+/// Number of pieces that are merged into each block, if a series of `count` equal pieces is divided into 20 to 39
+/// blocks. Callers leave out pieces that do not fill a block, at the beginning of the series.
 pub(super) fn block_size(count: usize) -> usize {
     (count / BLOCKS).max(1)
 }
 
-/// Arithmetic mean; NaN if there is no value.
+/// Arithmetic mean of the values; NaN without values.
 pub(super) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Fit that was subtracted from a series of values before its scatter is measured.
+/// Fit that has been subtracted from a series before its scatter is measured.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Removed {
-    /// The mean of the series is subtracted.
+    /// The mean of the series has been subtracted.
     Mean,
-    /// A fitted parabola is subtracted, so that drift does not count as noise in the test for drift.
+    /// A parabola fitted to the series has been subtracted, so that a drift does not count as noise in the test for
+    /// drift.
     Parabola,
 }
 
 /// Standard error of the mean of a series in the order of time. A long series is first merged into blocks. With
-/// [`Removed::Parabola`] the values must be the residuals of that fit. `None` for fewer than 8 values, or if a value is
-/// not finite.
+/// [`Removed::Parabola`] the values must be the residuals of a fitted parabola. `None` for fewer than 8 values, or if a
+/// value is not finite.
 pub(super) fn standard_error(values: &[f64], removed: Removed) -> Option<f64> {
     if values.len() < FEWEST_BLOCKS || values.iter().any(|v| !v.is_finite()) {
         return None;
@@ -124,15 +124,15 @@ pub(super) fn standard_error(values: &[f64], removed: Removed) -> Option<f64> {
     Some(variance.sqrt())
 }
 
-/// Variance of the mean of all blocks, if the blocks are uncorrelated; `blocks` are the means of successive pieces of a
-/// series.
+/// Variance of the mean of all blocks, on the assumption that blocks are uncorrelated. `blocks` are the means of
+/// successive pieces of a series.
 fn plain_variance(blocks: &[f64]) -> f64 {
     let (count, centre) = (blocks.len() as f64, mean(blocks));
     blocks.iter().map(|b| (b - centre).powi(2)).sum::<f64>() / (count - 1.0) / count
 }
 
-/// Variance of the mean of all blocks, if their correlation decays exponentially; `removed` tells what was subtracted
-/// before.
+/// Variance of the mean of all blocks, on the assumption that their correlation decays exponentially. `blocks` are the
+/// means of successive pieces of a series, and `removed` is the fit that has been subtracted from it.
 fn corrected_variance(blocks: &[f64], removed: Removed) -> f64 {
     let (count, centre) = (blocks.len() as f64, mean(blocks));
     let scatter: f64 = blocks.iter().map(|b| (b - centre).powi(2)).sum();
@@ -140,8 +140,8 @@ fn corrected_variance(blocks: &[f64], removed: Removed) -> f64 {
         return 0.0;
     }
     let neighbours: f64 = blocks.windows(2).map(|pair| (pair[0] - centre) * (pair[1] - centre)).sum();
-    // in a short series the measured correlation is too low by about (1 + 4 rho)/count, because the mean was computed
-    // from the same series (Marriott and Pope 1954); with three fitted coefficients the bias is three times as large
+    // in a short series the measured correlation is too low by about (1 + 4 rho)/count, because the mean is computed
+    // from the same series (Marriott and Pope 1954). With three fitted coefficients the bias is three times as large
     let bias = if removed == Removed::Parabola { 3.0 } else { 1.0 };
     let correlation =
         ((count * neighbours / scatter + bias) / (count - 4.0 * bias).max(1.0)).clamp(0.0, LARGEST_CORRELATION);
@@ -151,8 +151,8 @@ fn corrected_variance(blocks: &[f64], removed: Removed) -> f64 {
     scatter / seen * factor / count
 }
 
-/// [-] ratio of the variance of the mean of `count` blocks to that for independent blocks, computed from the
-/// `correlation` of neighbouring blocks. The signal is assumed to be exponentially correlated.
+/// [-] variance of the mean of `count` blocks divided by that of independent blocks. `correlation` [-] is that of
+/// neighbouring blocks. The signal is assumed to be exponentially correlated.
 pub(super) fn inflation(correlation: f64, count: usize) -> f64 {
     let decay = decay(correlation);
     let (mut factor, mut power) = (1.0, correlation);
@@ -163,9 +163,9 @@ pub(super) fn inflation(correlation: f64, count: usize) -> f64 {
     factor
 }
 
-/// [-] ratio of the correlations of block means at successive lags beyond the first lag, for an exponentially
-/// correlated signal with the given `correlation` of neighbouring blocks. The ratio is smaller than `correlation`,
-/// since neighbouring blocks also share fluctuations across their border.
+/// [-] ratio by which the correlation of block means decreases from one lag to the next, beyond the first lag. The
+/// signal is assumed to be exponentially correlated; `correlation` [-] is that of neighbouring blocks. The ratio is
+/// smaller than `correlation`, since neighbouring blocks also share fluctuations across their border.
 fn decay(correlation: f64) -> f64 {
     // with blocks of b relaxation times the correlation is (1 - exp(-b))^2 / 2(b - 1 + exp(-b)), which falls with b
     let (mut short, mut long) = (1e-3_f64, 1e3_f64);
@@ -190,7 +190,7 @@ mod tests {
     use rand_xoshiro::Xoshiro256PlusPlus;
 
     /// Exponentially correlated noise of unit variance with the relaxation time `relaxation` [samples], plus white
-    /// noise with the standard deviation `white`.
+    /// noise with the standard deviation `white` [-].
     fn noise(count: usize, relaxation: f64, white: f64, random: &mut Xoshiro256PlusPlus) -> Vec<f64> {
         let mut normal = || -> f64 { StandardNormal.sample(random) };
         let rho = if relaxation > 0.0 { (-1.0 / relaxation).exp() } else { 0.0 };
@@ -211,8 +211,8 @@ mod tests {
         ((1.0 + white * white + sum) / n).sqrt()
     }
 
-    /// Ratio of the estimated to the exact standard error, averaged over many series. Also returns the share of means
-    /// that deviate by more than 3 standard errors.
+    /// Ratio of the estimated to the exact standard error, averaged over `size` series. The second number is the share
+    /// of the series whose mean deviates by more than 3 standard errors.
     fn trial(count: usize, relaxation: f64, white: f64, size: usize) -> (f64, f64) {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(7);
         let exact = exact(count, relaxation, white);
@@ -228,7 +228,8 @@ mod tests {
 
     #[test]
     fn errors_of_correlated_series_are_right_and_not_low() {
-        // run of 480 samples; relaxation times of 0, 1 %, 3 % and 7 % of the run, with and without white noise on top
+        // run of 480 samples; relaxation times of 0, 1 %, 3 % and 7 % of the run, with and without additional white
+        // noise
         for (relaxation, white) in
             [(0.0, 0.0), (4.8, 0.0), (4.8, 3.0), (16.0, 0.0), (16.0, 3.0), (32.0, 0.0), (32.0, 3.0)]
         {

@@ -1,7 +1,7 @@
-//! Averages over many particles, and their uncertainty.
+//! Averages over many particles, and their statistical errors.
 //!
-//! Samples are taken at fixed times, and sums are stored per slice and per block of time. The scatter between blocks
-//! gives every average a standard error. The start of averaging can be chosen after the run.
+//! Samples are taken at fixed times, and sums are stored for each slice of the box and each block of time. The scatter
+//! between blocks gives every average a standard error. The start of averaging can be chosen after the run.
 
 mod batches;
 mod comparison;

@@ -1,21 +1,22 @@
-//! Smooth shapes for profiles across a channel, and folding of profiles about the mid-plane.
+//! Smooth shapes (polynomials) for profiles across a channel, and averages over positions that are mirror images about
+//! the mid-plane.
 
-/// Symmetry of a profile when the channel is mirrored about its mid-plane.
+/// Symmetry of a profile under a mirror at the mid-plane of the channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parity {
-    /// The profile is unchanged: density, streamwise velocity, normal stresses.
+    /// The mirror does not change the profile: density, streamwise velocity, normal stresses.
     Even,
-    /// The profile changes its sign: shear stress, wall-normal velocity.
+    /// The mirror reverses the sign of the profile: shear stress, wall-normal velocity.
     Odd,
-    /// The profile has no symmetry, because the scene has no mirror plane at half height.
+    /// The profile has no symmetry, because the mid-plane is no mirror plane of the scene.
     Neither,
 }
 
-/// Largest number of smooth shapes of one parity: enough for smooth differences, and few enough for one test.
+/// Largest number of smooth shapes of one parity. They are enough for smooth differences, and few enough for one test.
 const SHAPES: usize = 3;
 
-/// Indices of the slices that remain after `count` slices are folded about the mid-plane, and for each of these a row
-/// with the weights of all slices.
+/// Indices of the slices that remain if mirrored ones of `count` slices are averaged (folding about the mid-plane).
+/// Each remaining slice has a row with the weights of all slices.
 pub fn fold(count: usize, parity: Parity) -> (Vec<usize>, Vec<Vec<f64>>) {
     let unit = |place: usize| {
         let mut row = vec![0.0; count];
@@ -39,10 +40,10 @@ pub fn fold(count: usize, parity: Parity) -> (Vec<usize>, Vec<Vec<f64>>) {
     }
 }
 
-/// Legendre polynomials with the given parity at positions from -1 to 1, with one row per polynomial. The first even
-/// polynomial is constant. The polynomials are made orthogonal on these positions, with a mean square of 1. With few
-/// positions there are fewer polynomials. The first `skip` polynomials are left out, because their coefficients are
-/// known to vanish.
+/// Legendre polynomials of the parity `parity` at the positions `places`, which extend from -1 to 1. Each row is one
+/// polynomial; the first even one is constant. They are orthogonal on these positions, with a mean square of 1. With
+/// few positions there are fewer polynomials. The first `skip` polynomials are left out, because their coefficients
+/// vanish.
 pub fn shapes(places: &[f64], parity: Parity, skip: usize) -> Vec<Vec<f64>> {
     let (first, step, wanted) = match parity {
         Parity::Even => (0, 2, SHAPES),
@@ -58,7 +59,7 @@ pub fn shapes(places: &[f64], parity: Parity, skip: usize) -> Vec<Vec<f64>> {
             shape.iter_mut().zip(other).for_each(|(s, o)| *s -= overlap * o);
         }
         let norm = (shape.iter().map(|s| s * s).sum::<f64>() / count).sqrt();
-        // if positions coincide, a further polynomial consists only of rounding errors
+        // if positions coincide, a further polynomial consists of rounding errors
         if norm < 1e-9 {
             break;
         }

@@ -1,53 +1,57 @@
-//! Averages over time in slices, with their standard errors, and their pooling over several runs of one variant.
+//! Averages over time in the slices of the box, with standard errors, and their averages over several runs of one
+//! variant.
 
 use super::batches::Batches;
 use super::errors::Estimate;
 use super::slice_columns::{SLICE_COLUMNS, SLICE_QUANTITIES, SliceColumn};
 use serde::Serialize;
 
-/// Time averages in one slice.
+/// Averages over time in one slice of the box.
 ///
 /// A slice without particles has number density 0 and no velocity moments, which are written as empty cells. Without
-/// any sample there is no number density either.
+/// any sample its number density is also unknown.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SliceRow {
-    /// [m] centre of the slice.
+    /// [m] height y of the middle of the slice.
     pub y: f64,
     /// Averages in the order of [`SLICE_COLUMNS`], in their SI units. The number density is that of particle centres,
-    /// divided by its mean in the whole domain. In slices at walls no centre can be within one radius of the wall; the
+    /// divided by its mean in the whole box. In a slice at a wall no centre is within one radius of the wall; the
     /// density is not corrected for this (20.3 % of a 1 mm slice for spheres of 406 um). Moments are relative to the
     /// mean over the slice and the averaging period.
     pub estimates: [Option<Estimate>; SLICE_QUANTITIES],
-    /// Number of particles counted, over all samples.
+    /// Number of particles counted in the slice, summed over all samples.
     pub samples: u64,
 }
 
-/// Time averages in all slices, from y = 0 to the top of the domain.
+/// Averages over time in all slices, from y = 0 to the top of the box.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ProfileTable {
-    /// Averages of the slices, one row per slice.
+    /// Averages, one row per slice.
     pub slices: Vec<SliceRow>,
-    /// Number of blocks of time for each standard error; with fewer than 8 blocks there are no errors.
+    /// Number of blocks of time from which each standard error is computed; with fewer than 8 blocks there are no
+    /// errors.
     pub blocks: usize,
-    /// [s] time of the first sample in the averages, which begins the first block after the requested start of
-    /// averaging.
+    /// [s] time of the first sample in the averages. It begins the first whole block of time after the requested start
+    /// of averaging.
     pub from: f64,
     /// [s] time of the last sample in the averages.
     pub until: f64,
-    /// Blocks of time of each estimate, by slice and column. `None` if the value or its error is unknown.
+    /// Blocks of time of each average, by index of the slice, then of the column. `None` if the average or its error is
+    /// unknown.
     #[serde(skip)]
     pub batches: Vec<Vec<Option<Batches>>>,
 }
 
 impl ProfileTable {
-    /// Averages of one quantity in one slice over successive blocks of time; `None` if the value or its error is
-    /// unknown.
+    /// Average of one quantity in one slice, with its values in successive blocks of time. `None` if the average or its
+    /// error is unknown.
     pub fn batches(&self, slice: usize, column: SliceColumn) -> Option<&Batches> {
         self.batches.get(slice)?.get(column.index)?.as_ref()
     }
 
-    /// Averages of several runs of one variant, pooled: means over the runs, with errors from the blocks of all runs. A
-    /// value that is missing in one run is unknown. For `by_runs` see [`Batches::pool`].
+    /// Averages over several runs of one variant. A value that is missing in one run is unknown. The standard errors
+    /// come from the blocks of all runs or, if `by_runs` is true, from the scatter between the runs (see
+    /// [`Batches::pool`]).
     pub fn pool(runs: &[&Self], by_runs: bool) -> Self {
         let Some(first) = runs.first() else { return Self::default() };
         let batches = |slice: usize| -> Vec<Option<Batches>> {
@@ -70,7 +74,7 @@ impl ProfileTable {
 }
 
 impl SliceRow {
-    /// Average of one quantity in this slice, in its SI unit; `None` if it is unknown.
+    /// Average of one quantity in this slice, in the SI unit of the quantity; `None` if it is unknown.
     pub fn of(&self, column: SliceColumn) -> Option<Estimate> {
         self.estimates[column.index]
     }

@@ -1,6 +1,6 @@
-//! Slice averages (the paper's section 2.2) with standard errors.
+//! Averages of velocity moments in slices of the box (section 2.2 of the paper), with standard errors.
 //!
-//! Components are as in the paper: U, u streamwise (z); V, v wall-normal (y); W, w spanwise (x).
+//! The velocity components are those of the paper: U, u streamwise (z); V, v wall-normal (y); W, w spanwise (x).
 
 use super::batches::Batches;
 use super::errors::{Estimate, FEWEST_BLOCKS, Removed, block_size, standard_error};
@@ -11,21 +11,21 @@ use crate::particles::Sample;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Number of sums over velocities per slice: the count, then the products of one, two and three velocity components.
-/// For spheres that rotate, the [`SPIN_SUMS`] sums over spins follow.
+/// Number of sums over velocities per slice: the number of particles, then products of one, two and three velocity
+/// components. For spheres that rotate, [`SPIN_SUMS`] sums over spins follow.
 const SUMS: usize = VELOCITY_QUANTITIES;
-/// Indices of the two velocity components (0 is u, 1 is v, 2 is w) in each second moment.
+/// Indices of the two velocity components in each second moment: 0 is u, 1 is v, 2 is w.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
-/// Index in [`PAIRS`] of the moment of the components i and j.
+/// Index in [`PAIRS`] of the second moment of the velocity components i and j.
 const PAIR_OF: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
-/// Indices of the three velocity components (0 is u, 1 is v, 2 is w) in each third moment.
+/// Indices of the three velocity components in each third moment: 0 is u, 1 is v, 2 is w.
 const TRIPLES: [[usize; 3]; 10] =
     [[0, 0, 0], [0, 0, 1], [0, 0, 2], [0, 1, 1], [0, 1, 2], [0, 2, 2], [1, 1, 1], [1, 1, 2], [1, 2, 2], [2, 2, 2]];
-/// Largest number of blocks of time. When it is reached, blocks are merged two by two, so that memory stays bounded for
-/// any run length.
+/// Largest number of blocks of time. At this number, blocks are merged two by two, so that memory stays bounded for any
+/// length of the run.
 const MOST_BLOCKS: usize = 512;
 
-/// Sums of all slices over several successive samples.
+/// Sums over the particles of all slices and over several successive samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct SampleBlock {
     /// [s] time of the first sample in the block.
@@ -34,7 +34,7 @@ struct SampleBlock {
     end: f64,
     /// Number of samples in the block.
     samples: usize,
-    /// Sums over the particles of all slices, `width` numbers per slice. Velocities are relative to the reference
+    /// Sums over the particles, `width` numbers for each slice, in SI units. Velocities are relative to the reference
     /// velocity.
     sums: Vec<f64>,
 }
@@ -48,38 +48,39 @@ impl SampleBlock {
     }
 }
 
-/// Sums of all slices, with the number of particles counted in all slices and samples. The density of a slice is its
-/// share of this number.
+/// Sums of all slices, and the number of particles in all slices and samples. The density of a slice is its share of
+/// this number.
 struct Counted {
     sums: Vec<f64>,
     samples: f64,
 }
 
-/// Sums per slice and per block of time, from which profiles and their errors are computed.
+/// Sums for each slice and each block of time, from which profiles and their standard errors are computed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Accumulator {
     slices: usize,
     height: f64,
-    /// [m/s] velocity (u, v, w) that is subtracted from velocities before they are multiplied. Without the subtraction,
-    /// moments would be differences of large numbers.
+    /// [m/s] reference velocity (u, v, w), which is subtracted from velocities before they are multiplied. Without it,
+    /// moments would be small differences of large numbers.
     reference: Option<Vector3<f64>>,
-    /// Number of sums per slice: `SUMS`, and more for spheres that rotate.
+    /// Number of sums per slice: `SUMS`, or more for spheres that rotate.
     width: usize,
-    /// Number of samples in a full block; only the last block may have fewer.
+    /// Number of samples in a full block; the last block may have fewer.
     block_samples: usize,
     blocks: Vec<SampleBlock>,
 }
 
 impl Accumulator {
-    /// Creates empty sums for `slices` slices (at least one) of a domain with the height `height` [m] along y.
+    /// Creates empty sums for `slices` slices of a box with the height `height` [m] along y. There is at least one
+    /// slice.
     pub fn new(slices: usize, height: f64) -> Self {
         Self { slices: slices.max(1), height, reference: None, width: SUMS, block_samples: 1, blocks: Vec::new() }
     }
 
-    /// Adds one sample of all particles at simulated `time` [s]. Samples must be equally spaced in time.
+    /// Adds one sample of all particles at the simulated time `time` [s]. Samples must be equally spaced in time.
     ///
-    /// The result depends neither on the order of the particles nor on the number of threads. A centre outside the
-    /// domain counts in the nearest slice.
+    /// The result depends neither on the order of the particles nor on the number of threads. A particle whose centre
+    /// is outside the box counts in the nearest slice.
     pub fn sample<'a>(&mut self, time: f64, sample: impl Into<Sample<'a>>) {
         let sample = sample.into();
         let reference = *self.reference.get_or_insert_with(|| reference(sample));
@@ -98,7 +99,7 @@ impl Accumulator {
         }
     }
 
-    /// Merges blocks two by two. All blocks must be full, and their number even.
+    /// Merges each pair of successive blocks to one block. All blocks must be full, and their number even.
     fn halve(&mut self) {
         let mut merged = Vec::with_capacity(MOST_BLOCKS);
         let mut blocks = std::mem::take(&mut self.blocks).into_iter();
@@ -112,7 +113,8 @@ impl Accumulator {
         self.block_samples *= 2;
     }
 
-    /// Sums of all slices for one sample, one slice after the other. Velocities are relative to `reference` [m/s].
+    /// Sums of all slices for one sample, one slice after the other. Velocities are relative to the velocity
+    /// `reference` [m/s].
     fn sum(&self, sample: Sample, reference: Vector3<f64>) -> Vec<f64> {
         let particles = sample.particles;
         let scale = self.slices as f64 / self.height;
@@ -136,15 +138,15 @@ impl Accumulator {
         }
     }
 
-    /// Averages over the samples at `from` [s] and later; only whole blocks of time are used.
+    /// Averages over the samples at the time `from` [s] and later; only whole blocks of time are used.
     ///
-    /// Values are computed from the sums over all these samples. For standard errors each value is also computed
-    /// without each of 20 to 39 equal blocks of time (jackknife, since the moments are not linear in the sums). The
-    /// mean of the resulting pseudo-values has the error that [`estimate`](super::estimate) returns, which takes the
-    /// correlation of blocks into account.
+    /// Averages are computed from the sums over all these samples. For its standard error, each average is also
+    /// computed without each of 20 to 39 equal blocks of time (jackknife, since the moments are not linear in the
+    /// sums). The mean of the resulting pseudo-values has the error that [`estimate`](super::estimate) returns, which
+    /// takes the correlation of blocks into account.
     pub fn table(&self, from: f64) -> ProfileTable {
         let full = self.blocks.iter().take_while(|b| b.samples == self.block_samples).count();
-        // sample times are sums of many steps: their rounding must not exclude a sample
+        // sample times are sums of many steps, and their rounding errors must not exclude a sample
         let first = self.blocks[..full].partition_point(|b| b.start < from - 1e-9 * from.abs());
         let size = block_size(full - first);
         let used = &self.blocks[first + (full - first) % size..full];
@@ -181,8 +183,9 @@ impl Accumulator {
         ProfileTable { slices, blocks: groups.len(), from, until, batches }
     }
 
-    /// One row of the table: averages in one slice, from the sums over all samples and over each group of blocks. Also
-    /// returns the jackknife pseudo-values of the groups for each average. `frame` contains the times of the groups.
+    /// Averages in the slice with index `slice`, from the sums over all samples, and the pseudo-values of each average
+    /// (jackknife) for its standard error. `groups` are the sums over each group of blocks, and `frame` has the times
+    /// of the groups.
     fn row(
         &self,
         slice: usize,
@@ -209,7 +212,7 @@ impl Accumulator {
         let pseudo = |k: usize| {
             let value = values[k]?;
             // if only one block contains particles in this slice, no value exists without that block, so there is no
-            // error
+            // standard error
             let blocks = without.iter().map(|without| Some(count * value - (count - 1.0) * without[k]?));
             let blocks = blocks.collect::<Option<Vec<f64>>>().filter(|blocks| !blocks.is_empty())?;
             Some(Batches { values: vec![value], blocks: vec![blocks], ..frame.clone() })
@@ -224,13 +227,13 @@ impl Accumulator {
     }
 }
 
-/// Components (u, v, w) of a velocity given along x, y and z.
+/// Velocity components (u, v, w) of a velocity that is given along x, y and z.
 fn components(velocity: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(velocity.z, velocity.y, velocity.x)
 }
 
-/// Mean velocity of the particles as (u, v, w) [m/s], which later sums subtract from velocities. Any finite reference
-/// would be valid; the mean keeps the sums small.
+/// Mean velocity (u, v, w) of the particles [m/s], which later sums subtract from velocities. Any finite velocity would
+/// be valid; the mean keeps the sums small.
 fn reference(sample: Sample) -> Vector3<f64> {
     let mean = components(&sample.mean_velocity());
     if mean.iter().all(|c| c.is_finite()) { mean } else { Vector3::zeros() }
@@ -243,10 +246,9 @@ fn add(total: &mut [f64], sums: &[f64]) {
     }
 }
 
-/// Averages in one slice from its sums: density ratio, means, central second and third moments, and those of spins, in
-/// SI units. `average` is the mean count of all slices, and `reference` [m/s] the velocity that was subtracted. The
-/// density is `None` if no particle was counted in any slice. Other values are `None` if none was counted in this
-/// slice.
+/// Averages in one slice from its sums, in SI units: density ratio, mean velocities, central second and third moments,
+/// and averages of spins. `average` is the mean number of particles per slice, and `reference` [m/s] the velocity that
+/// was subtracted. The density is `None` if all slices are empty. Other averages are `None` if this slice is empty.
 fn derive(sums: &[f64], average: f64, reference: Vector3<f64>) -> [Option<f64>; SLICE_QUANTITIES] {
     let count = sums[0];
     let mut values = [None; SLICE_QUANTITIES];
@@ -291,8 +293,8 @@ mod tests {
         Xoshiro256PlusPlus::seed_from_u64(seed)
     }
 
-    /// Spheres at random positions below `height`, with a skew velocity distribution (u - 1 is an exponential
-    /// variable).
+    /// Spheres at random heights below `height`, with velocities of a skew distribution: u - `offset` is an exponential
+    /// variable.
     fn cloud(count: usize, height: f64, offset: f64, random: &mut Xoshiro256PlusPlus) -> Particles {
         let mut particles = Particles::default();
         for _ in 0..count {
@@ -441,8 +443,8 @@ mod tests {
         assert_eq!(one, run(3));
     }
 
-    /// Test that the errors agree with the scatter of values over many runs, for velocities with a common slow
-    /// fluctuation.
+    /// Tests that the standard errors agree with the scatter of averages over many runs. The velocities have a common
+    /// slow fluctuation.
     #[test]
     fn errors_match_the_scatter_of_repeated_runs() {
         let mut random = random(4);

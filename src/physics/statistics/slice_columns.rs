@@ -1,14 +1,14 @@
-//! Quantities averaged in slices. Files, verdicts and pictures all use the table in this file.
+//! Quantities that are averaged in slices of the box. Files, verdicts and pictures all use the list in this file.
 
 use super::modes::Parity;
 use super::spin_sums::SPIN_QUANTITIES;
 
-/// Number of slice quantities computed from positions and velocities, the first in [`SLICE_COLUMNS`].
+/// Number of slice quantities that are computed from positions and velocities. They come first in [`SLICE_COLUMNS`].
 pub const VELOCITY_QUANTITIES: usize = 20;
-/// Number of quantities averaged in each slice.
+/// Number of quantities that are averaged in each slice.
 pub const SLICE_QUANTITIES: usize = VELOCITY_QUANTITIES + SPIN_QUANTITIES;
 
-/// Quantity averaged in each slice, which is a column of `profiles.csv`.
+/// Quantity that is averaged in each slice of the box, a column of `profiles.csv`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SliceColumn {
     /// Name of the column in `profiles.csv`.
@@ -17,48 +17,48 @@ pub struct SliceColumn {
     pub symbol: &'static str,
     /// SI unit of the quantity; empty for a ratio.
     pub unit: &'static str,
-    /// Symmetry of the quantity under a mirror at the mid-plane, if the scene has this symmetry.
+    /// Symmetry of the quantity under a mirror at the mid-plane, in a scene that has this symmetry.
     pub parity: Parity,
-    /// Index in [`SLICE_COLUMNS`].
+    /// Index of the quantity in [`SLICE_COLUMNS`].
     pub index: usize,
 }
 
-/// Column of the number density divided by its mean in the whole domain.
+/// Column of the number density [-], divided by its mean in the whole box.
 pub const NUMBER_DENSITY: SliceColumn = SLICE_COLUMNS[0];
-/// Column of the streamwise mean velocity U.
+/// Column of the streamwise mean velocity U [m/s].
 pub const U: SliceColumn = SLICE_COLUMNS[1];
-/// Column of the streamwise normal stress <u''u''>.
+/// Column of the normal stress <u''u''> in the streamwise direction [m²/s²].
 pub const UU: SliceColumn = SLICE_COLUMNS[4];
-/// Column of the wall-normal stress <v''v''>.
+/// Column of the normal stress <v''v''> in the wall-normal direction [m²/s²].
 pub const VV: SliceColumn = SLICE_COLUMNS[5];
-/// Column of the spanwise normal stress <w''w''>.
+/// Column of the normal stress <w''w''> in the spanwise direction [m²/s²].
 pub const WW: SliceColumn = SLICE_COLUMNS[6];
-/// Column of the shear stress <u''v''>.
+/// Column of the shear stress <u''v''> [m²/s²].
 pub const UV: SliceColumn = SLICE_COLUMNS[7];
 
-/// Column of the mean spin along x (spanwise), the component that a sheared stream causes.
+/// Column of the mean spin along x, the spanwise direction [rad/s]. A sheared stream causes spin in this direction.
 pub const MEAN_SPIN_X: SliceColumn = SLICE_COLUMNS[20];
-/// Column of the rotational temperature T_r.
+/// Column of the rotational temperature T_r [m²/s²].
 pub const ROTATIONAL_TEMPERATURE: SliceColumn = SLICE_COLUMNS[23];
 
-/// Columns for scenes with spheres that rotate (`rotating`), or for other scenes.
+/// Columns of a scene. Those of spins are included if the spheres rotate (`rotating`).
 pub fn slice_columns(rotating: bool) -> &'static [SliceColumn] {
     if rotating { &SLICE_COLUMNS } else { &SLICE_COLUMNS[..VELOCITY_QUANTITIES] }
 }
 
-/// The six second central moments of the velocities.
+/// Columns of the six second central moments of the velocities [m²/s²].
 pub fn second_moments() -> &'static [SliceColumn] {
     &SLICE_COLUMNS[UU.index..UU.index + 6]
 }
 
-/// Columns of the mean spins, and of the parts of the rotational temperature.
+/// Columns of the mean spins [rad/s], and of the parts of the rotational temperature along x, y and z [m²/s²].
 pub fn spin_components() -> impl Iterator<Item = SliceColumn> {
     SLICE_COLUMNS[VELOCITY_QUANTITIES..].iter().copied().filter(|column| *column != ROTATIONAL_TEMPERATURE)
 }
 
-/// All columns of a slice in their order: density ratio, mean velocities, second and third central moments; mean spins,
-/// rotational temperature and its parts. A spin is an axial vector: a reflection reverses the spin components parallel
-/// to the mirror plane.
+/// All quantities that are averaged in slices, in their order: density ratio, mean velocities, second and third central
+/// moments, mean spins, rotational temperature and its parts. A spin is an axial vector: a reflection reverses the spin
+/// components parallel to the mirror plane.
 pub const SLICE_COLUMNS: [SliceColumn; SLICE_QUANTITIES] = {
     use Parity::{Even, Odd};
     let columns = [
@@ -101,7 +101,7 @@ pub const SLICE_COLUMNS: [SliceColumn; SLICE_QUANTITIES] = {
     table
 };
 
-/// Column with a given name; `None` if there is no such column.
+/// Column with the name `name`; `None` if there is no such column.
 pub fn slice_column(name: &str) -> Option<SliceColumn> {
     SLICE_COLUMNS.into_iter().find(|column| column.name == name)
 }

@@ -1,56 +1,57 @@
-//! Test for a statistically steady state, and detection of its start.
+//! Test whether a run is statistically steady, and search for the start of its steady part.
 
 use super::errors::{FEWEST_BLOCKS, Removed, mean, standard_error};
 use serde::Serialize;
 
-/// Number of successive samples that are averaged before the start of the steady part is sought. Averaging reduces the
+/// Number of successive samples that are averaged before the start of the steady part is searched. This reduces the
 /// influence of chance.
 const BATCH: usize = 5;
-/// [-] number of standard errors beyond which a difference counts as drift. About a dozen series are tested, and their
+/// [-] largest difference, in standard errors, that does not count as drift. About a dozen series are tested, and their
 /// errors have about ten degrees of freedom. The number was found from 400 steady channels and gases:
 /// docs/theory/statistics.md, "Steady or not".
 pub const LARGEST_DRIFT: f64 = 4.0;
-/// [-] drift, in standard errors, beyond which an automatic start of averaging at its limit, half of the run, is
-/// rejected. Chance alone seldom gives such a start, and even more seldom together with such a drift.
+/// [-] drift, in standard errors, beyond which a start of averaging at half of the run is rejected. Half of the run is
+/// the latest start that is searched. Chance seldom gives such a start, and even more seldom together with such a
+/// drift.
 const SUSPECT: f64 = 2.0;
-/// [-] smallest relative decrease of the variance of the mean for which samples at the start are dropped. Noise alone
-/// gives a decrease of a few per cent.
+/// [-] smallest relative decrease of the variance of the mean for which samples at the start are dropped. Noise gives a
+/// decrease of a few per cent.
 const WORTH: f64 = 0.1;
 
-/// Result of the test for a steady state, for several series together.
+/// Result of the test for a steady state, for several observables together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Steadiness {
-    /// [s] start of the steady part of the run; 0 without a sample.
+    /// [s] simulated time at which the steady part of the run begins; 0 without a sample.
     pub from: f64,
-    /// True if the averaging period shows no drift beyond 4 standard errors in any series. In addition, the start of
-    /// averaging must not be forced by the limit of half the run. If there are too few samples for a test, the result
-    /// is false and `drift` is `None`.
+    /// True if no series drifts by more than 4 standard errors during the averaging period. In addition, the start of
+    /// averaging must not be forced by its limit, half of the run. With too few samples for a test, the result is false
+    /// and `drift` is `None`.
     pub steady: bool,
-    /// [-] largest drift of any series: difference between the second and the first half of the averaging period, in
-    /// units of its standard error. `None` if unknown, infinite for a drift without any noise.
+    /// [-] largest drift of all series: difference between the means of the second and the first half of the averaging
+    /// period, in standard errors. `None` if unknown, infinite for a drift without any noise.
     pub drift: Option<f64>,
 }
 
-/// Observable over time, with the scales for its changes.
+/// Values of one observable over time, with the scales of its changes.
 #[derive(Clone, Copy, Debug)]
 pub struct SteadySeries<'a> {
-    /// Values at each sample, in the unit of the observable.
+    /// Values of all samples, in the unit of the observable.
     pub values: &'a [f64],
     /// Scale of the changes, in the unit of the observable. Regular changes below a thousandth of this scale do not
-    /// count. If the scale is 0, every change counts.
+    /// count as drift. If the scale is 0, every change counts.
     pub scale: f64,
-    /// Largest difference between the two halves that does not count as drift, in the unit of the observable. If it is
-    /// 0, every difference counts.
+    /// Largest difference between the means of the two halves that does not count as drift, in the unit of the
+    /// observable. If it is 0, every difference counts.
     pub step: f64,
 }
 
 impl SteadySeries<'_> {
-    /// First `count` values. If they differ by no more than the rounding of a long run, all are set to 0. An example is
-    /// a conserved mean velocity: its rounding errors add up like a random walk, which would otherwise count as a
-    /// drift.
+    /// First `count` values of the series. If they differ by no more than the rounding errors of a long run, all are
+    /// set to 0. An example is a conserved mean velocity. Its rounding errors add up like a random walk, which would
+    /// count as a drift.
     fn without_rounding(&self, count: usize) -> Vec<f64> {
-        /// [-] share of the scale that is attributed to rounding: a hundred times the error of 10^4 roundings of
-        /// numbers of that size.
+        /// [-] largest range of the values, divided by the scale, that is attributed to rounding. It is a hundred times
+        /// the error of 10^4 roundings of numbers of that size.
         const ROUNDING: f64 = 1e-12;
         let values = &self.values[..count];
         let (least, most) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
@@ -58,7 +59,7 @@ impl SteadySeries<'_> {
         if all_finite && most - least <= ROUNDING * self.scale { vec![0.0; count] } else { values.to_vec() }
     }
 
-    /// Drift over the given `values` of this series, in standard errors [-], by [`drift_of_any_shape`]. It is 0 if the
+    /// Drift of the `values` of this observable, in standard errors [-], by [`drift_of_any_shape`]. It is 0 if the
     /// means of the two halves differ by at most `step`, and `None` for too few values.
     fn drift(&self, values: &[f64]) -> Option<f64> {
         let drift = drift_of_any_shape(values, 1e-3 * self.scale)?;
@@ -68,8 +69,9 @@ impl SteadySeries<'_> {
     }
 }
 
-/// Tests if several series, sampled at common, equally spaced `times` [s], are steady. `from` [s] is the start of
-/// averaging. If it is `None`, the marginal standard error rule finds the start, and drops at most half of the run.
+/// Tests whether several observables are steady. They are sampled at common, equally spaced `times` [s]. `from` [s] is
+/// the start of averaging. If it is `None`, the marginal standard error rule finds the start, and drops at most half of
+/// the run.
 pub fn judge(times: &[f64], series: &[SteadySeries], from: Option<f64>) -> Steadiness {
     let count = series.iter().map(|s| s.values.len()).fold(times.len(), usize::min);
     let times = &times[..count];
@@ -91,17 +93,18 @@ pub fn judge(times: &[f64], series: &[SteadySeries], from: Option<f64>) -> Stead
     }
 }
 
-/// Number of samples to drop at the start, and true if the initial relaxation lasts longer than half of the run. It
-/// does if the number is at its limit and the values still drift after half this number is dropped.
+/// Number of samples to drop at the start of the series. The second value is true if the initial relaxation lasts
+/// longer than half of the run. This holds if the number is at its limit and the values drift even without the first
+/// half of these samples.
 fn start(values: &[f64], series: &SteadySeries) -> (usize, bool) {
     let (start, at_limit) = truncation(values);
     let drifts = || series.drift(&values[start / 2..]).is_some_and(|drift| drift > SUSPECT);
     (start, at_limit && drifts())
 }
 
-/// Number of samples to drop at the start, and true if this number is at its limit, half of the run. The number
-/// minimizes the squared standard error of the mean of the remaining samples, as if they were independent (MSER-5;
-/// White 1997). No sample is dropped if the square would decrease by less than a tenth.
+/// Number of samples to drop at the start. The second value is true if the number is at its limit, half of the run. The
+/// number minimizes the squared standard error of the mean of the remaining samples, as if they were independent
+/// (MSER-5; White 1997). No sample is dropped if the square would decrease by less than a tenth.
 fn truncation(values: &[f64]) -> (usize, bool) {
     let batches: Vec<f64> = values.chunks_exact(BATCH).map(mean).collect();
     let count = batches.len();
@@ -132,14 +135,14 @@ fn truncation(values: &[f64]) -> (usize, bool) {
 
 /// Drift of the values or drift of their ranks, in standard errors [-], whichever is larger. A decay that no parabola
 /// fits, such as that of a cooling gas, would be taken for noise, but its ranks decrease along a straight line. Ranks
-/// of a steady series are steady too. Ranks do not depend on the size of changes, so values within one `step` count as
-/// equal. Energy lost by rounding or by an integrator then does not count as decay.
+/// of a steady series are also steady. Ranks do not depend on the size of changes, so values within one `step` count as
+/// equal. Energy that is lost by rounding or by an integrator then does not count as decay.
 fn drift_of_any_shape(values: &[f64], step: f64) -> Option<f64> {
     Some(drift(values)?.max(drift(&ranks(values, step))?))
 }
 
-/// Rank of each value: the number of smaller values plus half the number of equal ones. Values are first rounded to
-/// whole multiples of `step`.
+/// Rank of each value: the number of smaller values plus half the number of equal values, the value itself included.
+/// Values are first rounded to whole multiples of `step`.
 fn ranks(values: &[f64], step: f64) -> Vec<f64> {
     let rounded = |value: &f64| if step > 0.0 { (value / step).round() } else { *value };
     let values: Vec<f64> = values.iter().map(rounded).collect();
@@ -152,8 +155,9 @@ fn ranks(values: &[f64], step: f64) -> Vec<f64> {
     values.iter().map(rank).collect()
 }
 
-/// Absolute difference of the means of the two halves, in units of its standard error [-]. The noise is the scatter
-/// about a fitted parabola, because otherwise a drift would add to it. `None` for fewer than 16 values.
+/// [-] magnitude of the difference between the means of the two halves, in standard errors. The standard error comes
+/// from the scatter about a fitted parabola, because a drift would increase the scatter about the mean. `None` for
+/// fewer than 16 values.
 fn drift(values: &[f64]) -> Option<f64> {
     let count = values.len();
     if count < 2 * FEWEST_BLOCKS || values.iter().any(|v| !v.is_finite()) {
@@ -165,7 +169,8 @@ fn drift(values: &[f64]) -> Option<f64> {
     if difference <= 1e-12 * largest {
         return Some(0.0);
     }
-    // the polynomials are orthogonal about the middle; the even one does not contribute to the difference of the halves
+    // the polynomials are orthogonal about the middle; the even polynomial does not contribute to the difference of the
+    // halves
     let middle = 0.5 * (count - 1) as f64;
     let x: Vec<f64> = (0..count).map(|k| (k as f64 - middle) / count as f64).collect();
     let spread = x.iter().map(|x| x * x).sum::<f64>() / count as f64;
@@ -173,13 +178,13 @@ fn drift(values: &[f64]) -> Option<f64> {
     take_off(&mut residuals, &vec![1.0; count]);
     take_off(&mut residuals, &x);
     take_off(&mut residuals, &x.iter().map(|x| x * x - spread).collect::<Vec<f64>>());
-    // each half has half the samples, and the variances of the two halves add up: the error is twice that of the mean
-    // of all samples
+    // each half has half the samples, and the variances of the two halves add up, so the error is twice that of the
+    // mean of all samples
     let error = 2.0 * standard_error(&residuals, Removed::Parabola)?;
     Some(if error <= 1e-12 * largest { f64::INFINITY } else { difference / error })
 }
 
-/// Subtracts from `values` the multiple of `shape` that fits them best by least squares.
+/// Subtracts a multiple of `shape` from `values`: the one that fits them best by least squares.
 fn take_off(values: &mut [f64], shape: &[f64]) {
     let overlap: f64 = values.iter().zip(shape).map(|(v, s)| v * s).sum();
     let factor = overlap / shape.iter().map(|s| s * s).sum::<f64>();
@@ -193,13 +198,13 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
     use rand_xoshiro::Xoshiro256PlusPlus;
 
-    /// Creates a series in which every change counts.
+    /// Creates a series of the values, in which every change counts.
     fn exact(values: &[f64]) -> SteadySeries<'_> {
         SteadySeries { values, scale: 0.0, step: 0.0 }
     }
 
-    /// Times and values of a relaxation from 1 + `jump` to 1 with the time constant `tau` [s], plus noise with a
-    /// relaxation time of 0.1 s, over 5 s.
+    /// Times and values of a relaxation from 1 + `jump` to 1 with the time constant `tau` [s], over 5 s. Noise with a
+    /// relaxation time of 0.1 s is added.
     fn series(jump: f64, tau: f64, random: &mut Xoshiro256PlusPlus) -> (Vec<f64>, Vec<f64>) {
         let times: Vec<f64> = (0..500).map(|k| 0.01 * f64::from(k)).collect();
         let rho = (-0.1_f64).exp();
@@ -215,7 +220,7 @@ mod tests {
         (times, values)
     }
 
-    /// Share of the runs that are found to be steady, and mean start of averaging [s].
+    /// Share of 400 made-up runs that are found to be steady, and mean start of averaging [s].
     fn share(jump: f64, tau: f64, from: Option<f64>) -> (f64, f64) {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
         let (mut steady, mut start) = (0.0, 0.0);
@@ -263,7 +268,7 @@ mod tests {
 
     #[test]
     fn runs_that_still_drift_are_found() {
-        // from 2.4 s on the remaining drift is only about 4 standard errors, and from 1 s on about 6
+        // from 2.4 s on the remaining drift is about 4 standard errors, and from 1 s on about 6
         assert!(share(2.0, 3.0, None).0 < 0.12);
         assert!(share(2.0, 3.0, Some(1.0)).0 < 0.12);
         let times: Vec<f64> = (0..100).map(f64::from).collect();

@@ -1,10 +1,10 @@
-//! Spread of the velocities at one instant, and the granular temperature.
+//! Variance of the velocities at one instant, and the granular temperature.
 
 use crate::particles::Sample;
 use nalgebra::Vector3;
 
-/// Number of particles and sums of their velocities in one slice. Velocities are relative to a common reference, so
-/// that differences of large squares are avoided.
+/// Number of particles in one slice, and sums of their velocities and squared velocities. Velocities are relative to a
+/// common reference, so that no small differences of large squares occur.
 #[derive(Clone, Copy, Debug, Default)]
 struct VelocitySums {
     count: f64,
@@ -26,7 +26,8 @@ impl From<[f64; 8]> for VelocitySums {
     }
 }
 
-/// Velocity sums of one instant in equal slices along y. A centre outside the domain counts in the nearest slice.
+/// Sums of velocities at one instant in equal slices along y. A particle whose centre is outside the box counts in the
+/// nearest slice.
 #[derive(Clone, Debug)]
 pub struct VelocitySpread {
     reference: Vector3<f64>,
@@ -34,14 +35,15 @@ pub struct VelocitySpread {
 }
 
 impl VelocitySpread {
-    /// Velocity sums in `slices` slices that together have the thickness `height` [m]. The result depends neither on
-    /// the number of threads nor on the order of the particles.
+    /// Sums of velocities in `slices` slices of a box with the height `height` [m] along y. The result depends neither
+    /// on the number of threads nor on the order of the particles.
     pub fn of<'a>(sample: impl Into<Sample<'a>>, slices: usize, height: f64) -> Self {
         let sample = sample.into();
         Self::about(sample.mean_velocity(), sample, slices, height)
     }
 
-    /// Velocity sums in slices, relative to a given `reference` velocity [m/s] that is near the mean.
+    /// Sums of velocities in `slices` slices of a box with the height `height` [m] along y. Velocities are relative to
+    /// the velocity `reference` [m/s], which should be near the mean.
     pub fn about<'a>(reference: Vector3<f64>, sample: impl Into<Sample<'a>>, slices: usize, height: f64) -> Self {
         let sample = sample.into();
         let particles = sample.particles;
@@ -67,15 +69,16 @@ impl VelocitySpread {
         if count > 0.0 { self.reference + sum / count } else { Vector3::zeros() }
     }
 
-    /// [m²/s²] mean square of the velocity about the mean of all particles; 0 without particles.
+    /// [m²/s²] mean square of the velocities of all particles relative to their mean, summed over x, y and z; 0 without
+    /// particles.
     pub fn variance(&self) -> f64 {
         let VelocitySums { count, sum, squares } = self.total();
         if count > 0.0 { (squares.sum() - sum.norm_squared() / count) / count } else { 0.0 }
     }
 
     /// [m²/s²] parts of the granular temperature along x, y and z: T_i = Σ (v_i - U_i)²/(N - S). U is the mean velocity
-    /// of the particles in the slice, N the number of particles, and S the number of slices with particles. Each mean
-    /// costs one degree of freedom. `None` if every slice contains at most one particle.
+    /// in the slice of the particle, N the number of particles, and S the number of slices with particles. Each mean
+    /// removes one degree of freedom. `None` if every slice contains at most one particle.
     pub fn components(&self) -> Option<Vector3<f64>> {
         let visited = self.slices.iter().filter(|slice| slice.count > 0.0);
         let (freedom, squares) = visited.fold((0.0, Vector3::zeros()), |(freedom, total), slice| {
@@ -86,7 +89,8 @@ impl VelocitySpread {
     }
 
     /// Averages of each slice along y: number of particles, mean velocity [m/s], and parts of the granular temperature
-    /// along x, y and z [m²/s²] relative to this mean. A mean needs one particle, a temperature two.
+    /// along x, y and z [m²/s²], relative to this mean. The mean is `None` without a particle, the temperature with
+    /// fewer than two.
     pub fn of_slices(&self) -> impl Iterator<Item = (f64, Option<Vector3<f64>>, Option<Vector3<f64>>)> + '_ {
         self.slices.iter().map(|slice| {
             let mean = (slice.count > 0.0).then(|| self.reference + slice.sum / slice.count);
@@ -95,7 +99,8 @@ impl VelocitySpread {
         })
     }
 
-    /// [m²/s²] granular temperature T, the mean of [`components`](Self::components).
+    /// [m²/s²] granular temperature T, the mean of [`components`](Self::components) over the three directions. `None`
+    /// if every slice contains at most one particle.
     pub fn temperature(&self) -> Option<f64> {
         self.components().map(|components| components.sum() / 3.0)
     }

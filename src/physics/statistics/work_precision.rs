@@ -1,11 +1,12 @@
-//! Error and cost of methods: the Pareto front of the results, and the power law by which an error decreases.
+//! Error and cost of numerical methods: the Pareto front of their results, and the power law by which an error
+//! decreases.
 
 use serde::Serialize;
 
-/// Power law fitted to several points.
+/// Power law y ∝ x^p that was fitted to several points.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PowerLaw {
-    /// [-] exponent p of y ∝ x^p.
+    /// [-] exponent p of the power law y ∝ x^p.
     pub exponent: f64,
     /// [-] standard error of the exponent, from the scatter of the logarithms about the fitted line.
     pub error: f64,
@@ -13,8 +14,8 @@ pub struct PowerLaw {
     pub points: usize,
 }
 
-/// Fits a power law by least squares on the logarithms: ln y = p ln x + c. `None` with fewer than three points, with a
-/// point that is not positive, or if all x are equal.
+/// Fits a power law to points (x, y) by least squares on the logarithms: ln y = p ln x + c. `None` with fewer than
+/// three points, with a number that is not positive, or if all x are equal.
 pub fn power_law(points: &[(f64, f64)]) -> Option<PowerLaw> {
     let count = points.len() as f64;
     if points.len() < 3 || points.iter().any(|(x, y)| !(x.ln().is_finite() && y.ln().is_finite())) {
@@ -32,9 +33,9 @@ pub fn power_law(points: &[(f64, f64)]) -> Option<PowerLaw> {
     Some(PowerLaw { exponent, error: (left / (count - 2.0) / spread).sqrt(), points: points.len() })
 }
 
-/// Indices of the points (cost, error) on the Pareto front, sorted by cost. A point is not on the front if another
-/// point has both cost and error no larger, and one of them smaller. Equal points are all on the front or all off it.
-/// Points that are not numbers are left out.
+/// Indices of the points (cost, error) on the Pareto front, sorted by cost. A point is left out if another point has
+/// both a cost and an error that are no larger, and one of them is smaller. Equal points are either all on the front or
+/// all left out. Points with NaN are left out.
 pub fn pareto_front(points: &[(f64, f64)]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len()).filter(|&k| !points[k].0.is_nan() && !points[k].1.is_nan()).collect();
     order.sort_by(|&a, &b| points[a].0.total_cmp(&points[b].0).then(points[a].1.total_cmp(&points[b].1)));

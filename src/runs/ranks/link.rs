@@ -1,44 +1,45 @@
-//! Connection between the processes that work on one command.
+//! Connection between the processes that work on one command, as by MPI.
 
 #[allow(unused_imports, reason = "for the links in the comments")]
 use crate::communicator::Communicator;
 
-/// Connection between the processes that work on one command. All methods must be called from the thread that made the
-/// connection.
+/// Connection between the processes that work on one command. All methods must be called from the thread that has made
+/// the connection.
 pub trait Link {
-    /// Number of this process, from 0 (MPI: rank).
+    /// Number of this process, counted from 0 (its rank in MPI).
     fn rank(&self) -> usize;
 
-    /// Number of processes that work on the command.
+    /// Number of all processes that work on the command.
     fn size(&self) -> usize;
 
-    /// Number of processes of the command that run on this computer.
+    /// Number of processes of the command on this computer.
     fn on_this_machine(&self) -> usize;
 
-    /// Sends bytes to another process. Messages arrive in the order in which they were sent.
+    /// Sends `bytes` to the process with the number `to`. Messages arrive in the order in which they were sent.
     fn send(&self, to: usize, bytes: &[u8]);
 
-    /// Takes the next message that has arrived from any process, with the number of its sender; `None` if there is
-    /// none.
+    /// Returns the next message that has arrived from any process, with the number of the sender. `None` if no message
+    /// has arrived.
     fn take(&self) -> Option<(usize, Vec<u8>)>;
 
-    /// Gathers the bytes of all processes, in the order of their numbers. All processes must call this method.
+    /// Returns the bytes `own` of all processes, in the order of their numbers. All processes must call this method.
     fn gather(&self, own: &[u8]) -> Vec<Vec<u8>>;
 
-    /// Exchanges bytes between all pairs of processes, as in [`Communicator::exchange`].
+    /// Sends one list of bytes to each process, and returns those that the other processes have sent, as
+    /// [`Communicator::exchange`] does.
     fn exchange(&self, outgoing: Vec<Vec<u8>>) -> Vec<Vec<u8>>;
 
-    /// Sends bytes of one process to all others, as in [`Communicator::broadcast`].
+    /// Returns in all processes the bytes that process 0 has passed, as [`Communicator::broadcast`] does.
     fn broadcast(&self, bytes: Vec<u8>) -> Vec<u8>;
 
-    /// Replaces each number by its sum over all processes, as in [`Communicator::sum`].
+    /// Replaces each number by its sum over all processes, as [`Communicator::sum`] does.
     fn sum(&self, numbers: &mut [i64]);
 
-    /// Replaces each value by the largest one of all processes, as in [`Communicator::largest`].
+    /// Replaces each value by the largest value of all processes, as [`Communicator::largest`] does.
     fn largest(&self, values: &mut [f64]);
 }
 
-/// Link of a process that works alone: it is process 0 of one, and has no other process to send to.
+/// Link of a process that works alone. It is process 0 of one, and messages have no receiver.
 pub struct LoneProcess;
 
 impl Link for LoneProcess {
@@ -77,8 +78,8 @@ impl Link for LoneProcess {
     fn largest(&self, _values: &mut [f64]) {}
 }
 
-/// True if this process was started as one of several by Open MPI, MPICH and its relatives, or Slurm with PMIx. Each of
-/// these sets one of the variables below to the number of the process.
+/// True if Open MPI, MPICH and its relatives, or Slurm with PMIx has started this process as one of several. Each of
+/// these programs sets one of the environment variables below to the number of the process.
 pub fn is_one_of_several() -> bool {
     ["OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"].iter().any(|name| std::env::var_os(name).is_some())
 }

@@ -1,10 +1,10 @@
 //! Processes that work on one command: this process alone, or those that `mpirun` has started (feature `mpi`). The
 //! number of a process is called its rank in MPI.
 //!
-//! All processes read equal command lines and cases, and [check](Ranks::agree) that these are equal. Then process 0,
-//! the lead, does the command. The other processes are helpers. Every process makes the same list of runs by itself.
+//! All processes read equal command lines and cases, and [check](Ranks::agree) that these are equal. Process 0, the
+//! lead, then does the command. The other processes are helpers. Every process makes the same list of runs by itself.
 //! The lead sends indices of this list to the helpers, and the helpers send back the results of the runs. The result of
-//! a run does not depend on the process that did it.
+//! a run does not depend on the process that has done it.
 
 mod link;
 #[cfg(feature = "mpi")]
@@ -22,57 +22,60 @@ use serde::{Deserialize, Serialize};
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 
-/// The processes that work on one command.
+/// Processes that work on one command, as each of them knows them. Process 0 is the lead, the others are helpers.
 pub struct Ranks {
     link: Box<dyn Link>,
-    /// True once the processes have compared the checksums of their lists of runs.
+    /// True when the processes have compared the checksums of their lists of runs.
     agreed: Cell<bool>,
-    /// Numbers of the helper processes that can begin a run. A helper is listed once for each run that it can begin.
+    /// Numbers of the helper processes that are free to begin a run. A helper is listed once for each run that it can
+    /// begin.
     free: RefCell<VecDeque<usize>>,
-    /// Number of runs that the lead has given to helpers and whose results have not arrived.
+    /// Number of runs that the lead has given to helpers, and whose results have not arrived.
     away: Cell<usize>,
-    /// Exit code that this helper has received from the lead; `None` while the command goes on.
+    /// Exit code that this helper has received from the lead; `None` before the command has ended.
     dismissed: Cell<Option<u8>>,
 }
 
-/// Messages between the lead process and its helpers.
+/// Message between the lead process and one of its helper processes.
 #[derive(Serialize, Deserialize)]
 pub enum Message {
-    /// Lead to helper: do the run at this index of the list.
+    /// Lead to helper: do the run with this index in the list of runs.
     Do(usize),
-    /// Lead to helper: take part in the run at this index of the list, which all processes share and which begins now.
+    /// Lead to helper: take part in the run with this index in the list of runs. All processes share this run, and it
+    /// begins now.
     Follow(usize),
-    /// Lead to helper: stop the present runs at the ends of their windows.
+    /// Lead to helper: stop the runs in progress at the ends of their windows (times between two kicks of drag).
     Stop,
-    /// Lead to helper: the command is over, with this exit code.
+    /// Lead to helper: the command has ended, with this exit code.
     End(u8),
-    /// Helper to lead: the helper can do this number of further runs.
+    /// Helper to lead: the helper can do this number of runs at the same time.
     Free(usize),
-    /// Helper to lead: the run at this index has reached this simulated time [s].
+    /// Helper to lead: the run with this index has reached this simulated time [s].
     At(usize, f64),
-    /// Helper to lead: the run at this index is over, with this result; `None` if it was stopped before its end.
+    /// Helper to lead: the run with this index has ended, with this result as bytes. `None` if it was stopped before it
+    /// had ended.
     Done(usize, Result<Option<Vec<u8>>, StudyError>),
-    /// Helper to lead: the helper cannot do any run, for this reason.
+    /// Helper to lead: the helper can do no run, for this reason.
     Failed(String),
     /// Helper to lead: this is the last message of the helper.
     Gone,
 }
 
-/// Result of reading the command and the case in one process, which the processes compare before they begin.
+/// Result of reading the command and the case in one process. The processes compare these results before they begin.
 #[derive(Clone, PartialEq, Serialize, Deserialize)]
 enum Found {
-    /// The process can begin. The number is the checksum of its list of runs.
+    /// The process can begin. The number is the checksum of its work, such as of its list of runs.
     Work(u32),
     /// The process cannot begin, for this reason. The flag is true if the input is wrong.
     Error(String, bool),
 }
 
 impl Ranks {
-    /// Joins the processes that were started together with this process. If there are no others, this process works
-    /// alone.
+    /// Connects this process with the processes that were started together with it. Without other processes, this
+    /// process works alone.
     ///
     /// # Errors
-    /// MPI cannot be started.
+    /// Returns an error if MPI cannot be started.
     pub fn join() -> Result<Self, StudyError> {
         if !link::is_one_of_several() {
             return Ok(Self::alone());
@@ -92,7 +95,7 @@ impl Ranks {
         }
     }
 
-    /// Creates the value for a process that works alone.
+    /// Creates the value of a process that works alone, without a connection to others.
     pub fn alone() -> Self {
         Self::with(Box::new(LoneProcess))
     }
@@ -107,7 +110,7 @@ impl Ranks {
         }
     }
 
-    /// True if this is process 0, which does the command and prints its messages.
+    /// True if this process is the lead, process 0, which does the command and prints its messages.
     pub fn is_lead(&self) -> bool {
         self.link.rank() == 0
     }
@@ -117,34 +120,34 @@ impl Ranks {
         self.link.size()
     }
 
-    /// Number of threads for this process: the requested number or, without a request, an equal share of the available
-    /// cores.
+    /// Number of threads of this process: the number `asked` that the user has given, else an equal share of the cores
+    /// of this computer.
     pub fn threads(&self, asked: Option<u16>) -> usize {
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
         asked.map_or_else(|| (cores() / self.link.on_this_machine()).max(1), usize::from)
     }
 
-    /// Prints that several processes share the runs, if there are several.
+    /// Prints that several processes share the runs, if there is more than one process and `quiet` is false.
     pub fn announce(&self, threads: usize, quiet: bool) {
         if self.count() > 1 && !quiet {
             tell(format!("{} processes share the work, {} in this one", self.count(), counted(threads, "thread")));
         }
     }
 
-    /// Does work that is not shared among processes, in the lead only.
+    /// Does work in the lead process alone. All processes must call this function; the helpers get a default value.
     ///
     /// # Errors
-    /// The error of the work, or the error of a process that could not begin.
+    /// Returns the error of the work, or the error of a process that could not begin.
     pub fn by_lead<T: Default>(&self, work: impl FnOnce() -> Result<T, StudyError>) -> Result<T, StudyError> {
         self.agree(Ok(()), |()| 0)?;
         if self.is_lead() { work() } else { Ok(T::default()) }
     }
 
-    /// Compares the work of this process with that of all others before they begin; `mark` computes its checksum. Every
-    /// process must call this function or [`close`](Self::close).
+    /// Compares the work of this process with the work of all others before they begin; the function `mark` computes
+    /// its checksum. Every process must call this function or [`close`](Self::close).
     ///
     /// # Errors
-    /// The error of the first process that has one, returned in all processes. It is also an error if the work of a
+    /// Returns the error of the first process that has one, in all processes. It also returns an error if the work of a
     /// process differs from that of the lead.
     pub fn agree<T>(&self, found: Result<T, StudyError>, mark: impl FnOnce(&T) -> u32) -> Result<T, StudyError> {
         self.agreed.set(true);
@@ -160,9 +163,9 @@ impl Ranks {
         disagreement(&all).map_or(found, Err)
     }
 
-    /// Ends the common work of all processes; `result` is that of this process. The lead prints the reason of an error.
-    /// All return the exit code that `code` computes from the result of the lead. Every process must call this
-    /// function.
+    /// Ends the common work of all processes; `result` is the result of this process. The lead prints the error, if
+    /// there is one. All processes return the exit code that the function `code` computes from the result of the lead.
+    /// Every process must call this function.
     pub fn close<T>(&self, result: Result<T, StudyError>, code: impl FnOnce(&Result<T, StudyError>) -> u8) -> u8 {
         let result = if self.agreed.get() { result } else { self.agree(result, |_| 0) };
         if !self.is_lead() {
@@ -184,8 +187,8 @@ impl Ranks {
         code
     }
 
-    /// Waits in a helper until the lead ends the command; returns the exit code of the lead. `why` is an error of the
-    /// helper.
+    /// Waits in a helper process until the lead ends the command, and returns the exit code of the lead. `why` is an
+    /// error of the helper, which is reported to the lead.
     fn wait_for_the_end(&self, why: Option<StudyError>) -> u8 {
         if let (Some(why), None) = (why, self.dismissed.get()) {
             self.report(&Message::Failed(why.to_string()));
@@ -204,12 +207,13 @@ impl Ranks {
         code
     }
 
-    /// Stores the exit code with which the lead has ended the command; called in a helper.
+    /// Stores the exit code with which the lead has ended the command. It is called in a helper process.
     pub fn dismissed(&self, code: u8) {
         self.dismissed.set(Some(code));
     }
 
-    /// Sends the run at this index to a helper that can begin one; returns false if there is no such helper.
+    /// Sends the run with the index `index` to a helper process that is free to begin a run. Returns false if no helper
+    /// is free.
     pub fn hand_out(&self, index: usize) -> bool {
         let Some(helper) = self.free.borrow_mut().pop_front() else { return false };
         self.send(helper, &Message::Do(index));
@@ -217,23 +221,24 @@ impl Ranks {
         true
     }
 
-    /// Number of runs that helpers are doing.
+    /// Number of runs that are in progress in helper processes.
     pub fn away(&self) -> usize {
         self.away.get()
     }
 
-    /// Tells all helpers that the run at this index, which all processes share, begins now.
+    /// Tells all helper processes that the run with the index `index` begins, which all processes share.
     pub fn call_together(&self, index: usize) {
         (1..self.count()).for_each(|helper| self.send(helper, &Message::Follow(index)));
     }
 
-    /// Tells all helpers to stop their present runs at the ends of their windows (times between two kicks of drag).
+    /// Tells all helper processes to stop their runs in progress at the ends of their windows (times between two kicks
+    /// of drag).
     pub fn stop_helpers(&self) {
         (1..self.count()).for_each(|helper| self.send(helper, &Message::Stop));
     }
 
-    /// Next message that a helper has sent to the lead; `None` if none has arrived. The list of free helpers is updated
-    /// from the messages.
+    /// Next message that a helper has sent to the lead; `None` if no message has arrived. The message also updates the
+    /// list of free helpers and the number of runs that helpers are doing.
     pub fn heard(&self) -> Option<Message> {
         let (from, message) = self.take()?;
         match &message {
@@ -247,13 +252,13 @@ impl Ranks {
         Some(message)
     }
 
-    /// Sends a message to the lead.
+    /// Sends a message from this process to the lead.
     pub fn report(&self, message: &Message) {
         self.send(0, message);
     }
 
     fn send(&self, to: usize, message: &Message) {
-        // a message of these types can always be serialised
+        // messages of these types can always be serialised
         if let Ok(bytes) = packed(message) {
             self.link.send(to, &bytes);
         }
@@ -283,7 +288,7 @@ fn unfit(why: postcard::Error) -> StudyError {
     StudyError::Failed(format!("error: a message between processes cannot be read: {why}"))
 }
 
-/// Reason why the processes cannot begin together; `None` if they can.
+/// Error that names the reason why the processes cannot begin together; `None` if they can.
 fn disagreement(all: &[Found]) -> Option<StudyError> {
     let error = all.iter().enumerate().find_map(|(rank, found)| match found {
         Found::Error(why, input) => Some((rank, why, *input)),

@@ -1,4 +1,4 @@
-//! Connection of processes by MPI.
+//! Connection between processes by MPI.
 
 use super::link::Link;
 use mpi::Threading;
@@ -8,22 +8,24 @@ use mpi::environment::Universe;
 use mpi::point_to_point::{Destination, Source};
 use mpi::topology::{Communicator, SimpleCommunicator};
 
-/// [bytes] largest piece in which a message is sent, because MPI counts bytes in 32 bits.
+/// [bytes] largest piece in which a message is sent. MPI counts bytes in 32 bits.
 const PIECE: usize = 1 << 30;
 
-/// Tag of the messages within a shared run. It distinguishes them from the messages between lead and helpers.
+/// Tag of the messages within a run that several processes share. It distinguishes them from the messages between lead
+/// and helpers.
 const SHARED: i32 = 1;
 
-/// Connection of processes by MPI.
+/// Connection between the processes of a command by MPI.
 pub struct Mpi {
     world: SimpleCommunicator,
     on_this_machine: usize,
-    /// Handle that ends MPI when it is dropped. It must be the last field.
+    /// Handle that ends MPI when it is dropped. It must be the last field, because fields are dropped in order.
     _universe: Universe,
 }
 
 impl Mpi {
-    /// Joins the processes that were started together; `None` if MPI has been started already.
+    /// Connects this process with the processes that were started together with it; `None` if MPI has already been
+    /// started.
     pub fn join() -> Option<Self> {
         let (universe, _) = mpi::initialize_with_threading(Threading::Funneled)?;
         let world = universe.world();
@@ -33,7 +35,7 @@ impl Mpi {
 }
 
 impl Drop for Mpi {
-    /// Aborts all processes if this process panicked, since the others would wait for ever.
+    /// Aborts all processes if this process has panicked, since the others would wait for ever.
     fn drop(&mut self) {
         if std::thread::panicking() {
             self.world.abort(1);
@@ -64,7 +66,7 @@ impl Link for Mpi {
         let (message, status) = self.world.any_process().immediate_matched_probe()?;
         let mut length = [0; 8];
         message.matched_receive_into(&mut length[..]);
-        // the pieces follow at once, without other messages of this sender in between
+        // the pieces follow directly, without other messages of this sender in between
         let from = self.world.process_at_rank(status.source_rank());
         let mut bytes = vec![0; u64::from_le_bytes(length) as usize];
         bytes.chunks_mut(PIECE).for_each(|piece| {
@@ -93,7 +95,7 @@ impl Link for Mpi {
         let own = self.rank();
         let pieces = outgoing.iter().map(|bytes| bytes.len().div_ceil(PIECE)).sum();
         mpi::request::multiple_scope(pieces, |scope, sent| {
-            // bytes are sent only to processes for which there are any; during most of a run these are neighbours
+            // bytes are sent to those processes for which there are any; during most of a run these are neighbours
             for (rank, bytes) in outgoing.iter().enumerate().filter(|(rank, _)| *rank != own) {
                 let to = self.world.process_at_rank(rank as i32);
                 bytes.chunks(PIECE).for_each(|piece| {

@@ -1,4 +1,4 @@
-//! Communication in a run that all processes share. MPI may only be called from the thread that started it. So another
+//! Communication in a run that all processes share. Only the thread that has started MPI may call it. So a second
 //! thread does the run, and sends requests for communication to the thread of MPI.
 
 use super::Ranks;
@@ -8,7 +8,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Message between the thread of the run and the thread of MPI: a request or its answer.
+/// Message between the thread of the run and the thread of MPI: a request for communication, or its answer.
 enum Call {
     Exchange(Vec<Vec<u8>>),
     Broadcast(Vec<u8>),
@@ -16,18 +16,18 @@ enum Call {
     Largest(Vec<f64>),
 }
 
-/// Amount and duration of the communication of a process with others during a shared run.
+/// Amount and duration of the communication of one process with the others during a shared run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Traffic {
-    /// Number of messages from this process to single other processes.
+    /// Number of messages that this process has sent to single other processes.
     pub messages: u64,
-    /// [bytes] total size of the messages to single other processes.
+    /// [bytes] total size of the messages that this process has sent to single other processes.
     pub bytes: u64,
-    /// Number of calls in which all processes took part.
+    /// Number of calls of communication in which all processes took part.
     pub calls: u64,
-    /// Time spent on communication, including the time spent waiting for other processes.
+    /// Wall time spent on communication, including the time spent waiting for other processes.
     pub waited: Duration,
-    /// Wall time from the beginning to the end of the run.
+    /// Wall time of the shared run, from its beginning to its end.
     pub whole: Duration,
 }
 
@@ -44,7 +44,7 @@ impl std::fmt::Display for Traffic {
     }
 }
 
-/// Connection in the thread of the run to the thread that may call MPI. Each communication is a request through it.
+/// Connection of the thread of the run to the thread that may call MPI. It turns each communication into a request.
 struct LineEnd {
     rank: usize,
     size: usize,
@@ -52,7 +52,7 @@ struct LineEnd {
 }
 
 impl LineEnd {
-    /// Sends a request and returns the answer; `None` if the other end of the channel is closed.
+    /// Sends a request to the thread of MPI and returns the answer; `None` if that thread has closed the connection.
     fn ask(&self, call: Call) -> Option<Call> {
         let ends = self.ends.lock().unwrap_or_else(PoisonError::into_inner);
         ends.0.send(call).ok()?;
@@ -112,8 +112,8 @@ fn answer(link: &dyn Link, call: Call) -> Call {
 }
 
 impl Ranks {
-    /// Does work on a run that all processes share. In each process the work is done in a second thread, since MPI may
-    /// only be called from the thread that started it. Returns the result of the work, and the amount of communication.
+    /// Does `work` on a run that all processes share. In each process a second thread does it, since only the thread
+    /// that has started MPI may call it. Returns the result of the work, and the amount of communication.
     pub fn together<T: Send>(&self, work: impl FnOnce(Arc<dyn Communicator>) -> T + Send) -> (T, Traffic) {
         let (asked, calls) = channel();
         let (answers, answered) = channel();

@@ -1,4 +1,4 @@
-//! Tests of several processes, which are simulated by the threads of one test.
+//! Tests of several processes, which the threads of one test simulate.
 
 use super::link::Link;
 use super::*;
@@ -11,10 +11,10 @@ use std::sync::{Arc, Barrier, Mutex};
 use std::thread::scope;
 use std::time::Duration;
 
-/// Message that has been sent, with the number of its sender.
+/// Number of the sender of a message, and the bytes of the message.
 type Letter = (usize, Vec<u8>);
 
-/// One of several threads that simulate processes.
+/// Connection of one of several threads that simulate processes.
 struct Thread {
     rank: usize,
     others: Vec<Sender<Letter>>,
@@ -76,7 +76,7 @@ impl Link for Thread {
     }
 }
 
-/// Does `work` as each of `count` processes; returns the exit codes.
+/// Does `work` in each of `count` simulated processes, and returns their exit codes.
 fn processes(count: usize, work: impl Fn(&Ranks) -> Result<u8, StudyError> + Sync) -> Vec<u8> {
     let (others, inboxes): (Vec<_>, Vec<_>) = (0..count).map(|_| channel()).unzip();
     let shared = Arc::new((Barrier::new(count), Mutex::new(vec![Vec::new(); count])));
@@ -99,8 +99,8 @@ fn processes(count: usize, work: impl Fn(&Ranks) -> Result<u8, StudyError> + Syn
     })
 }
 
-/// Runs whose results are squares of their indices. If `unknown` is set, runs in helpers fail. The run at the index
-/// `stopped_at` is stopped.
+/// List of runs whose results are the squares of their indices. If `unknown` is set, runs in helpers fail. The run with
+/// the index `stopped_at` is stopped before its end.
 struct Squares {
     by_others: AtomicUsize,
     unknown: Option<usize>,
@@ -194,7 +194,7 @@ fn a_helper_that_fails_ends_all_and_one_that_is_stopped_stops_all() {
                 over += 1;
                 square.map(drop)
             })?;
-            // each of four threads may be doing a run, and may receive another run before the message arrives
+            // each of four threads may be doing a run, and may receive a further run before the message arrives
             Ok(if over < COUNT / 2 { 130 } else { 3 })
         })
     };

@@ -1,27 +1,28 @@
-//! Conclusions of a chart of precision against cost, in sentences made from its numbers.
+//! Sentences that conclude a chart of precision against cost, made from the numbers of the chart.
 
 use crate::experiment::Model;
 use crate::output::numbers::{count, quantity as with_prefix, significant};
 use crate::output::{ChartMethod, ChartPoint, ChartQuantity, ChartSlope, CostMeasure, cheapest};
 use crate::statistics::power_law;
 
-/// [-] target errors for which the cheapest method is named, each also as text.
+/// [-] relative errors for which the cheapest method is named, each with its text in the sentence.
 const TARGETS: [(f64, &str); 2] = [(0.01, "1 %"), (0.001, "0.1 %")];
-/// Number of standard errors up to which an error of a method is attributed to chance.
+/// Number of standard errors. An error of a method that is smaller than so many standard errors of the result is
+/// attributed to chance.
 const RESOLVED: f64 = 3.0;
 /// [-] relative error below which an error of a method is attributed to rounding. Positions of about 1 mm have a
 /// rounding error of about 1e-19 m, and overlaps are some micrometres.
 const ROUNDING: f64 = 1e-12;
-/// Largest number of points through which the order of convergence is fitted. The fit uses the finest points whose
-/// errors exceed chance and rounding.
+/// Largest number of points through which the order of convergence is fitted. The fit uses the points with the finest
+/// parameters whose errors exceed chance and rounding.
 const ASYMPTOTIC: usize = 5;
-/// [-] smallest slope of ln(error) over ln(parameter) that counts as an order of convergence. With a smaller slope, the
-/// error does not come from the swept parameter.
+/// [-] smallest slope of ln(error) over ln(parameter) that is reported as an order of convergence. With a smaller
+/// slope, the error does not come from the parameter that is swept.
 const FLAT: f64 = 0.1;
 
 /// Order of convergence of each method in each quantity: slope of ln(error) as a function of ln(parameter of the
-/// method). The fit uses the finest three, four or five resolved points, whichever number lies closest to a line.
-/// Resolved errors exceed chance and rounding, and all have one sign.
+/// method). The fit uses the three, four or five points with the finest parameters, whichever number gives the smallest
+/// standard error of the slope. Only errors of one sign that exceed chance and rounding are used.
 pub fn slopes(quantities: &[ChartQuantity], methods: usize, points: &[ChartPoint]) -> Vec<ChartSlope> {
     let mut slopes = Vec::new();
     for (index, quantity) in quantities.iter().enumerate() {
@@ -38,8 +39,9 @@ pub fn slopes(quantities: &[ChartQuantity], methods: usize, points: &[ChartPoint
     slopes
 }
 
-/// Parameter and error of the points of one method whose errors exceed chance and rounding, from coarse to fine. Only
-/// points after the last change of sign of the error are returned.
+/// Parameter and relative error of the points of one method whose errors exceed chance and rounding, from coarse to
+/// fine parameters. Points before the last change of the sign of the error are left out. `index` is that of the
+/// quantity.
 fn resolved<'a>(
     points: impl Iterator<Item = &'a ChartPoint>,
     index: usize,
@@ -70,7 +72,8 @@ pub fn name(methods: &[ChartMethod], point: &ChartPoint) -> String {
     format!("{} ({} = {value}{unit})", method.name, method.knob)
 }
 
-/// Conclusion: the cheapest method within 1 % and 0.1 % in each quantity, the orders of convergence, and the failures.
+/// Sentences for the chart: the cheapest method with an error of at most 1 % and 0.1 % in each quantity, the orders of
+/// convergence, and the failures.
 pub fn sentences(
     methods: &[ChartMethod],
     quantities: &[ChartQuantity],
@@ -117,7 +120,7 @@ fn within(
     let Some((model, first)) = cheapest_of(methods, points, index, target, &all) else {
         return format!("nothing stays within {words} for certain");
     };
-    // hard spheres may give a quantity exactly by construction; the cheapest soft method is then named too
+    // hard spheres may give a quantity exactly by construction; the cheapest soft method is named in addition
     let soft = match (model, cheapest_of(methods, points, index, target, &[Model::Soft])) {
         (Model::Soft, _) => String::new(),
         (Model::Hard | Model::Hybrid | Model::Dsmc, Some((_, text))) => format!("; of soft methods {text}"),
@@ -126,9 +129,9 @@ fn within(
     format!("within {words} the cheapest is {first}{soft}")
 }
 
-/// Model of the method that reaches the error `target` [-] in the quantity with index `index` at the fewest operations,
-/// and its cost as text. The text also names the method with the least wall time. `None` if no method of `models`
-/// certainly reaches the target.
+/// Model of the method that reaches the relative error `target` [-] in the quantity with index `index` at the fewest
+/// operations, and its cost as text. The text also names the method with the least wall time. `None` if no method of
+/// `models` certainly reaches the target.
 fn cheapest_of(
     methods: &[ChartMethod],
     points: &[ChartPoint],

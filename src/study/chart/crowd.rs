@@ -1,5 +1,6 @@
-//! Chart of a scene with many particles. Every method runs one stretch, a piece of the simulated time of the case. Its
-//! statistics are compared with those of a reference with exact collision instants, as far as statistical errors allow.
+//! Chart of a scene with many particles. Every method runs one stretch (piece of the simulated time of the case). The
+//! averages of each method are compared with those of a reference, as far as statistical errors allow. The reference
+//! has exact collision instants.
 
 use super::methods::{MethodSweep, work};
 use super::outlook::Outlook;
@@ -13,29 +14,30 @@ use crate::runs::{StudyError, execute, start};
 use crate::statistics::{Estimate, SliceColumn, U, VV};
 use std::time::Instant;
 
-/// Scene with many particles in which a chart compares methods, with the runs of the reference.
+/// Scene with many particles in which a chart compares methods, together with the outcomes of the reference method.
 pub struct Crowd {
-    /// Piece of the simulated time of the case that every method runs.
+    /// Piece of the simulated time of the case that every method of the chart runs.
     pub stretch: Stretch,
-    /// Initial state from which all methods start: that of the first run of the reference.
+    /// Particles at the start of every method: those with which the first run of the reference begins the stretch.
     start: Particles,
-    /// Outcomes of the runs of the reference, one per seed.
+    /// Outcomes of the runs of the reference method, one for each seed.
     references: Vec<Outcome>,
-    /// Method of the reference, in words for the reader.
+    /// Description of the method of the reference for the reader, such as "hard spheres at exact instants".
     pub method: &'static str,
 }
 
-/// Function that takes one average from the outcome of a run; `None` if the run does not have it.
+/// Function that takes one average from the outcome of a run; `None` if the outcome does not contain this average.
 type OutcomeColumn = fn(&Outcome) -> Option<Estimate>;
 
-/// Averages over the scene that can be charted: key, name, label of the axis of errors, unit, and function that returns
-/// the average.
+/// Averages over the whole scene in which methods can be compared. Each has a key, a name, a label of the axis of
+/// errors, a unit, and a function that takes the average from an outcome.
 const NUMBERS: [(&str, &str, &str, &str, OutcomeColumn); 2] = [
     ("collision_rate", "pair impacts per time", "|rate − reference|/reference", "1/s", |o| o.pair_rate),
     ("temperature", "granular temperature", "|T − reference|/reference", "m²/s²", |o| o.temperature),
 ];
 
-/// Profiles across the box that can be charted: key, name, label of the axis of errors, and column of the slices.
+/// Profiles across the height of the box in which methods can be compared. Each has a key, a name, a label of the axis
+/// of errors, and the column of the table of slices.
 const PROFILES: [(&str, &str, &str, SliceColumn); 2] = [
     ("velocity_profile", "profile of the streamwise velocity U", "L₂ norm of U − reference, over that of U", U),
     (
@@ -47,11 +49,12 @@ const PROFILES: [(&str, &str, &str, SliceColumn); 2] = [
 ];
 
 impl Crowd {
-    /// Runs the simulated time before the stretch, then the reference: hard spheres at exact collision instants. If
-    /// these fail, the reference is soft spheres with local fourth-order steps at N_c = 50 steps per contact.
+    /// Runs the reference method: first the simulated time before the stretch (piece of time that every method runs),
+    /// then the stretch. The reference is hard spheres at exact collision instants. If their engine fails, soft spheres
+    /// with local fourth-order steps at N_c = 50 steps per contact take its place.
     ///
     /// # Errors
-    /// A start that cannot be made, or a scene in which neither reference runs to the end.
+    /// Returns an error if the particles cannot be placed, or if neither method for the reference runs to the end.
     pub fn new(stretch: Stretch, outlook: &mut Outlook) -> Result<Self, StudyError> {
         let mut why = String::new();
         for (way, method) in stretch.ways() {
@@ -64,8 +67,8 @@ impl Crowd {
         Err(StudyError::Failed(format!("error: no reference: neither model runs through this scene{why}")))
     }
 
-    /// Runs the method `way` of the reference with several seeds. Returns the initial state of the first run and the
-    /// outcomes of all. The inner error is the failure of the first run that stopped.
+    /// Runs the method `way` of the reference with several seeds. Returns the particles at the start of the stretch in
+    /// the first run, and the outcomes of all runs. The inner error is the failure of the first run that stopped.
     fn references(
         way: &Experiment,
         method: &str,
@@ -91,7 +94,7 @@ impl Crowd {
                 }
                 state = end;
             }
-            // noise of heat or turbulence differs between the references too
+            // each run has its own seed, so that random heating or turbulence differs between the runs of the reference
             let mut seeded = way.clone();
             seeded.run.seed = way.run.seed.wrapping_add(seed);
             let (outcome, _) = execute(&seeded, state.clone(), &mut [&mut outlook.watching(before, whole)]);
@@ -105,7 +108,8 @@ impl Crowd {
         Ok(Ok((first.unwrap_or_default(), outcomes)))
     }
 
-    /// Quantities in which the methods are compared, with the value of the reference and its scatter between runs.
+    /// Quantities in which the methods are compared. Each has a reference value, which is exact or a mean over the runs
+    /// of the reference, and the scatter between these runs.
     pub fn quantities(&self) -> Vec<ChartQuantity> {
         let mut quantities = Vec::new();
         let asked = self.stretch.experiment.scene.restitution_of_pairs();
@@ -139,14 +143,14 @@ impl Crowd {
             let unit = column.unit;
             let mean = self.mean_profile(column);
             let size = norm(&mean);
-            // squared distances of R runs from their own mean are too small by the factor (R-1)/R; those of another run
-            // from this mean are too large by the factor (R+1)/R
+            // squared distances of R runs from their own mean are too small by the factor (R-1)/R; those of a further
+            // run from this mean are too large by the factor (R+1)/R
             let starts = STARTS as f64;
             let squares: f64 =
                 self.references.iter().map(|run| norm(&differences(&profile(run, column), &mean)).powi(2)).sum();
             let rms = (squares / starts).sqrt();
             let floor = rms * ((starts + 1.0) / (starts - 1.0)).sqrt() / size;
-            // a profile whose scatter is more than a third of its size is left out
+            // a profile is left out if its scatter between runs is more than a third of its norm
             if size > 0.0 && floor < 1.0 / 3.0 {
                 let slices = mean.iter().flatten().count().max(1) as f64;
                 let error = rms / (starts - 1.0).sqrt() / slices.sqrt();
@@ -157,8 +161,8 @@ impl Crowd {
         quantities
     }
 
-    /// Runs one method at one value of its parameter, and returns its cost and its error in each quantity. `method` is
-    /// the index of the method.
+    /// Runs one method at the value `value` (SI unit) of its swept parameter, and returns its cost and its error in
+    /// each quantity. `method` is the index of the method in the chart.
     pub fn point(
         &self,
         sweep: &MethodSweep,
@@ -203,7 +207,8 @@ impl Crowd {
             key => {
                 let number = NUMBERS.iter().find(|(known, ..)| *known == key).map(|(.., pick)| pick(outcome));
                 if let Some(found) = number {
-                    // uncertainty: scatter of the runs of the reference, or the error of this run if that is larger
+                    // uncertainty: scatter between the runs of the reference, or the standard error of this run,
+                    // whichever is larger
                     let (found, share) = (found?, found?.over(quantity.reference.value));
                     let uncertainty = share.error.map_or(quantity.floor, |own| own.max(quantity.floor));
                     single(found.value, (share.value - 1.0).abs(), Some(uncertainty))
@@ -219,8 +224,8 @@ impl Crowd {
         found.error.is_finite().then_some(found)
     }
 
-    /// Profile of a column averaged over the runs of the reference; `None` in slices that are empty in one of these
-    /// runs.
+    /// Mean over the runs of the reference of a column of the table of slices, one value per slice. `None` in a slice
+    /// that is empty in at least one run.
     fn mean_profile(&self, column: SliceColumn) -> Vec<Option<f64>> {
         let mut sums: Vec<Option<f64>> = Vec::new();
         for run in &self.references {
@@ -235,13 +240,14 @@ impl Crowd {
         sums.iter().map(|sum| Some((*sum)? / self.references.len() as f64)).collect()
     }
 
-    /// True if the runs of the reference, which have different seeds, end in different states.
+    /// True if the runs of the reference, which have different seeds, end in different final states.
     pub fn is_random(&self) -> bool {
         self.references.iter().any(|run| run.final_state_hash != self.references[0].final_state_hash)
     }
 }
 
-/// Values of a column in all slices, in the unit of the column; `None` in slices without samples.
+/// Values of a column of the table of slices, one per slice, in the unit of the column. `None` in a slice without
+/// samples.
 fn profile(outcome: &Outcome, column: SliceColumn) -> Vec<Option<f64>> {
     outcome.profiles.slices.iter().map(|row| Some(row.of(column)?.value)).collect()
 }
@@ -250,12 +256,12 @@ fn differences(values: &[Option<f64>], from: &[Option<f64>]) -> Vec<Option<f64>>
     values.iter().zip(from).map(|(value, from)| Some((*value)? - (*from)?)).collect()
 }
 
-/// Root of the sum of squares of the values; slices without a value are left out.
+/// Root of the sum of squares of the values of a profile. Slices without a value are left out.
 fn norm(values: &[Option<f64>]) -> f64 {
     values.iter().flatten().map(|value| value * value).sum::<f64>().sqrt()
 }
 
-/// Mean of independent values with its standard error, and standard deviation of the values.
+/// Mean of independent values with its standard error, and the standard deviation of one value.
 fn spread(values: &[f64]) -> (Estimate, f64) {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;

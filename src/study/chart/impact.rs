@@ -1,5 +1,5 @@
-//! Chart of one impact: every method is compared with the closed form. The first touch falls at many different phases
-//! of a time step.
+//! Chart of one impact: every method is compared with the closed form. The bodies first touch at 128 different instants
+//! within a time step, called phases.
 
 use super::methods::{MethodParameter, MethodSweep, Values, total, work};
 use crate::contact_law::Bodies;
@@ -18,45 +18,48 @@ use nalgebra::Vector3;
 use std::path::Path;
 use std::time::Instant;
 
-/// Number of phases: instants within a time step at which the bodies first touch.
+/// Number of runs of each point. The runs differ in the phase, the instant within a time step at which the bodies first
+/// touch.
 pub const PHASES: usize = 128;
 
-/// Divisor of the number of phases in a trial run, from which the wall time of all phases is estimated.
+/// Divisor of the number of phases (instants of the first touch within a time step) in a trial run. The wall time of
+/// all phases is estimated from the trial.
 const TRIAL: usize = 16;
 
 /// One head-on impact of two spheres, or of a sphere on a plane wall.
 #[derive(Clone, Debug)]
 pub struct HeadOn {
-    /// Experiment of the case, with the settings of its methods. Each run replaces the scene by an empty box with the
+    /// Experiment of the case, with its settings for the engines. Each run replaces the scene by an empty box with the
     /// two bodies.
     pub experiment: Experiment,
-    /// The first sphere, and the second sphere; `None` for a plane wall.
+    /// Species of the two spheres; `None` in place of the second for a plane wall.
     pub bodies: (Species, Option<Species>),
-    /// Properties of the two bodies on which the contact law depends.
+    /// Properties of the two bodies on which the contact law depends, such as radii and masses.
     pub contact: Bodies,
-    /// Surface properties of the contact.
+    /// Surface properties of the contact, such as restitution and friction.
     pub surface: Surface,
-    /// [m/s] normal speed of approach.
+    /// [m/s] normal speed at which the bodies approach each other, positive.
     pub approach: f64,
-    /// [s] time of straight flight from the start until the bodies touch.
+    /// [s] time of straight flight from the start until the two bodies first touch.
     pub touch: f64,
-    /// [s] simulated time of a run.
+    /// [s] simulated time of one run.
     pub duration: f64,
 }
 
-/// Cost of a run that stopped before its end, and the reason.
+/// A run that stopped before its end, with the reason and its cost up to then.
 struct Stopped {
     why: ChartFailure,
     counters: Counters,
     wall: f64,
 }
 
-/// Results of one simulated impact.
+/// Results of one simulated impact of the two bodies.
 struct Rebound {
     restitution: f64,
-    /// [-] residual of the energy balance, divided by the energy at the start.
+    /// [-] energy that the ledger (sum of all gains and losses) does not explain, divided by the energy at the start.
     residual: f64,
-    /// [-] final gap minus the gap after an instantaneous collision, divided by the diameter of the smaller sphere.
+    /// [-] gap between the bodies at the end of the run minus the gap after an instantaneous collision, divided by the
+    /// diameter of the smaller sphere.
     displacement: f64,
     counters: Counters,
     wall: f64,
@@ -66,7 +69,8 @@ impl HeadOn {
     /// Makes the head-on impact of the two bodies of a case, with their normal speed of approach.
     ///
     /// # Errors
-    /// The case does not have two bodies, or they do not approach, or there is not enough time for an impact.
+    /// Returns an error if the case does not have two bodies, if they do not approach each other, or if the impact does
+    /// not end within `run.duration`.
     pub fn of(experiment: &Experiment, particles: &Particles, case: &Path) -> Result<Self, StudyError> {
         let meeting = meeting(&experiment.scene, particles, case)?;
         let first = point(&experiment.scene, particles, &meeting, 0.0);
@@ -100,7 +104,7 @@ impl HeadOn {
         Ok(Self { experiment, bodies, contact: meeting.bodies, surface: meeting.surface, approach, touch, duration })
     }
 
-    /// Values of the parameters over which the methods are swept.
+    /// Values over which the parameters of the methods are swept; fewer values if `quick` is true.
     pub fn values(quick: bool) -> Values {
         let steps: &[f64] = if quick {
             &[1.5, 5.0, 10.0, 15.0, 20.0, 50.0]
@@ -115,7 +119,7 @@ impl HeadOn {
         }
     }
 
-    /// Quantities that are charted. Their references are exact closed forms.
+    /// Quantities in which the methods are compared. Their references are exact closed forms.
     pub fn quantities(&self) -> Vec<ChartQuantity> {
         let of = |key, name, axis, reference| ChartQuantity {
             key,
@@ -143,24 +147,25 @@ impl HeadOn {
         (0.5 * self.bodies.0.diameter, self.bodies.1.as_ref().map_or(0.0, |other| 0.5 * other.diameter))
     }
 
-    /// [m] diameter of the smaller sphere, to which distances are relative.
+    /// [m] diameter of the smaller sphere, by which displacements are divided.
     fn diameter(&self) -> f64 {
         let first = self.bodies.0.diameter;
         self.bodies.1.as_ref().map_or(first, |other| first.min(other.diameter))
     }
 
-    /// Experiment of one method at one value of its parameter.
+    /// Experiment of one method of the chart, at the value `value` (SI unit) of its swept parameter.
     fn run_of(&self, sweep: &MethodSweep, value: f64) -> Experiment {
         let mut experiment = sweep.experiment(&self.experiment, value);
         if let (Some(law), TimeStep::PerContact(steps)) = (experiment.law(), experiment.soft.time_step) {
-            // contact time of these two bodies; the case may have other species as well
+            // the contact time is that of these two bodies; the case may have further species
             let time = law.contact_time(&law.between(&self.contact), self.approach);
             experiment.soft.time_step = TimeStep::Fixed(time / steps);
         }
         experiment
     }
 
-    /// [s] expected wall time of every point of every method, from a trial of one in sixteen phases.
+    /// [s] expected wall time of every point of every method, from a trial with one in sixteen phases. A phase is the
+    /// instant of the first touch within a time step.
     pub fn expected(&self, sweeps: &[MethodSweep]) -> Vec<f64> {
         let points = sweeps.iter().flat_map(|sweep| sweep.values.iter().map(move |value| (sweep, *value)));
         let trial = |(sweep, value): (&MethodSweep, f64)| {
@@ -172,7 +177,8 @@ impl HeadOn {
         points.map(trial).collect()
     }
 
-    /// Runs one method at one value of its parameter, over all phases.
+    /// Runs one method at the value `value` (SI unit) of its swept parameter, once for each phase (instant of the first
+    /// touch within a time step). `method` is the index of the method in the chart.
     pub fn point(&self, sweep: &MethodSweep, method: usize, value: f64) -> ChartPoint {
         let experiment = self.run_of(sweep, value);
         let phases = (0..PHASES).map(|k| self.rebound(&experiment, sweep.knob, phase(k)));
@@ -201,7 +207,7 @@ impl HeadOn {
         let mut times: Vec<f64> = runs.iter().map(|run| run.wall).collect();
         times.sort_by(f64::total_cmp);
         let e = self.surface.restitution;
-        // errors are relative to the given restitution, unless it is zero
+        // errors are divided by the given restitution, unless it is zero
         let scale = if e > 0.0 { e } else { 1.0 };
         let column = |of: fn(&Rebound) -> f64| -> Vec<f64> { runs.iter().map(of).collect() };
         let restitution = column(|run| run.restitution);
@@ -223,8 +229,8 @@ impl HeadOn {
         }
     }
 
-    /// Runs one impact whose first touch is at `phase` [-], a share between 0 and 1 of a time step. The error has the
-    /// cost of a run that failed, or in which the bodies did not separate.
+    /// Runs one impact in which the bodies first touch at `phase` [-], a share between 0 and 1 of a time step. If the
+    /// run fails, or if the bodies do not separate, the error contains its cost.
     fn rebound(&self, experiment: &Experiment, knob: MethodParameter, phase: f64) -> Result<Rebound, Stopped> {
         let (scene, mut particles) = self.scene();
         let experiment = Experiment { scene, ..experiment.clone() };
@@ -235,7 +241,7 @@ impl HeadOn {
                 let step = crate::engine::hard::SteppedHard::longest_step(theta, &particles, scene, self.duration);
                 step.min(self.duration)
             }
-            // without time steps, the start may vary over any short time
+            // without time steps, the instant of the first touch varies over a short time
             (Model::Hard, HardStepping::Events) | (Model::Dsmc, _) => 0.01 * self.touch,
         };
         let touch = ((self.touch / step).floor() + phase) * step;
@@ -245,7 +251,7 @@ impl HeadOn {
                 let window = experiment.run.window.unwrap_or(self.duration);
                 (window, (self.duration / window - 1e-9).ceil())
             }
-            // a whole number of steps, so that the step has exactly the given length
+            // a window with a whole number of steps, so that the step has exactly the given length
             _ => ((self.duration / step - 1e-9).ceil() * step, 1.0),
         };
         let mut simulation = Simulation::new(&experiment, particles);
@@ -273,7 +279,7 @@ impl HeadOn {
     /// Empty box with the two bodies on the x axis, far from the sides of the box.
     fn scene(&self) -> (Scene, Particles) {
         let (a, b) = self.radii();
-        // distance that no sphere exceeds
+        // distance from the centre of the box that no sphere reaches during a run
         let reach = 4.0 * (a + b) + 2.0 * self.approach * (self.duration + self.touch) * 2.0;
         let size = Vector3::repeat(2.0 * reach);
         let plane = Plane { point: Vector3::zeros(), normal: Vector3::x() };
@@ -328,8 +334,8 @@ impl HeadOn {
     }
 }
 
-/// [-] instant of the first touch within a time step, for the phase with number `k`; all phases are equally spaced in
-/// (0, 1).
+/// [-] instant of the first touch within a time step, as a share of the step, for the run with number `k`. The instants
+/// are equally spaced between 0 and 1.
 fn phase(k: usize) -> f64 {
     (k as f64 + 0.5) / PHASES as f64
 }
@@ -338,8 +344,8 @@ fn range(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))
 }
 
-/// Error of the mean of `values` against `reference`, divided by `scale`. Its standard error is that of independent
-/// random phases, far more than the true error for equally spaced phases.
+/// Absolute error of the mean of `values` against `reference`, divided by `scale`. Its standard error is computed as if
+/// the phases were random and independent. For equally spaced phases the true error is far smaller.
 fn mean_error(values: &[f64], reference: f64, scale: f64) -> PointError {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;

@@ -1,29 +1,30 @@
-//! Methods that are compared in a chart, and the parameter over which each is swept.
+//! Methods that a chart compares, each with the parameter over which it is swept.
 
 use crate::contact_law::{ContactLaw, Parameter};
 use crate::engine::Counters;
 use crate::experiment::{Experiment, HardStepping, Integrator, Model, SoftStepping, Spheres, TimeStep};
 use crate::output::ChartMethod;
 
-/// Parameter of a method that trades cost for precision.
+/// Parameter of a method that makes its results more precise and its runs more expensive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MethodParameter {
-    /// [-] number of steps per contact N_c.
+    /// [-] number of time steps per contact N_c of soft spheres.
     StepsPerContact,
-    /// Elastic parameter of the contact law, such as the stiffness, swept at [`FINE_STEPS`] steps per contact. The
-    /// field has the parameter with its value in the case.
+    /// Elastic parameter of the contact law, such as the stiffness. It is swept at [`FINE_STEPS`] steps per contact.
+    /// The field holds the parameter with its value in the case.
     Stiffness(Parameter),
-    /// [-] step criterion θ of hard spheres in time steps.
+    /// [-] step criterion θ of hard spheres that move in time steps.
     Theta,
     /// [s] length of the window, the time between two exchanges of momentum with the gas.
     Window,
 }
 
-/// [-] number of steps per contact N_c while the stiffness is swept. The error of the Runge-Kutta method in the
-/// restitution is then below 1e-6.
+/// [-] number of steps per contact N_c while the stiffness is swept. With so many steps, the error of the Runge-Kutta
+/// method in the restitution is below 1e-6.
 pub const FINE_STEPS: f64 = 50.0;
 
-/// Engine and settings with which a method treats contacts and collisions.
+/// Collision model of a method and its way to step in time: soft spheres with law, stepping and integrator, or hard
+/// spheres in time steps or by events.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum MethodKind {
     Soft(ContactLaw, SoftStepping, Integrator),
@@ -31,34 +32,34 @@ enum MethodKind {
     Events,
 }
 
-/// One method with the values of its parameter, from cheap to expensive.
+/// One method of a chart, with the values of its swept parameter from cheap to expensive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MethodSweep {
-    /// Name of the method.
+    /// Name of the method in the chart, such as "soft uniform, Verlet".
     pub name: &'static str,
     /// Parameter that is swept, such as the number of steps per contact.
     pub knob: MethodParameter,
-    /// Values of the parameter in SI units, from coarse to fine.
+    /// Values of the swept parameter in SI units, from coarse to fine.
     pub values: Vec<f64>,
     how: MethodKind,
 }
 
-/// Values over which the parameters of all methods are swept, from coarse to fine.
+/// Values over which the parameters of all methods of a chart are swept, from coarse to fine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Values {
-    /// [-] numbers of steps per contact N_c.
+    /// [-] numbers of time steps per contact N_c of soft spheres.
     pub steps_per_contact: Vec<f64>,
-    /// [-] factors by which the stiffness of the case is multiplied.
+    /// [-] factors by which the stiffness of the soft spheres of the case is multiplied.
     pub stiffness: Vec<f64>,
-    /// [-] step criteria θ.
+    /// [-] values of the step criterion θ of hard spheres that move in time steps.
     pub theta: Vec<f64>,
-    /// [-] factors by which the window of the case is multiplied.
+    /// [-] factors by which the window of the case (time between two exchanges of momentum with the gas) is multiplied.
     pub windows: Vec<f64>,
 }
 
 impl MethodSweep {
-    /// Methods that can run the case `base`, each with the values of its parameter. `window` [s] is the time between
-    /// two kicks of drag in the case.
+    /// Methods that can run the case `base`, each with the values of its swept parameter. `window` [s] is the time
+    /// between two kicks of drag in the case.
     pub fn all(base: &Experiment, window: f64, values: &Values) -> Vec<Self> {
         use Integrator::{Rk2, VelocityVerlet};
         let mut sweeps = Vec::new();
@@ -97,7 +98,7 @@ impl MethodSweep {
         sweeps
     }
 
-    /// Copy of the experiment `base` with this method at one value of its swept parameter (SI unit).
+    /// Copy of the experiment `base` that uses this method, with the value `value` (SI unit) of its swept parameter.
     pub fn experiment(&self, base: &Experiment, value: f64) -> Experiment {
         let mut experiment = base.clone();
         experiment.name = format!("{}, {} = {value}", self.name, self.method().knob);
@@ -129,7 +130,7 @@ impl MethodSweep {
         experiment
     }
 
-    /// Name and parameter of the method as they are written in outputs.
+    /// Names of the method and of its swept parameter as they are written in outputs, with the unit of the parameter.
     pub fn method(&self) -> ChartMethod {
         let (knob, unit) = match self.knob {
             MethodParameter::StepsPerContact => ("N_c", ""),
@@ -145,13 +146,14 @@ impl MethodSweep {
     }
 }
 
-/// Number of operations of a run, a measure of its cost that is equal on every machine: pair checks, force evaluations
-/// and events.
+/// Number of operations of a run: pair checks plus force evaluations plus events. It is a measure of the cost that is
+/// equal on every machine.
 pub fn work(counters: &Counters) -> f64 {
     (counters.pair_checks + counters.force_evaluations + counters.events) as f64
 }
 
-/// Adds the counters of one run to a sum over runs.
+/// Adds the counters of one run to `sum`, the counters of all runs of a point. The largest island (group of particles
+/// that may meet) is the largest of all runs.
 pub fn total(sum: &mut Counters, one: &Counters) {
     sum.steps += one.steps;
     sum.uniform_steps += one.uniform_steps;

@@ -1,7 +1,7 @@
 //! `diptych chart CASE`: the precision that each method reaches for its cost.
 //!
-//! Each method has a parameter, such as the time step, over which it is swept. The runs are done one after the other on
-//! one thread. Errors are measured against a reference, which is named together with its own error.
+//! Each method has a parameter, such as the time step, that is varied in a sweep. The runs are done one after the other
+//! on one thread. Errors are measured against a reference, and the chart also gives the error of the reference.
 
 mod conclusion;
 mod crowd;
@@ -26,26 +26,27 @@ use crate::predict::contact::at_fastest_impacts;
 use crate::predict::springs::fastest_spring;
 use crate::runs::{StudyError, conclude, folder, provenance, read, start, tell};
 
-/// Results of a chart, before they are written.
+/// Results of a chart, before they are written to files.
 pub struct ChartResults {
-    /// Reference against which errors are measured.
+    /// Description, for the reader, of the reference against which errors are measured.
     pub reference: String,
-    /// Description of the runs from which each point is computed.
+    /// Description of the runs from which each point of the chart is computed, for the reader.
     pub setting: String,
-    /// Methods that were swept.
+    /// Methods that the chart compares.
     pub methods: Vec<ChartMethod>,
-    /// Quantities in which errors were measured.
+    /// Quantities in which the errors of the methods are measured.
     pub quantities: Vec<ChartQuantity>,
-    /// Measured points, method by method, from coarse to fine.
+    /// Points of the chart: cost and errors of one method at one value of its parameter. They are ordered by method,
+    /// and from coarse to fine.
     pub points: Vec<ChartPoint>,
-    /// Notes for the reader.
+    /// Notes for the reader below the chart.
     pub notes: Vec<String>,
 }
 
-/// Makes the chart of a case and writes its folder.
+/// Makes the chart of a case and writes it to a folder.
 ///
 /// # Errors
-/// Bad input, before anything is computed; a scene for which there is no reference.
+/// Returns an error for bad input, before anything is computed, or if no reference can be computed for the scene.
 pub fn chart(args: &Chart) -> Result<(), StudyError> {
     let case = read(&args.case, &args.input)?;
     let base = base(&case)?;
@@ -71,7 +72,7 @@ pub fn chart(args: &Chart) -> Result<(), StudyError> {
     };
     let report = write_chart(&folder, &study)?;
     if !quiet {
-        // the first sentences, one for each quantity, are in the report only
+        // the first verdicts, one for each quantity, are printed in the report only
         let failures = verdicts.iter().skip(results.quantities.len()).cloned();
         let said: Vec<String> = std::iter::once(chart_answers(&study)).chain(failures).collect();
         conclude(&said, "Report", &report);
@@ -79,15 +80,15 @@ pub fn chart(args: &Chart) -> Result<(), StudyError> {
     Ok(())
 }
 
-/// Experiment of the case with the contact law of the first variant that has one. Every method of the chart changes a
-/// copy of this experiment.
+/// Experiment of the case, with the contact law of the first variant that has one. Every method of the chart runs a
+/// changed copy of this experiment.
 fn base(case: &Case) -> Result<Experiment, StudyError> {
     let variants = case.variants(None);
     let run = case.experiment(None, None);
     let known: Vec<Experiment> =
         run.iter().cloned().chain(variants.iter().flatten().cloned()).map(|(experiment, _)| experiment).collect();
     let Some(mut base) = known.first().cloned() else {
-        // both results are errors here; that of the case itself is more specific
+        // both results are errors here; the error of the case itself is more specific
         return Err(run
             .err()
             .or(variants.err())
@@ -97,7 +98,7 @@ fn base(case: &Case) -> Result<Experiment, StudyError> {
     Ok(base)
 }
 
-/// Head-on impact, if the scene of the case consists of two bodies; `None` for a scene with many particles.
+/// Head-on impact of the case, if its scene consists of one or two particles; `None` for a scene with more particles.
 fn scene(base: &Experiment, path: &std::path::Path) -> Result<Option<HeadOn>, StudyError> {
     let count: usize = base.start.iter().map(|population| population.amount.count()).sum();
     if count == 0 {
@@ -119,10 +120,11 @@ fn scene(base: &Experiment, path: &std::path::Path) -> Result<Option<HeadOn>, St
     HeadOn::of(base, &particles, path).map(Some)
 }
 
-/// Runs every method at every value of its parameter.
+/// Runs every method of the chart at every value of its swept parameter, and returns the results. `scene` is the
+/// head-on impact of a case with one or two particles; `quick` reduces the number of values.
 ///
 /// # Errors
-/// No reference can be computed for the scene.
+/// Returns an error if no reference can be computed for the scene.
 pub fn measure(
     base: &Experiment,
     scene: Option<HeadOn>,
@@ -143,8 +145,8 @@ pub fn measure(
     }
 }
 
-/// Note on the number of time steps per half period of the fastest tangential, rolling or twisting spring; `None`
-/// without such springs.
+/// Note for the reader on the number of time steps in half a period of the fastest tangential, rolling or twisting
+/// spring. `None` if the contact law has no such spring.
 fn on_springs(base: &Experiment) -> Option<String> {
     let (law, contacts) = (base.soft.law?, at_fastest_impacts(base));
     let shortest = contacts.iter().map(|contact| contact.contact_time(&law)).reduce(f64::min)?;

@@ -1,34 +1,34 @@
-//! Expected and remaining wall time of a chart, for progress messages only.
+//! Expected and remaining wall time of all runs of a chart, used for progress messages only.
 
 use crate::runs::INTERVAL;
 use crate::simulation::Simulation;
 use std::time::Instant;
 
-/// [-] weight of the estimate made before the runs, against the wall times measured since, as a share of the estimated
-/// wall time of the whole chart.
+/// [-] weight of the estimate made before the runs, against the wall times measured so far. It is a share of the
+/// estimated wall time of the whole chart.
 const PRIOR: f64 = 0.05;
 
-/// Runs of a chart, the expected wall time of each run, and the progress so far.
+/// Progress of the runs of a chart, with the expected wall time of each run.
 pub struct Outlook {
     told: Option<fn(&str)>,
     /// [s] expected wall time of each run, in the order of the runs.
     expected: Vec<f64>,
     done: usize,
-    /// Name of the present run.
+    /// Name of the run that is in progress, for the messages.
     name: String,
     began: Instant,
     said: Instant,
 }
 
 impl Outlook {
-    /// Creates the messages on the progress of a chart; `told` prints one line. With `None` nothing is printed or
-    /// estimated.
+    /// Creates the progress messages of a chart. `told` is a function that prints one line. With `None`, nothing is
+    /// printed and no wall time is estimated.
     pub fn new(told: Option<fn(&str)>) -> Self {
         let now = Instant::now();
         Self { told, expected: Vec::new(), done: 0, name: String::new(), began: now, said: now }
     }
 
-    /// Prints one line about the runs.
+    /// Prints one line of text, if messages are printed.
     pub fn tell(&mut self, text: &str) {
         if let Some(told) = self.told {
             told(text);
@@ -36,11 +36,11 @@ impl Outlook {
         }
     }
 
-    /// Stores the expected wall time [s] of each run and prints the sum. `estimate` is not called if nothing is
-    /// printed.
+    /// Stores the expected wall time [s] of each run and prints their sum. The function `estimate` computes these
+    /// times; it is called only if messages are printed.
     ///
     /// # Errors
-    /// The error of `estimate`.
+    /// Returns the error of the function `estimate`.
     pub fn expect<E>(&mut self, estimate: impl FnOnce() -> Result<Vec<f64>, E>) -> Result<(), E> {
         if self.told.is_some() {
             self.expected = estimate()?;
@@ -51,31 +51,32 @@ impl Outlook {
         Ok(())
     }
 
-    /// Resets the progress: the runs begin, or begin again with another method.
+    /// Sets the progress back to the first run: the runs begin, or begin again with another reference method.
     pub fn restart(&mut self) {
         self.done = 0;
         self.began = Instant::now();
     }
 
-    /// Sets the name of the run that begins.
+    /// Sets the name of the run that begins, for the messages.
     pub fn begin(&mut self, name: String) {
         self.name = name;
     }
 
-    /// Observer that prints the progress during the present run. That run has `whole` [s] of simulated time in several
-    /// simulations; `before` [s] are done in earlier ones.
+    /// Observer that prints the progress of the present run, which may consist of several simulations. `whole` [s] is
+    /// the simulated time of all of them, and `before` [s] that of the completed ones.
     pub fn watching(&mut self, before: f64, whole: f64) -> impl FnMut(&Simulation) {
         move |simulation| self.within((before + simulation.time) / whole)
     }
 
-    /// Prints the completed share `part` [-] of the present run, if the last line was printed long enough ago.
+    /// Prints the completed share `part` [-] of the present run, if the last message is older than the interval between
+    /// messages.
     fn within(&mut self, part: f64) {
         if self.said.elapsed() >= INTERVAL {
             self.tell(&format!("{}: {:.0} % of it{}", self.name, 100.0 * part, self.left(part)));
         }
     }
 
-    /// Records that the present run is over, and prints a line that ends with `how`.
+    /// Counts the present run as completed, and prints a line with its name and the text `how`.
     pub fn end(&mut self, how: &str) {
         self.done += 1;
         self.tell(&format!("{}: {how}{}", self.name, self.left(0.0)));
@@ -89,8 +90,8 @@ impl Outlook {
     }
 }
 
-/// [s] wall time until the last run is over; `None` after the last run. So far `done` runs and the share `part` [-] of
-/// the next run took `elapsed` [s]. `expected` [s] are the estimated times of all runs.
+/// [s] wall time until the last run ends; `None` after the last run. So far `done` runs and the share `part` [-] of the
+/// next run took the wall time `elapsed` [s]. `expected` [s] are the estimated wall times of all runs.
 fn time_left(expected: &[f64], done: usize, part: f64, elapsed: f64) -> Option<f64> {
     let next = expected.get(done)?;
     let total: f64 = expected.iter().sum();
@@ -118,9 +119,9 @@ mod tests {
         let expected = [10.0, 10.0, 30.0];
         let close = |found: Option<f64>, wanted: f64| assert!((found.unwrap() - wanted).abs() < 1e-12, "{found:?}");
         close(time_left(&expected, 0, 0.0, 0.0), 50.0);
-        // as fast as expected: the remaining time is that expected of the remaining runs
+        // the runs are as fast as expected: the remaining time is that expected of the remaining runs
         close(time_left(&expected, 1, 0.5, 15.0), 35.0);
-        // twice as slow: 40 s instead of 20 s; the weight of the estimate is that of 2.5 s
+        // the runs are twice as slow: 40 s instead of 20 s; the estimate has the weight of 2.5 s
         close(time_left(&expected, 2, 0.0, 40.0), 30.0 * 42.5 / 22.5);
         assert_eq!(time_left(&expected, 3, 0.0, 50.0), None);
         assert_eq!(time_left(&[], 0, 0.0, 1.0), None);

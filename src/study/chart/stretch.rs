@@ -1,5 +1,5 @@
-//! The stretch of a scene with many particles: the piece of simulated time that every method of a chart runs. It is a
-//! part of the time over which the case averages.
+//! The stretch of a scene with many particles: the piece of simulated time that every method of a chart runs. The
+//! stretch is a part of the time over which the case averages.
 
 use super::methods::{FINE_STEPS, MethodParameter, MethodSweep, Values};
 use crate::experiment::{AverageFrom, Experiment, HardStepping, Integrator, SoftStepping, Spheres, TimeStep};
@@ -10,39 +10,40 @@ use crate::statistics::FEWEST_BLOCKS;
 use crate::study::calibration::{agitated, physics, timed};
 use std::time::Instant;
 
-/// Number of runs of the reference, each with a different seed.
+/// Number of runs of the reference method, each with a different seed.
 pub const STARTS: usize = 8;
-/// Number of samples of the statistics in a stretch, the piece of simulated time that every method runs. They are
-/// enough for standard errors.
+/// Number of samples of the statistics in a stretch (piece of simulated time that every method of a chart runs). So
+/// many samples give standard errors.
 pub const SAMPLES: f64 = 60.0;
-/// Averaging time of the case divided by the length of a stretch, the piece that every method runs. A chart needs
-/// dozens of runs; with this number they take minutes if the case takes seconds.
+/// Averaging time of the case divided by the length of a stretch (piece of simulated time that every method of a chart
+/// runs). A chart has dozens of runs. With this number, these runs take minutes if the case takes seconds.
 const PARTS: f64 = 10.0;
-/// Averaging time of the case divided by the length of a stretch, with `--quick`.
+/// Averaging time of the case divided by the length of a stretch (piece of simulated time that every method runs), with
+/// the option `--quick`.
 const QUICK_PARTS: f64 = 100.0;
-/// [-] share of a run that is timed to estimate its wall time.
+/// [-] share of a run that is timed to estimate the wall time of the whole run.
 const TRIAL: f64 = 0.02;
 
-/// [-] largest relative difference for which a number and its value rounded to three digits count as equal.
+/// [-] relative tolerance of the search for the shortest duration. A number and its value rounded to three digits count
+/// as equal within this tolerance.
 const ROUNDING: f64 = 1e-9;
-/// [-] longest duration tried in the search for a sufficient one, divided by the duration of the case. A longer run has
-/// longer windows, so the search needs trials.
+/// [-] longest duration tried in the search for the shortest duration with error bars, divided by the duration of the
+/// case. Windows grow with the duration, so the search needs trials.
 const LONGEST: f64 = 1e6;
 
 /// Piece of the simulated time of a case that every method of a chart runs.
 pub struct Stretch {
-    /// Experiment of this piece of time, which the methods run from a common initial state.
+    /// Experiment of the stretch (piece of simulated time), which all methods run from a common initial state.
     pub experiment: Experiment,
-    /// [s] simulated time of the case before the stretch. It is run once for each seed, with the method of the
-    /// reference.
+    /// [s] simulated time of the case before the stretch (piece of time that every method runs). The reference method
+    /// runs this time once for each seed.
     pub before: f64,
-    /// [s] length of a window, the time between two exchanges of momentum with the gas; at most the length of the
-    /// stretch.
+    /// [s] length of a window, the time between two exchanges of momentum with the gas; at most as long as the stretch.
     pub window: f64,
 }
 
 impl Stretch {
-    /// Values over which the parameters of the methods are swept; fewer and coarser ones if `quick` is true.
+    /// Values over which the parameters of the methods are swept; fewer and coarser values if `quick` is true.
     pub fn values(quick: bool) -> Values {
         let of = |long: &[f64], short: &[f64]| if quick { short.to_vec() } else { long.to_vec() };
         Values {
@@ -53,10 +54,11 @@ impl Stretch {
         }
     }
 
-    /// Piece of the averaging time of the case `base` for a chart; a shorter piece if `quick` is true.
+    /// Piece of the averaging time of the case `base` that every method of the chart runs; a shorter piece if `quick`
+    /// is true.
     ///
     /// # Errors
-    /// The case averages over no time.
+    /// Returns an error if the averaging time of the case is zero.
     pub fn of(base: &Experiment, quick: bool) -> Result<Self, StudyError> {
         let duration = base.run.duration;
         let before = match base.run.average_from {
@@ -79,7 +81,8 @@ impl Stretch {
         Ok(Self { experiment, before, window })
     }
 
-    /// Methods for the reference with their descriptions. The second one is used if the engine of the first one fails.
+    /// Methods for the reference, each as an experiment with a description. The second method is used if the engine of
+    /// the first one fails.
     pub fn ways(&self) -> Vec<(Experiment, &'static str)> {
         let mut hard = self.experiment.clone();
         hard.run.spheres = Spheres::Hard;
@@ -96,8 +99,8 @@ impl Stretch {
         ways
     }
 
-    /// Methods that can run the scene, with the values of their parameters. Values of the window (time between two
-    /// kicks of drag) that leave too few windows for error bars are left out.
+    /// Methods that can run the scene, each with the values of its parameter. Windows (times between two kicks of drag)
+    /// are left out if they are so long that there are too few for error bars.
     pub fn sweeps(&self, quick: bool) -> Vec<MethodSweep> {
         let window = Schedule::new(&self.experiment).window;
         let longest = window.max(self.experiment.run.duration / FEWEST_BLOCKS as f64);
@@ -108,8 +111,8 @@ impl Stretch {
         sweeps
     }
 
-    /// Experiment of one method at one value of its parameter. The time between samples is at least one window (time
-    /// between two kicks of drag).
+    /// Experiment of one method at the value `value` (SI unit) of its swept parameter. The time between samples of the
+    /// statistics is at least one window (time between two kicks of drag).
     pub fn run_of(&self, sweep: &MethodSweep, value: f64) -> Experiment {
         let mut experiment = sweep.experiment(&self.experiment, value);
         if let (Some(window), Some(interval)) = (experiment.run.window, experiment.statistics.sample_interval) {
@@ -118,11 +121,11 @@ impl Stretch {
         experiment
     }
 
-    /// [s] expected wall time of every run, the references first, from a trial of each. In a gas, the trial starts with
-    /// the agitation that the gas causes.
+    /// [s] expected wall time of every run, from a trial of each: first the runs of the reference, then the points of
+    /// all methods. In a gas, the trial starts with the velocity fluctuations that the gas causes.
     ///
     /// # Errors
-    /// A start that cannot be made.
+    /// Returns an error if the particles cannot be placed.
     pub fn expected(&self, base: &Experiment, sweeps: &[MethodSweep]) -> Result<Vec<f64>, StudyError> {
         let driven = base.scene.fluid.is_some().then(|| physics(base)).flatten();
         let moved = driven.map_or_else(|| base.clone(), |found| agitated(base, &found.temperatures));
@@ -144,8 +147,8 @@ impl Stretch {
         Ok(expected)
     }
 
-    /// Message for a stretch with too few samples for error bars, with the shortest `run.duration` of `base` that gives
-    /// enough samples. `None` if there are enough.
+    /// Message for the reader if a stretch (piece of time that every method runs) has too few samples for error bars.
+    /// It names the shortest `run.duration` of the case `base` with enough samples. `None` if there are enough.
     pub fn shortfall(&self, base: &Experiment, quick: bool) -> Option<String> {
         let samples = Schedule::new(&self.experiment).samples;
         if samples >= FEWEST_BLOCKS as u64 {
@@ -153,8 +156,7 @@ impl Stretch {
         }
         let alone = shortest(base, quick).map(|duration| format!("--set run.duration=\"{duration} s\""));
         let remedy = alone.or_else(|| {
-            // windows usually grow with the duration; here the window is fixed, so that a longer duration has more
-            // windows
+            // windows usually grow with the duration; with a fixed window, a longer duration has more windows
             let window = rounded(self.window * (1.0 + ROUNDING), f64::floor);
             let mut fixed = base.clone();
             fixed.run.window = Some(window);
@@ -176,8 +178,8 @@ impl Stretch {
     }
 }
 
-/// [s] shortest duration of a case, to three digits, whose stretches have error bars; `None` if there is no such
-/// duration.
+/// [s] shortest duration of a case, to three digits, with which the runs of its chart have error bars. `None` if there
+/// is no such duration.
 fn shortest(base: &Experiment, quick: bool) -> Option<f64> {
     let enough = |duration: f64| {
         let mut longer = base.clone();
@@ -206,7 +208,7 @@ fn shortest(base: &Experiment, quick: bool) -> Option<f64> {
     None
 }
 
-/// Value rounded to three significant digits by `how`, which rounds to a whole number, such as `f64::ceil`.
+/// Value rounded to three significant digits. The function `how` rounds to a whole number, such as `f64::ceil`.
 fn rounded(value: f64, how: fn(f64) -> f64) -> f64 {
     let unit = 10f64.powi(value.log10().floor() as i32 - 2);
     // converted through text, because a product with a power of ten may differ from the nearest number in the last bit

@@ -1,4 +1,5 @@
-//! Observables that are compared between two steady runs: averages that are not equal by definition or symmetry.
+//! Observables by which two steady runs are compared: averages over time that are not equal by definition or by
+//! symmetry.
 
 use crate::experiment::Experiment;
 use crate::fluid::Profile;
@@ -13,20 +14,20 @@ use crate::walls::Wall;
 use nalgebra::Vector3;
 use std::borrow::Cow;
 
-/// Smallest number of slices across the box for which the number density, the shear stress and the mean spin are
-/// compared.
+/// Smallest number of slices across the box with which profiles of the number density, the shear stress and the mean
+/// spin are compared.
 const SLICES: usize = 4;
 
 /// Number of points in each half of the channel at which the gas profile is tested for mirror symmetry.
 const POINTS: usize = 20;
 
-/// Quantities of a variant and of its reference that are compared, in equal order in both lists. A mixture adds the
-/// temperature and the impact rate of each species, and its velocity if gas or gravity drives a stream.
+/// Observables of a variant and of its reference, in equal order in both lists. A mixture adds the temperature and the
+/// impact rate of each species, and its velocity if gas or gravity drives a stream.
 ///
-/// V, W, uw and vw are left out: V vanishes since mass is conserved, the others by symmetry. U needs gas or gravity
-/// along the stream, since momentum is conserved otherwise. The number density needs walls or gravity. The stress uv
-/// needs walls and a stream, or a sheared box. T_r is compared if the spheres of both variants rotate, the mean spin if
-/// walls shear a stream too.
+/// The velocities V and W and the stresses uw and vw are left out: V vanishes since mass is conserved, the others
+/// vanish by symmetry. U needs gas or gravity along the stream, since momentum is conserved otherwise. The number
+/// density needs walls or gravity. The stress uv needs walls and a stream, or a sheared box. The rotational temperature
+/// T_r is compared if the spheres of both variants rotate. The mean spin also needs walls and a stream.
 pub fn observables(variant: &Outcome, reference: &Outcome) -> [Vec<Observable>; 2] {
     let scene = &reference.experiment.scene;
     let walls = !scene.walls.is_empty();
@@ -77,8 +78,8 @@ fn profile(
     }
 }
 
-/// Observables that are single numbers: granular temperature, impact rates and shear stress, as far as the reference
-/// has them. Times after `until` [s] are left out.
+/// Observables of `outcome` that are single numbers: granular temperature, impact rates and shear stress. Numbers that
+/// `reference` lacks are left out, and so are times after `until` [s].
 fn numbers(outcome: &Outcome, reference: &Outcome, until: f64) -> Vec<Observable> {
     let of = |outcome: &Outcome| {
         let averaged = outcome.averaged.clone();
@@ -91,9 +92,9 @@ fn numbers(outcome: &Outcome, reference: &Outcome, until: f64) -> Vec<Observable
     };
     let both = of(outcome).into_iter().zip(of(reference));
     let numbers = both.filter_map(|((name, unit, own), (_, _, other))| {
-        // rates are converted to the number of particles of the reference
+        // rates are scaled to the number of particles of the reference
         let counts = (unit == "1/s").then_some((reference.particles, outcome.particles));
-        // for particles at rest neither the temperature nor the impact rates are meaningful
+        // particles at rest have no meaningful temperature or impact rates
         let rest = reference.experiment.scene.rest_speed().powi(2);
         reference.temperature.filter(|temperature| temperature.value > rest)?;
         let scale = (value(&other)?, "its value");
@@ -102,8 +103,8 @@ fn numbers(outcome: &Outcome, reference: &Outcome, until: f64) -> Vec<Observable
     numbers.collect()
 }
 
-/// Observables of each species of a mixture: velocity (`which` = 0), temperature (1) or rate of impacts with particles
-/// (2). Species that the reference lacks, and times after `until` [s], are left out.
+/// Observables of each species of a mixture, chosen by `which`: 0 for the velocity, 1 for the temperature, 2 for the
+/// rate of impacts with particles. Species that `reference` lacks are left out, and so are times after `until` [s].
 fn of_kinds(outcome: &Outcome, reference: &Outcome, until: f64, which: usize) -> Vec<Observable> {
     let (name, unit) = [("U", "m/s"), ("granular temperature", "m²/s²"), ("impacts per time", "1/s")][which];
     let of = |other: &SpeciesAverages| {
@@ -123,8 +124,8 @@ fn value(batches: &Option<Batches>) -> Option<f64> {
     batches.as_ref()?.values.first().copied().filter(|value| *value > 0.0)
 }
 
-/// Scales a sum over particles to another number of particles. `counts` is the wanted number and the number in the sum;
-/// `None` leaves the sum unchanged.
+/// Multiplies a sum over particles by a ratio of numbers of particles. `counts` has the number to which the sum is
+/// scaled and the number of particles in the sum. `None` leaves the sum unchanged.
 fn of_as_many(batches: Option<Batches>, counts: Option<(usize, usize)>) -> Option<Batches> {
     match counts {
         Some((wanted, present)) if wanted != present => {
@@ -144,13 +145,14 @@ pub(super) fn number(
     Observable { name, unit, places, parity, fixed_mean, scale, scale_is, parts }
 }
 
-/// Size to which differences of an observable are relative, in its unit, and the name of this size in words.
+/// Scale of an observable in its unit, by which differences are divided, and the description of this scale in a
+/// sentence.
 pub(super) type Scale = (f64, &'static str);
 
-/// Size to which differences in a column are relative, in the unit of the column. It is the mean for the density, a
-/// normal stress and T_r, and the largest magnitude for the shear stress and the mean spin. For U it is the mean slip
-/// between gas and particles or, without gas, the mean velocity past walls; at least the agitation. No scale depends on
-/// the frame of reference. `None` without samples, or if nothing moves.
+/// Scale of a column of the table of slices, in the unit of the column; differences are divided by it. It is the mean
+/// for the density, a normal stress and T_r, and the largest magnitude for the shear stress and the mean spin. For U it
+/// is the mean slip between gas and particles or, without gas, the mean velocity past walls; at least the agitation √T.
+/// No scale depends on the frame of reference. `None` without samples, or if nothing moves.
 pub(super) fn scale(column: &SliceColumn, reference: &Outcome) -> Option<Scale> {
     let table = &reference.profiles;
     let known: Vec<(f64, f64)> = (0..table.slices.len())
@@ -174,7 +176,7 @@ pub(super) fn scale(column: &SliceColumn, reference: &Outcome) -> Option<Scale> 
         }
         _ => (mean(&|(_, value)| *value), "its mean"),
     };
-    // particles at rest have no velocity that could be compared
+    // particles at rest have no velocities that could be compared
     let rest = match column.name {
         "number_density_ratio" => 0.0,
         "U" => scene.rest_speed(),
@@ -184,7 +186,7 @@ pub(super) fn scale(column: &SliceColumn, reference: &Outcome) -> Option<Scale> 
     (scale.0 > rest && !known.is_empty()).then_some(scale)
 }
 
-/// True if the scene is symmetric under a mirror at the mid-plane y = L_y/2.
+/// True if the mirror image of the scene at the mid-plane y = L_y/2 is the scene itself.
 fn is_mirrored(experiment: &Experiment) -> bool {
     let Scene { domain, gravity, fluid, walls, .. } = &experiment.scene;
     let height = domain.size.y;

@@ -1,4 +1,5 @@
-//! Comparison of runs of many particles that are not steady: by curves over time, with errors from replicas.
+//! Comparison of two variants with many particles whose runs are not steady: curves over time are compared, with errors
+//! from replicas (runs with different seeds).
 
 use super::words::{self, in_prose, percent};
 use super::{Criteria, Finding, ReplicaRuns, unsteady};
@@ -9,33 +10,33 @@ use crate::output::numbers::{quantity, significant};
 use crate::statistics::{Answer, Batches, LEVEL, Observable, Parity, compare, two_sided};
 use std::borrow::Cow;
 
-/// Number of instants at which curves are compared: enough to show the shape of a curve, and few enough for a powerful
-/// test at each instant.
+/// Largest number of instants at which two curves are compared. They are enough to show the shape of a curve, and few
+/// enough for a sensitive test at each instant.
 const INSTANTS: usize = 20;
 
-/// Smallest number of replicas (runs with different seeds) of each variant for which a curve has standard errors.
+/// Smallest number of replicas (runs with different seeds) of each variant from which a curve gets standard errors.
 pub const FEWEST: usize = 3;
 
-/// Number of replicas (runs with different seeds) that is recommended if there is one run only. Student's t then has 14
-/// degrees of freedom.
+/// Number of replicas (runs with different seeds) that is recommended if each variant has one run. Student's t then has
+/// 14 degrees of freedom.
 const ADVISED: usize = 8;
 
-/// Number of particles that are assumed to move as one when single runs are compared. It is a cautious value, so that
-/// "different" is not said too soon. For molecular chaos it would be 1.
+/// Number of particles that are assumed to move together as a group when single runs are compared. For molecular chaos
+/// it would be 1. The value is larger, so that the answer "different" is not given too soon.
 const CLUMP: f64 = 100.0;
 
-/// Columns of the time series whose curves over time are compared between two variants.
+/// Columns of the time series that are compared as curves over time: all that have a scale.
 fn curves() -> impl Iterator<Item = &'static SeriesColumn> {
     SERIES_COLUMNS.iter().filter(|column| column.scale.is_some())
 }
 
-/// [m/s] agitation of all particles at one instant: root of the granular temperature.
+/// [m/s] agitation at one instant: root of the granular temperature of all particles; `None` if it is not known.
 fn agitation(row: &Row) -> Option<f64> {
     row.granular_temperature().map(|temperature| temperature.max(0.0).sqrt())
 }
 
-/// Compares two variants that are not steady by curves over time, at instants that all their runs have reached. `runs`
-/// has the variant and its reference.
+/// Compares two variants that are not steady by their curves over time, at instants at which all their runs have a
+/// sample. `runs` has the replicas of the variant, then those of its reference.
 pub fn judge(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
     let all: [Vec<&Outcome>; 2] = [0, 1].map(|k| std::iter::once(runs[k].outcome).chain(runs[k].others).collect());
     let why = unsteady(&[runs[0].outcome, runs[1].outcome]);
@@ -82,8 +83,7 @@ fn row_at(run: &Outcome, time: f64) -> Option<&Row> {
     rows.get(place).filter(|row| (row.time - time).abs() <= 1e-9 * time)
 }
 
-/// [s] instants after the start at which all runs have a sample, at most 20 of them. Curves are compared at these
-/// instants.
+/// [s] instants after the start at which curves are compared: at most 20 instants at which all runs have a sample.
 pub fn common(all: &[Vec<&Outcome>]) -> Vec<f64> {
     let Some(first) = all.iter().flatten().next() else { return Vec::new() };
     let runs: Vec<&&Outcome> = all.iter().flatten().collect();
@@ -93,16 +93,16 @@ pub fn common(all: &[Vec<&Outcome>]) -> Vec<f64> {
     (1..=count).map(|k| times[k * times.len() / count - 1]).collect()
 }
 
-/// Curves over time of all runs of a variant, as far as the reference has them too: curves of all particles and of each
-/// species. `times` [s] are their instants.
+/// Curves over time of all `runs` of a variant, for all particles and for each species. Curves that the `references`
+/// lack are left out. `times` [s] are the instants of the curves.
 pub fn observables(runs: &[&Outcome], references: &[&Outcome], times: &[f64]) -> Vec<Observable> {
     let kinds = references.first().map_or(&[][..], |reference| &reference.kinds.curves);
     let of_kinds = kinds.iter().filter_map(|curve| of_kind(curve, runs, references, times));
     curves().filter_map(|curve| observable(curve, runs, references, times)).chain(of_kinds).collect()
 }
 
-/// One curve over time of all runs of a variant at the instants `times` [s]. `None` if the reference does not have this
-/// curve, or if the curve is zero there.
+/// One curve over time of all `runs` of a variant, at the instants `times` [s]. `None` if the `references` do not have
+/// this curve, or if the curve is zero in all `references`.
 fn observable(curve: &SeriesColumn, runs: &[&Outcome], references: &[&Outcome], times: &[f64]) -> Option<Observable> {
     let scale = scale(curve, references, times)?;
     let value = |run: &Outcome, time| (curve.of)(row_at(run, time)?);
@@ -118,7 +118,7 @@ fn of_kind(curve: &KindCurve, runs: &[&Outcome], references: &[&Outcome], times:
     (scale > 0.0).then(|| of.observable(value, runs, references, times))
 }
 
-/// Name, unit and scale (size to which differences are relative) of a curve over time.
+/// Name and unit of a curve over time, and the scale by which its differences are divided.
 struct Of {
     name: Cow<'static, str>,
     unit: &'static str,
@@ -153,8 +153,8 @@ impl Of {
     }
 }
 
-/// Size to which differences of a curve are relative, in the unit of the curve: its largest magnitude in the reference.
-/// For a velocity it is the largest change or, if larger, the largest agitation. `None` if this size is 0.
+/// Scale of a curve, in the unit of the curve; differences are divided by it. It is the largest magnitude in the
+/// reference. For a velocity it is the largest change or, if larger, the largest agitation. `None` if the scale is 0.
 fn scale(curve: &SeriesColumn, references: &[&Outcome], times: &[f64]) -> Option<f64> {
     let rows = || references.iter().flat_map(|run| times.iter().filter_map(|&time| row_at(run, time)));
     let largest = |of: fn(&Row) -> Option<f64>, start: f64| {
@@ -169,8 +169,8 @@ fn scale(curve: &SeriesColumn, references: &[&Outcome], times: &[f64]) -> Option
 }
 
 /// Compares two variants with one run each. A single run has no error bar, but a difference may exceed the largest one
-/// that is possible by chance. If N particles move independently, temperature and energy scatter by sqrt(2/(3 N)) of
-/// their values. Here N is the number of groups of [`CLUMP`] particles.
+/// that is possible by chance. If N groups of particles move independently, temperature and energy scatter by sqrt(2/(3
+/// N)) of their values. A group is assumed to have [`CLUMP`] particles.
 fn single(variant: &Outcome, reference: &Outcome, times: &[f64], why: &str) -> Finding {
     let clumps = variant.particles.min(reference.particles) as f64 / CLUMP;
     let scatter = (2.0 / (3.0 * clumps)).sqrt();

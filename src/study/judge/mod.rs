@@ -1,8 +1,8 @@
-//! Comparison of every variant with its reference; the answer is equivalent, different, or unresolved.
+//! Comparison of every variant with its reference. The answer is "equivalent", "different" or "unresolved".
 //!
-//! Few bodies are compared by their paths, as long as paths can be predicted. Beyond that time, and for many bodies,
-//! two steady runs are compared by their averages. Unsteady runs are compared by curves over time, whose errors are
-//! computed from replicas.
+//! Few bodies are compared by their paths, as long as paths can be predicted. After that time, and for many bodies, two
+//! steady runs are compared by their averages over time. Runs that are not steady are compared by curves over time,
+//! whose errors are computed from replicas (runs with different seeds).
 
 mod averages;
 mod curves;
@@ -24,26 +24,28 @@ use crate::statistics::{Answer, Comparison, ErrorLevels, compare};
 use crate::study::replicas::FROZEN;
 use words::percent;
 
-/// [s] wall time of a run below which the ratio of two wall times is not meaningful. Work that is done once, such as
-/// the start of threads, takes milliseconds.
+/// [s] wall time of a run below which costs are not compared. Work that is done once, such as the start of threads,
+/// takes milliseconds and would distort the ratio of two short times.
 const TELLING: f64 = 0.1;
 
-/// [-] largest ratio of the sample interval of a longer run to that of this run, for which the errors of averages fall
-/// with the length as expected. Beyond it, a recommended length comes with a sample interval.
+/// [-] factor by which the sample interval of a longer run may exceed that of the present run. Beyond it, the errors of
+/// averages would not decrease with the length as expected. A recommendation of the longer run then also names a sample
+/// interval.
 const CLOSE: f64 = 1.1;
 
 /// [-] volume fraction up to which soft and hard spheres have nearly equal collision rates. The relative difference is
 /// about 5 % of the softness (docs/theory/softness.md).
 const DILUTE: f64 = 0.03;
 
-/// Compares every variant with its reference, which is another variant or a table. `others` contains the replicas of
-/// each variant except the first; the averages in `outcomes` already include them. `margin` [-] is relative to the
-/// scale of each observable.
+/// Compares every variant with its reference, which is another variant or a table of values. `others` contains all
+/// replicas (runs with different seeds) of each variant except the first. The averages in `outcomes` are already over
+/// all replicas. `margin` [-] is relative to the scale of each observable.
 pub fn judge(outcomes: &[Outcome], others: &[Vec<Outcome>], margin: f64) -> Vec<Verdict> {
     judge_at(outcomes, others, Criteria { margin, levels: ErrorLevels::default() })
 }
 
-/// Compares the variants in one of several interim tests, with the margin and the error levels `asked` for this test.
+/// Compares every variant with its reference, with the margin and the error levels `asked`. Use it for one of several
+/// interim tests, which need stricter error levels.
 pub fn judge_at(outcomes: &[Outcome], others: &[Vec<Outcome>], asked: Criteria) -> Vec<Verdict> {
     let replicas = |place: usize| others.get(place).map_or(&[][..], Vec::as_slice);
     let pairs = references(outcomes).into_iter().enumerate().filter(|(place, other)| place != other);
@@ -54,25 +56,25 @@ pub fn judge_at(outcomes: &[Outcome], others: &[Vec<Outcome>], asked: Criteria) 
     judged.chain(outcomes.iter().filter_map(|outcome| table::judge(outcome, asked))).collect()
 }
 
-/// Margin and error levels of a comparison of two variants.
+/// Margin of equivalence and error levels of a comparison of two variants.
 #[derive(Clone, Copy, Debug)]
 pub struct Criteria {
-    /// [-] margin relative to the scale of each observable.
+    /// [-] largest difference that counts as equivalent, divided by the scale of the observable.
     pub margin: f64,
-    /// Probabilities of wrong answers.
+    /// Accepted probabilities of wrong answers.
     pub levels: ErrorLevels,
 }
 
-/// A variant with all its replicas, which are runs with different seeds.
+/// Outcomes of all replicas of a variant; replicas are runs with different seeds.
 #[derive(Clone, Copy)]
 pub struct ReplicaRuns<'a> {
-    /// Outcome of the first replica. If there are several replicas, its averages are over all of them.
+    /// Outcome of the first replica. If there are several replicas, its averages are over all replicas.
     pub outcome: &'a Outcome,
-    /// Outcomes of all replicas except the first.
+    /// Outcomes of all replicas (runs with different seeds) except the first.
     pub others: &'a [Outcome],
 }
 
-/// Answer of a comparison of two variants with the reasons for it. The sentence lacks the names of the variants.
+/// Answer of a comparison of two variants with the reason for it. The sentence begins after the names of the variants.
 struct Finding {
     answer: Answer,
     basis: Basis,
@@ -102,8 +104,8 @@ fn one(runs: &[ReplicaRuns; 2], asked: Criteria) -> Verdict {
     }
 }
 
-/// Compares the first of two variants with the second one, by paths, curves or averages, whichever is valid for their
-/// runs.
+/// Compares the first of two variants with the second one. The comparison is by paths, curves or averages, depending on
+/// the number of particles and on the steadiness of the runs.
 fn found(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
     let both = [runs[0].outcome, runs[1].outcome];
     let [variant, reference] = both;
@@ -123,8 +125,8 @@ fn found(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
     }
 }
 
-/// Changes the answer "equivalent" to "unresolved" if one of the runs stopped early, since a part of a run cannot show
-/// equivalence.
+/// Finding for `runs` of which one may have stopped early: the answer "equivalent" becomes "unresolved", since a part
+/// of a run cannot show equivalence. Other answers are unchanged.
 fn stopped(runs: &[&Outcome], found: Finding) -> Finding {
     let Some(stopped) = runs.iter().find(|one| one.failure.is_some()) else { return found };
     if found.answer != Answer::Equivalent {
@@ -135,8 +137,8 @@ fn stopped(runs: &[&Outcome], found: Finding) -> Finding {
     Finding { answer: Answer::Unresolved, sentence, ..found }
 }
 
-/// Message about a run that stopped early, or about a replica that stopped and is left out; `None` if all runs were
-/// completed.
+/// Message about a run that stopped early, or about a replica that stopped and is left out of the averages; `None` if
+/// nothing stopped.
 fn how_it_stopped(run: &Outcome) -> Option<String> {
     let (name, why) = (&run.experiment.name, run.failure.as_ref()?);
     let time = quantity(run.simulated_seconds, "s", 4);
@@ -147,14 +149,15 @@ fn how_it_stopped(run: &Outcome) -> Option<String> {
     })
 }
 
-/// [-] larger of the shares of particles that keep their positions in the two runs. `None` if it is at most [`FROZEN`].
-/// Averages of one run with a larger share are not valid for other runs.
+/// [-] share of the particles that are in the same layer at the start and at the end of averaging, the larger value of
+/// the two runs. `None` if it is at most [`FROZEN`]. With a larger share, averages of one run are not valid for other
+/// runs.
 fn frozen(both: [&Outcome; 2]) -> Option<f64> {
     both.iter().filter_map(|one| one.places_kept).reduce(f64::max).filter(|kept| *kept > FROZEN)
 }
 
-/// Finding "unresolved" for one run of each variant if particles do not mix, since another run would settle to another
-/// state. `kept` [-] is the share of particles that keep their positions.
+/// Finding "unresolved" for variants with one run each whose particles do not mix: another run would settle to another
+/// state. `kept` [-] is the share of particles that stay in their layer.
 fn one_of_many(both: [&Outcome; 2], kept: f64) -> Finding {
     let placed = both[1].experiment.start.iter().all(|one| matches!(one.amount, Amount::Placed(_)));
     let advice = if placed {
@@ -191,7 +194,7 @@ fn steady(variant: &Outcome, reference: &Outcome, asked: Criteria) -> Finding {
     let shorter = if variant.simulated_seconds < reference.simulated_seconds { variant } else { reference };
     let replicas = |one: &Outcome| one.averaged.replicas.map_or(1, |replicas| replicas.count);
     let runs = replicas(variant).min(replicas(reference));
-    // if all particles have given positions, all replicas would be equal
+    // if all particles start at given positions, all replicas are equal
     let placed = shorter.experiment.start.iter().all(|one| matches!(one.amount, Amount::Placed(_)));
     let frozen = frozen([variant, reference]).is_some();
     let needed = |stretch: f64| {
@@ -216,8 +219,8 @@ fn steady(variant: &Outcome, reference: &Outcome, asked: Criteria) -> Finding {
     }
 }
 
-/// Length, in words, of a run whose averaging period is `stretch` [-] times that of `run`. It names the sample interval
-/// of `run` too if a longer run would choose another one.
+/// Description, for a sentence, of a run whose averaging period is `stretch` [-] times that of `run`. It also
+/// recommends the sample interval of `run` if a longer run would have a much longer interval by default.
 fn longer(run: &Outcome, stretch: f64) -> String {
     let from = run.profiles.from;
     let mut experiment = run.experiment.clone();
@@ -229,8 +232,8 @@ fn longer(run: &Outcome, stretch: f64) -> String {
     format!("{longer} (statistics.sample_interval = \"{}\")", quantity(run.sample_interval, "s", 2))
 }
 
-/// Names of the runs that are not steady, each with the reason, in words. Such runs are not compared by averages over
-/// time.
+/// Names of the runs in `runs` that are not steady, each with the reason, for a sentence. Such runs have no meaningful
+/// averages over time.
 fn unsteady(runs: &[&Outcome]) -> String {
     let why = runs.iter().filter_map(|one| {
         let predicate = words::not_steady(&one.steadiness)?;
@@ -239,8 +242,8 @@ fn unsteady(runs: &[&Outcome]) -> String {
     why.collect::<Vec<_>>().join(", ")
 }
 
-/// Remark that soft spheres in a dilute gas collide as often as hard ones, although they act as smaller ones. `None` in
-/// a dense gas, or unless a soft variant has a hard reference.
+/// Remark that soft spheres in a dilute gas collide as often as hard ones, although they behave like smaller spheres in
+/// other ways. `None` in a dense gas, or unless a soft variant is compared with a hard reference.
 fn soft_rate(variant: &Outcome, reference: &Outcome) -> Option<String> {
     let scene = &variant.experiment.scene;
     let volume = |(count, species): (usize, &crate::scene::Species)| count as f64 * species.volume();
@@ -254,8 +257,8 @@ fn soft_rate(variant: &Outcome, reference: &Outcome) -> Option<String> {
     ))
 }
 
-/// Sentence on the ratio of the wall time of a variant to that of its reference. `None` if either run stopped early,
-/// since its cost is not that of the whole case.
+/// Sentence on the wall time of a variant divided by that of its reference. `None` if either run stopped early, since
+/// its wall time is not that of the whole case.
 fn costs(variant: &Outcome, reference: &Outcome) -> Option<String> {
     if [variant, reference].iter().any(|one| one.failure.is_some()) {
         return None;

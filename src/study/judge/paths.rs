@@ -1,4 +1,4 @@
-//! Comparison of few bodies that are not steady, by position and velocity of each body at equal instants.
+//! Comparison of two variants with few bodies, by position and velocity of each body at equal instants.
 //!
 //! Paths of colliding spheres are chaotic: small differences grow with every impact. The growth is measured with a twin
 //! of the reference, a second run whose initial velocities are slightly disturbed. Paths are compared up to the instant
@@ -17,28 +17,28 @@ use crate::runs::execute;
 use crate::statistics::Answer;
 use nalgebra::Vector3;
 
-/// [-] change of the initial velocities of the disturbed twin run, divided by the largest speed. It is far above
-/// rounding and far below the differences that are compared.
+/// [-] change of the initial velocities in the disturbed second run of the reference, divided by the largest speed. It
+/// is far above rounding and far below the differences that are compared.
 const DISTURBANCE: f64 = 1e-6;
 
-/// [-] growth of the disturbance up to which paths are compared. After more growth, even a difference of 1 % between
-/// the models would exceed the speeds themselves.
+/// [-] largest growth of the disturbance of the initial velocities up to which paths are compared. After more growth,
+/// even a difference of 1 % between the models would exceed the speeds themselves.
 const GROWTH: f64 = 1e3;
 
 /// Positions and velocities of all particles at one recorded instant, sorted by id.
 type Instant<'a> = &'a [PathSample];
 
-/// Recorded states of all particles of a run, one entry for each instant.
+/// Recorded states of all particles of a run: one slice of samples for each instant, in order of time.
 fn instants(run: &Outcome) -> Vec<Instant<'_>> {
     run.paths.points.chunk_by(|a, b| a.time == b.time).collect()
 }
 
-/// True if two times [s] are equal within rounding.
+/// True if the times `s` and `t` [s] are equal within a relative error of 1e-9.
 fn near(s: f64, t: f64) -> bool {
     (s - t).abs() <= 1e-9 * s.abs().max(t.abs())
 }
 
-/// Pairs of recorded states of the runs `a` and `b`, one pair for each instant that both have recorded.
+/// Recorded states of the runs `a` and `b`, one pair for each instant that both runs have recorded.
 fn common<'a>(a: &'a Outcome, b: &'a Outcome) -> Vec<[Instant<'a>; 2]> {
     let others = instants(b);
     let same = |one: Instant<'a>| {
@@ -49,7 +49,7 @@ fn common<'a>(a: &'a Outcome, b: &'a Outcome) -> Vec<[Instant<'a>; 2]> {
     instants(a).into_iter().filter_map(same).collect()
 }
 
-/// [m/s] largest difference between the velocities of a particle in two states, and the id of that particle.
+/// [m/s] largest difference of a particle's velocities in two recorded states, with the id of this particle.
 fn velocity_apart([a, b]: [Instant; 2]) -> (f64, u32) {
     let apart = a.iter().zip(b).map(|(p, q)| ((p.velocity - q.velocity).norm(), p.id));
     apart.fold((0.0, 0), |most, one| if one.0 > most.0 { one } else { most })
@@ -60,14 +60,14 @@ fn largest_speed(run: &Outcome) -> f64 {
     run.paths.points.iter().map(|point| point.velocity.norm()).fold(0.0, f64::max)
 }
 
-/// True if a small disturbance of the initial velocities grows a thousandfold during the run. The later paths cannot be
-/// predicted.
+/// True if the later paths of `reference` cannot be predicted, because a small disturbance of its initial velocities
+/// grows a thousandfold during the run.
 pub fn is_chaotic(reference: &Outcome) -> bool {
     predictable(reference).is_some()
 }
 
-/// Compares the paths of the particles of two variants, as long as those of the reference can be predicted. `margin`
-/// [-] is relative to the largest speed, and to that speed times the time.
+/// Compares the paths of the particles of two variants, as long as the paths of the reference can be predicted.
+/// `margin` [-] is relative to the largest speed for velocities, and to this speed times the time for positions.
 pub fn judge(variant: &Outcome, reference: &Outcome, margin: f64) -> Finding {
     let reason = "There are few particles: the path of each is compared.".to_owned();
     let unresolved = |sentence: String| Finding {
@@ -137,26 +137,28 @@ pub fn judge(variant: &Outcome, reference: &Outcome, margin: f64) -> Finding {
     Finding { answer, basis: Basis::Paths, sentence, reason, comparison: None }
 }
 
-/// Deviation of one particle, in position or in velocity, from its state in another run.
+/// Deviation of one particle, in position or in velocity, between two runs.
 #[derive(Clone, Copy, Default)]
 struct Apart {
-    /// [m] or [m/s] magnitude of the deviation in position or in velocity.
+    /// [m] or [m/s] magnitude of the deviation: in metres for a position, in metres per second for a velocity.
     size: f64,
     id: u32,
     /// [s] simulated time of the deviation.
     time: f64,
 }
 
-/// Largest differences between two runs in the velocity and in the position of any particle, over all common instants.
+/// Largest deviations between two runs, one in the velocity and one in the position of a particle, over all common
+/// instants.
 struct Widest {
     velocity: Apart,
     place: Apart,
 }
 
-/// Recorded instants of a run, with the particles that touch another body at each of them.
+/// Recorded instants of a run, with marks for the particles that are in an impact at each instant.
 struct ImpactSpans<'a> {
     instants: Vec<Instant<'a>>,
-    /// True if a particle is in an impact, by index of the instant, then by index of the particle in order of ids.
+    /// True if the particle is in an impact; the first index is that of the instant, the second that of the particle in
+    /// order of ids.
     during: Vec<Vec<bool>>,
 }
 
@@ -171,8 +173,8 @@ impl<'a> ImpactSpans<'a> {
             let mut at = 0;
             while at < instants.len() {
                 let end = (at..instants.len()).find(|at| !touches(at)).unwrap_or(instants.len());
-                // a contact that exists at the start has no known beginning, and one that exists at the end has no
-                // known end
+                // a contact that exists at the first instant has no known beginning, and one that exists at the last
+                // instant has no known end
                 let began = if at == 0 { f64::NEG_INFINITY } else { instants[at][0].time };
                 let ceases = instants.get(end).map_or(f64::INFINITY, |instant| instant[0].time);
                 for (instant, row) in instants[at..end].iter().zip(&mut during[at..end]) {
@@ -191,22 +193,24 @@ impl<'a> ImpactSpans<'a> {
         first..first.max(self.instants.partition_point(|instant| instant[0].time <= to))
     }
 
-    /// Index of the first recorded instant that is not before the time `time` [s]; the last instant if there is none.
+    /// Index of the first recorded instant that is not before `time` [s]. If all instants are earlier, index of the
+    /// last one.
     fn at(&self, time: f64) -> usize {
         self.instants.partition_point(|instant| instant[0].time < time).min(self.instants.len() - 1)
     }
 }
 
 impl Widest {
-    /// Largest differences of the `variant` from the `reference` over `before`, pairs of states at common instants.
+    /// Largest deviations of the `variant` from the `reference`; `before` has pairs of their states at common instants.
     /// `None` if every particle is in an impact at all these instants.
     ///
-    /// A velocity is compared with the closest one of the reference up to `late` [s] earlier or later, since an impact
-    /// may be delayed. Particles in an impact are left out, because the contact itself makes them differ. A particle is
-    /// in an impact shortly after a touch begins, and shortly before it ends.
+    /// A velocity is compared with the closest velocity that the particle has in the reference up to `late` [s] earlier
+    /// or later, since an impact may be delayed. Particles in an impact (shortly after a touch begins, or shortly
+    /// before it ends) are left out, because they differ by the contact itself.
     fn of(before: &[&[Instant; 2]], [variant, reference]: [&Outcome; 2], late: f64) -> Option<Self> {
-        /// [-] longest duration of an impact that is left out, divided by the contact time of the fastest impacts. With
-        /// Hertz's law slow impacts last longer: the contact time varies as the speed to the power −1/5.
+        /// [-] longest time for which particles count as in an impact after a touch begins or before it ends, divided
+        /// by the contact time of the fastest impacts. With Hertz's law slow impacts last longer: the contact time
+        /// varies as the speed to the power −1/5.
         const SLOW: f64 = 3.0;
         let domain = &reference.experiment.scene.domain;
         let longest = SLOW * impact_time(&variant.experiment).max(impact_time(&reference.experiment));
@@ -226,7 +230,8 @@ impl Widest {
                     widest.place = widest.place.or(Apart { size, id: p.id, time });
                 }
                 let others = near.clone().filter(|at| theirs.during[*at].get(k) == Some(&false));
-                // a body that has just crossed a sheared side differs by the speed of images, but not relative to the flow
+                // velocities relative to the flow, since a body that has just crossed a sheared side differs by the
+                // velocity of the image box
                 let relative = |of: &PathSample| of.velocity - domain.mean_flow(&of.position);
                 let sizes = others.map(|at| (relative(p) - relative(&theirs.instants[at][k])).norm());
                 if let Some(size) = sizes.reduce(f64::min) {
@@ -239,8 +244,8 @@ impl Widest {
     }
 }
 
-/// [s] longest contact time of any kind of pair or wall at its fastest impacts. It is 0 for hard spheres, and if no
-/// contact ends.
+/// [s] longest of the contact times of all kinds of pairs and walls at their fastest impacts. It is 0 for hard spheres,
+/// and if no contact has an end.
 fn impact_time(experiment: &Experiment) -> f64 {
     let Some(law) = experiment.law() else { return 0.0 };
     let times = at_fastest_impacts(experiment).into_iter().map(|kind| kind.contact_time(&law));
@@ -248,20 +253,20 @@ fn impact_time(experiment: &Experiment) -> f64 {
 }
 
 impl Apart {
-    /// The larger of two deviations.
+    /// Returns the deviation of larger magnitude: `self` or `other`.
     fn or(self, other: Self) -> Self {
         if other.size > self.size { other } else { self }
     }
 }
 
 /// [s] last recorded instant before a small disturbance of the initial velocities has grown a thousandfold. `None` if
-/// it never grows so much, or if the scene cannot start again.
+/// it never grows so much, or if the particles cannot be placed again.
 fn predictable(reference: &Outcome) -> Option<f64> {
     let speed = largest_speed(reference);
     let mut start = initial_state(&reference.experiment).ok()?;
     let ids = start.id.clone();
     for (velocity, id) in start.velocity.iter_mut().zip(ids) {
-        // directions may be arbitrary, as long as they differ from particle to particle
+        // directions are arbitrary, but differ from particle to particle
         let angle = f64::from(id);
         *velocity += DISTURBANCE * speed * Vector3::new(angle.sin(), (2.0 * angle).cos(), angle.cos()).normalize();
     }
@@ -269,46 +274,48 @@ fn predictable(reference: &Outcome) -> Option<f64> {
     let grown = |both: &[Instant; 2]| velocity_apart(*both).0 > GROWTH * DISTURBANCE * speed;
     let common = common(reference, &twin);
     let first = common.iter().position(grown)?;
-    // impacts that occur a little earlier or later cause a difference at one instant only
+    // an impact that occurs a little earlier or later causes a difference at one instant only
     let lasting = common[first..].iter().filter(|both| grown(both)).count() * 2 > common.len() - first;
     lasting.then(|| common[first.saturating_sub(1)][0][0].time)
 }
 
-/// [s] time up to which the paths of a reference can be predicted; `None` if they can be predicted to the end of the
-/// run.
+/// [s] time up to which the paths of a reference can be predicted; `None` if they can be predicted until the run ends.
 pub struct Horizon(Option<f64>);
 
 impl Horizon {
-    /// True if the paths cannot be predicted up to the end of the run.
+    /// True if the paths cannot be predicted until the run ends.
     pub fn is_chaotic(&self) -> bool {
         self.0.is_some()
     }
 }
 
-/// Runs a disturbed twin of the reference to find the time up to which its paths can be predicted.
+/// Finds the time up to which the paths of the reference can be predicted, by a second run with slightly disturbed
+/// initial velocities.
 pub fn horizon(reference: &Outcome) -> Horizon {
     Horizon(predictable(reference))
 }
 
-/// Largest velocity and displacement in a weighted sum of runs whose weights add up to zero. Both vanish if all runs
-/// are equal.
+/// Largest velocity and displacement in a weighted sum of the states of several runs. The weights add up to zero, so
+/// velocity and displacement vanish if all runs are equal.
 pub struct Missed {
-    /// [s] simulated time at which the sum is taken.
+    /// [s] simulated time at which the states are summed.
     pub time: f64,
-    /// [m/s] largest speed of a particle in the reference or, if nothing moves there, in the other runs.
+    /// [m/s] largest speed of a particle in the reference. If nothing moves in the reference, largest speed in the
+    /// other runs.
     pub speed: f64,
-    /// [m/s] largest magnitude of a velocity in the weighted sum.
+    /// [m/s] largest velocity of a particle in the weighted sum, as a magnitude.
     pub velocity: f64,
-    /// [m] largest magnitude of a displacement in the weighted sum.
+    /// [m] largest displacement of a particle in the weighted sum, as a magnitude.
     pub place: f64,
 }
 
 /// Sums the states of several runs, each with its weight [-], particle by particle. The weights add up to zero. The
-/// instant is the last common one at which no particles touch or, without such an instant, the last common one.
+/// states are taken at the last common instant at which no particles touch or, without such an instant, at the last
+/// common one.
 ///
 /// # Errors
-/// The runs start from different states, nothing moves, or no common instant lies in the predictable part of the
-/// reference.
+/// Returns an error if the runs start from different states, if nothing moves, or if no common instant lies in the time
+/// for which the reference can be predicted.
 pub fn apart(runs: &[(f64, &Outcome)], reference: &Outcome, horizon: &Horizon) -> Result<Missed, String> {
     if runs.iter().any(|(_, run)| run.initial_state_hash != reference.initial_state_hash) {
         return Err("it starts from another state, so that paths cannot be compared".into());

@@ -1,10 +1,10 @@
 //! Shift of each observable by a change of the case: one number per observable, so that the effects of several changes
 //! can be compared.
 //!
-//! Two steady runs are compared by means over the channel, the number density at the walls, temperature and rates.
-//! Unsteady runs are compared by curves over time, at the instant of the most significant difference or by the mean.
-//! Few bodies are compared by velocities and positions at one instant. A weighted sum of runs may be compared too, such
-//! as the slope of a line through several runs.
+//! In steady runs the shift is that of a mean over the channel, of the number density at the walls, of the temperature
+//! or of a rate. In other runs with many particles it is that of a curve over time, at the most significant instant or
+//! in the mean. With few bodies it is that of velocities and positions at one instant. Weighted sums of runs can be
+//! compared as well, such as the slope of a line through several runs.
 
 use super::paths::{self, Horizon};
 use super::{ReplicaRuns, averages, curves};
@@ -16,34 +16,34 @@ use crate::statistics::{
     student_bound, two_sided,
 };
 
-/// Several runs with their weights [-]. The observables of the runs are summed with these weights, and the sum is
-/// compared.
+/// Weighted sum of several runs: the replicas of each run with its weight [-]. The observables of the runs are summed
+/// with these weights, and the sums are compared.
 pub type Mix<'a> = [(f64, ReplicaRuns<'a>)];
 
-/// Runs of the unchanged case. They also determine how all other runs are compared: by paths, averages or curves.
+/// Runs of the unchanged case. They determine the kind of comparison for all changes: paths, averages or curves.
 pub struct ShiftReference<'a> {
     runs: ReplicaRuns<'a>,
     basis: Basis,
-    /// Time up to which paths can be predicted; `None` if runs are not compared by paths.
+    /// Time up to which paths can be predicted; `None` if the runs do not have recorded paths.
     horizon: Option<Horizon>,
 }
 
-/// Function that selects the shift among the differences found for an observable, such as the mean difference.
+/// Function that selects one of the differences found for an observable as its shift, such as the mean difference.
 type ShiftColumn = fn(&Tested) -> Option<Deviation>;
 
-/// Shifts of several observables by one change, and the kind of comparison by which they were found.
+/// Shifts of several observables by one change of the case, and the kind of comparison by which they were found.
 pub struct Shifts {
-    /// Shifts in the order of the observables.
+    /// Shifts, one per observable.
     pub shifts: Vec<Shift>,
-    /// Kind of comparison by which the shifts were found.
+    /// Kind of comparison by which the shifts were found: paths, averages or curves.
     pub basis: Basis,
-    /// Reason why nothing can be concluded from the shifts; `None` if there is no such reason.
+    /// Reason why the shifts allow no conclusion; `None` if there is no such reason.
     pub doubt: Option<String>,
 }
 
 impl<'a> ShiftReference<'a> {
-    /// Makes a reference from the runs of the unchanged case, and chooses the kind of comparison that is valid for
-    /// them.
+    /// Makes a reference from the runs of the unchanged case. It chooses the kind of comparison that is valid for these
+    /// runs.
     pub fn new(runs: ReplicaRuns<'a>) -> Self {
         let outcome = runs.outcome;
         let few = !outcome.paths.points.is_empty();
@@ -57,15 +57,16 @@ impl<'a> ShiftReference<'a> {
         Self { runs, basis, horizon }
     }
 
-    /// Differences of the weighted sum of runs `of` from the weighted sum `against`, one for each observable. Weights
-    /// are positive, and their totals are equal in both sums. A curve over time gives its mean difference or that at
-    /// one instant, whichever is more significant.
+    /// Shifts of the observables: the weighted sum of runs `of` minus the weighted sum `against`. Weights are positive,
+    /// and their totals are equal in both sums. The shift of a curve over time is its mean difference or that at one
+    /// instant, whichever is more significant.
     pub fn shifts(&self, of: &Mix, against: &Mix, margin: f64) -> Shifts {
         self.found([of, against], margin, Tested::headline)
     }
 
-    /// Differences of two weighted sums that should be equal, such as the deviations of runs from a straight line. A
-    /// curve over time gives its mean difference, since its largest difference is never zero.
+    /// Differences of two weighted sums of runs that should be equal, such as the deviations of runs from a straight
+    /// line. For a curve over time it is the mean difference, since the largest difference over all instants is never
+    /// zero.
     pub fn misses(&self, of: &Mix, against: &Mix, margin: f64) -> Vec<Shift> {
         self.found([of, against], margin, |tested| tested.mean).shifts
     }
@@ -152,12 +153,13 @@ impl<'a> ShiftReference<'a> {
     }
 }
 
-/// Checksums of the final states of all runs in a weighted sum. Equal checksums mean runs that are equal bit for bit.
+/// Checksums of the final states of all runs in a weighted sum. Runs with equal checksums are taken to be equal bit for
+/// bit.
 fn ends(mix: &Mix) -> Vec<u64> {
     mix.iter().flat_map(|(_, runs)| all_of(runs)).map(|run| run.final_state_hash).collect()
 }
 
-/// Sets the shift between runs that are equal bit for bit to exactly zero.
+/// Sets a shift to exactly zero, for runs that are equal bit for bit.
 fn nothing(shift: &mut Shift) {
     shift.difference = 0.0;
     shift.error = Some(0.0);
@@ -169,9 +171,10 @@ fn all_of<'a>(runs: &ReplicaRuns<'a>) -> Vec<&'a Outcome> {
     std::iter::once(runs.outcome).chain(runs.others).collect()
 }
 
-/// Reduces a profile to one number: its mean over the slices. If the profile changes sign at the mid-plane, the number
-/// is half the difference of the two sides. For the density it is the value in the slice at the wall. An observable
-/// that is a single number is returned unchanged. If no value is known, the part of the result is `None`.
+/// Observable that reduces a profile to one number: its mean over the slices. If the profile changes sign at the
+/// mid-plane, the number is half the difference of the two sides. For the density it is the value in the slice at the
+/// wall. An observable that is a single number is returned unchanged. If no slice has a value, the returned observable
+/// has none.
 fn number(profile: &Observable) -> Option<Observable> {
     let count = profile.places.len();
     if count == 0 {
@@ -203,7 +206,7 @@ fn number(profile: &Observable) -> Option<Observable> {
     })
 }
 
-/// Sums the observables of several runs with the weights [-] of the runs.
+/// Sums the observables of several runs, each multiplied by the weight [-] of its run.
 fn sum(each: &[(f64, Vec<Observable>)]) -> Vec<Observable> {
     let Some((weight, first)) = each.first() else { return Vec::new() };
     if each.len() == 1 && *weight == 1.0 {
@@ -221,7 +224,7 @@ fn sum(each: &[(f64, Vec<Observable>)]) -> Vec<Observable> {
 }
 
 /// Tests two lists of the same observables, and returns the shift of each. `pick` selects the shift among the
-/// differences of one observable.
+/// differences found for one observable.
 fn judged([a, b]: [&[Observable]; 2], margin: f64, pick: ShiftColumn) -> Vec<Shift> {
     let comparison = compare(a, b, margin, ErrorLevels::default());
     let one = |(a, b): (&Observable, &Observable)| {
@@ -248,8 +251,8 @@ fn shift(judged: &Judged, found: Deviation) -> Shift {
     }
 }
 
-/// Shift of an observable that has no error bars: its largest difference over all positions or instants. `None` if no
-/// value is known.
+/// Shift of an observable without error bars: its largest difference over all positions or instants. `None` if no
+/// difference is known.
 fn without_error(a: &Observable, b: &Observable) -> Option<Shift> {
     let difference = |k: usize| {
         let [a, b] = [a, b].map(|one| one.parts.get(k)?.as_ref()?.values.first().copied());
@@ -273,9 +276,10 @@ fn without_error(a: &Observable, b: &Observable) -> Option<Shift> {
     })
 }
 
-/// Increases the errors of shifts that come from a straight line through several runs which lie off the line. `misses`
-/// has the distances from the line. Each error is multiplied by its distance over the error of the distance, if that
-/// exceeds 1. Runs without scatter get the distance times `share` [-].
+/// Increases the errors of shifts that come from a straight line through several runs, if the runs do not lie on the
+/// line. `misses` has the distance of a run from the line for each observable. Each error is multiplied by the ratio of
+/// this distance to its own error, if the ratio exceeds 1. Without scatter, the distance times `share` [-] is added to
+/// the error.
 pub fn widened(shifts: Vec<Shift>, misses: &[Shift], share: f64) -> Vec<Shift> {
     let one = |mut shift: Shift| {
         let miss = misses.iter().find(|miss| miss.observable == shift.observable);

@@ -7,8 +7,8 @@ use crate::outcome::Outcome;
 use crate::output::{Basis, Verdict};
 use crate::statistics::{Answer, Batches, Observable, Parity, SliceColumn, U, compare, slice_column};
 
-/// Compares the averages of a variant with the table that the case gives as its reference; `None` if the reference is
-/// not a table.
+/// Compares the averages of a variant with the table of values that the case gives as its reference. `None` if the case
+/// gives no table.
 pub fn judge(outcome: &Outcome, asked: Criteria) -> Option<Verdict> {
     let Some(Reference::Table(table)) = &outcome.experiment.against else { return None };
     let found = stopped(&[outcome], found(outcome, table, asked));
@@ -52,8 +52,8 @@ fn found(outcome: &Outcome, table: &ReferenceTable, asked: Criteria) -> Finding 
     }
 }
 
-/// Pairs of an observable of the run and the same observable of the table: one pair for each profile, and one for each
-/// average over the scene. A value of a profile is compared with the slice at its position.
+/// Pairs of observables, each from the run and from the table: one pair for each profile, and one for each average over
+/// the scene. A value of a profile in the table is compared with the slice of the box at its height y.
 fn observables(outcome: &Outcome, table: &ReferenceTable) -> Vec<(Observable, Observable)> {
     let mut pairs = Vec::new();
     let numbered: Vec<(usize, &ReferencePoint)> = table.points.iter().enumerate().collect();
@@ -74,9 +74,9 @@ fn observables(outcome: &Outcome, table: &ReferenceTable) -> Vec<(Observable, Ob
     pairs
 }
 
-/// Profile of the run and of the table as two observables; `None` if no size of differences is known, as for a velocity
-/// without samples. Differences of velocities are relative to a velocity of the run, such as the mean slip, because
-/// velocities depend on the frame of reference.
+/// Profile of the run and profile of the table as two observables. `None` if the scale of their differences is not
+/// known, as for a velocity without samples. Differences of velocities are divided by a velocity of the run, such as
+/// the mean slip, because velocities depend on the frame of reference.
 fn profile(
     outcome: &Outcome,
     column: SliceColumn,
@@ -109,7 +109,7 @@ fn profile(
     Some((of(points.iter().map(own).collect()), of(points.iter().map(|point| stated(*point)).collect())))
 }
 
-/// Average over the whole scene, from the run and from the table. Differences are relative to the value of the table.
+/// Average over the whole scene, from the run and from the table. Differences are divided by the value of the table.
 /// `None` if the run does not have this average.
 fn average(outcome: &Outcome, (place, point): (usize, &ReferencePoint)) -> Option<(Observable, Observable)> {
     let averaged = &outcome.averaged;
@@ -123,8 +123,8 @@ fn average(outcome: &Outcome, (place, point): (usize, &ReferencePoint)) -> Optio
     Some((of(own.clone()), of(stated((place, point)))))
 }
 
-/// Value of the table with its standard error, in the form in which averages of runs are tested; `None` without a
-/// standard error.
+/// Value of the table with its standard error, converted to the type in which averages of runs are tested. `None` if
+/// the table gives no standard error.
 fn stated((place, point): (usize, &ReferencePoint)) -> Option<Batches> {
     point.standard_error.map(|error| Batches::of_stated(point.value, error, place))
 }

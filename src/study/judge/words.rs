@@ -1,26 +1,26 @@
-//! Sentences that express the answers of a comparison.
+//! Sentences that express the answers of a comparison of two variants.
 
 use crate::output::numbers::{counted, quantity, significant, with_error};
 use crate::statistics::{Answer, Comparison, Deviation, Estimate, Judged, LARGEST_DRIFT, Steadiness};
 
-/// Largest number of differences named in a sentence; the table of the report contains all differences.
+/// Largest number of differences that a sentence names. The table of the report contains all differences.
 const NAMED: usize = 3;
 
-/// [-] largest recommended factor on the length of a run or on the number of replicas. A larger factor is not written,
-/// since such a run is impractical.
+/// [-] largest factor by which a longer run or more replicas are recommended. A larger factor is not named, since such
+/// runs are impractical.
 const ENDLESS: f64 = 1000.0;
 
-/// Names of two variants in quotes, as the beginning of a sentence on their comparison.
+/// Beginning of a sentence on the comparison of two variants: their names in quotes.
 pub fn pair(variant: &str, reference: &str) -> String {
     format!("\"{variant}\" against \"{reference}\":")
 }
 
-/// Text of a share [-] in per cent, with a suitable number of digits.
+/// Text of a share [-] in per cent, with two significant digits.
 pub fn percent(share: f64) -> String {
     format!("{} %", significant(100.0 * share, 2))
 }
 
-/// Rest of a sentence about a run that is not steady, after the name of the run, with the reason; `None` for a steady
+/// Rest of a sentence that begins with the name of a run: the run is not steady, with the reason. `None` for a steady
 /// run.
 pub fn not_steady(steadiness: &Steadiness) -> Option<String> {
     let why = match steadiness.drift {
@@ -35,13 +35,14 @@ pub fn not_steady(steadiness: &Steadiness) -> Option<String> {
     Some(format!("is not steady ({why})"))
 }
 
-/// Text of a margin [-] in per cent, as a user would type it.
+/// Text of a margin [-] in per cent, without needless zeros, as a user would type it.
 pub fn margin(share: f64) -> String {
     let digits = format!("{:.4}", 100.0 * share);
     format!("{} %", digits.trim_end_matches('0').trim_end_matches('.'))
 }
 
-/// Name of a table column in the form that fits into a sentence.
+/// Name of a column of the table of slices in the form that fits into a sentence, such as "the mean velocity U" for
+/// "U".
 pub fn in_prose(name: &str) -> String {
     match name {
         "number_density_ratio" => "the number density".into(),
@@ -52,9 +53,9 @@ pub fn in_prose(name: &str) -> String {
     }
 }
 
-/// Answer of a comparison of averages or curves, as a sentence without its subject. `across` is the unit of the
-/// positions: m, s, or empty for single numbers. `needed` describes runs that are longer by a given factor and would
-/// decide the comparison.
+/// Answer of a comparison of averages or curves, as a sentence without its subject. `across` is the unit of positions
+/// or instants: m, s, or empty for single numbers. `needed` describes runs that would decide the comparison, given the
+/// factor by which they are longer.
 pub fn answer(comparison: &Comparison, across: &str, needed: impl Fn(f64) -> String) -> String {
     match comparison.answer {
         Answer::Equivalent => equivalent(comparison, across),
@@ -63,7 +64,8 @@ pub fn answer(comparison: &Comparison, across: &str, needed: impl Fn(f64) -> Str
     }
 }
 
-/// Phrase for a statement that holds in all slices (`across` "m") or at all instants ("s"); empty for single numbers.
+/// Phrase for a statement that holds everywhere: in all slices if `across` is "m", at all instants if it is "s". Empty
+/// for single numbers.
 fn anywhere(across: &str) -> &'static str {
     match across {
         "" => "",
@@ -86,7 +88,7 @@ fn equivalent(comparison: &Comparison, across: &str) -> String {
 
 fn different(detected: &[&Judged], across: &str, limit: f64) -> String {
     let mut different: Vec<&&Judged> = detected.iter().filter(|one| one.answer == Answer::Different).collect();
-    // differences that are certainly beyond the margin come first, even if others are more significant
+    // differences that are certainly greater than the margin come first, even if others are more significant
     different.sort_by_key(|one| !one.beyond);
     let Some((first, rest)) = different.split_first() else { return "different.".into() };
     let named: Vec<String> = rest.iter().take(NAMED - 1).map(|one| size(one, across)).collect();
@@ -102,8 +104,8 @@ fn different(detected: &[&Judged], across: &str, limit: f64) -> String {
     sentence + "."
 }
 
-/// Text of a difference with its standard error, relative to the scale of the observable, and its position. `across` is
-/// the unit of the position.
+/// Text of a difference in per cent of the scale of the observable, with its standard error and its position or
+/// instant. `across` is the unit of the position or instant: m, s, or empty.
 fn size(one: &Judged, across: &str) -> String {
     let name = in_prose(&one.tested.name);
     let Some(Deviation { place, difference, error, .. }) = one.tested.headline() else { return name };
@@ -131,8 +133,7 @@ fn unresolved(comparison: &Comparison, across: &str, needed: &impl Fn(f64) -> St
         return format!("unresolved: there are no error bars for {}.", names.join(", "));
     };
     let limit = margin(comparison.margin);
-    // every observable must be shown to be equivalent; at least twice the length is recommended, even if these runs
-    // nearly suffice
+    // the factor must show every observable equivalent; it is at least 2, even if these runs nearly suffice
     let stretch = comparison.judged.iter().map(|one| one.stretch).fold(2.0, f64::max);
     let advice = if stretch > ENDLESS {
         format!(

@@ -1,4 +1,4 @@
-//! Averages over all particles at each instant of a trajectory, as a table with the columns of `series.csv`.
+//! Averages over all particles of a trajectory file at each instant, as a table with the columns of `series.csv`.
 
 use super::table::NumberTable;
 use crate::case::{Diagnostic, ParticleFrame, Sources, particle_frames};
@@ -7,7 +7,7 @@ use crate::observe::{Row, SERIES_COLUMNS, SeriesColumn};
 use crate::statistics::VelocitySpread;
 use nalgebra::Vector3;
 
-/// Name of the column with the number of particles at an instant.
+/// Name of the column with the number of particles, in the table of a trajectory.
 const COUNT: &str = "particles";
 
 /// Columns of `series.csv` that can be computed from the velocities of the particles alone.
@@ -21,8 +21,8 @@ const OF_VELOCITIES: [&str; 7] = [
     "mean_velocity_z_m_s",
 ];
 
-/// Columns of `series.csv` that also need the masses of the particles. The columns of rotation exist only if the file
-/// has spins.
+/// Columns of `series.csv` that need the masses of the particles as well as their velocities. The columns of rotation
+/// exist only if the trajectory has spins.
 const OF_MASSES: [&str; 12] = [
     "kinetic_energy_J",
     "momentum_x_kg_m_s",
@@ -38,17 +38,17 @@ const OF_MASSES: [&str; 12] = [
     "Rzz_m2_s2",
 ];
 
-/// Name of a column in the table of a trajectory, with its value at one instant in the unit of the name; `None` without
-/// a value.
+/// Name of a column in the table of a trajectory, and its value at one instant. The unit is part of the name; `None`
+/// without a value.
 type AveragedColumn = (String, Option<f64>);
 
 impl NumberTable {
-    /// Fills the table from a text with the particles of several instants. Returns false if the text has another
-    /// format. With `slices`, the box is divided into this number of slices along y. Temperatures are then relative to
-    /// the mean velocities of the slices, and each slice has its own columns.
+    /// Fills the table from the text of a trajectory, which has the particles of several instants. Returns false if the
+    /// text has another format. With `slices`, the box is divided into this number of slices along y, and each slice
+    /// has its own columns. Temperatures are then relative to the mean velocities of the slices.
     ///
     /// # Errors
-    /// A line that cannot be read, or slices without a box.
+    /// Returns an error for a line that cannot be read, or if slices are asked for and the trajectory has no box.
     pub(super) fn trajectory(
         &mut self,
         text: &str,
@@ -83,8 +83,8 @@ impl NumberTable {
     }
 }
 
-/// Name of the column of times, and the time of each instant. Times are in seconds if every instant has a time, else in
-/// time steps. Without either they are the index of the instant.
+/// Name of the column of times, and the time of each instant of a trajectory. Times are in seconds if every instant has
+/// a time, else they are numbers of time steps. Without these numbers, the index of the instant counts as its time.
 fn times(frames: &[ParticleFrame]) -> (&'static str, Vec<f64>) {
     let all = |of: fn(&ParticleFrame) -> Option<f64>| frames.iter().map(of).collect::<Option<Vec<f64>>>();
     if let Some(times) = all(|frame| frame.time) {
@@ -96,16 +96,16 @@ fn times(frames: &[ParticleFrame]) -> (&'static str, Vec<f64>) {
     }
 }
 
-/// Averages over the particles of one instant, each with the name of its column. With several `slices` along y, each
-/// slice adds its number of particles, mean velocity and temperatures.
+/// Averages over the particles of one instant, each with the name of its column. With more than one of the `slices`
+/// along y, each slice adds its number of particles, mean velocity and temperatures.
 fn columns(frame: &ParticleFrame, slices: usize) -> Vec<AveragedColumn> {
-    // without a box nothing is periodic, and one slice contains all particles
+    // without a box no side is periodic, and one slice contains all particles
     let domain = frame.domain.clone().unwrap_or_else(|| Domain::new(Vector3::repeat(f64::INFINITY), [false; 3]));
     let particles = &frame.particles;
     let row = Row::of_sample(0.0, particles.into(), particles.mean_velocity(), (&domain, slices));
     let wanted = |key: &&str| OF_VELOCITIES.contains(key) || frame.has_masses && OF_MASSES.contains(key);
     let mut all = vec![(COUNT.to_owned(), Some(particles.len() as f64))];
-    // a quantity that does not exist, such as the centre of mass along a periodic side, has no column
+    // a quantity that is not defined, such as the centre of mass along a periodic side, has no column
     let is_there = |one: &&SeriesColumn| OF_VELOCITIES.contains(&one.key) || (one.of)(&row).is_some();
     let own = SERIES_COLUMNS.iter().filter(|one| wanted(&one.key)).filter(is_there);
     all.extend(own.map(|one| (one.key.to_owned(), (one.of)(&row))));

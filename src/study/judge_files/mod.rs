@@ -1,4 +1,5 @@
-//! `diptych judge`: compares two sides whose data are files of any program, with the tests of `compare`.
+//! `diptych judge`: compares the data of two sides with the tests of `compare`. The data of a side are files that any
+//! program may have written.
 
 mod frames;
 mod pairs;
@@ -21,13 +22,14 @@ use settings::JudgeFile;
 use side::{JudgeSide, SideData};
 use std::path::{Path, PathBuf};
 
-/// [-] margin within which differences count as equivalent, if neither the command line nor the settings give one.
+/// [-] margin of equivalence that applies if neither the command line nor the settings give one. It is a share of the
+/// scale of a quantity.
 const MARGIN: f64 = 0.01;
 
-/// Compares two sides and writes the report to one folder. Returns the answer of all quantities together.
+/// Compares the data of two sides and writes the report to one folder. Returns one answer for all quantities together.
 ///
 /// # Errors
-/// Bad input, before anything is written; afterwards a file that cannot be written.
+/// Returns an error for bad input, before anything is written, or for a file that cannot be written.
 pub fn judge_files(args: &JudgeArguments) -> Result<Option<Answer>, StudyError> {
     let mut sources = Sources::default();
     let (file, text) = JudgeFile::read(args.settings.as_deref(), &mut sources)?;
@@ -73,16 +75,16 @@ pub fn judge_files(args: &JudgeArguments) -> Result<Option<Answer>, StudyError> 
     Ok(overall(&comparisons))
 }
 
-/// Path of the first file of a side, without the name of a variant after the colon. The name of the folder of results
-/// is made from this path.
+/// Path of the first file of a side, without the name of a variant that may follow after a colon. The name of the
+/// folder of results is made from this path.
 fn first_file(side: &JudgeSide) -> PathBuf {
     let first = side.paths.first().map_or("", String::as_str);
     first.split(':').next().unwrap_or(first).into()
 }
 
-/// Answers for all quantities, one for each group of quantities with one margin and one kind of data (averages or
-/// curves). The error level of a group is in proportion to its number of quantities. So the probability of any false
-/// difference is as large as for a single test.
+/// Answers for all quantities. Quantities with equal margin and equal kind of data (averages or curves) form a group
+/// with one answer. The error level of a group is proportional to its number of quantities. So the probability of any
+/// false difference is as large as for a single test.
 fn verdicts(measured: &[MeasuredQuantity], names: &[String; 2]) -> Vec<Verdict> {
     let key = |one: &MeasuredQuantity| (one.summary.basis, one.summary.margin);
     let mut keys: Vec<(Basis, f64)> = Vec::new();
@@ -98,8 +100,8 @@ fn verdicts(measured: &[MeasuredQuantity], names: &[String; 2]) -> Vec<Verdict> 
     keys.into_iter().map(one).collect()
 }
 
-/// Answer for a group of quantities with one margin and one kind of data. `share` [-] is the number of quantities in
-/// the group over that of all.
+/// Answer for a group of quantities with equal margin and equal kind of data (averages or curves). `share` [-] is the
+/// number of quantities in the group divided by that of all quantities.
 fn verdict(group: &[&MeasuredQuantity], names: &[String; 2], share: f64) -> Verdict {
     let (basis, margin) = (group[0].summary.basis, group[0].summary.margin);
     let observables = [0, 1].map(|k| -> Vec<Observable> {
@@ -134,7 +136,8 @@ fn verdict(group: &[&MeasuredQuantity], names: &[String; 2], share: f64) -> Verd
     }
 }
 
-/// Remarks on the data: missing errors, values near zero, reasons why curves are compared.
+/// Remarks for the reader on the data: missing standard errors, references near zero, and reasons why curves are
+/// compared.
 fn remarks(measured: &[MeasuredQuantity], sides: &[JudgeSide; 2]) -> Vec<String> {
     let mut remarks = Vec::new();
     for (k, side) in sides.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Pairs of columns that are compared: those that the settings name, or all columns of equal names.
+//! Pairs of columns that are compared: those that the settings name, or all columns with equal names on both sides.
 
 use super::settings::{JudgeFile, JudgedAs, QuantityFile};
 use super::side::{JudgeSide, MeasuredPoint, SideData};
@@ -6,29 +6,30 @@ use crate::case::de::Located;
 use crate::case::{Diagnostic, Sources, nearest};
 use crate::legible::quote;
 
-/// Quantity that is compared, with its columns on both sides.
+/// Quantity that is compared, with its columns in the data of both sides, A and B.
 pub struct ComparedColumns {
     /// Name of the quantity in sentences.
     pub name: String,
-    /// Names of the columns on side A and side B or, in a table of points, labels of the points.
+    /// Names of the columns on side A and on side B. In a table of points they are labels of points.
     pub columns: [String; 2],
-    /// Factors by which the values of both columns are multiplied to get the unit of the comparison.
+    /// Factors for the values of the columns of A and B that convert them to the unit of the comparison.
     pub factors: [f64; 2],
-    /// SI unit of the comparison; empty if no unit is given.
+    /// SI unit in which the values are compared; empty if the settings give no unit.
     pub unit: String,
-    /// Kind of comparison, averages or curves. `None`: averages if both sides are steady, else curves.
+    /// Kind of comparison that the settings ask for. `None` means averages if both sides are steady, else curves.
     pub compare: Option<JudgedAs>,
-    /// [-] margin within which differences count as equivalent, relative to the scale of the quantity.
+    /// [-] largest difference that counts as equivalent, divided by the scale of the quantity.
     pub margin: f64,
-    /// Size to which differences are relative, in the unit of the comparison; `None` for the magnitude of the value of
-    /// side B.
+    /// Scale by which differences are divided, in the unit of the comparison. `None` stands for the magnitude of the
+    /// value of side B.
     pub scale: Option<f64>,
 }
 
-/// Pairs of columns of a comparison, and notes about columns that are left out.
+/// Pairs of columns that are compared, and notes for the reader on columns that are left out.
 ///
 /// # Errors
-/// A column that the settings name does not exist, units do not agree, or the sides have no column in common.
+/// Returns an error if a column that the settings name does not exist, if units do not agree, or if no column has the
+/// same name on both sides.
 pub fn compared_columns(
     file: &JudgeFile,
     margin: f64,
@@ -50,7 +51,7 @@ pub fn compared_columns(
     Ok((all, Vec::new()))
 }
 
-/// Quantity that a table `[[quantities]]` of the settings names. `margin` [-] applies if the table gives none.
+/// Quantity that a table `[[quantities]]` of the settings describes. `margin` [-] applies if the table gives no margin.
 fn named(
     one: &Located<QuantityFile>,
     margin: f64,
@@ -76,8 +77,8 @@ fn named(
     })
 }
 
-/// First file of a side that has no column (or point) of this name, with the names that the file has instead; `None` if
-/// every file has the name.
+/// First file of a side that has no column or point called `name`, with a text that lists the names in the file. `None`
+/// if every file has a column or point of this name.
 fn lacking(side: &JudgeSide, name: &str) -> Option<(String, String)> {
     match &side.data {
         SideData::Series(series) => {
@@ -96,8 +97,8 @@ fn lacking(side: &JudgeSide, name: &str) -> Option<(String, String)> {
     }
 }
 
-/// Quantities made of columns or points that have equal names on both sides, except times; and notes. A column with
-/// cells that are no numbers is left out with a note.
+/// Quantities made of columns or points that have equal names on both sides, except times, and notes for the reader. A
+/// column with cells that are not numbers is left out, and a note says so.
 fn equal_names(margin: f64, sides: &[JudgeSide; 2]) -> Result<(Vec<ComparedColumns>, Vec<String>), Diagnostic> {
     let (first, left_out) = names(&sides[0]);
     let (second, more) = names(&sides[1]);
@@ -125,8 +126,8 @@ fn equal_names(margin: f64, sides: &[JudgeSide; 2]) -> Result<(Vec<ComparedColum
     Ok((common.into_iter().map(one).collect(), notes.into_iter().collect()))
 }
 
-/// Names of a side: first those of all columns of numbers, or labels of points, then those of the columns that are left
-/// out.
+/// Names of columns or points of a side, as two lists. The first list has the columns of numbers, or the labels of
+/// points. The second list has the columns that are left out because some cells are not numbers.
 fn names(side: &JudgeSide) -> (Vec<String>, Vec<String>) {
     match &side.data {
         SideData::Points(points) => {

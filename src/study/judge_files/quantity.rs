@@ -1,4 +1,5 @@
-//! Averages and curves of one quantity of both sides, with their errors, steadiness and correlation times.
+//! Averages and curves of one quantity on both sides of a comparison of files, with errors, steadiness and correlation
+//! times.
 
 use super::pairs::ComparedColumns;
 use super::settings::JudgedAs;
@@ -10,38 +11,40 @@ use crate::statistics::{
 };
 use crate::study::judge::not_steady;
 
-/// Largest number of instants at which two curves are compared.
+/// Largest number of instants at which the curves of two sides are compared.
 const INSTANTS: usize = 20;
 
-/// [-] largest relative difference of two times that count as one instant; files give times with some six digits.
+/// [-] largest relative difference of two times that count as one instant. Files give times with about six digits.
 const SAME_TIME: f64 = 1e-6;
 
-/// Quantity of both sides in the form in which it is tested, with a summary for the report.
+/// One quantity on both sides, as averages or curves that can be tested, with a summary for the report.
 pub struct MeasuredQuantity {
-    /// Summary of both sides for the report.
+    /// Names, units, means and steadiness of both sides for the report.
     pub summary: FilesQuantity,
     /// Averages or curves of both sides with their errors; `None` if nothing can be compared.
     pub observables: Option<[Observable; 2]>,
-    /// Reason why nothing can be compared, or why curves are compared; may be empty.
+    /// Reason why nothing can be compared, or why curves are compared instead of averages; empty if there is no such
+    /// reason.
     pub remark: String,
 }
 
-/// Values of the quantity in one replica (a file with another seed) at all its times, in the unit of the comparison.
+/// Values of a quantity in the file of one replica (run with its own seed) at all its times, in the unit of the
+/// comparison.
 struct ReplicaValues<'a> {
     file: &'a TimedTable,
     values: Vec<f64>,
 }
 
-/// Data of one side for one quantity: series over time of several replicas, or a single value.
+/// Data of one side for one quantity: a series over time for each replica, or a single value with its error.
 enum MeasuredSide<'a> {
     Series(&'a SeriesFiles, Vec<ReplicaValues<'a>>),
     Point(Estimate),
 }
 
-/// Reads a quantity of both sides and prepares its comparison.
+/// Reads a quantity on both sides and prepares the comparison of its averages or curves.
 ///
 /// # Errors
-/// A cell contains no number, or averages are asked for and the times are not equally spaced.
+/// Returns an error if a cell contains no number, or if averages are needed and the times are not equally spaced.
 pub fn measure(
     columns: &ComparedColumns,
     sides: &[JudgeSide; 2],
@@ -52,7 +55,7 @@ pub fn measure(
     let both = [a?, b?];
     let curves_only = columns.compare == Some(JudgedAs::Curve);
     let averages = [average(columns, 0, &both[0], sources), average(columns, 1, &both[1], sources)];
-    // series that are not equally spaced have no averages, but may have curves
+    // series that are not equally spaced in time have no averages, but may have curves
     let averages = match averages {
         [Ok(a), Ok(b)] => Some([a, b]),
         [Err(_), _] | [_, Err(_)] if curves_only => None,
@@ -125,13 +128,13 @@ fn side<'a>(
     }
 }
 
-/// Average of one side over its steady time, with the averages over blocks of that time.
+/// Average of a quantity on one side over its steady time, with averages over blocks of this time.
 struct SideAverage {
     summary: SideSummary,
     batches: Option<Batches>,
 }
 
-/// Summary of one side of a quantity without averages; `k` is 0 for side A and 1 for side B.
+/// Summary of one side of a quantity before averages are computed. `k` is 0 for side A and 1 for side B.
 fn bare(columns: &ComparedColumns, k: usize, side: &MeasuredSide) -> SideSummary {
     let (files, samples) = match side {
         MeasuredSide::Point(_) => (1, 1),
@@ -189,7 +192,7 @@ fn average(
         .collect();
     let batches = Batches::pool(&blocks.iter().collect::<Vec<_>>(), false).map(|mut batches| {
         if !series.unit_known {
-            // block lengths in unknown units must not be compared with those of the other side
+            // block lengths in unknown units must not be compared with block lengths of the other side
             batches.length = f64::NAN;
         }
         batches
@@ -204,8 +207,8 @@ fn average(
     Ok(SideAverage { summary, batches })
 }
 
-/// Steadiness of all replicas of a side together. The averaging time begins where the last replica becomes steady. The
-/// side is steady if most replicas are, since one steady run in twenty appears unsteady by chance.
+/// Steadiness of all replicas of a side together. Averaging begins at the time from which every replica is steady. The
+/// side is steady if more than half of its replicas are, since one steady run in twenty appears unsteady by chance.
 fn steadiness(spaced: &[(f64, &[f64], &[f64])], from: Option<f64>, scale: Option<f64>) -> Steadiness {
     let each: Vec<Steadiness> = spaced
         .iter()
@@ -225,7 +228,8 @@ fn steadiness(spaced: &[(f64, &[f64], &[f64])], from: Option<f64>, scale: Option
 }
 
 /// Integral correlation time τ of a series, in the unit of `interval`, the time between two values. The mean over a
-/// long time L has the variance of one value times 2 τ/L. `None` without scatter or without an error.
+/// long time L has the variance of one value times 2 τ/L. `None` if the values are all equal, or if their mean has no
+/// standard error.
 fn correlation_time(interval: f64, values: &[f64], blocks: &Batches) -> Option<f64> {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
@@ -234,8 +238,8 @@ fn correlation_time(interval: f64, values: &[f64], blocks: &Batches) -> Option<f
     (variance > 0.0).then(|| 0.5 * interval * count * error * error / variance)
 }
 
-/// Averages of both sides as observables for the test. Without a given scale, differences are relative to the average
-/// of side B.
+/// Averages of both sides as observables that can be tested. Differences are divided by the given scale or, without
+/// one, by the average of side B.
 fn numbers(columns: &ComparedColumns, averages: &[SideAverage; 2]) -> [Observable; 2] {
     let value = averages[1].summary.mean.map_or(0.0, |mean| mean.value.abs());
     let (scale, scale_is) = columns.scale.map_or((value, "its value"), |scale| (scale, "the scale given"));
@@ -251,7 +255,7 @@ fn numbers(columns: &ComparedColumns, averages: &[SideAverage; 2]) -> [Observabl
     })
 }
 
-/// Curves over time of both sides as observables for the test, or the reason why there are none.
+/// Curves over time of both sides as observables that can be tested, or the reason why they cannot be compared.
 fn curves(columns: &ComparedColumns, both: &[MeasuredSide; 2]) -> Result<[Observable; 2], String> {
     let [MeasuredSide::Series(first, a), MeasuredSide::Series(second, b)] = both else {
         return Err("a table of points can be compared with a steady side only".into());
@@ -295,8 +299,8 @@ fn curves(columns: &ComparedColumns, both: &[MeasuredSide; 2]) -> Result<[Observ
 }
 
 impl ReplicaValues<'_> {
-    /// Value of the replica, in the unit of the comparison, at a time in the unit of `times`; `None` if there is no row
-    /// at this time.
+    /// Value of the replica at `time`, in the unit of the comparison. `time` has the unit of the times of the file.
+    /// `None` if no row of the file has this time.
     fn at(&self, time: f64) -> Option<f64> {
         let times = &self.file.times;
         let place = times.partition_point(|other| *other < time - SAME_TIME * time.abs());

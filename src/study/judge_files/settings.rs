@@ -1,4 +1,4 @@
-//! Reads `judge.toml`: files, columns, units, times and margins of a comparison of files.
+//! Reads `judge.toml`, the settings of a comparison of files: files, columns, units, times and margins.
 
 use crate::case::de::{Located, read};
 use crate::case::quantity::{Exponents, Ratio, dimension_name, si_unit, unit};
@@ -6,19 +6,20 @@ use crate::case::{Diagnostic, Sources, read_text, tree};
 use serde::Deserialize;
 use std::path::Path;
 
-/// Largest number of slices: each has seven columns.
+/// Largest number of slices of the box. Each slice adds seven columns to the table.
 const MOST_SLICES: u32 = 1000;
 
-/// Whole file `judge.toml`.
+/// Contents of the file `judge.toml`, as typed.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JudgeFile {
-    /// Margin of all quantities that have no margin of their own, relative to the scale of each quantity [-].
+    /// [-] margin of equivalence of all quantities without a margin of their own, relative to the scale of each
+    /// quantity.
     pub margin: Option<Located<Ratio>>,
-    /// First side.
+    /// Table `[a]`: first side, whose data are compared with the reference.
     #[serde(default)]
     pub a: SideFile,
-    /// Second side, the reference.
+    /// Table `[b]`: second side, the reference.
     #[serde(default)]
     pub b: SideFile,
     /// Quantities that are compared. Default: all columns with equal names on both sides.
@@ -26,62 +27,63 @@ pub struct JudgeFile {
     pub quantities: Vec<Located<QuantityFile>>,
 }
 
-/// Tables `[a]` and `[b]`.
+/// Table `[a]` or `[b]` of `judge.toml`: files of one side, and the meaning of their times.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SideFile {
-    /// Files of the side, one per replica, relative to the folder of `judge.toml`.
+    /// Paths of the files of the side, one per replica, relative to the folder of `judge.toml`.
     pub files: Option<Vec<Located<String>>>,
-    /// Name in sentences.
+    /// Name of the side in sentences. Default: name of its first file.
     pub name: Option<String>,
-    /// Name of the column of times.
+    /// Name of the column of times. Default: the first known name, such as `t_s` or `Time`.
     pub time: Option<Located<String>>,
     /// Unit of the times, such as "ms", or "1e-5 s" for a count of time steps.
     pub time_unit: Option<Located<String>>,
-    /// Start of averaging, in the unit of the column of times.
+    /// Start of averaging, in the unit of the column of times. Default: the time from which the data are steady.
     pub from: Option<Located<f64>>,
     /// Number of equal slices along y in which the particles of a trajectory are averaged.
     pub slices: Option<Located<u32>>,
 }
 
-/// Table `[[quantities]]`.
+/// Table `[[quantities]]` of `judge.toml`: one quantity that is compared.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct QuantityFile {
-    /// Name in sentences. Default: name of the column of B.
+    /// Name of the quantity in sentences. Default: name of the column of side B.
     pub name: Option<String>,
-    /// Column of A, or label of a point in the table of A.
+    /// Name of the column of side A, or label of a point in its table of points.
     pub a: Located<String>,
-    /// Column of B, or label of a point in the table of B.
+    /// Name of the column of side B, or label of a point in its table of points.
     pub b: Located<String>,
-    /// Unit of the column of A.
+    /// Unit of the column of side A, such as "mm/s".
     pub a_unit: Option<Located<String>>,
-    /// Unit of the column of B.
+    /// Unit of the column of side B, such as "mm/s".
     pub b_unit: Option<Located<String>>,
-    /// Kind of comparison. Default: averages if both sides are steady, else curves.
+    /// Kind of comparison, averages or curves. Default: averages if both sides are steady, else curves.
     pub compare: Option<JudgedAs>,
-    /// Margin of this quantity, relative to its scale.
+    /// [-] margin of equivalence of this quantity, relative to its scale.
     pub margin: Option<Located<Ratio>>,
-    /// Scale of differences, in the SI unit of the quantity or, if no units are given, in the unit of the columns.
-    /// Default: magnitude of the value of B.
+    /// Scale by which differences are divided, in the SI unit of the quantity or, if no units are given, in the unit of
+    /// the columns. Default: magnitude of the value of side B.
     pub scale: Option<Located<f64>>,
 }
 
-/// Kind of a comparison of two series.
+/// Kind of comparison of two series over time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum JudgedAs {
-    /// Averages over the steady part.
+    /// Averages over the time in which the series are steady.
     Average,
-    /// Curves over time, with errors from replicas.
+    /// Curves over time, with errors from replicas (files of runs with different seeds).
     Curve,
 }
 
 impl JudgeFile {
-    /// Reads the file of settings, and returns its text too. Without a file, all settings have their defaults.
+    /// Reads the file `judge.toml`, and returns its contents and its text. Without a file, all settings have their
+    /// defaults.
     ///
     /// # Errors
-    /// The file cannot be read, is not TOML, or has an unknown or unsuitable key.
+    /// Returns an error if the file cannot be read, is not TOML, or has an unknown key or an unsuitable value.
     pub fn read(path: Option<&Path>, sources: &mut Sources) -> Result<(Self, String), Diagnostic> {
         let Some(path) = path else { return Ok(Default::default()) };
         let name = path.display().to_string();
@@ -115,10 +117,10 @@ impl JudgeFile {
 }
 
 impl SideFile {
-    /// Size of the unit of times [s]; `None` if no unit is given.
+    /// Length of the unit of times in seconds [s]; `None` if the settings give no unit.
     ///
     /// # Errors
-    /// The unit is not one of time.
+    /// Returns an error if the unit is not a unit of time.
     pub fn time_factor(&self, sources: &Sources) -> Result<Option<f64>, Diagnostic> {
         let Some(given) = &self.time_unit else { return Ok(None) };
         match size(given, sources)? {
@@ -137,10 +139,11 @@ impl SideFile {
 }
 
 impl QuantityFile {
-    /// Sizes of the units of both columns in SI, and the SI unit. Without units the sizes are 1 and the unit is empty.
+    /// Factors that convert the columns of A and B to the SI unit, and this unit. Without units the factors are 1 and
+    /// the unit is empty.
     ///
     /// # Errors
-    /// One side has a unit and the other has none, or the dimensions differ.
+    /// Returns an error if only one side has a unit, or if the units of the sides have different dimensions.
     pub fn units(&self, origin: &Located<Self>, sources: &Sources) -> Result<([f64; 2], String), Diagnostic> {
         let (a, b) = match (&self.a_unit, &self.b_unit) {
             (None, None) => return Ok(([1.0; 2], String::new())),
@@ -161,7 +164,7 @@ impl QuantityFile {
     }
 }
 
-/// Dimension of a unit and its size in SI.
+/// Exponents of the dimension of a unit, and the size of the unit in SI units.
 fn size(given: &Located<String>, sources: &Sources) -> Result<(Exponents, f64), Diagnostic> {
     unit(&given.value).map_err(|why| {
         let error = sources.error(&given.origin, format!("`{}` = \"{}\" {}", given.path, given.value, why.message));

@@ -1,4 +1,5 @@
-//! One side of a comparison of files: series over time of several replicas, or a table of points.
+//! One side of a comparison of files: series over time of several replicas (runs with different seeds), or a table of
+//! points.
 
 use super::settings::SideFile;
 use super::table::NumberTable;
@@ -8,75 +9,77 @@ use crate::output::numbers::significant;
 use std::ops::Range;
 use std::path::Path;
 
-/// Names of columns of times, the preferred ones first.
+/// Known names of the column of times, the preferred names first.
 const TIMES: [&str; 9] = ["t_s", "time_s", "time", "Time", "t", "Step", "TimeStep", "step", "frame"];
 
-/// Names of columns that count time steps, or the instants of a file.
+/// Names of columns of times that count time steps, or number the instants of a file.
 const STEPS: [&str; 4] = ["Step", "TimeStep", "step", "frame"];
 
-/// Columns of a table of points that are not part of the label of a point.
+/// Columns of a table of points that do not belong to the label of a point.
 const POINT: [&str; 2] = ["value", "standard_error"];
 
-/// [-] largest deviation of a time from equal spacing, divided by the spacing, in a series that may be averaged.
+/// [-] largest deviation of a time from equal spacing, divided by the spacing, in a series that can be averaged.
 const SPACING: f64 = 1e-3;
 
-/// One side of the comparison.
+/// One side of a comparison of files, with its data.
 pub struct JudgeSide {
     /// Name of the side in sentences.
     pub name: String,
-    /// Paths of all files, as they were given.
+    /// Paths of all files of the side, as the user typed them.
     pub paths: Vec<String>,
-    /// Data read from the files of the side.
+    /// Data from the files of the side.
     pub data: SideData,
 }
 
-/// Data of a side: series over time, or a table of single values.
+/// Data of a side: series over time, or a table of values without times.
 pub enum SideData {
-    /// Series over time, one per replica.
+    /// Series over time, with one table for each replica (run with its own seed).
     Series(SeriesFiles),
-    /// Values with standard errors.
+    /// Table of single values, each with a label and a standard error.
     Points(Vec<MeasuredPoint>),
 }
 
 /// Series over time of all replicas (runs with different seeds) of a side.
 pub struct SeriesFiles {
-    /// Series, one per replica.
+    /// Tables of the replicas, one per file.
     pub replicas: Vec<TimedTable>,
-    /// True if the times of this side can be compared with those of another: they have a unit, or their column does not
-    /// count time steps.
+    /// True if the times of this side can be compared with those of the other side. This holds if a unit of time is
+    /// given, or if the column of times does not count time steps.
     pub unit_known: bool,
-    /// Start of averaging [s], or in the unit of the column of times if the unit is not known. `None` if the test for
-    /// steadiness finds the start.
+    /// Start of averaging, in seconds or, if `unit_known` is false, in the unit of the column of times. `None` if the
+    /// test for steadiness finds the start.
     pub from: Option<f64>,
 }
 
-/// Table with times that increase from row to row.
+/// Table of one file whose times increase from row to row.
 pub struct TimedTable {
-    /// Table with the columns of the file.
+    /// Table of numbers with the columns of the file.
     pub table: NumberTable,
-    /// Index of the column of times in the table.
+    /// Index of the column of times in `table`.
     pub time: usize,
-    /// Times [s]; in the unit of their column if that unit is not known.
+    /// Times of the rows, in seconds or, if no unit is given, in the unit of their column.
     pub times: Vec<f64>,
-    /// Index of the row of the table for each time. Rows that repeat the time of the row before are left out.
+    /// Index of the row of the table for each entry of `times`. Rows that repeat the time of the previous row are left
+    /// out.
     pub rows: Vec<usize>,
 }
 
-/// One row of a table of points: a value with its label.
+/// One row of a table of points: a value, its standard error and its label.
 pub struct MeasuredPoint {
-    /// Label: all cells of the row except the value and its error.
+    /// Label of the point: all cells of the row except the value and the standard error.
     pub label: String,
-    /// Value, in the unit of its column.
+    /// Value of the point, in the unit of its column.
     pub value: f64,
-    /// Standard error, in the unit of its column; `None` if the table states none.
+    /// Standard error of the value, in the unit of the value; `None` if the table gives no standard error.
     pub error: Option<f64>,
 }
 
 impl JudgeSide {
-    /// Reads all files of a side. `argument` is a list of the files, separated by commas.
+    /// Reads all files of a side. `argument` is a list of the files, separated by commas; without it, the settings name
+    /// the files.
     ///
     /// # Errors
-    /// A file cannot be read, has no column of times, or its times do not increase.
+    /// Returns an error if a file cannot be read, if it has no column of times, or if its times do not increase.
     pub fn read(
         argument: Option<&str>,
         file: &SideFile,
@@ -118,7 +121,7 @@ impl JudgeSide {
         Ok(Self { name, paths: names, data })
     }
 
-    /// Warnings for the user about the files of the side.
+    /// Warnings about the files of the side for the user.
     pub fn warnings(&self) -> Vec<String> {
         let SideData::Series(series) = &self.data else { return Vec::new() };
         let of = |one: &TimedTable| {
@@ -133,8 +136,8 @@ impl JudgeSide {
 }
 
 impl NumberTable {
-    /// Index of the column of times: the one that the settings name or else the first known name; `None` if there is no
-    /// such column.
+    /// Index of the column of times: the column that the settings name, else the first column with a known name. `None`
+    /// if there is no such column.
     fn column_of_times(&self, file: &SideFile) -> Option<usize> {
         match &file.time {
             Some(name) => self.column(&name.value),
@@ -185,7 +188,7 @@ impl TimedTable {
         for row in 0..table.len() {
             let now = table.number(row, time, sources)? * factor;
             match times.last() {
-                // LAMMPS writes the last row of a run again as the first row of the next one
+                // LAMMPS repeats the last row of a run as the first row of the next run
                 Some(last) if now == *last => continue,
                 Some(last) if now < *last => {
                     let (name, before) = (&table.columns[time], last / factor);
@@ -201,26 +204,26 @@ impl TimedTable {
         Ok(Self { table, time, times, rows })
     }
 
-    /// Values of a column at all times, in the unit of the column.
+    /// Values of a column at all times, in the unit of the column. `column` is the index of the column.
     ///
     /// # Errors
-    /// A cell contains no finite number.
+    /// Returns an error if a cell contains no finite number.
     pub fn values(&self, column: usize, sources: &Sources) -> Result<Vec<f64>, Diagnostic> {
         self.rows.iter().map(|row| self.table.number(*row, column, sources)).collect()
     }
 
-    /// Time between two samples, in the unit of `times`, and the range of samples from the time `from` on. A last row
-    /// that does not fit the spacing is left out, since programs also write a row at the end of a run.
+    /// Time between two samples, in the unit of `times`, and the range of samples that begins at the time `from`. A
+    /// last row that does not fit the spacing is left out, since some programs write a further row at the end of a run.
     ///
     /// # Errors
-    /// The times are not equally spaced, so that averages over time would need weights.
+    /// Returns an error if the times are not equally spaced. Averages over time would then need weights.
     pub fn spacing(&self, from: Option<f64>, sources: &Sources) -> Result<(f64, Range<usize>), Diagnostic> {
         let count = self.times.len();
         let start = from.map_or(0, |from| self.times.partition_point(|time| *time < from * (1.0 - 1e-9)));
         let [first, second, ..] = self.times[start..] else { return Ok((1.0, start..count)) };
         let interval = second - first;
         let off = |row: usize| {
-            // times with six digits give the spacing a small error, which adds up from row to row
+            // times with six digits give the spacing a small error, which grows from row to row
             let steps = (row - start) as f64;
             (self.times[row] - first - steps * interval).abs() > SPACING * interval * (1.0 + 1e-3 * steps)
         };
@@ -241,8 +244,8 @@ impl TimedTable {
     }
 }
 
-/// Values of a table of points with their labels. The label of a row consists of all its cells except the value and its
-/// error.
+/// Points of a table, each with value, standard error and label. The label of a row consists of all its cells except
+/// the value and the standard error.
 fn points(table: &NumberTable, sources: &Sources) -> Result<Vec<MeasuredPoint>, Diagnostic> {
     let (value, error) = (table.column("value").unwrap_or_default(), table.column("standard_error"));
     let labels: Vec<usize> =

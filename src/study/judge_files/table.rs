@@ -1,5 +1,5 @@
-//! Reads tables of numbers that any program wrote: CSV, thermo output of LAMMPS, files of its `fix ave/time`, and
-//! averages over the particles of a trajectory.
+//! Reads tables of numbers that any program wrote: CSV, thermo output of LAMMPS, output of its command `fix ave/time`,
+//! and averages over the particles of a trajectory.
 
 use crate::case::de::Located;
 use crate::case::{Diagnostic, Origin, Sources, nearest, read_text};
@@ -8,38 +8,39 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 
-/// File of a folder of results that contains averages over time.
+/// Name of the file in a folder of results that contains averages over all particles at each sample.
 const SERIES: &str = "series.csv";
 
-/// Largest number of names that a message lists.
+/// Largest number of names of columns or variants that a message lists.
 const LISTED: usize = 30;
 
-/// Table of numbers from a file, with the position of each row for messages.
+/// Table of numbers from a file, with the place of each row in the file for messages.
 pub struct NumberTable {
     /// Path of the file, as shown in messages.
     pub name: String,
-    /// Names of the columns, in the order of the file.
+    /// Names of the columns of the table, in the order of the file.
     pub columns: Vec<String>,
-    /// True if the file is output of LAMMPS.
+    /// True if the program LAMMPS wrote the file.
     pub is_lammps: bool,
-    /// Index of the text in the list of sources.
+    /// Index of the text of the file in the list of sources.
     pub(super) source: usize,
-    /// Warnings about the file.
+    /// Warnings for the user about the contents of the file.
     pub warnings: Vec<Diagnostic>,
-    /// Numbers of each column, in the order of the rows; NaN for a cell that contains no finite number.
+    /// Numbers of each column, in the order of the rows. NaN stands for a cell without a finite number.
     numbers: Vec<Vec<f64>>,
-    /// Texts of the cells that contain no finite number, by index of the row and index of the column.
+    /// Texts of the cells without a finite number, by index of the row and index of the column.
     texts: BTreeMap<(usize, usize), String>,
-    /// Range of bytes of each row in the text of the file.
+    /// Range of bytes of each row of the table in the text of the file.
     lines: Vec<Range<usize>>,
 }
 
 impl NumberTable {
-    /// Reads a file, or `series.csv` of a folder of results. `argument` may have the form `FOLDER:VARIANT`. `slices` is
-    /// the number of slices in which the particles of a trajectory are averaged.
+    /// Reads a table from a file, or from `series.csv` of a folder of results. `argument` is a path or has the form
+    /// `FOLDER:VARIANT`. `slices` is the number of slices along y in which the particles of a trajectory are averaged.
     ///
     /// # Errors
-    /// The file cannot be read, or is no table; slices of a file without particles.
+    /// Returns an error if the file cannot be read or is no table, or if `slices` is given for a file without
+    /// particles.
     pub fn read(argument: &str, slices: Option<&Located<u32>>, sources: &mut Sources) -> Result<Self, Diagnostic> {
         let path = Path::new(argument);
         let split = argument.rsplit_once(':').filter(|(folder, _)| !path.exists() && Path::new(folder).exists());
@@ -82,8 +83,8 @@ impl NumberTable {
         table.of_variant(variant)
     }
 
-    /// Reads the rows of a file that LAMMPS wrote with `fix ave/time` for scalars. Returns false if the text is no such
-    /// file.
+    /// Reads the rows of a file that the command `fix ave/time` of LAMMPS wrote for scalars. Returns false if the text
+    /// is no such file.
     fn averages(&mut self, text: &str, lines: &[Range<usize>], sources: &Sources) -> Result<bool, Diagnostic> {
         let is_header = |line: &&Range<usize>| text[(*line).clone()].trim_start().starts_with("# TimeStep");
         let Some(header) = lines.iter().find(is_header) else { return Ok(false) };
@@ -102,7 +103,8 @@ impl NumberTable {
         Ok(true)
     }
 
-    /// Reads the rows of a CSV table. The separator is a comma, or a semicolon or a tab if the header has no comma.
+    /// Reads the rows of a CSV table. The separator of cells is a comma or, if the header has no comma, a semicolon or
+    /// a tab.
     fn csv(&mut self, text: &str, sources: &Sources) -> Result<(), Diagnostic> {
         let header = text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or("");
         let separator = [',', ';', '\t'].into_iter().find(|c| header.contains(*c)).unwrap_or(',');
@@ -160,8 +162,8 @@ impl NumberTable {
         Ok(())
     }
 
-    /// Table with the rows of the variant `wanted`, if there is a column of variants. Without a name, the table must
-    /// contain one variant only.
+    /// Table that has only the rows of the variant `wanted`, if a column of the table names variants. Without a wanted
+    /// name, all rows must belong to one variant.
     fn of_variant(self, wanted: Option<&str>) -> Result<Self, Diagnostic> {
         let Some(column) = self.columns.iter().position(|name| name == "variant") else {
             return match wanted {
@@ -205,41 +207,42 @@ impl NumberTable {
         })
     }
 
-    /// Number of rows.
+    /// Number of rows of the table.
     pub fn len(&self) -> usize {
         self.lines.len()
     }
 
-    /// Position of a row in its file, for messages.
+    /// Place of the row with index `row` in its file, for messages.
     pub fn origin(&self, row: usize) -> Origin {
         Origin { source: self.source, span: self.lines[row].clone() }
     }
 
-    /// Index of a column, if there is one of this name.
+    /// Index of the column with the name `name`; `None` if there is no such column.
     pub fn column(&self, name: &str) -> Option<usize> {
         self.columns.iter().position(|known| known == name)
     }
 
-    /// Help text for a column that does not exist: a similar name, and all names.
+    /// Help text for a column name that does not exist: a similar name, and the names of all columns.
     pub fn suggestion(&self, name: &str) -> String {
         let all = format!("its columns: {}", list(&self.columns));
         nearest(name, &self.columns).map_or(all.clone(), |known| format!("did you mean `{known}`? ({all})"))
     }
 
-    /// Text of a cell as in the file; a number may be written differently.
+    /// Text of a cell. A cell without a finite number has the text of the file; the digits of a number may differ from
+    /// the file.
     pub fn text(&self, row: usize, column: usize) -> String {
         self.texts.get(&(row, column)).cloned().unwrap_or_else(|| format!("{}", self.numbers[column][row]))
     }
 
-    /// True if every cell of a column is a finite number.
+    /// True if every cell of the column with index `column` is a finite number.
     pub fn is_numeric(&self, column: usize) -> bool {
         self.numbers[column].iter().all(|number| number.is_finite())
     }
 
-    /// Number in a cell, in the unit of the column.
+    /// Number in the cell at `row` and `column`, in the unit of the column.
     ///
     /// # Errors
-    /// The cell contains no finite number.
+    /// Returns an error if the cell contains no finite number.
     pub fn number(&self, row: usize, column: usize, sources: &Sources) -> Result<f64, Diagnostic> {
         let number = self.numbers[column][row];
         if number.is_finite() {
@@ -252,7 +255,7 @@ impl NumberTable {
     }
 }
 
-/// Names in backquotes, separated by commas; only the first 30 if there are more.
+/// Names in backquotes, separated by commas; at most the first 30 names.
 fn list(names: &[String]) -> String {
     let mut text = names.iter().take(LISTED).map(|name| format!("`{}`", quote(name))).collect::<Vec<_>>().join(", ");
     if names.len() > LISTED {

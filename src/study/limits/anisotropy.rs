@@ -1,5 +1,6 @@
-//! Decay of the anisotropy of the agitation, as a function of the stiffness: soft spheres deflect one another less than
-//! hard ones.
+//! Decay of the anisotropy of the agitation (differences between the velocity variances of the three directions) as a
+//! function of the stiffness. Soft spheres deflect one another less than hard spheres, so their anisotropy decays more
+//! slowly.
 
 use super::picture::{curve, curves, even, measured, points};
 use super::scenes::{DIAMETER, collision_rate, fill, mass, mean, run, simulation, soften};
@@ -15,16 +16,18 @@ use crate::runs::StudyError;
 use crate::statistics::Estimate;
 use std::f64::consts::{FRAC_2_PI, PI};
 
-/// [-] volume fraction of the gas, as in the paper's case D.
+/// [-] volume fraction of the particles, as in case D of the paper.
 const FRACTION: f64 = 0.01;
-/// Number of collisions per particle before the anisotropy is measured first. By then, soft contacts begin and end at
-/// equal rates.
+/// Number of collisions per particle before the first measurement of the anisotropy. By then, soft contacts begin and
+/// end at equal rates.
 const BEFORE: f64 = 0.1;
-/// Number of collisions per particle between both measurements of the anisotropy, which falls by a third. A longer time
-/// would add more scatter than it removes, since later collisions of soft and hard spheres differ by chance.
+/// Number of collisions per particle between the two measurements of the anisotropy. During this time the anisotropy
+/// falls by a third. A longer time would increase the scatter, since later collisions of soft and hard spheres differ
+/// by chance.
 const DURING: f64 = 0.5;
 
-/// [m²/s²] anisotropy T_z - (T_x + T_y)/2 of all particles, about their common mean velocity.
+/// [m²/s²] anisotropy T_z - (T_x + T_y)/2 of all particles. T_x, T_y and T_z are the variances of the velocity
+/// components about their means.
 fn anisotropy(particles: &Particles) -> f64 {
     let count = particles.len() as f64;
     let mean = particles.velocity.iter().sum::<nalgebra::Vector3<f64>>() / count;
@@ -33,16 +36,16 @@ fn anisotropy(particles: &Particles) -> f64 {
     variance.z - 0.5 * (variance.x + variance.y)
 }
 
-/// [m²/s²] granular temperature of the start.
+/// [m²/s²] granular temperature of the particles at the start.
 fn start_temperature(experiment: &Experiment) -> f64 {
     experiment.start[0].mean_fluctuation().powi(2)
 }
 
-/// [1/s] rate -d(ln A)/dt at which the anisotropy A of the velocities decays in a run; and the failure of the run, if
-/// any.
+/// [1/s] rate -d(ln A)/dt at which the anisotropy A of the velocities decays in a run. The second part is the failure
+/// of the run, if it stopped early.
 fn rate(experiment: &Experiment) -> Result<(f64, Option<Failure>), StudyError> {
-    /// Number of windows (pieces of a run) per mean time between two collisions of a particle. With so many, few
-    /// particles collide twice within a window.
+    /// Number of windows (equal pieces of a run) per mean time between two collisions of a particle. With so many
+    /// windows, few particles collide twice within a window.
     const WINDOWS: f64 = 40.0;
     let time = 1.0 / collision_rate(FRACTION, start_temperature(experiment));
     let mut simulation = simulation(experiment)?;
@@ -52,7 +55,8 @@ fn rate(experiment: &Experiment) -> Result<(f64, Option<Failure>), StudyError> {
     Ok(((before / anisotropy(&simulation.particles)).ln() / (DURING * time), failure))
 }
 
-/// Map of the ratio of the decay rates of soft and hard spheres, as a function of the overlap number κ_n.
+/// Map of the decay rate of the anisotropy of soft spheres, divided by that of hard spheres, as a function of the
+/// overlap number κ_n.
 pub fn anisotropy_decay(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (kappas, count, seeds) =
         grid.choose((vec![0.05], 10_000, 6), (vec![0.003, 0.009, 0.02, 0.035, 0.05], 20_000, 48));
@@ -77,8 +81,8 @@ pub fn anisotropy_decay(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     })?;
     let (hard, soft) = runs.split_at(seeds.len());
     let row = |(&kappa, runs): (&f64, &[(f64, Option<Failure>)])| {
-        // all runs of a seed have the same start and mostly equal first collisions, so most of the scatter cancels in
-        // the ratio
+        // all runs with one seed have the same start and mostly equal first collisions, so most of the scatter cancels
+        // in the ratio
         let ratios: Vec<f64> = runs.iter().zip(hard).map(|(soft, hard)| soft.0 / hard.0).collect();
         let (ratio, error) = mean(&ratios, |ratio| *ratio);
         let s = softness(kappa);

@@ -1,5 +1,5 @@
-//! Inelastic collapse of hard spheres: infinitely many collisions in finite time. It occurs on a line, at a wall, in a
-//! gas, and in a bed at rest.
+//! Inelastic collapse of hard spheres: infinitely many collisions in finite time. The maps show it on a line, at a
+//! wall, in a gas, and in a bed at rest.
 
 use super::picture::{MapAxis, curve, curves, even, plane, points};
 use super::scenes::{collision_rate, fill, restitute, row, run, scatter, simulation, temperature};
@@ -18,7 +18,7 @@ fn threshold(n: f64) -> f64 {
     (PI / 4.0 * (1.0 - 1.0 / n)).tan().powi(2)
 }
 
-/// [s] simulated time of an inelastic collapse; `None` if the run ended in another way.
+/// [s] simulated time of the inelastic collapse that stopped a run; `None` if the run ended in another way.
 fn collapse(failure: &Option<Failure>) -> Option<f64> {
     match failure {
         Some(Failure::InelasticCollapse { time, .. }) => Some(*time),
@@ -26,9 +26,9 @@ fn collapse(failure: &Option<Failure>) -> Option<f64> {
     }
 }
 
-/// Gaps [m] and velocities [m/s] of `count` spheres in a row at the start. With `wall`, all approach a wall at 1 m/s.
-/// Otherwise the velocities decrease evenly from 1 m/s (first sphere) to -1 m/s (last one). `set` is the number of the
-/// set of random gaps.
+/// Gaps [m] and velocities [m/s] of `count` spheres in a row at the start. If `wall` is true, all spheres approach a
+/// wall at 1 m/s. Otherwise the velocities decrease evenly from 1 m/s for the first sphere to -1 m/s for the last.
+/// `set` is the number of a set of scattered gaps.
 fn start(count: usize, set: usize, wall: bool) -> (Vec<f64>, Vec<f64>) {
     let middle = if wall { 0.0 } else { 9.0 * count as f64 };
     let gap = |k: usize| 0.5 + scatter(set, k) + if k == 0 { middle } else { 0.0 };
@@ -36,8 +36,8 @@ fn start(count: usize, set: usize, wall: bool) -> (Vec<f64>, Vec<f64>) {
     (0..count).map(|k| (gap(k), speed(k))).unzip()
 }
 
-/// Map of the share of the starts that end in a collapse, as a function of the number of spheres and the restitution.
-/// The spheres are on a line and approach one another; if the case has a wall, all approach the wall.
+/// Map of the share of starts that end in a collapse, as a function of the number of spheres and the restitution. The
+/// spheres are on a line and approach one another or, if the case has a wall, approach the wall.
 pub fn one_dimension(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let wall = !grid.base.scene.walls.is_empty();
     let counts = match (wall, grid.choose(true, false)) {
@@ -87,8 +87,8 @@ pub fn one_dimension(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     Ok(vec![MapSweep::new(rows, lesson, picture)])
 }
 
-/// Map of cooling gases in three dimensions: collisions per sphere until a collapse, as a function of the volume
-/// fraction and the restitution.
+/// Map of gases that cool by inelastic collisions in three dimensions: number of collisions per sphere until a
+/// collapse, as a function of the volume fraction and the restitution.
 pub fn cooling(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (e, fraction, count, collisions) = grid.choose(
         (even(0.1, 0.9, 5), vec![0.05, 0.2, 0.4], 200, 30.0),
@@ -132,25 +132,26 @@ pub fn cooling(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     Ok(vec![MapSweep::new(rows, lesson, picture)])
 }
 
-/// [s] width of the time bins for the collisions of a bed, a sixtieth of the time in which the bed comes to rest.
+/// [s] width of the bins of time in which the collisions of a bed are counted, a sixtieth of the time in which the bed
+/// comes to rest.
 const BIN: f64 = 2e-3;
-/// Number of time bins.
+/// Number of bins of time in which the collisions of a bed are counted.
 const BINS: usize = 75;
 
-/// Collision rate and energy of a bed of spheres in one time bin.
+/// Collision rate of a bed of spheres, and energy conserved by the TC model, in one bin of time.
 struct CollapseInterval {
-    /// [s] middle of the bin.
+    /// [s] simulated time at the middle of the bin.
     at: f64,
-    /// [1/s] collision rate per sphere.
+    /// [1/s] number of collisions per sphere and time in the bin.
     rate: f64,
-    /// [-] energy that collisions did not lose because the TC model (elastic within a contact time) applied, summed
+    /// [-] energy that collisions did not lose because of the TC model (elastic collisions in quick succession), summed
     /// from the start to the end of the bin. It is divided by the initial energy plus the work of gravity.
     kept: f64,
     failure: Option<Failure>,
 }
 
-/// Runs a bed of spheres that comes to rest, and returns one entry for each time bin; a failure ends the list.
-/// `contact_time` [s] is that of the TC model, in which collisions in quick succession are elastic; `None` without this
+/// Runs a bed of spheres that comes to rest, and returns one entry for each bin of time; a failure ends the list.
+/// `contact_time` [s] is that of the TC model, in which collisions in quick succession are elastic. `None` means no TC
 /// model.
 fn bed(grid: &Points, contact_time: Option<f64>) -> Result<Vec<CollapseInterval>, StudyError> {
     let mut simulation = simulation(&grid.with(|case| case.hard.contact_time = contact_time))?;
@@ -174,7 +175,8 @@ fn bed(grid: &Points, contact_time: Option<f64>) -> Result<Vec<CollapseInterval>
     Ok(rows)
 }
 
-/// Map of the collision rate of a bed that comes to rest, without and with the TC model.
+/// Map of the collision rate of a bed that comes to rest, without and with the TC model (elastic collisions in quick
+/// succession).
 pub fn rest(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let times = grid.choose(&[1e-3, 1e-4][..], &[1e-3, 1e-4, 1e-5, 1e-6]);
     let variants: Vec<Option<f64>> = std::iter::once(None).chain(times.iter().copied().map(Some)).collect();

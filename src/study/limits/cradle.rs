@@ -1,4 +1,4 @@
-//! Several contacts at once: rows of spheres that pass an impulse on, and one sphere hit from both sides.
+//! Several contacts at once: rows of spheres that pass on an impulse, and one sphere that is hit from both sides.
 
 use super::picture::{curve, curves, even};
 use super::scenes::{restitute, row, run, simulation, speeds};
@@ -10,14 +10,15 @@ use crate::runs::StudyError;
 use crate::simulation::Simulation;
 use std::f64::consts::PI;
 
-/// [N/m] stiffness in these scenes, with which a contact of two spheres of 1 kg lasts 2.2 ms.
+/// [N/m] stiffness k_n of the soft spheres. A contact of two spheres of 1 kg then lasts 2.2 ms.
 const STIFFNESS: f64 = 1e6;
-/// [-] restitutions for which the row of touching spheres is run.
+/// [-] restitutions with which the row of touching spheres is simulated.
 const RESTITUTIONS: [f64; 2] = [1.0, 0.94];
-/// [m] length of the box.
+/// [m] length of the box along the row of spheres.
 const LENGTH: f64 = 30.0;
 
-/// Two simulations of the case after the change `change`: with soft spheres and with hard spheres.
+/// Two simulations of the case after the function `change` has changed it: first with soft spheres, then with hard
+/// spheres.
 fn both(grid: &Points, change: impl Fn(&mut Experiment)) -> Result<[Simulation; 2], StudyError> {
     let soft = grid.with(&change);
     let hard = grid.with(|case| {
@@ -27,7 +28,8 @@ fn both(grid: &Points, change: impl Fn(&mut Experiment)) -> Result<[Simulation; 
     Ok([simulation(&soft)?, simulation(&hard)?])
 }
 
-/// Map of the velocity of the last sphere in a row of touching spheres, after a sphere has hit the first one.
+/// Map of the velocity of the last sphere in a row of touching spheres after another sphere has hit the row, as a
+/// function of the number of spheres.
 pub fn cradle(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let points: Vec<(usize, f64)> =
         RESTITUTIONS.iter().flat_map(|e| (2..=grid.choose(5, 8)).map(|n| (n, *e))).collect();
@@ -68,8 +70,9 @@ pub fn cradle(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     Ok(vec![MapSweep::new(rows, lesson, picture)])
 }
 
-/// Map of the velocity of the middle one of three spheres that is hit from both sides. The impact from the right is
-/// `late` contact times after that from the left; a negative value means earlier.
+/// Map of the velocity of the middle one of three spheres, which is hit from both sides, as a function of the delay
+/// between the hits. The delay is the time from the hit from the left to the hit from the right, divided by the contact
+/// time [-]. It is negative if the hit from the right comes first.
 pub fn simultaneous(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let contact = PI * (0.5 / STIFFNESS).sqrt();
     let late = even(-2.0, 2.0, grid.choose(17, 81));

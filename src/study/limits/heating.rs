@@ -1,4 +1,4 @@
-//! Heating of an elastic gas of soft spheres by second-order Runge-Kutta.
+//! Numerical heating of an elastic gas of soft spheres by the second-order Runge-Kutta method.
 
 use super::picture::{curve, curves, even, measured, points};
 use super::scenes::{collision_rate, mean, run, simulation};
@@ -12,13 +12,13 @@ use crate::predict::integrator::{Scheme, heating_per_collision, realised_restitu
 use crate::runs::StudyError;
 use crate::statistics::Estimate;
 
-/// [m/s] standard deviation of each velocity component at the start: T = 0.49 m²/s², as in the paper's case D.
+/// [m/s] standard deviation of each velocity component at the start: T = 0.49 m²/s², as in case D of the paper.
 const SPEED: f64 = 0.7;
-/// [-] volume fraction, at which pairs collide often and three particles at once seldom.
+/// [-] volume fraction of the particles. Pairs then collide often, and three particles at once seldom.
 const FRACTION: f64 = 0.1;
 
-/// Map of the relative change of the temperature of an elastic gas for each collision of a particle, an error of the
-/// integrator. It is a function of the steps per contact N_c.
+/// Map of the relative change of the temperature of an elastic gas per collision of a particle, as a function of the
+/// steps per contact N_c. The exact change is zero, so the computed change is an error of the integrator.
 pub fn heating(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (steps, seeds, collisions) = grid.choose(
         (vec![5.0, 7.735, 10.0, 15.0], 3, 20.0),

@@ -1,9 +1,9 @@
-//! `diptych limits`: maps of the parameters at which each method fails. Every point of a map is a run, and every
-//! failure has a type.
+//! `diptych limits`: maps of the parameters with which each method fails. A point of a map is one or several runs, and
+//! every failure has a type.
 //!
 //! The scene of each map is a case file in `cases/limits/`. The heading of the file contains the question, the meaning
-//! of a point, and the columns of the table. One function reads the file and runs all points of a sweep. For each
-//! family of maps, a file in this folder defines the changes from point to point, and the conclusion from the results.
+//! of a point, and the columns of the table. A sweep is a set of points from which one or several maps are made. A file
+//! of this folder for each family of maps defines the changes from point to point, and the conclusion from the results.
 
 mod anisotropy;
 mod collapse;
@@ -32,10 +32,11 @@ use sweep::{MapSweep, Points};
 
 pub use sweep::Grid;
 
-/// One map: its name, its case file, and the names of the columns of its table, separated by commas.
+/// Name of a map, text of its case file, and names of the columns of its table, separated by commas.
 type MapEntry = (&'static str, &'static str, &'static str);
 
-/// The maps of one sweep, and the function that runs the sweep and returns one result for each of these maps.
+/// Maps that are made from one sweep (set of points), and the function that runs the sweep. The function returns one
+/// result for each map.
 type MapRun = (&'static [MapEntry], fn(&Points) -> Result<Vec<MapSweep>, StudyError>);
 
 macro_rules! map {
@@ -44,7 +45,7 @@ macro_rules! map {
     };
 }
 
-/// All sweeps, in the order of the page.
+/// All sweeps (sets of points from which maps are made), in the order of the maps on the page.
 const SWEEPS: [MapRun; 20] = [
     (&[map!("stability-verlet", "reduced_step,restitution,growth,limit")], stability::stability),
     (&[map!("stability-heun", "reduced_step,restitution,growth,limit")], stability::stability),
@@ -95,7 +96,7 @@ const SWEEPS: [MapRun; 20] = [
     (&[map!("walton-undamped", "reduced_slip,tangential_restitution,rebound,walton,error")], walton::walton),
 ];
 
-/// Runs one sweep of points; returns its maps in the order of `SWEEPS`.
+/// Runs all points of one sweep, and returns its maps in the order of `SWEEPS`.
 fn sweep(&(entries, run): &MapRun, grid: &Grid) -> Result<Vec<Map>, StudyError> {
     let cases: Vec<Case> = entries
         .iter()
@@ -116,25 +117,25 @@ fn sweep(&(entries, run): &MapRun, grid: &Grid) -> Result<Vec<Map>, StudyError> 
     Ok(maps.collect())
 }
 
-/// Runs the map with a given name; `None` if there is no such map.
+/// Computes the map with the name `name`; `None` if there is no such map.
 ///
 /// # Errors
-/// The scene could not be made, which would be an error in the program.
+/// Returns an error if the particles of a point cannot be placed. This would be a fault of the program.
 pub fn map(name: &str, grid: &Grid) -> Option<Result<Map, StudyError>> {
     let one = SWEEPS.iter().find(|(entries, _)| entries.iter().any(|entry| entry.0 == name))?;
     sweep(one, grid).map(|maps| maps.into_iter().find(|map| map.name == name)).transpose()
 }
 
-/// The names of all maps.
+/// Names of all maps, in the order of the page.
 pub fn names() -> impl Iterator<Item = &'static str> {
     SWEEPS.iter().flat_map(|(entries, _)| entries.iter().map(|entry| entry.0))
 }
 
-/// Runs the requested maps and writes one folder.
+/// Computes the requested maps, all maps by default, and writes them to one folder.
 ///
 /// # Errors
-/// Bad input, before anything is computed; a file that cannot be written afterwards. Failures of engines are results of
-/// this command.
+/// Returns an error for bad input, before anything is computed, or for a file that cannot be written. Failures of
+/// engines are no errors, but results of this command.
 pub fn limits(args: &Limits) -> Result<(), StudyError> {
     if let Some(unknown) = args.only.iter().find(|name| !names().any(|known| known == *name)) {
         let names: Vec<&str> = names().collect();

@@ -1,4 +1,5 @@
-//! Realised restitution of a head-on pair of soft spheres that first touch at any phase of a time step.
+//! Realised restitution of head-on impacts of two soft spheres that first touch at different instants within a time
+//! step.
 
 use super::picture::{MapAxis, even, plane, points};
 use super::scenes::{DIAMETER, mass, place, restitute, run, simulation, speeds};
@@ -12,13 +13,13 @@ use crate::predict::integrator::{Scheme, realised_restitution};
 use crate::runs::StudyError;
 use nalgebra::Vector3;
 
-/// [-] upper limits of the first four classes of |realised restitution - given restitution|; the fifth class has larger
-/// errors.
+/// [-] upper limits of the first four classes of the error |realised restitution - given restitution|. The fifth class
+/// has larger errors.
 const CLASSES: [f64; 4] = [0.001, 0.005, 0.02, 0.05];
 
 /// Mean, least and largest realised restitution [-] of head-on impacts, and the first failure. The impacts first touch
-/// at `phases` equally spaced phases of a time step of `step` [s]. `e` is the given restitution, `steps` the number of
-/// steps per contact.
+/// at `phases` equally spaced instants within a time step of `step` [s]. `e` is the given restitution, `steps` the
+/// number of steps per contact.
 fn rebounds(
     grid: &Points,
     phases: u32,
@@ -46,8 +47,8 @@ fn rebounds(
     Ok(([sum, least, largest], failure))
 }
 
-/// Map of the realised restitution as a function of steps per contact and given restitution, with the law and the
-/// integrator of the case.
+/// Map of the realised restitution as a function of the steps per contact N_c and the given restitution. The contact
+/// law and the integrator are those of the case.
 pub fn restitution(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (steps, e, phases) = grid.choose(
         (vec![5.0, 7.735, 10.0, 15.0, 20.0, 50.0], vec![0.1, 0.5, 0.8, 0.94, 1.0], 20),

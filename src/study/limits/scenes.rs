@@ -1,4 +1,4 @@
-//! Changes of scenes from point to point of a map, and quantities that are computed from their runs.
+//! Functions that change a scene from point to point of a map, and quantities that are computed from its runs.
 
 use crate::contact_law::ContactLaw;
 use crate::domain::Domain;
@@ -10,36 +10,36 @@ use crate::scene::{Species, Surface};
 use crate::simulation::Simulation;
 use nalgebra::Vector3;
 
-/// [m] diameter of the paper's small particle.
+/// [m] diameter of the small particle of the paper.
 pub const DIAMETER: f64 = 406e-6;
-/// [kg/m³] density of the paper's small particle.
+/// [kg/m³] density of the small particle of the paper.
 const DENSITY: f64 = 1038.0;
-/// [N/m] stiffness of the paper.
+/// [N/m] stiffness k_n of the contacts of the paper.
 pub const STIFFNESS: f64 = 3000.0;
 
-/// [kg] mass of the paper's small particle.
+/// [kg] mass of the small particle of the paper.
 pub fn mass() -> f64 {
     Species::new("", DIAMETER, DENSITY).mass()
 }
 
-/// A simulation of an experiment at its start.
+/// Simulation of an experiment, with the particles at their start.
 pub fn simulation(experiment: &Experiment) -> Result<Simulation, StudyError> {
     Ok(Simulation::new(experiment, start(experiment)?))
 }
 
 /// Runs a simulation for `duration` [s] in `windows` equal windows (pieces of the run). Returns the failure if the run
-/// stops early, since failures are results of a map.
+/// stops early; failures are results of a map.
 pub fn run(simulation: &mut Simulation, windows: u64, duration: f64) -> Option<Failure> {
     simulation.run(windows, duration / windows as f64).err()
 }
 
-/// Sets the run to soft spheres with the given contact law.
+/// Changes the model of the experiment to soft spheres with the contact law `law`.
 pub fn soften(experiment: &mut Experiment, law: ContactLaw) {
     experiment.soft.law = Some(law);
     experiment.run.spheres = Spheres::Soft(law);
 }
 
-/// Starts the particles of the case with the positions [m] and velocities [m/s] of `list`.
+/// Gives the particles of the case the positions [m] and velocities [m/s] in `list` at the start.
 pub fn place(experiment: &mut Experiment, list: Vec<(Vector3<f64>, Vector3<f64>)>) {
     let species = experiment.start[0].species;
     let kind = &experiment.scene.species[usize::from(species)];
@@ -51,7 +51,8 @@ pub fn place(experiment: &mut Experiment, list: Vec<(Vector3<f64>, Vector3<f64>)
 }
 
 /// Puts spheres of diameter 1 m and mass 1 kg in a row along x, in a box of `length` [m]. The first of the `gaps` [m]
-/// lies between the box side x = 0 and the first sphere, the others between spheres. `velocities` [m/s] are along x.
+/// lies between the side x = 0 of the box and the first sphere, the others between neighbouring spheres. `velocities`
+/// [m/s] are those along x.
 pub fn row(experiment: &mut Experiment, length: f64, gaps: &[f64], velocities: &[f64]) {
     let mut at = 0.0;
     let spheres = gaps.iter().zip(velocities).map(|(gap, velocity)| {
@@ -65,7 +66,7 @@ pub fn row(experiment: &mut Experiment, length: f64, gaps: &[f64], velocities: &
     *domain = Domain::new(Vector3::new(length, domain.size.y, domain.size.z), domain.periodic);
 }
 
-/// Sets the restitution [-] of all contacts between spheres and with walls.
+/// Sets the `restitution` [-] of all contacts between spheres and of all contacts with walls.
 pub fn restitute(experiment: &mut Experiment, restitution: f64) {
     let scene = &mut experiment.scene;
     let walls = scene.walls.iter_mut().map(|wall| &mut wall.surface);
@@ -75,35 +76,36 @@ pub fn restitute(experiment: &mut Experiment, restitution: f64) {
         .for_each(|surface| *surface = Surface::new(restitution, surface.friction));
 }
 
-/// Fills a periodic cube with `count` of the paper's small spheres, at the volume fraction φ [-].
+/// Fills a periodic cube with `count` small spheres of the paper, so that their volume fraction is `fraction` [-].
 pub fn fill(experiment: &mut Experiment, count: usize, fraction: f64) {
     let edge = (count as f64 * mass() / DENSITY / fraction).cbrt();
     experiment.scene.domain = Domain::new(Vector3::repeat(edge), [true; 3]);
     experiment.start[0].amount = Amount::Count(count);
 }
 
-/// [1/s] collision rate of a sphere in a gas with volume fraction φ and temperature T [m²/s²], by Enskog: 24 φ g
-/// sqrt(T/π)/d. The contact value g = (1 - φ/2)/(1 - φ)³ is that of Carnahan and Starling (1969).
+/// [1/s] collision rate of one sphere in a gas, by Enskog: 24 φ g sqrt(T/π)/d. `fraction` is the volume fraction φ [-],
+/// `temperature` the granular temperature T [m²/s²]. The contact value g = (1 - φ/2)/(1 - φ)³ is that of Carnahan and
+/// Starling (1969).
 pub fn collision_rate(fraction: f64, temperature: f64) -> f64 {
     let g = (1.0 - 0.5 * fraction) / (1.0 - fraction).powi(3);
     24.0 * fraction * g * (temperature / std::f64::consts::PI).sqrt() / DIAMETER
 }
 
-/// [m²/s²] temperature 2E/(3(N-1)m) of a gas of equal spheres with kinetic energy E. The total momentum is zero, which
-/// removes three degrees of freedom.
+/// [m²/s²] granular temperature 2E/(3(N-1)m) of a gas of N equal spheres with kinetic energy E. The total momentum is
+/// zero, which removes three degrees of freedom.
 pub fn temperature(simulation: &Simulation) -> f64 {
     2.0 * simulation.particles.kinetic_energy() / (3.0 * (simulation.particles.len() as f64 - 1.0) * mass())
 }
 
-/// [m/s] velocities of the spheres along x, in the order of their ids.
+/// [m/s] velocity components along x of all spheres, in the order of their ids.
 pub fn speeds(simulation: &Simulation) -> Vec<f64> {
     let mut particles = simulation.particles.clone();
     particles.sort_by_id();
     particles.velocity.iter().map(|v| v.x).collect()
 }
 
-/// Number k of a quasi-random sequence in [0, 1), which fills the interval evenly. Each value of `set` gives another
-/// sequence.
+/// [-] number with index `k` in a quasi-random sequence that fills the interval [0, 1) evenly. Each value of `set`
+/// gives a different sequence.
 pub fn scatter(set: usize, k: usize) -> f64 {
     // multiples of the inverse golden section, shifted by multiples of the inverse root of x³ = x + 1 (Roberts 2018)
     const GOLDEN: f64 = 0.618_033_988_749_895;
@@ -111,7 +113,8 @@ pub fn scatter(set: usize, k: usize) -> f64 {
     ((k + 1) as f64 * GOLDEN + (set + 1) as f64 * PLASTIC).fract()
 }
 
-/// Mean of a number `of` a run over runs with different seeds, and its standard error; with one run the error is NaN.
+/// Mean over runs with different seeds of the number that the function `of` takes from each run, and the standard error
+/// of this mean. With one run the error is NaN.
 pub fn mean<T>(runs: &[T], of: impl Fn(&T) -> f64) -> (f64, f64) {
     let n = runs.len() as f64;
     let mean = runs.iter().map(&of).sum::<f64>() / n;

@@ -1,4 +1,4 @@
-//! Collision rate of soft spheres as a function of their softness: soft spheres act as if they were smaller.
+//! Collision rate of soft spheres as a function of their softness: soft spheres behave like smaller hard spheres.
 
 use super::picture::{curve, curves, even, measured, points};
 use super::scenes::{DIAMETER, collision_rate, mass, mean, run, simulation, soften, temperature};
@@ -14,30 +14,30 @@ use std::f64::consts::PI;
 
 /// [m/s] standard deviation of each velocity component at the start.
 const SPEED: f64 = 0.7;
-/// [-] volume fraction of the gas.
+/// [-] volume fraction of the particles.
 const FRACTION: f64 = 0.1;
 /// Number of samples of the temperature in a run.
 const SAMPLES: u32 = 50;
 
-/// [N/m] stiffness k of the springs for which sqrt(m T/k)/d equals `softness` [-].
+/// [N/m] stiffness k of the contact springs for which the softness sqrt(m T/k)/d equals `softness` [-].
 fn stiffness(softness: f64) -> f64 {
     mass() * (SPEED / (softness * DIAMETER)).powi(2)
 }
 
-/// [-] effective diameter over the diameter, d_eff/d = 1 - sqrt(π m T/(2k))/d, of spheres with the given softness
-/// sqrt(m T/k)/d (Barker and Henderson 1967, for a linear spring).
+/// [-] effective diameter of soft spheres divided by their diameter, d_eff/d = 1 - sqrt(π m T/(2k))/d (Barker and
+/// Henderson 1967, for a linear spring). `softness` [-] is sqrt(m T/k)/d.
 fn effective_diameter(softness: f64) -> f64 {
     1.0 - (PI / 2.0).sqrt() * softness
 }
 
-/// [-] collision rate of hard spheres of the effective diameter, divided by that of hard spheres of the full diameter
-/// d. `softness` is sqrt(m T/k)/d.
+/// [-] collision rate of hard spheres of the effective diameter d_eff, divided by that of hard spheres of the full
+/// diameter d. `softness` [-] is sqrt(m T/k)/d.
 fn of_smaller_spheres(softness: f64) -> f64 {
     let smaller = effective_diameter(softness);
     collision_rate(FRACTION * smaller.powi(3), 1.0) / smaller / collision_rate(FRACTION, 1.0)
 }
 
-/// [-] rate at which soft spheres touch at the distance d over that of hard spheres, as a function of the softness
+/// [-] rate at which soft spheres touch at the distance d, divided by the rate of hard spheres. `softness` [-] is
 /// sqrt(m T/k)/d. Their neighbours are those of spheres of diameter d_eff, slightly beyond contact: g (1 + g'/g (d -
 /// d_eff)). The slope at contact is from Percus and Yevick's equation (Wertheim 1963): g' d = -(9/2) φ (1+φ)/(1-φ)³.
 fn touches(softness: f64) -> f64 {
@@ -48,11 +48,11 @@ fn touches(softness: f64) -> f64 {
     (contact(fraction) + slope * (1.0 / smaller - 1.0)) / contact(FRACTION)
 }
 
-/// [1/m] collision rate of a sphere over the square root of the temperature, measured in a run of `duration` [s]; and
-/// the failure of the run, if any.
+/// [1/m] collision rate of one sphere divided by the square root of the granular temperature, measured in a run of
+/// `duration` [s]. The second part is the failure of the run, if it stopped early.
 fn rate(experiment: &Experiment, duration: f64) -> Result<(f64, Option<Failure>), StudyError> {
     let mut simulation = simulation(experiment)?;
-    // in the first tenth of the time the influence of the start decays
+    // the influence of the start decays during the first tenth of the time, which is not measured
     let mut failure = run(&mut simulation, 5, 0.1 * duration);
     let before = simulation.record.pairs.count;
     let mut roots = 0.0;
@@ -66,7 +66,8 @@ fn rate(experiment: &Experiment, duration: f64) -> Result<(f64, Option<Failure>)
     Ok((collisions / (0.9 * duration) / roots, failure))
 }
 
-/// Map of the ratio of the collision rates of soft and hard spheres, as a function of the softness.
+/// Map of the collision rate of soft spheres, divided by that of hard spheres, as a function of the softness sqrt(m
+/// T/k)/d.
 pub fn softness(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (softness, seeds, collisions) = grid.choose(
         (vec![0.01, 0.02, 0.05], 3, 30.0),

@@ -1,4 +1,5 @@
-//! Error of splitting drag from straight flight, as a function of the window, the time between two drag kicks.
+//! Error that comes from computing drag and straight flight one after the other (splitting), as a function of the
+//! window, the time between two kicks of drag.
 
 use super::picture::{curve, curves};
 use super::scenes::{run, simulation};
@@ -7,14 +8,15 @@ use crate::output::numbers::significant;
 use crate::output::panel::SeriesStyle;
 use crate::runs::StudyError;
 
-/// Number of windows (times between two kicks of drag) in the reference run, 32 times that of the finest point. The
-/// error of the reference is thus (1/32)² of the error of that point.
+/// Number of windows (times between two kicks of drag) in the reference run, 32 times that of the finest point of the
+/// map. The error of the reference is thus (1/32)² of the error of this point.
 const REFERENCE: u64 = 16_384;
 
-/// Map of the error of position and velocity as a function of the window, the time between two kicks of drag.
+/// Map of the errors of position and velocity at the end of a run, as a function of the window, the time between two
+/// kicks of drag.
 pub fn splitting(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let powers: Vec<u32> = grid.choose(vec![0, 3, 6, 9], (0..=9).collect());
-    // [s] about the response time of the paper's small sphere
+    // [s] about the response time of the small sphere of the paper
     let duration = grid.base.run.duration;
     let at = |windows: u64| {
         let mut simulation = simulation(&grid.base)?;

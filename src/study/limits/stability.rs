@@ -1,4 +1,4 @@
-//! Stability of lasting contacts of soft spheres: a sphere held between two walls, slightly disturbed.
+//! Stability of lasting contacts of soft spheres: a sphere held between two walls is slightly disturbed.
 //!
 //! Each of the two walls has half the stiffness and half the dashpot. Together they act as one lasting contact of
 //! stiffness k_n and restitution e. No force presses the sphere against a single wall.
@@ -14,29 +14,29 @@ use crate::predict::integrator::{Scheme, reduced_step, stability_limit};
 use crate::runs::StudyError;
 use std::f64::consts::PI;
 
-/// [-] overlap of the sphere with each wall, divided by the diameter.
+/// [-] overlap of the sphere with each of the two walls, divided by the diameter of the sphere.
 const SQUEEZE: f64 = 0.005;
 
-/// [-] size of the initial disturbance, divided by the overlap with each wall. The contacts open when the disturbance
-/// has grown a hundredfold.
+/// [-] size of the initial disturbance, divided by the overlap of the sphere with each wall. The contacts open when the
+/// disturbance has grown a hundredfold.
 const DISTURBANCE: f64 = 0.01;
 
-/// Number of time steps in the run of one point of the map. Heun's method without damping at ω_0 Δt = 0.1 grows by
-/// 1.25e-5 per step, a factor of 3.5 in all.
+/// Number of time steps in the run of one point of the map. At ω_0 Δt = 0.1 without damping, Heun's method increases
+/// the disturbance by 1.25e-5 per step, a factor of 3.5 in all.
 const STEPS: f64 = 1e5;
 
-/// [-] growth of the oscillation from which on a point is called unstable. It is far from 1, the growth of a stable one
-/// without damping, and from 100, at which the contacts open.
+/// [-] growth of the disturbance from which a point of the map counts as unstable. It is far from 1, the growth of a
+/// stable point without damping, and from 100, at which the contacts open.
 const GROWS: f64 = 2.0;
 
-/// [-] restitution of the contact with one of the two walls, for which both contacts together act as one contact of the
-/// given `restitution`. The damping ratio of one is that of both over √2.
+/// [-] restitution of the contact with one of the two walls. Both contacts together then act as one contact of the
+/// given `restitution` [-]. The damping ratio of one contact is that of both divided by √2.
 fn of_one(restitution: f64) -> f64 {
     let damping = damping_ratio(restitution) / 2.0f64.sqrt();
     (-PI * damping / (1.0 - damping * damping).sqrt()).exp()
 }
 
-/// Map of the growth of a disturbance as a function of time step and restitution, with the integrator of the case.
+/// Map of the growth of a disturbance as a function of time step and restitution. The integrator is that of the case.
 pub fn stability(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (x, e) = grid.choose((even(0.2, 3.0, 15), even(0.2, 1.0, 5)), (even(0.1, 3.0, 30), even(0.05, 1.0, 20)));
     let frequency = (STIFFNESS / mass()).sqrt();
@@ -49,7 +49,7 @@ pub fn stability(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
             case.soft.time_step = TimeStep::Fixed(step);
         }))?;
         let mut failure = run(&mut simulation, 1, STEPS * step);
-        // amplitude: half the range of the positions during 64 steps, one period at the shortest step
+        // amplitude: half the range of the positions during 64 steps, which is one period at the shortest step
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
         for _ in 0..64 {
             // the run is continued even if a step failed because the energy grew

@@ -1,5 +1,5 @@
-//! Hard spheres in time steps: collisions are searched at the ends of steps, so that some are missed and overlaps
-//! remain.
+//! Hard spheres that move in time steps: collisions are searched at the end of each step. Some collisions are therefore
+//! missed, and others are found after the spheres have overlapped.
 
 use super::picture::{curve, curves, even, measured, points};
 use super::scenes::{collision_rate, mean, run, simulation};
@@ -12,26 +12,26 @@ use crate::runs::StudyError;
 use crate::statistics::Estimate;
 use std::f64::consts::PI;
 
-/// [m/s] standard deviation of each velocity component.
+/// [m/s] standard deviation of each velocity component of the particles at the start.
 const SPEED: f64 = 0.5;
-/// [-] volume fraction of the gas.
+/// [-] volume fraction of the particles.
 const FRACTION: f64 = 0.1;
 
-/// Results of one run of hard spheres in time steps. Collisions are found as overlaps at the ends of steps.
+/// Results of one run of hard spheres in time steps, whose collisions are found as overlaps at the end of a step.
 struct SteppedRun {
-    /// Number of collisions that were found and got an impulse.
+    /// Number of collisions that were found and changed the velocities.
     pairs: f64,
-    /// Number of missed collisions, in which the spheres separated again before the next search for collisions.
+    /// Number of missed collisions: the spheres overlapped and separated again before the next search for collisions.
     missed: f64,
-    /// [-] mean overlap at which collisions were found, divided by the diameter; 0 if there was no collision.
+    /// [-] mean overlap at which collisions were found, divided by the diameter. It is 0 if there was no collision.
     overlap: f64,
     /// [-] 99 % quantile of the overlap at which collisions were found, divided by the diameter.
     deepest: f64,
     failure: Option<Failure>,
 }
 
-/// Maps of the missed collisions and of the remaining overlap as functions of the step criterion θ, from one set of
-/// runs.
+/// Two maps from one set of runs: the share of missed collisions, and the overlap at which collisions are found, as
+/// functions of the step criterion θ.
 pub fn missed_and_overlap(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (theta, seeds, collisions) = grid.choose(
         (vec![0.05, 0.1, 0.3, 1.0], 3, 20.0),
@@ -46,8 +46,8 @@ pub fn missed_and_overlap(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
             case.run.seed = seed as u64;
             case.hard.stepping = if theta > 0.0 { HardStepping::Steps { theta } } else { HardStepping::Events };
         }))?;
-        // a single window: a window contains a whole number of steps, so a short window would force shorter steps than
-        // θ allows
+        // a single window: a window has a whole number of steps, so a short window would force shorter steps than θ
+        // allows
         let failure = run(&mut simulation, 1, duration);
         let summary = simulation.record.pairs.summary();
         Ok(SteppedRun {
@@ -63,8 +63,8 @@ pub fn missed_and_overlap(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     Ok(vec![missed(exact, &stepped), overlap(&stepped)])
 }
 
-/// Rows of the table, one for each value of the step criterion θ. `values` makes the numbers of a row from θ and its
-/// runs.
+/// Rows of the table of a map, one for each value of the step criterion θ. The function `values` computes the numbers
+/// of a row from θ and the runs with this θ.
 fn rows(stepped: &[(f64, &[SteppedRun])], values: impl Fn(f64, &[SteppedRun]) -> Vec<f64>) -> Vec<KnownPoint> {
     let failure = |runs: &[SteppedRun]| runs.iter().find_map(|seen| seen.failure.clone());
     stepped.iter().map(|(theta, runs)| KnownPoint { values: values(*theta, runs), failure: failure(runs) }).collect()

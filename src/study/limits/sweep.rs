@@ -1,4 +1,4 @@
-//! One sweep of a map: runs all of its points, and stores their results.
+//! One sweep (set of points from which maps are made): runs all of its points, and stores their results.
 
 use crate::engine::Failure;
 use crate::experiment::Experiment;
@@ -6,45 +6,46 @@ use crate::output::limits::{self, Picture};
 use crate::runs::StudyError;
 use crate::study::points::run_points;
 
-/// Options for running the points of a sweep.
+/// Options for running the points of a sweep (set of points from which maps are made).
 #[derive(Clone, Copy, Debug)]
 pub struct Grid {
-    /// True for coarser grids and shorter runs.
+    /// True for fewer points and shorter runs.
     pub quick: bool,
-    /// True to hide the progress.
+    /// True if no progress is displayed.
     pub quiet: bool,
 }
 
-/// Options and base experiment of a sweep, from which its points are made.
+/// Options and base experiment of a sweep (set of points from which maps are made). The experiments of all points are
+/// changed copies of the base experiment.
 pub struct Points<'a> {
     /// Options for running the points.
     pub grid: &'a Grid,
-    /// Name of the first map of the sweep, for the progress display.
+    /// Name of the first map of the sweep, which is displayed with the progress.
     pub name: &'static str,
-    /// Experiment of the case file of the sweep. Each point changes a part of a copy.
+    /// Experiment of the case file of the sweep, of which each point changes a copy.
     pub base: Experiment,
 }
 
-/// Point of a map all of whose numbers are known.
+/// Point of a map whose numbers are all known.
 pub struct KnownPoint {
-    /// Numbers in the order of the columns, each in the unit of its column.
+    /// Numbers of the row of the table, in the order of its columns, each in the unit of its column.
     pub values: Vec<f64>,
-    /// Failure of the first run of the point that stopped; `None` if none did.
+    /// Failure of the first run of the point that stopped early; `None` if no run stopped.
     pub failure: Option<Failure>,
 }
 
-/// Results of a sweep for one map.
+/// Results of a sweep (set of points) for one of its maps.
 pub struct MapSweep {
-    /// The points of the map, in the order in which they are drawn.
+    /// Points of the map, in the order in which they are drawn.
     pub rows: Vec<limits::MapPoint>,
-    /// Conclusion from the numbers, in words.
+    /// Conclusion from the numbers of the map, as sentences.
     pub lesson: String,
     /// Picture of the map.
     pub picture: Picture,
 }
 
 impl MapSweep {
-    /// Makes a map from points without missing numbers.
+    /// Makes the results of a map from points without missing numbers.
     pub fn new(rows: Vec<KnownPoint>, lesson: String, picture: Picture) -> Self {
         let row = |row: KnownPoint| limits::MapPoint {
             values: row.values.into_iter().map(Some).collect(),
@@ -55,20 +56,20 @@ impl MapSweep {
 }
 
 impl Points<'_> {
-    /// Returns `quick` for the coarse grid, `full` for the full one.
+    /// Returns `quick` if the user asked for fewer points and shorter runs, else `full`.
     pub fn choose<T>(&self, quick: T, full: T) -> T {
         if self.grid.quick { quick } else { full }
     }
 
-    /// Copy of the experiment of the case file, after the change `change`.
+    /// Copy of the experiment of the case file, changed by the function `change`.
     pub fn with(&self, change: impl FnOnce(&mut Experiment)) -> Experiment {
         let mut experiment = self.base.clone();
         change(&mut experiment);
         experiment
     }
 
-    /// Runs all points, several at once, and returns their results in the order of the points. The results do not
-    /// depend on the threads.
+    /// Runs all points of the sweep, several at once, and returns their results in the order of the points. The results
+    /// do not depend on the number of threads.
     pub fn run<P: Sync, R: Send>(
         &self,
         points: &[P],

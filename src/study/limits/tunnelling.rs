@@ -1,4 +1,4 @@
-//! Spheres that are too soft for their speed: deep overlaps, and passage through a thin plate.
+//! Soft spheres whose stiffness is too low for their speed: deep overlaps, and passage through a thin plate.
 
 use super::picture::{MapAxis, even, plane, points, ratios};
 use super::scenes::{DIAMETER, STIFFNESS, mass, place, run, simulation, soften};
@@ -17,13 +17,13 @@ const PLATE: f64 = 0.1;
 /// [m] height y of the middle plane of the plate.
 const MIDDLE: f64 = 0.02;
 
-/// Map of the largest overlap of a pair, as a function of impact speed and stiffness.
+/// Map of the largest overlap of two colliding spheres, as a function of impact speed and stiffness.
 pub fn pair(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let count = grid.choose(13, 25);
     let (speed, stiffness) = (ratios(0.01, 100.0, count), ratios(0.01, 1e5, count));
     let reduced = 0.5 * mass();
     let rows = grid.run(&points(&speed, &stiffness), |&(speed, stiffness)| {
-        // time from a gap of 0.594 mm to the touch, then two contact times
+        // time from a gap of 0.594 mm to the first touch, then two contact times
         let duration = 0.6e-3 / speed + 2.0 * (PI * (reduced / stiffness).sqrt());
         let sphere = |x: f64, speed: f64| (Vector3::new(x, 1e-3, 1e-3), Vector3::new(speed, 0.0, 0.0));
         let mut simulation = simulation(&grid.with(|case| {
@@ -66,9 +66,9 @@ pub fn pair(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     Ok(vec![MapSweep::new(rows, lesson, picture)])
 }
 
-/// Point of the map: `reduced` [-], the speed divided by d ω_0; the number `steps` of steps per contact; the share of
-/// spheres stopped by the overlap limit, and the share that passed undetected. The `phases` spheres start at equally
-/// spaced phases of a step.
+/// Point of the map of spheres that hit a thin plate. `reduced` [-] is their speed divided by d ω_0, `steps` the number
+/// of steps per contact. The point also has the share of spheres stopped by the overlap limit, and the share that
+/// passed undetected. The `phases` spheres start at equally spaced phases of a step.
 fn through_plate(grid: &Points, reduced: f64, steps: f64, phases: i32) -> Result<KnownPoint, StudyError> {
     let frequency = (STIFFNESS / mass()).sqrt();
     let speed = reduced * DIAMETER * frequency;
@@ -101,7 +101,8 @@ fn through_plate(grid: &Points, reduced: f64, steps: f64, phases: i32) -> Result
     Ok(KnownPoint { values: vec![reduced, steps, share(stopped), share(passed)], failure })
 }
 
-/// Map of the passage of a sphere through a thin plate, as a function of its speed and the steps per contact.
+/// Map of the passage of a soft sphere through a thin plate, as a function of its speed and of the steps per contact
+/// N_c.
 pub fn plate(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (speed, steps, phases) = grid.choose(
         (even(0.2, 4.0, 20), vec![2.0, 3.0, 4.0, 5.0, 7.0, 10.0], 8),

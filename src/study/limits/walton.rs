@@ -1,4 +1,5 @@
-//! Comparison of Walton's rule for oblique impacts with soft impacts whose tangential spring has the same β_0.
+//! Comparison of Walton's rule for oblique impacts of hard spheres with soft impacts. The tangential spring of the soft
+//! impacts has the same tangential restitution β_0 as the rule.
 
 use super::picture::{MapAxis, even, plane, points};
 use super::scenes::{run, simulation};
@@ -13,15 +14,17 @@ use crate::runs::StudyError;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// [-] upper limits of the first four classes of the error of Walton's rule, relative to the largest friction impulse.
+/// [-] upper limits of the first four classes of the error of Walton's rule. The error is divided by the largest
+/// friction impulse.
 const CLASSES: [f64; 4] = [0.002, 0.01, 0.05, 0.2];
 
-/// [-] M_t/M, effective mass of the slip over that of the normal motion, for a solid sphere (docs/rotation.md).
+/// [-] ratio M_t/M for a solid sphere: effective mass of the slip divided by that of the normal motion
+/// (docs/rotation.md).
 const SOLID: f64 = 2.0 / 7.0;
 
-/// Tangential law with the tangential restitution `beta` (β_0) [-], for surfaces of `restitution` e [-]. If the law of
-/// the case gives a β_0, only this number is replaced. Otherwise the spring has no dashpot, and its stiffness ratio is
-/// κ = (2/7)(1 - ζ²)(arccos(-β_0)/π)².
+/// Tangential law with the tangential restitution `beta` (β_0) [-], for surfaces whose normal restitution is
+/// `restitution` [-]. If the law of the case gives a β_0, only this number is replaced. Otherwise the spring has no
+/// dashpot, and its stiffness ratio is κ = (2/7)(1 - ζ²)(arccos(-β_0)/π)².
 fn law(case: &TangentialLaw, restitution: f64, beta: f64) -> TangentialLaw {
     let ratio = damping_ratio(restitution);
     TangentialLaw::Linear(match case {
@@ -33,8 +36,8 @@ fn law(case: &TangentialLaw, restitution: f64, beta: f64) -> TangentialLaw {
     })
 }
 
-/// Reduced slip s/(μ u_n) [-] of the surfaces after one impact under `law`; `reduced` [-] is the value before. The
-/// second part is the failure of the run, if any.
+/// Reduced slip s/(μ u_n) [-] of the surfaces after one impact with the tangential law `law`; `reduced` [-] is the
+/// reduced slip before it. The second part is the failure of the run, if it stopped early.
 fn rebound(grid: &Points, law: TangentialLaw, reduced: f64) -> Result<(f64, Option<Failure>), StudyError> {
     let mut unit = 0.0;
     let mut simulation = simulation(&grid.with(|case| {
@@ -52,8 +55,8 @@ fn rebound(grid: &Points, law: TangentialLaw, reduced: f64) -> Result<(f64, Opti
     Ok((slip(&particles.velocity[0], &Vector3::y(), &surface).x / unit, failure))
 }
 
-/// Map of the error of Walton's rule as a function of slip and β_0, with the restitution and the kind of spring of the
-/// case.
+/// Map of the error of Walton's rule as a function of the slip before the impact and of β_0. The restitution and the
+/// kind of tangential spring are those of the case.
 pub fn walton(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let Some(rotation) = &grid.base.scene.rotation else {
         return Err(StudyError::Failed("error: the case of a map of oblique impacts has no rotation".into()));
@@ -67,7 +70,7 @@ pub fn walton(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let rows = grid.run(&points(&slips, &betas), |&(share, beta)| {
         let reduced = share * (1.0 + restitution) / (SOLID * (1.0 + beta));
         let (after, failure) = rebound(grid, law(case, restitution, beta), reduced)?;
-        // masses in units of M, speeds in units of μ u_n
+        // masses are in units of M, speeds in units of μ u_n
         let approach = ObliqueApproach {
             friction: 1.0,
             restitution,

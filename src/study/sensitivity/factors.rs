@@ -1,7 +1,8 @@
-//! Factors of a sensitivity study. A factor is a change of the case; it has a size, and a reason for that size.
+//! Built-in factors of a sensitivity study. A factor is a change of the case; the change has a size, and a reason for
+//! this size.
 //!
-//! If the case is idealised (restitution 1, no friction) a factor sets a real value. If the case has a real value, the
-//! factor changes it by the uncertainty of measurements. A factor that cannot apply to a scene returns the reason.
+//! If the case is idealised (restitution 1, no friction), a factor sets a real value. If the case has a real value, the
+//! factor changes it by the uncertainty of measurements. A factor that makes no sense for a scene returns the reason.
 
 use super::plan::{PlannedFactor, SensitivityPlan};
 use super::rotating::{rolling, rotation, tangential_restitution, tangential_stiffness};
@@ -11,44 +12,46 @@ use crate::fluid::Profile;
 use crate::output::numbers::quantity;
 use crate::scene::{Kind, Surface};
 
-/// [-] restitution of the paper's inelastic walls (section 4), which is set if a case is elastic.
+/// [-] restitution of the inelastic walls of the paper (section 4). A factor sets it if the case is elastic.
 const PAPER_RESTITUTION: f64 = 0.94;
-/// [-] standard error of a measured restitution: cellulose acetate 0.87 ± 0.02 (Foerster, Louge, Chang and Allia 1994,
-/// Phys. Fluids 6, 1108).
+/// [-] standard error of a measured restitution, by which a factor reduces the restitution of a case: cellulose acetate
+/// 0.87 ± 0.02 (Foerster, Louge, Chang and Allia 1994, Phys. Fluids 6, 1108).
 const RESTITUTION_ERROR: f64 = 0.02;
-/// [-] friction of glass on glass (Foerster et al. 1994), which is set if particles have no friction.
+/// [-] friction coefficient of glass on glass (Foerster et al. 1994). A factor sets it if particles have no friction.
 const GLASS_FRICTION: f64 = 0.092;
-/// [-] friction of the paper's rough walls (section 4), which is set if walls have no friction.
+/// [-] friction coefficient of the rough walls of the paper (section 4). A factor sets it if the walls have no
+/// friction.
 const PAPER_WALL_FRICTION: f64 = 0.325;
-/// [-] standard error of a measured friction: cellulose acetate 0.25 ± 0.02 (Foerster et al. 1994).
+/// [-] standard error of a measured friction coefficient, by which a factor increases the friction of a case: cellulose
+/// acetate 0.25 ± 0.02 (Foerster et al. 1994).
 const FRICTION_ERROR: f64 = 0.02;
-/// [-] steps per contact in the paper's cases B to D, from their printed step and stiffness (docs/paper.md, "The
-/// audit").
+/// [-] number of steps per contact in the cases B to D of the paper, from its printed time step and stiffness
+/// (docs/paper.md, "The audit").
 const PAPER_STEPS: f64 = 7.7;
-/// [-] step criterion θ of hard spheres in steps: a third of the usual 0.3, at which fast spheres pass through walls
-/// (docs/limits.md).
+/// [-] step criterion θ of hard spheres that move in time steps. It is a third of the usual 0.3, at which fast spheres
+/// pass through walls (docs/limits.md).
 const THETA: f64 = 0.1;
-/// [-] factor from one stiffness to the next softer one, of three. With each reduction by 4 the overlaps of linear
-/// springs double, so the softest spheres overlap four times as deeply.
+/// [-] factor by which the stiffness of each of three runs is lower than that of the run before. With each reduction by
+/// 4 the overlaps of linear springs double, so the softest spheres overlap four times as deeply.
 const STIFFNESS_RATIO: f64 = 4.0;
-/// [-] length of the shorter box divided by that of the whole box.
+/// [-] length of the shortened box divided by that of the box of the case.
 const BOX_SHARE: f64 = 0.5;
 
-/// Function that plans the runs of a factor (a change of the case), or returns the reason why it cannot apply. The text
-/// is the size that the user typed; `None` if none was typed.
+/// Function that plans the runs of a factor (a change of the case), or returns the reason why the factor makes no
+/// sense. The text is the size of the change that the user typed; `None` if none was typed.
 type Make = fn(&mut SensitivityPlan, Option<&str>) -> Result<PlannedFactor, String>;
 
-/// Factor that is built in: a change of the case that the user can name.
+/// Built-in factor of a sensitivity study: a change of the case that the user can select by name.
 pub struct Known {
-    /// Name on the command line.
+    /// Name of the factor on the command line.
     pub name: &'static str,
-    /// Title of the factor in a sentence.
+    /// Title of the factor in a sentence, such as "the stiffness".
     pub title: &'static str,
-    /// Function that plans the runs of the factor.
+    /// Function that plans the runs of the factor, or returns the reason why the factor makes no sense.
     pub make: Make,
 }
 
-/// All built-in factors, in the order of the help text.
+/// All built-in factors of a sensitivity study, in the order of the help text.
 pub const KNOWN: [Known; 16] = [
     Known { name: "model", title: "the contact model", make: model },
     Known { name: "stiffness", title: "the stiffness", make: stiffness },
@@ -68,20 +71,20 @@ pub const KNOWN: [Known; 16] = [
     Known { name: "seed", title: "another seed", make: seed },
 ];
 
-/// Size of a change: the number in the text `size` that the user typed, which must be within `from ..= to`; `usual`
-/// without a text.
+/// Size of a change: the number in the text `size` that the user typed, or `usual` if nothing was typed. Returns an
+/// error if the number is not within `from ..= to`.
 pub(super) fn sized(size: Option<&str>, usual: f64, from: f64, to: f64) -> Result<f64, String> {
     let Some(text) = size else { return Ok(usual) };
     let number = text.trim().parse().ok().filter(|number| (from..=to).contains(number));
     number.ok_or_else(|| format!("its size `{text}` is no number from {from} to {to}"))
 }
 
-/// Reason for the size of a change: "as asked for" if the user typed the size, else `usual`.
+/// Reason for the size of a change: "as asked for" if the user typed a size, else the text `usual`.
 pub(super) fn why(size: Option<&str>, usual: impl Into<String>) -> String {
     if size.is_some() { "as asked for".into() } else { usual.into() }
 }
 
-/// Returns an error if a size was typed for a factor that has none.
+/// Returns an error if the user typed a size for a factor that has no size.
 pub(super) fn no_size(size: Option<&str>) -> Result<(), String> {
     size.map_or(Ok(()), |text| Err(format!("it has no size, and `{text}` is given")))
 }
@@ -91,7 +94,8 @@ pub(super) fn plain(number: f64) -> f64 {
     (1e6 * number).round() / 1e6
 }
 
-/// Contact law of the soft spheres of a case in a few words, such as its stiffness; "soft" without a law.
+/// Description of the soft spheres of a case by the elastic parameter of their contact law, such as "k_n = 3 kN/m". It
+/// is "soft" without a law.
 fn stiff(law: Option<ContactLaw>) -> String {
     law.map_or("soft".into(), |law| {
         let parameter = law.parameter();
@@ -119,7 +123,8 @@ fn stiffness(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFa
     let law = plan.run(soft).law().ok_or("there is no contact law")?;
     let parameter = law.parameter();
     let mut runs = vec![(soft, 1.0)];
-    // an overlap is a power of the stiffness; the law gives the stiffness for half the overlap, and thus the power
+    // an overlap is a power of the stiffness; the law gives the stiffness for half the overlap, from which the power
+    // follows
     let power = law.stiffening(2.0).log2();
     for k in 1..=2 {
         let factor = ratio.powi(k);
@@ -173,7 +178,8 @@ fn stepping(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFac
     ))
 }
 
-/// Names of the tables of a case that define a surface: contacts between particles, walls, and listed pairs.
+/// Names of all tables of a case that define a surface: those of contacts between particles, of walls, and of listed
+/// pairs.
 pub fn surfaces(plan: &SensitivityPlan) -> Vec<String> {
     let pairs = pairs(plan).unwrap_or_default().into_iter().map(|(table, _)| table);
     let walls = walls(plan, |surface| surface.friction).unwrap_or_default().into_iter().map(|(table, _)| table);
@@ -191,10 +197,10 @@ fn pairs(plan: &SensitivityPlan) -> Result<Vec<(String, Surface)>, String> {
     Ok(std::iter::once(("contact".to_owned(), reference.scene.contact)).chain(listed).collect())
 }
 
-/// Names of the listed tables `contact.pairs` that apply and whose second kind is `wanted`, each with its surface. A
-/// trial change of the friction in a table shows which pair the table determines.
+/// Names of the tables in the list `contact.pairs` whose second kind of body is `wanted` (a species or a wall), each
+/// with its surface. The friction in a table is changed on trial, which shows the pair that the table determines.
 fn listed(plan: &SensitivityPlan, wanted: fn(&Kind) -> bool) -> Vec<(String, Surface)> {
-    /// [-] a friction coefficient that does not occur in any case.
+    /// [-] friction coefficient of the trial, which does not occur in any case.
     const PROBE: f64 = 0.123_456_789;
     let before = &plan.reference().scene.pairs;
     let tables = (0..before.iter().count()).map_while(|k| {
@@ -216,7 +222,7 @@ fn restitution(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<Planned
     surface(plan, &all, ("restitution", "e"), why(size, why_restitution(first)))
 }
 
-/// Refuses surfaces whose restitution depends on the speed, since this factor sets one number.
+/// Returns an error if the restitution of a surface depends on the speed, since the factor sets one number.
 fn refuse_by_speed<'a>(mut surfaces: impl Iterator<Item = &'a Surface>) -> Result<(), String> {
     match surfaces.any(|surface| surface.by_speed.is_some()) {
         true => Err("the restitution depends on the speed: `diptych sweep` changes the keys of its law".into()),
@@ -253,7 +259,7 @@ fn wall_friction(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<Plann
     surface(plan, &all, ("friction", "wall μ"), why(size, source))
 }
 
-/// Reason for the size of the change in friction.
+/// Reason for the size of the change of a friction coefficient, as text for the report.
 const FRICTION_IS_KNOWN: &str = "a measured friction is known to ± 0.02, Foerster et al. 1994";
 
 fn usual_restitution(own: f64) -> f64 {
@@ -268,7 +274,8 @@ fn why_restitution(own: f64) -> &'static str {
     }
 }
 
-/// Names of the tables of all walls, each with the property `of` its surface, such as the friction.
+/// Names of the tables of all walls, each with the property of its surface that the function `of` returns, such as the
+/// friction.
 fn walls(plan: &SensitivityPlan, of: fn(&Surface) -> f64) -> Result<Vec<(String, f64)>, String> {
     let walls = &plan.reference().scene.walls;
     if walls.is_empty() {
@@ -279,8 +286,8 @@ fn walls(plan: &SensitivityPlan, of: fn(&Surface) -> f64) -> Result<Vec<(String,
     Ok(every.chain(listed.iter().map(|(table, surface)| (table.clone(), of(surface)))).collect())
 }
 
-/// Factor that changes one property (`key`, with its `symbol`) of several surfaces. Each surface is given by the name
-/// of its table, the old value and the new value.
+/// Factor that changes the key `key` of several surfaces. `symbol` is its symbol in texts. Each surface is given by the
+/// name of its table, the old value and the new value.
 fn surface(
     plan: &mut SensitivityPlan,
     surfaces: &[(String, f64, f64)],
@@ -357,7 +364,7 @@ fn drag(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor,
     Ok(PlannedFactor::against(plan.first(), run, change, why(size, "the other law of this program")))
 }
 
-/// Name of a law of a case, as a title: `schiller_naumann` becomes Schiller-Naumann.
+/// Name of a law of a case as a title: `schiller_naumann` becomes "Schiller-Naumann".
 fn title(name: &str) -> String {
     let capital = |word: &str| {
         let mut rest = word.chars();
@@ -370,7 +377,7 @@ fn shorter_box(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<Planned
     let share = sized(size, BOX_SHARE, 0.01, 100.0)?;
     let reference = plan.reference();
     let scene = &reference.scene;
-    // the box is shortened along the flow if possible, or else across it
+    // the box is shortened along the flow if it is periodic there, else across the flow
     let axis = [2, 0].into_iter().find(|axis| scene.domain.periodic[*axis]);
     let axis = axis.ok_or("the box repeats itself neither along z nor along x")?;
     if reference.start.iter().any(|population| matches!(population.amount, Amount::Placed(_))) {
@@ -385,7 +392,7 @@ fn shorter_box(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<Planned
     let name = format!("box: {} along {}", quantity(after, "m", 4), ["x", "y", "z"][axis]);
     let shorter = format!("domain.size[{axis}]=\"{after:e} m\"");
     let number = |k: usize| format!("particles[{k}].count={}", (counts[k] as f64 * share).round().max(1.0));
-    // if the case gives the number of particles, a shorter box would crowd them: the number is then reduced as well
+    // if the case gives the number of particles, a shorter box would crowd them, so the number is reduced as well
     let same = |experiment: &Experiment| experiment.counts() == reference.counts();
     let sets = match plan.changed(std::slice::from_ref(&shorter), None, None) {
         Ok(experiment) if !same(&experiment) => vec![shorter],
@@ -425,7 +432,7 @@ fn seed(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor,
     ))
 }
 
-/// Factor defined by the user as `key=value`; `text` is this change.
+/// Factor that the user defines by a change of one key, given as `key=value` in `text`.
 pub fn own(plan: &mut SensitivityPlan, text: &str) -> Result<PlannedFactor, String> {
     let run = plan.add(text, &[text.to_owned()], None, None)?;
     Ok(PlannedFactor::against(plan.first(), run, text.to_owned(), "as asked for"))

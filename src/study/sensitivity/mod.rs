@@ -1,7 +1,8 @@
-//! `diptych sensitivity`: shows in one chart which factors matter most. `diptych needs`: which models a scene needs.
+//! `diptych sensitivity` shows in one chart which factors have the largest effect; `diptych needs` finds the models
+//! that a scene needs.
 //!
-//! A factor is a change of the case. Its run is compared with the run of the unchanged case. All runs are done
-//! concurrently, and all shifts of observables are judged together.
+//! A factor is a change of the case. The run with this change is compared with the run of the unchanged case. All runs
+//! are done concurrently, and all shifts of observables are judged together.
 
 mod factors;
 mod needs;
@@ -27,17 +28,18 @@ use plan::SensitivityPlan;
 use std::time::Instant;
 use table::SensitivityTable;
 
-/// Question of a study that changes a case by one factor at a time.
+/// Question that a study answers by changing a case by one factor at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Question {
-    /// Order of the factors by their effect on the case as it is.
+    /// Factors with the largest effect on the case as it is.
     Sensitivity,
-    /// Models without which the most detailed form of the case has the same results.
+    /// Models that can be left out without changing the results of the case. The study begins with all models that the
+    /// scene can have.
     Needs,
 }
 
 impl Question {
-    /// Name of the command.
+    /// Name of the command that answers the question.
     fn command(self) -> &'static str {
         match self {
             Self::Sensitivity => "sensitivity",
@@ -53,23 +55,25 @@ impl Question {
     }
 }
 
-/// Runs a sensitivity study and writes one folder. Returns the answer for all factors together.
+/// Runs a sensitivity study and writes its results to one folder. Returns one answer for all factors together.
 ///
 /// # Errors
-/// Bad input, before anything is computed; failures of engines, after everything has been written.
+/// Returns an error for bad input, before anything is computed, or for failures of engines, after everything has been
+/// written.
 pub fn sensitivity(args: &Sensitivity, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
     sensitivity_on(args, Question::Sensitivity, CommandOrigin::Typed, ranks)
 }
 
-/// Finds the models that a scene needs, and writes one folder. Returns the answer for all factors together.
+/// Finds the models that a scene needs, and writes the results to one folder. Returns one answer for all factors
+/// together.
 ///
 /// # Errors
-/// Those of [`sensitivity`].
+/// Returns the errors of [`sensitivity`].
 pub fn needs(args: &NeededModels, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
     sensitivity_on(&args.as_sensitivity(), Question::Needs, CommandOrigin::Typed, ranks)
 }
 
-/// Begins or resumes a study; runs that are over are not run again.
+/// Begins or resumes a study of the kind `question`. Runs that are complete are not repeated.
 pub(super) fn sensitivity_on(
     args: &Sensitivity,
     question: Question,
@@ -116,13 +120,13 @@ pub(super) fn sensitivity_on(
     let (report, sentences, overall) = executor.checkpointer.with_remedy(table.write(&executor.folder))?;
     executor.finish(&sentences, &report)?;
     let outcomes: Vec<Outcome> = table.pooled().into_iter().flatten().collect();
-    // a run without a model that stops is an answer to the question of needs
+    // in `diptych needs`, a run that stops without a model is an answer, so only the first run may cause an error
     let of_needs = if question == Question::Needs { 1 } else { outcomes.len() };
     failures(&outcomes[..of_needs.min(outcomes.len())])?;
     Ok(overall)
 }
 
-/// Runs of the plan from the run with index `first` on, each with all its replicas (runs with different seeds).
+/// Runs of the plan that begin with the run of index `first`, each with all its replicas (runs with different seeds).
 fn runs(plan: &SensitivityPlan, first: usize) -> Result<Vec<ResumableRun>, StudyError> {
     let mut runs = Vec::new();
     for planned in &plan.runs[first..] {
@@ -134,8 +138,8 @@ fn runs(plan: &SensitivityPlan, first: usize) -> Result<Vec<ResumableRun>, Study
     Ok(runs)
 }
 
-/// Does all runs of the plan concurrently, and writes results in between. If the user stops the command, unfinished
-/// runs are stored and left out.
+/// Does all runs of the plan concurrently, and writes the results from time to time. If the user stops the command,
+/// incomplete runs are stored, and their results are left out.
 fn run_all(executor: &Executor, table: &mut SensitivityTable) -> Result<(), StudyError> {
     let replicas = usize::from(table.plan.replicas);
     let all: Vec<usize> = (0..replicas * table.plan.runs.len()).collect();

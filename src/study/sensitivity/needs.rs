@@ -1,5 +1,5 @@
-//! Conclusion of `diptych needs`: the cheapest set of models with the results of the richest case, which has all
-//! models.
+//! Conclusion of `diptych needs`: the cheapest set of models that gives the results of the richest case (the case with
+//! all models).
 
 use super::plan::{PlannedFactor, SensitivityPlan, Simplification};
 use super::table::SensitivityTable;
@@ -12,14 +12,14 @@ use crate::statistics::Answer;
 use crate::study::judge::margin_in_words;
 use std::collections::BTreeMap;
 
-/// Name of the factor that leaves out, together, all models that the scene does not need.
+/// Name of the factor (change of the case) that leaves out all superfluous models together.
 const CHEAPEST: &str = "cheapest";
 
-/// Chooses the models to leave out together, and compares the run without them with the run of the richest case, which
-/// has all models. If the user stops the command, the run is stored and stays incomplete.
+/// Chooses the models that can be left out together, and compares a run without them with the run of the richest case,
+/// which has all models. If the user stops the command, the run is stored and stays incomplete.
 ///
 /// # Errors
-/// The run cannot begin or be stored.
+/// Returns an error if the run cannot begin or cannot be stored.
 pub fn confirm(executor: &mut Executor, table: &mut SensitivityTable) -> Result<(), StudyError> {
     let (factors, _) = weigh::factors(&table.plan, &table.pooled(), &table.outcomes, table.margin);
     let chosen = superfluous(&table.plan, &factors, &table.runs(), table.margin);
@@ -30,7 +30,7 @@ pub fn confirm(executor: &mut Executor, table: &mut SensitivityTable) -> Result<
     }
     let known = table.plan.runs.len();
     let all = by.iter().collect::<Vec<_>>();
-    // a case may refuse the models to be left out together; each alone is then the answer
+    // a case may refuse to leave out these models together; the conclusion is then that for each model alone
     let Ok(run) = table.plan.simplified(CHEAPEST, &all) else { return Ok(()) };
     let change = format!("without {}", titles.join(", "));
     let why = "each of them alone is below the margin, and so is the sum of their shifts";
@@ -54,8 +54,8 @@ pub fn confirm(executor: &mut Executor, table: &mut SensitivityTable) -> Result<
     Ok(())
 }
 
-/// Factors whose models can be left out together, the one that saves most time first. The shifts of each are below the
-/// margin. For every observable the sum of the magnitudes of their shifts is at most the margin.
+/// Factors whose models can be left out together, beginning with the one that saves the most time. The shifts of each
+/// factor are below the margin. For every observable, the sum of the magnitudes of their shifts is at most the margin.
 fn superfluous<'a>(
     plan: &'a SensitivityPlan,
     factors: &[Factor],
@@ -77,7 +77,7 @@ fn superfluous<'a>(
         let with = |shift: &crate::output::sensitivity::Shift| {
             sums.get(shift.observable.as_str()).unwrap_or(&0.0) + shift.share().abs()
         };
-        // a run has one collision model
+        // a run has one collision model, so only one factor can replace it
         let fits = !(model(planned) && chosen.iter().any(|one| model(one)));
         if fits && factor.shifts.iter().all(|shift| with(shift) <= margin) {
             for shift in &factor.shifts {
@@ -89,14 +89,15 @@ fn superfluous<'a>(
     chosen
 }
 
-/// [-] wall time of the run of a factor divided by that of the richest run; 1 if it is not known.
+/// [-] wall time of the run of a factor divided by that of the run with all models; 1 if the time is not known.
 fn cost(runs: &[SensitivityRun], factor: &Factor) -> f64 {
     let time = |name: &str| runs.iter().find(|run| run.name == name).map(|run| run.wall_seconds);
     let own = factor.runs[0].first().and_then(|name| time(name));
     own.zip(runs.first()).map_or(1.0, |(own, richest)| own / richest.wall_seconds)
 }
 
-/// Sentences: the cheapest set, the models that are needed, those not decided, assumptions, chance, failures.
+/// Sentences on the cheapest set of models, the models that are needed, those not decided, the assumptions, the effect
+/// of chance, and the failures.
 pub fn sentences(plan: &SensitivityPlan, factors: &[Factor], runs: &[SensitivityRun], margin: f64) -> Vec<String> {
     let within = margin_in_words(margin);
     let is_model =
@@ -132,7 +133,8 @@ pub fn sentences(plan: &SensitivityPlan, factors: &[Factor], runs: &[Sensitivity
     sentences
 }
 
-/// First sentence: the models without which the scene can do, and the wall time that this saves.
+/// Sentence on the models that the scene does not need, and on the wall time without them. `cost` [-] is this time
+/// divided by that with all models, and `within` is the margin as text.
 fn conclusion(cheapest: &Factor, chosen: &[&PlannedFactor], cost: f64, within: &str) -> String {
     let without = chosen.iter().map(|planned| planned.title.as_str()).collect::<Vec<_>>().join(", ");
     let time = significant(Some(cost), 2);

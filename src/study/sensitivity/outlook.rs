@@ -7,13 +7,14 @@ use crate::runs::{StudyError, span, start};
 use crate::study::calibration::timed;
 use std::fmt::Write;
 
-/// [-] largest share of a run that is timed; for a run with many collisions, this share gives the cost within seconds.
+/// [-] largest share of a run that is timed to estimate its wall time. In a run with many collisions, this share takes
+/// seconds.
 const TRIED: f64 = 0.02;
 
-/// Line with the number of runs and their approximate wall time on `threads` threads.
+/// Line for the user with the number of runs of the plan and their approximate wall time on `threads` threads.
 ///
 /// # Errors
-/// The scene is too crowded to start.
+/// Returns an error if the scene is too crowded to start.
 pub fn line(plan: &SensitivityPlan, threads: usize) -> Result<String, StudyError> {
     let runs = plan.runs.len() * usize::from(plan.replicas);
     let replicas = match plan.replicas {
@@ -32,8 +33,8 @@ pub fn line(plan: &SensitivityPlan, threads: usize) -> Result<String, StudyError
     ))
 }
 
-/// [s] wall time of all runs of the plan on one thread, with one replica each. It is estimated from a trial run of each
-/// model.
+/// [s] wall time of all runs of the plan on one thread, with one replica of each. It is estimated from a trial run with
+/// each collision model.
 fn time(plan: &SensitivityPlan) -> Result<f64, StudyError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
     let pool = pool.map_err(|why| StudyError::Input(format!("error: cannot start a thread: {why}")))?;
@@ -43,16 +44,16 @@ fn time(plan: &SensitivityPlan) -> Result<f64, StudyError> {
         let Some(first) = of().next() else { continue };
         let start = start(&first.experiment)?;
         let tried = pool.install(|| timed(&first.experiment, &start, TRIED));
-        // a trial that stops at once gives no information on the time of the others
+        // a trial that stops at once gives no information on the time of the other runs
         times += of().count() as f64 * tried.seconds;
     }
     Ok(times)
 }
 
-/// Text of the factors with their sizes, the factors that are left out, and the line of [`line`].
+/// Text for the user: the factors with their sizes, the factors that are left out, and the text of [`line`].
 ///
 /// # Errors
-/// The errors of [`line`].
+/// Returns the errors of [`line`].
 pub fn text(plan: &SensitivityPlan, threads: usize) -> Result<String, StudyError> {
     let mut text = String::new();
     let width = plan.factors.iter().map(|factor| factor.name.chars().count()).max().unwrap_or(0);

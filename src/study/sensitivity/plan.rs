@@ -1,4 +1,5 @@
-//! Plan of a sensitivity study: its runs, each once, and the runs that each factor compares.
+//! Plan of a sensitivity study: its runs, without duplicates, and the runs that are compared for each factor (change of
+//! the case).
 
 use super::factors::{KNOWN, own};
 use crate::case::{Case, Checked, fingerprint};
@@ -10,60 +11,64 @@ use crate::runs::StudyError;
 use crate::study::plan::any_model;
 use crate::study::replicas::replicas;
 
-/// Default number of replicas of each run that is not steady. Student's t of a difference then has 14 degrees of
-/// freedom.
+/// Default number of replicas (runs with different seeds) in a study whose runs are not steady. Student's t of a
+/// difference then has 14 degrees of freedom.
 const REPLICAS: u16 = 8;
 
-/// Reason for leaving out a factor that the user has not named.
+/// Reason for leaving out a factor if the user has named other factors.
 pub const NOT_ASKED: &str = "not asked for";
 
-/// Largest number of particles for which runs are compared by paths. Such a comparison needs no replicas.
+/// Largest number of particles for which runs are compared by the paths of the particles. Such a comparison needs no
+/// replicas.
 const FEW: usize = 50;
 
-/// Runs that a factor compares, given by their indices in the plan.
+/// Runs that are compared for a factor, given by their indices in the plan.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Compared {
-    /// The run with the second index minus the run with the first one.
+    /// Difference of two runs: the run with the second index minus the run with the first index.
     Against(usize, usize),
-    /// Extrapolation to infinite stiffness minus the first run. Each run has an index and its effect of softness [-]
-    /// over that of the first run: the first run is at 1, infinite stiffness at 0.
+    /// Extrapolation of several runs to infinite stiffness, minus the first run. Each entry has the index of a run and
+    /// its effect of softness [-] divided by that of the first run. This ratio is 1 for the first run and 0 for
+    /// infinite stiffness.
     Extrapolated(Vec<(usize, f64)>),
 }
 
-/// A factor whose runs are planned.
+/// Factor (change of the case) whose runs are planned.
 pub struct PlannedFactor {
-    /// Name of the factor on the command line; for a factor defined by the user, its key.
+    /// Name of the factor on the command line. A factor that the user defines has the name of its key.
     pub name: String,
-    /// Title of the factor in a sentence.
+    /// Title of the factor in a sentence, such as "the stiffness".
     pub title: String,
-    /// Runs that the factor compares.
+    /// Runs that are compared for the factor.
     pub compared: Compared,
-    /// Change from the old value to the new one, in words.
+    /// Change from the old value to the new one, as text for the report.
     pub change: String,
-    /// Reason for the size of the change.
+    /// Reason for the size of the change, as text for the report.
     pub why: String,
-    /// Change of the case, if it leaves a model out (`diptych needs`).
+    /// Change of the case that leaves out a model; `None` if the factor does not leave out a model. It is set by
+    /// `diptych needs`.
     pub simpler: Option<Simplification>,
 }
 
-/// Change of the richest case (the one with all models) that leaves one model out.
+/// Change of the richest case (the case with all models) that leaves out one model.
 #[derive(Clone, Debug, Default)]
 pub struct Simplification {
-    /// Changes of keys of the case.
+    /// Changes of keys of the case, in the form `key=value`.
     pub sets: Vec<String>,
-    /// Collision model, if it is changed.
+    /// Collision model of the changed case; `None` if it is not changed.
     pub model: Option<Model>,
-    /// Change of the experiment that no key can make, because it takes a table away.
+    /// Change of the experiment that no key can make, because it removes a table of the case.
     pub edit: Option<fn(&mut Experiment)>,
 }
 
 impl PlannedFactor {
-    /// A factor that compares one run with another.
+    /// Factor that compares the run with the index `run` with the run with the index `base`.
     pub fn against(base: usize, run: usize, change: impl Into<String>, why: impl Into<String>) -> Self {
         Self::new(Compared::Against(base, run), change.into(), why.into())
     }
 
-    /// A factor that compares the extrapolation of several runs with the first one.
+    /// Factor that compares the extrapolation of several runs to infinite stiffness with the first run. `runs` has
+    /// their indices and their effects of softness [-], divided by that of the first run.
     pub fn extrapolated(runs: Vec<(usize, f64)>, change: String, why: String) -> Self {
         Self::new(Compared::Extrapolated(runs), change, why)
     }
@@ -72,7 +77,7 @@ impl PlannedFactor {
         Self { name: String::new(), title: String::new(), compared, change, why, simpler: None }
     }
 
-    /// Indices of the changed runs of the factor, then those of the runs with which they are compared.
+    /// Indices of the changed runs of the factor, then indices of the runs with which they are compared.
     pub fn sides(&self) -> [Vec<usize>; 2] {
         match &self.compared {
             Compared::Against(base, run) => [vec![*run], vec![*base]],
@@ -83,40 +88,40 @@ impl PlannedFactor {
     }
 }
 
-/// A run of the study, and the changes of the case that it has.
+/// One run of the study, with the changes of the case by which it is made.
 pub struct PlannedRun {
-    /// Experiment of the run, with the first seed.
+    /// Experiment of the run, with the seed of the first replica.
     pub experiment: Experiment,
     /// Changes of the case, in the form in which a user types them.
     pub set: String,
     hash: String,
 }
 
-/// Runs of a sensitivity study; the first one is the unchanged case.
+/// Runs and factors (changes of the case) of a sensitivity study. The first run is that of the unchanged case.
 pub struct SensitivityPlan<'a> {
     case: &'a Case,
     seed: Option<u64>,
     model: Option<Model>,
-    /// Changes of keys of the case that all runs have.
+    /// Changes of keys of the case that apply to all runs.
     base: Vec<String>,
-    /// Runs of the study, each once.
+    /// Runs of the study, without duplicates.
     pub runs: Vec<PlannedRun>,
-    /// Planned factors, in the order of the help text.
+    /// Factors that are studied, the built-in ones first.
     pub factors: Vec<PlannedFactor>,
-    /// Factors that are not studied, with the reasons.
+    /// Factors that are not studied, each with the reason.
     pub left_out: Vec<OmittedFactor>,
-    /// Assumptions with which models were added to the case, in words.
+    /// Assumptions with which models were added to the case, as text for the report.
     pub assumed: Vec<String>,
-    /// Number of replicas of each run, with different seeds.
+    /// Number of replicas (runs with different seeds) of each run.
     pub replicas: u16,
 }
 
 impl<'a> SensitivityPlan<'a> {
-    /// Plans the factors that the user has requested.
+    /// Plans the runs of the factors that the user has requested.
     ///
     /// # Errors
-    /// The unchanged case cannot run; or a factor is unknown, named twice, or requested although it makes no sense for
-    /// the case.
+    /// Returns an error if the unchanged case cannot run. It also returns one if a requested factor is unknown, is
+    /// named twice, or makes no sense for the case.
     pub fn new(case: &'a Case, args: &Sensitivity) -> Result<(Self, Checked), StudyError> {
         let seed = args.runs.effort.seed;
         let checked = match args.runs.model {
@@ -135,11 +140,11 @@ impl<'a> SensitivityPlan<'a> {
         Ok((plan, checked))
     }
 
-    /// Begins a plan whose first run, with the name `name`, is the reference. `base` are changes of the case that all
-    /// runs have.
+    /// Begins a plan whose first run is the experiment `reference` with the name `name`. `base` are changes of the case
+    /// that apply to all runs.
     ///
     /// # Errors
-    /// The reference cannot have the requested replicas.
+    /// Returns an error if the reference cannot have the requested number of replicas.
     pub fn begin(
         case: &'a Case,
         args: &Sensitivity,
@@ -160,10 +165,10 @@ impl<'a> SensitivityPlan<'a> {
         Ok(plan)
     }
 
-    /// Refuses a plan without a factor.
+    /// Returns an error if the plan has no factor.
     ///
     /// # Errors
-    /// No factor is planned; the message gives the reasons.
+    /// The message of the error gives the reasons why factors are left out.
     pub fn refuse_nothing(&self) -> Result<(), StudyError> {
         if !self.factors.is_empty() {
             return Ok(());
@@ -172,7 +177,7 @@ impl<'a> SensitivityPlan<'a> {
         Err(StudyError::Input(format!("error: there is no factor to look at{why}")))
     }
 
-    /// Plans the built-in factors that the user has named, or all of them if none is named.
+    /// Plans the built-in factors that the user has named; all of them if none is named.
     fn choose(&mut self, args: &Sensitivity) -> Result<(), StudyError> {
         let mut wanted: Vec<(&str, Option<&str>)> = Vec::new();
         for text in &args.factors {
@@ -210,52 +215,52 @@ impl<'a> SensitivityPlan<'a> {
         Ok(())
     }
 
-    /// Experiment of the unchanged case.
+    /// Experiment of the first run, with which all changed runs are compared.
     pub fn reference(&self) -> &Experiment {
         &self.runs[self.first()].experiment
     }
 
-    /// Index of the run of the unchanged case.
+    /// Index of the first run, with which all changed runs are compared.
     pub fn first(&self) -> usize {
         0
     }
 
-    /// Experiment of the run at an index.
+    /// Experiment of the run with the index `place`.
     pub fn run(&self, place: usize) -> &Experiment {
         &self.runs[place].experiment
     }
 
-    /// Index of the run of the case with soft spheres.
+    /// Index of the run of the case with soft spheres. The run is added to the plan if it is missing.
     ///
     /// # Errors
-    /// The reason why the case cannot have soft spheres, in words.
+    /// Returns the reason, as text, why the case cannot run with soft spheres.
     pub fn soft(&mut self) -> Result<usize, String> {
         self.add("soft", &[], Some(Model::Soft), None)
     }
 
-    /// Index of the run of the case with hard spheres.
+    /// Index of the run of the case with hard spheres. The run is added to the plan if it is missing.
     ///
     /// # Errors
-    /// The reason why the case cannot have hard spheres, in words.
+    /// Returns the reason, as text, why the case cannot run with hard spheres.
     pub fn hard(&mut self) -> Result<usize, String> {
         self.add("hard", &[], Some(Model::Hard), None)
     }
 
-    /// Experiment with the given changes of the case. Its model is that of the unchanged case unless another one is
-    /// given.
+    /// Experiment of the case with the changes `sets`. Without a `model` or a `seed`, it has those of the first run.
     ///
     /// # Errors
-    /// The reason why the case refuses these changes, in words.
+    /// Returns the reason, as text, why the case refuses the changes.
     pub fn changed(&self, sets: &[String], model: Option<Model>, seed: Option<u64>) -> Result<Experiment, String> {
         let sets: Vec<String> = self.base.iter().chain(sets).cloned().collect();
         let changed = self.case.changed(&sets, model.or(self.model), seed.or(self.seed));
         changed.map(|(experiment, _)| experiment).map_err(|why| why.message)
     }
 
-    /// Index of the run with the given changes of the case, which is added to the plan unless it has an equal run.
+    /// Index of the run of the case with the changes `sets`. The run is added to the plan unless the plan has an equal
+    /// run.
     ///
     /// # Errors
-    /// The reason why the case refuses these changes, in words.
+    /// Returns the reason, as text, why the case refuses the changes.
     pub fn add(
         &mut self,
         name: &str,
@@ -267,11 +272,11 @@ impl<'a> SensitivityPlan<'a> {
         self.enlist(experiment, sets.join(", ")).map_err(|why| why.to_string())
     }
 
-    /// Index of the run of the reference with these simplifications, which is added to the plan unless it has an equal
-    /// run.
+    /// Index of the run of the case with the changes `by`, which leave out models. The run is added to the plan unless
+    /// the plan has an equal run.
     ///
     /// # Errors
-    /// The reason why the case refuses them, in words.
+    /// Returns the reason, as text, why the case refuses the changes.
     pub fn simplified(&mut self, name: &str, by: &[&Simplification]) -> Result<usize, String> {
         let sets: Vec<String> = by.iter().flat_map(|one| one.sets.iter().cloned()).collect();
         let model = by.iter().find_map(|one| one.model);

@@ -1,22 +1,22 @@
-//! Factors of spheres that rotate: rotation itself, the tangential law, rolling resistance.
+//! Factors (changes of the case) for spheres that rotate: rotation, the tangential law, and rolling resistance.
 
 use super::factors::{no_size, plain, sized, why};
 use super::plan::{PlannedFactor, SensitivityPlan};
 use crate::rotation::{ImpactRule, LinearTangential, TangentialLaw};
 use crate::scene::Surface;
 
-/// [-] tangential restitution of glass on glass, and its standard error (Foerster et al. 1994).
+/// [-] tangential restitution β_0 of glass on glass (Foerster et al. 1994). `TANGENTIAL_ERROR` is its standard error.
 const GLASS_TANGENTIAL: f64 = 0.44;
 const TANGENTIAL_ERROR: f64 = 0.07;
-/// [-] κ = k_t/k_n of elastic spheres: 2(1-ν)/(2-ν) for ν = 0.3 (Mindlin 1949).
+/// [-] stiffness ratio κ = k_t/k_n of elastic spheres: 2(1-ν)/(2-ν) for Poisson's ratio ν = 0.3 (Mindlin 1949).
 const ELASTIC_RATIO: f64 = 0.8235;
-/// [-] κ for which the normal and the tangential spring of solid spheres have equal periods, the choice of many
-/// soft-sphere codes (Schäfer, Dippel and Wolf 1996, J. Phys. I 6, 5).
+/// [-] stiffness ratio κ = k_t/k_n for which the normal and the tangential spring of solid spheres have equal periods.
+/// Many soft-sphere codes use it (Schäfer, Dippel and Wolf 1996, J. Phys. I 6, 5).
 const EQUAL_PERIODS: f64 = 0.2857;
-/// [-] rolling friction so small that its torque is below rounding errors.
+/// [-] rolling friction coefficient so small that its torque is below rounding errors.
 const NO_TORQUE: f64 = 1e-15;
 
-/// Plans the run without rotation or, if the spheres of the case do not rotate, the run with rotation.
+/// Plans the run without rotation or, if the spheres of the case do not rotate, a run with rotation.
 pub fn rotation(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     no_size(size)?;
     let first = plan.first();
@@ -35,7 +35,8 @@ pub fn rotation(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<Planne
     Ok(PlannedFactor::against(first, run, change, "glass, Foerster et al. 1994"))
 }
 
-/// Plans the run with another β_0 of the impact rule or, if the rule has no β_0, of the tangential spring.
+/// Plans the run with a changed tangential restitution β_0, that of the impact rule or, if the rule has none, that of
+/// the tangential spring.
 pub fn tangential_restitution(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     let first = plan.first();
     let Some(rotation) = plan.run(first).scene.rotation.clone() else { return Err("spheres do not rotate".into()) };
@@ -57,7 +58,7 @@ pub fn tangential_restitution(plan: &mut SensitivityPlan, size: Option<&str>) ->
     Ok(PlannedFactor::against(first, run, format!("β_0 {} → {to}", plain(own)), why(size, usual)))
 }
 
-/// Plans the run with another stiffness ratio of the linear tangential law.
+/// Plans the run with a changed stiffness ratio k_t/k_n of the linear tangential law.
 pub fn tangential_stiffness(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     let first = plan.first();
     let Some(rotation) = plan.run(first).scene.rotation.clone() else { return Err("spheres do not rotate".into()) };
@@ -81,8 +82,8 @@ pub fn tangential_stiffness(plan: &mut SensitivityPlan, size: Option<&str>) -> R
     Ok(PlannedFactor::against(first, run, format!("k_t/k_n {} → {}", plain(own), plain(to)), why(size, usual)))
 }
 
-/// Plans the run without rolling resistance. A `size` is the rolling friction μ_r of the run; without rolling
-/// resistance in the case it is required, since no value is usual.
+/// Plans the run with the rolling friction coefficient `size` [-]; without a `size`, the run has no rolling resistance.
+/// If the case has no rolling resistance, a `size` is required, since no value is usual.
 pub fn rolling(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     let first = plan.first();
     let reference = plan.run(first);

@@ -1,4 +1,5 @@
-//! Models that a scene may have or leave out: how `diptych needs` adds each to a case, and how it leaves each out.
+//! Models that a scene may have or leave out, with the changes by which `diptych needs` adds each model to a case and
+//! leaves it out.
 
 use super::factors::{KNOWN, surfaces};
 use super::plan::{PlannedFactor, SensitivityPlan, Simplification};
@@ -12,36 +13,40 @@ use crate::runs::StudyError;
 use crate::study::plan::any_model;
 use nalgebra::Vector3;
 
-/// Factors of `diptych sensitivity` that `diptych needs` studies beside the models: numerical settings, and chance.
+/// Factors of `diptych sensitivity` that `diptych needs` studies besides the models: numerical settings, and the effect
+/// of chance.
 const BESIDE: [&str; 4] = ["integrator", "drag", "box", "seed"];
-/// [-] tangential restitution of glass on glass (Foerster et al. 1994), for spheres that rotate only in the richest case.
+/// [-] tangential restitution β_0 of glass on glass (Foerster et al. 1994). Spheres get it if they rotate only because
+/// rotation was added to the case.
 const GLASS_TANGENTIAL: f64 = 0.44;
-/// Largest number of slices across the box in which the volume fraction is averaged for drag in suspensions.
+/// Largest number of slices across the box in which the volume fraction is averaged, for drag in suspensions.
 const SLICES: f64 = 20.0;
 
-/// Way in which the richest case, which has all models that are possible, gets a model.
+/// Possibilities to add a model to a case, so that it becomes the richest case (the case with all models that are
+/// possible).
 enum Richer {
-    /// The case has the model already.
+    /// The case already has the model.
     Has,
-    /// Changes of keys that add the model, and the assumption behind their values in words.
+    /// Changes of keys, in the form `key=value`, that add the model, and the assumption behind their values as text.
     Sets(Vec<String>, String),
-    /// Reason why the scene cannot have the model, in words.
+    /// Reason, as text, why the scene cannot have the model.
     No(&'static str),
 }
 
-/// A model that a scene may have or leave out.
+/// Model that a scene may have or leave out, such as friction.
 struct Switch {
-    /// Name of the factor.
+    /// Name of the factor (change of the case) that leaves out the model.
     name: &'static str,
-    /// Title in a sentence.
+    /// Title of the model in a sentence.
     title: &'static str,
-    /// Function that determines how the richest case gets the model.
+    /// Function that returns the changes by which the model is added to a case, or the reason why it cannot be added.
     richer: fn(&Experiment) -> Richer,
-    /// Function that returns the change that leaves the model out of a case that has it.
+    /// Function that returns the change that leaves out the model, for a case that has it.
     simpler: fn(&SensitivityPlan) -> Simplification,
 }
 
-/// All models, in the order in which they are added to the case: later ones may need earlier ones.
+/// All models that a scene may have or leave out, in the order in which they are added to the case. Later models may
+/// need earlier ones.
 const SWITCHES: [Switch; 10] = [
     Switch { name: "friction", title: "friction", richer: friction, simpler: without_friction },
     Switch {
@@ -139,7 +144,7 @@ fn by_speed(experiment: &Experiment) -> Richer {
     }
 }
 
-/// Replaces every restitution that depends on the speed by one number, its value at the usual speed of impact.
+/// Replaces every restitution that depends on the speed by a constant, its value at the usual speed of impact.
 fn at_usual_speed(experiment: &mut Experiment) {
     let scene = &mut experiment.scene;
     let walls = scene.walls.iter_mut().map(|wall| &mut wall.surface);
@@ -219,10 +224,10 @@ fn buoyancy(experiment: &Experiment) -> Richer {
 }
 
 impl<'a> SensitivityPlan<'a> {
-    /// Plans the richest case that the program can make of a case, and the runs that leave out one model each.
+    /// Plans the run of the richest case (the case with all models that are possible), and one run without each model.
     ///
     /// # Errors
-    /// The case cannot run, or has no model to leave out.
+    /// Returns an error if the case cannot run, or if it has no model that could be left out.
     pub fn richest(case: &'a Case, args: &Sensitivity) -> Result<(Self, Checked), StudyError> {
         let seed = args.runs.effort.seed;
         let soft = || case.experiment(Some(Model::Soft), seed);
@@ -269,7 +274,8 @@ impl<'a> SensitivityPlan<'a> {
         Ok((plan, checked))
     }
 
-    /// Plans the run without one model. `why` says how the richest case got the model.
+    /// Plans the run without the model `switch`. `why` says how the model was added to the case; it is empty if the
+    /// case has it.
     fn leave_out(&mut self, switch: &Switch, why: String) {
         let simpler = (switch.simpler)(self);
         let name = match simpler.model {

@@ -1,4 +1,4 @@
-//! Results of a sensitivity study: the outcomes of its runs, and the files made of them.
+//! Results of a sensitivity study: the outcomes of its runs, and the files that are made of them.
 
 use super::plan::{PlannedRun, SensitivityPlan};
 use super::{Question, needs, weigh, words};
@@ -10,27 +10,28 @@ use crate::study::replicas::pool;
 use crate::study::trust::notes;
 use std::path::PathBuf;
 
-/// Outcomes of all runs that are complete.
+/// Results of a sensitivity study so far: the outcomes of all runs that are complete.
 pub struct SensitivityTable<'a> {
-    /// Runs and factors of the study.
+    /// Plan of the study, with its runs and factors (changes of the case).
     pub plan: SensitivityPlan<'a>,
     /// Question of the study, on which the sentences of the report depend.
     pub question: Question,
     /// [-] margin of equivalence, relative to the scale of each observable.
     pub margin: f64,
-    /// Origin of the results.
+    /// Title, case and command of the study, for the report.
     pub provenance: Provenance,
-    /// Outcomes by index of the run, then by replica; `None` for a replica that is not complete.
+    /// Outcomes by index of the run, and for each run by replica; `None` for a replica that is not complete.
     pub outcomes: Vec<Vec<Option<Outcome>>>,
 }
 
 impl SensitivityTable<'_> {
-    /// True if all runs are complete.
+    /// True if all runs of the study are complete, each with all its replicas.
     pub fn is_whole(&self) -> bool {
         self.outcomes.iter().flatten().all(Option::is_some)
     }
 
-    /// Outcome of each run, averaged over its replicas; `None` for a run of which a replica is incomplete.
+    /// Outcome of each run, averaged over its replicas (runs with different seeds). `None` if one of the replicas is
+    /// not complete.
     pub fn pooled(&self) -> Vec<Option<Outcome>> {
         let one = |runs: &Vec<Option<Outcome>>| {
             let runs: Vec<Outcome> = runs.iter().cloned().collect::<Option<_>>()?;
@@ -40,8 +41,8 @@ impl SensitivityTable<'_> {
         self.outcomes.iter().map(one).collect()
     }
 
-    /// Writes the results so far, and the summary if all runs are complete. Returns the page, the sentences and the
-    /// answer.
+    /// Writes the results so far, and the summary if all runs are complete. Returns the path of the page, the sentences
+    /// of the conclusion, and one answer for all factors together.
     pub fn write(&self, folder: &Folder) -> Result<(PathBuf, Vec<String>, Option<Answer>), OutputError> {
         let pooled = self.pooled();
         let (factors, waiting) = weigh::factors(&self.plan, &pooled, &self.outcomes, self.margin);
@@ -51,7 +52,7 @@ impl SensitivityTable<'_> {
             Question::Needs => needs::sentences(&self.plan, &factors, &runs, self.margin),
         };
         let over: Vec<Outcome> = pooled.into_iter().flatten().collect();
-        // notes run by run, because the runs may have different starts on purpose
+        // notes are made run by run, because the starts of the runs may differ on purpose
         let notes: Vec<String> = over.iter().flat_map(|one| notes(std::slice::from_ref(one))).collect();
         let left_out: &[OmittedFactor] = &self.plan.left_out;
         let study = SensitivityStudy {

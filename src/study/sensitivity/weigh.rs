@@ -1,4 +1,4 @@
-//! Computes the shift of each observable by each factor, and judges all shifts together.
+//! Computes the shift of each observable by each factor (change of the case), and judges all shifts together.
 
 use super::plan::{Compared, PlannedFactor, SensitivityPlan};
 use crate::outcome::Outcome;
@@ -7,8 +7,8 @@ use crate::output::sensitivity::{Factor, Shift};
 use crate::statistics::{Answer, LEVEL, holm};
 use crate::study::judge::{ReplicaRuns, ShiftReference, Shifts, widened};
 
-/// Factors whose runs are complete, the most important first, with their shifts and answers; and the names of the other
-/// factors.
+/// Factors (changes of the case) whose runs are complete, with their shifts and answers, and the names of all other
+/// factors. The factors with the largest effects come first.
 pub fn factors(
     plan: &SensitivityPlan,
     pooled: &[Option<Outcome>],
@@ -29,8 +29,8 @@ pub fn factors(
         }
     }
     decide(&mut found, margin);
-    // the order is: factors found to matter, unresolved ones, factors that do not matter; in each group the largest
-    // first
+    // the order is: factors whose effect exceeds the margin, unresolved ones, factors below the margin; in each group
+    // the largest shift comes first
     let size = |factor: &Factor| factor.headline().map_or(0.0, |shift| shift.share().abs());
     found.sort_by(|a, b| b.answer.cmp(&a.answer).then(size(b).total_cmp(&size(a))));
     // factors with runs that stopped come last, since they have no shifts
@@ -38,7 +38,7 @@ pub fn factors(
     (found, waiting)
 }
 
-/// One factor with its shifts, without an answer yet; `None` if one of its runs is incomplete.
+/// Factor with its shifts, before its answer is known; `None` if one of its runs is not complete.
 fn factor<'a>(
     plan: &SensitivityPlan,
     planned: &PlannedFactor,
@@ -92,7 +92,7 @@ fn shifts<'a>(
     }
 }
 
-/// Divides a weighted sum of runs into its positive and its negative part. Both have the magnitudes of the weights.
+/// Positive and negative part of a weighted sum of runs. In each part the weights are replaced by their magnitudes.
 fn split<'a>(weights: &[f64], runs: &[ReplicaRuns<'a>]) -> [Vec<(f64, ReplicaRuns<'a>)>; 2] {
     let side = |sign: f64| -> Vec<(f64, ReplicaRuns<'a>)> {
         let all = weights.iter().zip(runs).map(|(weight, run)| (sign * weight, *run));
@@ -101,15 +101,16 @@ fn split<'a>(weights: &[f64], runs: &[ReplicaRuns<'a>]) -> [Vec<(f64, ReplicaRun
     [side(1.0), side(-1.0)]
 }
 
-/// Straight line through values at given positions, by least squares with equal weights.
+/// Straight line through values at given positions, fitted by least squares with equal weights.
 struct LineFit {
-    /// Weights of the values whose weighted sum is the value of the line at position 0 minus that at position 1, that
-    /// is, minus the slope.
+    /// Weights of the values. The values multiplied by these weights add up to the value of the line at position 0
+    /// minus that at position 1, which is minus the slope.
     to_zero: Vec<f64>,
-    /// Weights of the values whose weighted sum is the deviation of the second value from the line through the first
-    /// and the last value.
+    /// Weights of three values. The values multiplied by these weights add up to the deviation of the second value from
+    /// the line through the first and the third.
     miss: Vec<f64>,
-    /// [-] standard error of the slope divided by this deviation, if the values do not scatter otherwise.
+    /// [-] standard error of the slope divided by the deviation of the second value from the line through the others,
+    /// for three values without other scatter.
     share: f64,
 }
 
@@ -131,8 +132,8 @@ impl LineFit {
     }
 }
 
-/// Sets the answer of every shift and of every factor. Holm's procedure over all shifts together limits false
-/// differences.
+/// Sets the answers of all shifts and of all factors. Holm's procedure, applied to all shifts together, limits the
+/// probability of a false difference.
 fn decide(factors: &mut [Factor], margin: f64) {
     let chances: Vec<f64> = factors.iter().flat_map(|factor| &factor.shifts).filter_map(|shift| shift.chance).collect();
     let mut detected = holm(&chances, LEVEL).into_iter();

@@ -1,15 +1,15 @@
-//! Conclusions of a sensitivity study, in sentences.
+//! Conclusions of a sensitivity study, as sentences.
 
 use crate::output::numbers::{percent, quantity, significant, with_error};
 use crate::output::sensitivity::{Factor, Shift};
 use crate::statistics::{Answer, Estimate};
 use crate::study::judge::{in_prose, margin_in_words};
 
-/// Name of the factor that changes the seed only, and shows the effect of chance.
+/// Name of the factor that changes only the seed. Its shifts show the effect of chance.
 const CHANCE: &str = "seed";
 
-/// Sentences on the strongest factor, the other factors beyond the margin, those below it, the unresolved ones, and
-/// chance. `waiting` has the names of factors whose runs are incomplete.
+/// Sentences on the factor with the largest effect, the other factors beyond the margin, those below it, the unresolved
+/// ones, and the effect of chance. `waiting` has the names of factors whose runs are not complete.
 pub fn sentences(factors: &[Factor], waiting: &[String], margin: f64) -> Vec<String> {
     let of = |answer: Answer| -> Vec<&Factor> {
         factors
@@ -56,21 +56,21 @@ pub fn sentences(factors: &[Factor], waiting: &[String], margin: f64) -> Vec<Str
     sentences
 }
 
-/// Text of a shift with its standard error, and its size as a multiple of the margin.
+/// Text of a shift in per cent of its scale, with its standard error, and as a multiple of the margin.
 fn headline(shift: &Shift, margin: f64) -> String {
     let times = significant(shift.share().abs() / margin, 2);
     format!("{} by {}, {times} times the margin of {}", where_(shift), share(shift), margin_in_words(margin))
 }
 
-/// Name of the observable of a shift with an article, and the time of the shift if it has one.
+/// Name of the observable of a shift, with an article, and the simulated time of the shift if it has one.
 fn where_(shift: &Shift) -> String {
     let at = shift.time.map_or(String::new(), |time| format!(" at t = {}", quantity(time, "s", 3)));
     let name = in_prose(&shift.observable);
-    // names of single numbers are written without an article
+    // names of single numbers have no article of their own
     if name.starts_with("the ") { name + &at } else { format!("the {name}{at}") }
 }
 
-/// [-] size of a shift relative to its scale below which it is attributed to rounding.
+/// [-] largest shift, divided by its scale, that is attributed to rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// Text of a shift in per cent of its scale, with its standard error.
@@ -86,12 +86,12 @@ fn size(shift: &Shift) -> String {
     format!("{} in {}", share(shift), where_(shift))
 }
 
-/// Text of the largest shift of a factor, in brackets; empty without a shift.
+/// Text of the most important shift of a factor, in brackets; empty if the factor has no shift.
 pub(super) fn in_size(factor: &Factor) -> String {
     factor.headline().map_or(String::new(), |shift| format!(" ({})", size(shift)))
 }
 
-/// List of the titles of the factors, each with the text that `say` makes of its most important shift.
+/// List of the titles of factors, each with the text that the function `say` makes of its most important shift.
 fn list(factors: &[&Factor], say: &dyn Fn(&Shift) -> String) -> String {
     let one = |factor: &&Factor| {
         let said = factor.headline().map_or(String::new(), |shift| format!(" ({})", say(shift)));
@@ -131,7 +131,7 @@ pub(super) fn open(factors: &[&Factor], within: &str) -> Option<String> {
     Some(format!("Unresolved: {}.{advice}", factors.iter().map(one).collect::<Vec<_>>().join(", ")))
 }
 
-/// Sentence on the size of the shifts that chance alone causes.
+/// Sentence on the largest shift by another seed, which is the effect of chance. `None` if the factor has no shifts.
 pub(super) fn chance(factor: &Factor) -> Option<String> {
     let widest = factor.shifts.iter().max_by(|a, b| a.share().abs().total_cmp(&b.share().abs()))?;
     Some(format!("Another seed alone shifts up to {}: that much is noise.", size(widest)))

@@ -1,14 +1,15 @@
-//! Answers for the numbers of a row, by the tests with which `compare` judges a single number.
+//! Answers for the numbers of a validation row, by the tests with which `compare` judges a single number.
 
 use crate::output::{ValidationNumber, ValidationRule};
 use crate::statistics::{Answer, Deviation, EQUIVALENCE_LEVEL, LEVEL, holm};
 
-/// Degrees of freedom of a standard error that a source states, as if from very many runs. With so many, Student's
-/// distribution is the normal one within 0.2 %.
+/// Degrees of freedom of a standard error that a source states without the number of runs. With so many, Student's
+/// distribution is the normal distribution within 0.2 %.
 const STATED: f64 = 1000.0;
 
-/// Judges the numbers of one row of a suite with `rows` rows. The chance of any false difference in the whole suite is
-/// 1 %: each row has its share of this chance, which Holm's procedure divides among the numbers of the row.
+/// Sets the answers of the numbers of one row of a suite with `rows` rows. The probability of any false difference in
+/// the whole suite is 1 %. Each row has an equal share of this probability, which Holm's procedure divides among the
+/// numbers of the row.
 pub fn judge_numbers(numbers: &mut [ValidationNumber], rows: usize) {
     let deviations: Vec<Deviation> = numbers.iter().map(deviation).collect();
     let chances: Vec<f64> = deviations.iter().map(Deviation::chance).collect();
@@ -18,7 +19,7 @@ pub fn judge_numbers(numbers: &mut [ValidationNumber], rows: usize) {
             ValidationRule::Tolerance => deviation.difference.abs() <= number.allowed,
             ValidationRule::Margin => deviation.bound(EQUIVALENCE_LEVEL) < number.allowed,
         };
-        // without a standard error a deviation beyond the tolerance is a difference
+        // without a standard error, a deviation beyond the tolerance is a difference
         let differs = detected || number.rule == ValidationRule::Tolerance;
         number.answer = match (within, differs) {
             (true, _) => Answer::Equivalent,
@@ -29,7 +30,7 @@ pub fn judge_numbers(numbers: &mut [ValidationNumber], rows: usize) {
     }
 }
 
-/// Difference between a result and its reference, with its standard error and the degrees of freedom of Welch (1947).
+/// Result minus reference, with its standard error and the degrees of freedom of Welch (1947).
 fn deviation(number: &ValidationNumber) -> Deviation {
     let found = number.difference();
     let (a, b) = (number.ours.error.unwrap_or(0.0).powi(2), number.reference.error.unwrap_or(0.0).powi(2));
@@ -59,7 +60,7 @@ mod tests {
     #[test]
     fn a_reading_error_leaves_a_small_difference_unresolved() {
         assert_eq!(answer(read_off("n", "", (1.0, 0.01), 1.02, 0.05)), Answer::Equivalent);
-        // 0.04 + 1.65 errors is beyond the margin, and four errors are needed for a difference
+        // 0.04 + 1.65 errors is beyond the margin, and a difference needs four errors
         assert_eq!(answer(read_off("n", "", (1.0, 0.01), 1.035, 0.05)), Answer::Unresolved);
         assert_eq!(answer(read_off("n", "", (1.0, 0.01), 1.06, 0.05)), Answer::Different);
     }

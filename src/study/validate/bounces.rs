@@ -1,4 +1,5 @@
-//! Balls that fall on a floor or are squeezed: MFIX DEM01, DEM02 and DEM03, and the end of infinitely many bounces.
+//! Validation rows of balls that fall on a floor or are squeezed: MFIX DEM01, DEM02 and DEM03, and the end of
+//! infinitely many bounces.
 
 use super::check::{CheckResult, CheckScene, ValidationCheck, exact, run_to, stopped};
 use crate::engine::Failure;
@@ -8,16 +9,16 @@ use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::runs::StudyError;
 use crate::simulation::Simulation;
 
-/// [m/s²] gravity of the MFIX cases, as in their case files.
+/// [m/s²] acceleration of gravity in the MFIX cases, as in their case files.
 const GRAVITY: f64 = 9.80665;
 
-/// [m] apex of the present flight of a ball, computed from its height and velocity.
+/// [m] height of the apex of the flight of the ball, computed from its present height and velocity.
 fn apex(simulation: &Simulation) -> f64 {
     let (x, v) = (simulation.particles.position[0], simulation.particles.velocity[0]);
     x.y + v.y * v.y / (2.0 * GRAVITY)
 }
 
-/// Validation row: a ball on a soft floor (MFIX DEM01).
+/// Validation row: a ball that bounces on a soft floor (MFIX DEM01).
 pub const SOFT_FLOOR: ValidationCheck = ValidationCheck {
     name: "dem01",
     tier: ClosedForms,
@@ -29,7 +30,8 @@ pub const SOFT_FLOOR: ValidationCheck = ValidationCheck {
     measure: soft_floor,
 };
 
-/// Stiffness [N/m], restitution [-], then the reference values of the largest overlap [m] and of the next apex [m].
+/// Stiffness [N/m] and restitution [-] of the floor, then the reference values of the largest overlap [m] and of the
+/// height of the next apex [m].
 const SOFT_FLOORS: [(f64, f64, f64, f64); 4] = [
     (5e4, 1.0, 0.04352938, 0.5),
     (5e4, 0.9, 0.04131345, 0.41907173),
@@ -56,7 +58,7 @@ fn soft_floor(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(numbers.into())
 }
 
-/// Validation row: apexes of a hard ball (MFIX DEM02).
+/// Validation row: heights of the apexes of a bouncing hard ball (MFIX DEM02).
 pub const APEXES: ValidationCheck = ValidationCheck {
     name: "dem02",
     tier: ClosedForms,
@@ -113,7 +115,7 @@ fn apexes(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     })
 }
 
-/// Validation row: two balls between floor and ceiling (MFIX DEM03).
+/// Validation row: two balls that are squeezed between floor and ceiling (MFIX DEM03).
 pub const SQUEEZED: ValidationCheck = ValidationCheck {
     name: "dem03",
     tier: ClosedForms,
@@ -125,7 +127,8 @@ pub const SQUEEZED: ValidationCheck = ValidationCheck {
     measure: squeezed,
 };
 
-/// Restitution [-], time [s], then height y [m] and velocity v [m/s] of the lower ball and of the upper ball.
+/// Restitution [-] and time [s], then the reference values of height y [m] and velocity v [m/s], first of the lower
+/// ball, then of the upper ball.
 const SQUEEZES: [(f64, f64, [f64; 4]); 5] = [
     (1.0, 1e-4, [4.3267464587e-4, -0.233122618, 1.3813857854e-3, 0.350795400]),
     (1.0, 5e-4, [4.3623748029e-4, 0.230577292, 1.3791393490e-3, -0.403903856]),
@@ -156,7 +159,7 @@ fn squeezed(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(numbers.into())
 }
 
-/// Validation row: instant at which infinitely many bounces end.
+/// Validation row: instant at which infinitely many bounces of a hard sphere end.
 pub const ZENO: ValidationCheck = ValidationCheck {
     name: "zeno",
     tier: ClosedForms,
@@ -179,7 +182,7 @@ fn zeno(scene: &CheckScene) -> Result<CheckResult, StudyError> {
             Err(why) => return Err(stopped(why)),
             Ok(()) => f64::NAN,
         };
-        // in double precision flights shorter than about 1e-8 s are not resolved; the tolerance allows for many of
+        // in double precision, flights shorter than about 1e-8 s are not resolved; the tolerance allows for many of
         // these flights
         numbers.push(exact(format!("rest, e = {restitution}"), "s", expected, ended, 1e-5));
     }

@@ -1,4 +1,4 @@
-//! One row of the validation suite before it runs, and the functions with which rows run their scenes.
+//! One row of the validation suite before it runs, and functions with which rows run their scenes.
 
 use crate::case::{Case, built_in};
 use crate::engine::Failure;
@@ -10,31 +10,31 @@ use crate::simulation::Simulation;
 use crate::statistics::{Answer, Estimate};
 use rayon::prelude::*;
 
-/// Row of the validation suite: its description, and the function that runs its scene.
+/// Row of the validation suite: a description of the comparison, and the function that runs its scene.
 pub struct ValidationCheck {
-    /// Name of the row on the command line (`--only`).
+    /// Name of the row on the command line (`--only`) and in the report.
     pub name: &'static str,
-    /// Kind of the reference.
+    /// Kind of the reference, such as a closed form or an experiment.
     pub tier: ValidationTier,
-    /// Name of the built-in case with the scene. The row changes some keys of this case.
+    /// Name of the built-in case that contains the scene. The row may change some keys of this case.
     pub case: &'static str,
     /// Description of the scene, for the report.
     pub scene: &'static str,
-    /// Source of the reference, with the place in it.
+    /// Source of the reference value, with the place in the source.
     pub source: &'static str,
-    /// Sentence on what the row does not show.
+    /// Sentence on effects that the row does not test.
     pub not_shown: &'static str,
-    /// True if the row takes minutes, so that `--quick` leaves it out.
+    /// True if the row takes minutes. The option `--quick` leaves such rows out.
     pub takes_minutes: bool,
-    /// Function that runs the scene and returns the numbers with their references.
+    /// Function that runs the scene, and returns the results with their references.
     pub measure: fn(&CheckScene) -> Result<CheckResult, StudyError>,
 }
 
-/// Numbers of a row, with a picture if there is one.
+/// Results of a row of the validation suite, with a picture if there is one.
 pub struct CheckResult {
-    /// Numbers with their references, not yet judged.
+    /// Results with their references, before they are judged.
     pub numbers: Vec<ValidationNumber>,
-    /// Picture with its caption.
+    /// Picture with its caption; `None` if the row has no picture.
     pub picture: Option<(&'static str, Panel)>,
 }
 
@@ -44,50 +44,52 @@ impl From<Vec<ValidationNumber>> for CheckResult {
     }
 }
 
-/// Built-in case of a row, from which the runs of the row are made.
+/// Built-in case of a row, from which the experiments of the row are made.
 pub struct CheckScene {
     case: Case,
-    /// True for `--quick`: fewer and shorter runs.
+    /// True for fewer and shorter runs (option `--quick`).
     pub quick: bool,
 }
 
 impl CheckScene {
-    /// Scene of a built-in case.
+    /// Scene of the built-in case with the name `case`.
     ///
     /// # Errors
-    /// There is no such case, or it cannot be read, which would be an error in the program.
+    /// Returns an error if there is no such case, or if it cannot be read. Both would be faults of the program.
     pub fn new(case: &str, quick: bool) -> Result<Self, StudyError> {
         let missing = || StudyError::Failed(format!("error: no built-in case is called `{case}`"));
         let case = Case::built_in(&built_in::case(case).ok_or_else(missing)?, &[])?;
         Ok(Self { case, quick })
     }
 
-    /// Returns `quick` for `--quick`, else `full`.
+    /// Returns `quick` with the option `--quick`, else `full`.
     pub fn choose<T>(&self, quick: T, full: T) -> T {
         if self.quick { quick } else { full }
     }
 
-    /// Experiment of the scene with a model, a seed and changes of the form `key=value`.
+    /// Experiment of the scene with the collision model `model`, the seed `seed`, and changes of keys in the form
+    /// `key=value`.
     ///
     /// # Errors
-    /// The case refuses a change, which would be an error in the program.
+    /// Returns an error if the case refuses a change, which would be a fault of the program.
     pub fn experiment(&self, model: Model, seed: Option<u64>, sets: &[String]) -> Result<Experiment, StudyError> {
         Ok(self.case.changed(sets, Some(model), seed)?.0)
     }
 
-    /// Simulation of the scene at its start.
+    /// Simulation of the scene, with the particles at their start.
     ///
     /// # Errors
-    /// The errors of [`experiment`](Self::experiment), or particles that do not fit.
+    /// Returns the errors of [`experiment`](Self::experiment), and an error if the particles do not fit into the box.
     pub fn simulation(&self, model: Model, seed: Option<u64>, sets: &[String]) -> Result<Simulation, StudyError> {
         let experiment = self.experiment(model, seed, sets)?;
         Ok(Simulation::new(&experiment, start(&experiment)?))
     }
 
-    /// Results of `one` run for each of `count` seeds, in the order of the seeds.
+    /// Results of the function `one`, which does one run, for the seeds 1 to `count`. They are in the order of the
+    /// seeds.
     ///
     /// # Errors
-    /// The first error of a run.
+    /// Returns the error of one of the runs that fail.
     pub fn replicas<T: Send>(
         &self,
         count: u64,
@@ -98,10 +100,11 @@ impl CheckScene {
     }
 }
 
-/// Runs a simulation up to `time` [s] in `windows` windows. Afterwards the particles are in the order of their ids.
+/// Runs a simulation up to the simulated time `time` [s] in `windows` equal windows (pieces of the run). Afterwards the
+/// particles are in the order of their ids.
 ///
 /// # Errors
-/// The engine stopped.
+/// Returns an error if the engine stops.
 pub fn run_to(simulation: &mut Simulation, time: f64, windows: u64) -> Result<(), StudyError> {
     let window = (time - simulation.time) / windows as f64;
     simulation.run(windows, window).map_err(stopped)?;
@@ -109,12 +112,12 @@ pub fn run_to(simulation: &mut Simulation, time: f64, windows: u64) -> Result<()
     Ok(())
 }
 
-/// Converts the failure of an engine to the error of a row.
+/// Error of a row for the failure of an engine.
 pub fn stopped(why: Failure) -> StudyError {
     StudyError::Failed(why.to_string())
 }
 
-/// Makes a number of a row from an exact reference and a result without scatter. The tolerance is in their unit.
+/// Makes a result of a row that has no scatter, with an exact reference. The tolerance is in the unit of the result.
 pub fn exact(
     name: impl Into<String>,
     unit: &'static str,
@@ -134,8 +137,8 @@ pub fn exact(
     }
 }
 
-/// Makes a number of a row from a result without scatter and a reference with the error `reading` of a measurement or
-/// of a digitised picture. The error and the margin are in the unit of the number.
+/// Makes a result of a row that has no scatter, with a reference that is a measurement or was read off a picture.
+/// `reading` is the standard error of the reference. This error and the margin are in the unit of the result.
 pub fn read_off(
     name: impl Into<String>,
     unit: &'static str,
@@ -150,7 +153,8 @@ pub fn read_off(
     }
 }
 
-/// Makes a number of a row from the results of several independent runs. The margin is in the unit of the number.
+/// Makes a result of a row from several independent runs, with its standard error. The margin is in the unit of the
+/// result.
 pub fn averaged(
     name: impl Into<String>,
     unit: &'static str,

@@ -1,5 +1,5 @@
-//! Benchmark impacts of Chung and Ooi (2011, Granular Matter 13, 643), with points of their figures that were digitised
-//! for the tests of Kratos.
+//! Validation rows of the benchmark impacts of Chung and Ooi (2011, Granular Matter 13, 643), with points of their
+//! figures that were digitised for the tests of Kratos.
 
 use super::check::{CheckResult, CheckScene, ValidationCheck, exact, read_off, run_to, stopped};
 use super::oblique::rebound;
@@ -10,8 +10,8 @@ use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::runs::StudyError;
 use crate::simulation::Simulation;
 
-/// Largest force [N] and duration [s] of the impact of two balls, or of a ball on wall 0, with the speed of approach
-/// `speed` [m/s]. The force follows from the largest overlap of the run by the contact law.
+/// Largest force [N] and duration [s] of the impact of two balls, or of one ball on the first wall, with the speed of
+/// approach `speed` [m/s]. The force is that of the contact law at the largest overlap of the run.
 fn normal_impact(scene: &CheckScene, speed: f64) -> Result<[f64; 2], StudyError> {
     let experiment = scene.experiment(Model::Soft, None, &[])?;
     let mut simulation = scene.simulation(Model::Soft, None, &[])?;
@@ -32,7 +32,7 @@ fn normal_impact(scene: &CheckScene, speed: f64) -> Result<[f64; 2], StudyError>
     Ok([law.force(&spring, overlap, 0.0).0, seen.mean_duration.unwrap_or(f64::NAN)])
 }
 
-/// Validation row: two balls of glass, head on (test 1 of Chung and Ooi).
+/// Validation row: head-on impact of two balls of glass (test 1 of Chung and Ooi).
 pub const HEAD_ON: ValidationCheck = ValidationCheck {
     name: "chung-ooi-1",
     tier: OtherCodes,
@@ -44,7 +44,7 @@ pub const HEAD_ON: ValidationCheck = ValidationCheck {
     measure: |scene| force_and_time(normal_impact(scene, 20.0)?, [(10.70e3, 20.0), (40.47e-6, 0.1e-6)]),
 };
 
-/// Validation row: a ball of aluminium alloy on a rigid plane (test 2 of Chung and Ooi).
+/// Validation row: normal impact of a ball of aluminium alloy on a rigid plane (test 2 of Chung and Ooi).
 pub const ON_PLANE: ValidationCheck = ValidationCheck {
     name: "chung-ooi-2",
     tier: OtherCodes,
@@ -56,8 +56,8 @@ pub const ON_PLANE: ValidationCheck = ValidationCheck {
     measure: |scene| force_and_time(normal_impact(scene, 0.2)?, [(11.36e3, 20.0), (726.5e-6, 2e-6)]),
 };
 
-/// Numbers of a normal impact: largest force [N] and duration [s], each reference with its reading error of 1/500 of
-/// the axis.
+/// Results of a normal impact: largest force [N] and duration [s]. `expected` has both references, each with its
+/// reading error of 1/500 of the axis.
 fn force_and_time(ours: [f64; 2], expected: [(f64, f64); 2]) -> Result<CheckResult, StudyError> {
     let [force, time] = expected;
     Ok(vec![
@@ -67,7 +67,7 @@ fn force_and_time(ours: [f64; 2], expected: [(f64, f64); 2]) -> Result<CheckResu
     .into())
 }
 
-/// Validation row: restitution of a ball that meets a plane (test 3 of Chung and Ooi).
+/// Validation row: restitution of a ball that meets a rigid plane (test 3 of Chung and Ooi).
 pub const RESTITUTION: ValidationCheck = ValidationCheck {
     name: "chung-ooi-3",
     tier: ClosedForms,
@@ -98,7 +98,7 @@ fn restitution(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(numbers.into())
 }
 
-/// Validation row: oblique impacts of aluminium oxide (test 4 of Chung and Ooi).
+/// Validation row: oblique impacts of a ball of aluminium oxide on a rigid plane (test 4 of Chung and Ooi).
 pub const OBLIQUE: ValidationCheck = ValidationCheck {
     name: "chung-ooi-4",
     tier: OtherCodes,
@@ -110,7 +110,8 @@ pub const OBLIQUE: ValidationCheck = ValidationCheck {
     measure: oblique,
 };
 
-/// Angle of impact [°], and the paper's velocity ratio v_t'/v_t [-] and spin after the impact [rad/s].
+/// Test 4 of Chung and Ooi: angle of impact [°] from the normal, ratio v_t'/v_t [-] of the tangential velocities after
+/// and before the impact, and spin after the impact [rad/s].
 const TEST_4: [(f64, f64, f64); 13] = [
     (5.0, 0.9481, 19.27),
     (10.0, 0.6870, 213.00),
@@ -132,8 +133,8 @@ fn oblique(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     let (mut numbers, mut found) = (Vec::new(), Vec::new());
     for (angle, ratio, spin) in TEST_4 {
         let left = rebound(scene, angle, &sets)?;
-        // from 35 degrees on the ball slides throughout; the digitised points then deviate from the closed form by up
-        // to 0.003 and 3 rad/s
+        // from 35 degrees on the ball slides during the whole contact; the digitised points then deviate from the
+        // closed form by up to 0.003 and 3 rad/s
         numbers.push(read_off(format!("v_t'/v_t at {angle}°"), "", (ratio, 0.003), left.ratio, 0.03));
         numbers.push(read_off(format!("spin at {angle}°"), "rad/s", (spin, 3.0), left.spin, 20.0));
         found.push(SeriesPoint::at(angle, left.spin));
@@ -151,8 +152,8 @@ fn oblique(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(CheckResult { numbers, picture: Some(("Spin after an oblique impact (test 4).", panel)) })
 }
 
-/// Changed keys of the case for test 5: a steel ball of 20 µm in a box of 1 mm, with the velocity `along` the plane
-/// [m/s].
+/// Changes of keys for test 5 of Chung and Ooi: a steel ball of 20 µm in a box of 1 mm. `along` [m/s] is its velocity
+/// along the plane.
 fn steel(along: f64) -> Vec<String> {
     let mut sets: Vec<String> = [
         "particles[0].diameter=20 um",
@@ -174,7 +175,7 @@ fn steel(along: f64) -> Vec<String> {
     sets
 }
 
-/// Validation row: oblique impacts of steel against finite elements (test 5 of Chung and Ooi).
+/// Validation row: oblique impacts of a steel ball, compared with finite elements (test 5 of Chung and Ooi).
 pub const FINITE_ELEMENTS: ValidationCheck = ValidationCheck {
     name: "chung-ooi-5",
     tier: OtherCodes,
@@ -186,7 +187,7 @@ pub const FINITE_ELEMENTS: ValidationCheck = ValidationCheck {
     measure: finite_elements,
 };
 
-/// v_t/(μ v_n) [-] and R ω'/(μ v_n) [-] by finite elements.
+/// Test 5 of Chung and Ooi, by finite elements: v_t/(μ v_n) [-] before the impact, and R ω'/(μ v_n) [-] after it.
 const TEST_5: [(f64, f64); 10] = [
     (0.5954, 0.4056),
     (1.1850, 0.9818),
@@ -223,7 +224,7 @@ fn finite_elements(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(CheckResult { numbers, picture: Some(("Spin after an oblique elastic impact (test 5).", panel)) })
 }
 
-/// Validation row: a ball with spin on a rigid plane (test 6 of Chung and Ooi).
+/// Validation row: normal impact of a ball with spin on a rigid plane (test 6 of Chung and Ooi).
 pub const SPINNING: ValidationCheck = ValidationCheck {
     name: "chung-ooi-6",
     tier: OtherCodes,
@@ -235,8 +236,8 @@ pub const SPINNING: ValidationCheck = ValidationCheck {
     measure: spinning,
 };
 
-/// Number k and coefficient β [-] of test 6. The slip before the impact is 0.2 m/s tan(5° k); β is minus the slip after
-/// the impact over that before it.
+/// Test 6 of Chung and Ooi: number k, which gives the slip before the impact as 0.2 m/s tan(5° k), and coefficient β
+/// [-]. The coefficient β is minus the slip after the impact divided by the slip before it.
 const TEST_6: [(u32, f64); 9] = [
     (1, -0.3386),
     (2, -0.2588),
@@ -284,12 +285,12 @@ fn spinning(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(CheckResult { numbers, picture: Some(("Tangential restitution of a ball with spin (test 6).", panel)) })
 }
 
-/// [m/s] velocity along x of the lowest point of the first ball's surface.
+/// [m/s] velocity along x of the lowest point of the surface of the first ball. `radius` [m] is that of the ball.
 fn surface_speed(simulation: &Simulation, radius: f64) -> f64 {
     simulation.particles.velocity[0].x + radius * simulation.particles.spin_of(0).z
 }
 
-/// Validation row: two balls with opposite spins (test 7 of Chung and Ooi).
+/// Validation row: head-on impact of two balls with opposite spins (test 7 of Chung and Ooi).
 pub const OPPOSITE_SPINS: ValidationCheck = ValidationCheck {
     name: "chung-ooi-7",
     tier: ClosedForms,

@@ -1,4 +1,5 @@
-//! A gas of hard spheres that cools under the TC model, in which collisions in quick succession are elastic.
+//! Validation row of a cooling gas of hard spheres with the TC model, in which collisions in quick succession are
+//! elastic.
 
 use super::check::{CheckResult, CheckScene, ValidationCheck, averaged, run_to};
 use super::cooling::enskog;
@@ -10,7 +11,7 @@ use crate::statistics::Estimate;
 use statrs::function::erf::erf;
 use std::f64::consts::PI;
 
-/// Validation row: hard spheres with a contact time.
+/// Validation row: a cooling gas of hard spheres with a contact time (TC model).
 pub const CONTACT_TIME: ValidationCheck = ValidationCheck {
     name: "tc-cooling",
     tier: OtherCodes,
@@ -22,35 +23,37 @@ pub const CONTACT_TIME: ValidationCheck = ValidationCheck {
     measure: cooling,
 };
 
-/// [-] contact time of the row, divided by the time between two collisions of a sphere at the start.
+/// [-] contact time of the TC model, divided by the mean time between two collisions of a sphere at the start.
 const RATIO: f64 = 0.2;
 
-/// Largest speed of a quadrature over a Maxwellian, in units of √T. A share of 1e-17 of the spheres is faster.
+/// [-] largest speed in the integrals over the Maxwellian velocity distribution, divided by √T. A share of 1e-17 of the
+/// spheres is faster.
 const FASTEST: f64 = 9.0;
 
-/// Number of points of a quadrature. With 200 points the result changes by less than 1e-6.
+/// Number of points of the integrals over the speed. With 200 points the result changes by less than 1e-6.
 const POINTS: usize = 100;
 
-/// [-] collision rate of a sphere of speed `v` [√T] in a Maxwellian gas, divided by the mean rate of all spheres.
+/// [-] collision rate of a sphere in a Maxwellian gas, divided by the mean rate of all spheres. `v` [-] is the speed of
+/// the sphere divided by √T.
 fn rate_at(v: f64) -> f64 {
     let mean_relative_speed = (2.0 / PI).sqrt() * (-0.5 * v * v).exp() + (v + 1.0 / v) * erf(v / 2.0_f64.sqrt());
     mean_relative_speed * PI.sqrt() / 4.0
 }
 
-/// [-] energy loss in the TC model, divided by the loss by Haff's law. `ratio` is the contact time divided by the mean
-/// time between two collisions of a sphere, and `loss` is 1 - e².
+/// [-] rate of energy loss in the TC model, divided by that of Haff's law. `ratio` [-] is the contact time divided by
+/// the mean time between two collisions of a sphere, and `loss` [-] is 1 - e².
 ///
-/// Spheres of one speed collide at the rate ν, and so lose this speed. In a steady gas as many spheres get this speed
-/// by a collision, so a share exp(-ν t_c) has had no collision during the last time t_c. In a gas that cools, the
-/// number f of these spheres changes, and the rate of new spheres is ν + d(ln f)/dt. For a Maxwellian the second term
-/// is (v²/(2T) - 3/2) d(ln T)/dt.
+/// A sphere that collides changes its speed. Spheres of one speed collide at the rate ν. In a steady gas, equally many
+/// spheres get this speed by a collision. So the share exp(-ν t_c) of them has not collided during the last time t_c.
+/// In a cooling gas the number f of these spheres changes, and spheres get this speed at the rate ν + d(ln f)/dt per
+/// sphere. For a Maxwellian the second term is (v²/(2T) - 3/2) d(ln T)/dt.
 fn share_of_loss(ratio: f64, loss: f64) -> f64 {
-    // each repetition reduces the error by a factor of some (1 - e²) ratio
+    // each repetition multiplies the error by some (1 - e²) ratio
     (0..4).fold(1.0, |share, _| share_with_cooling(ratio, loss * share / 3.0))
 }
 
-/// [-] energy loss in the TC model, divided by the loss by Haff's law, if -d(ln T)/dt is `cooling` times the collision
-/// rate of a sphere.
+/// [-] rate of energy loss in the TC model, divided by that of Haff's law, for a given rate of cooling. `cooling` [-]
+/// is -d(ln T)/dt divided by the collision rate of a sphere.
 fn share_with_cooling(ratio: f64, cooling: f64) -> f64 {
     let step = FASTEST / POINTS as f64;
     let speeds: Vec<f64> = (0..POINTS).map(|k| (k as f64 + 0.5) * step).collect();
@@ -69,9 +72,11 @@ fn share_with_cooling(ratio: f64, cooling: f64) -> f64 {
     kept / all
 }
 
-/// [-] T(t)/T(0) at `times` [s] by the theory of the TC model, for the collision rate [1/s] at the start.
+/// [-] temperature ratio T(t)/T(0) at the `times` [s], by the theory of the TC model. `rate` [1/s] is the collision
+/// rate of a sphere at the start.
 fn theory(restitution: f64, rate: f64, times: &[f64]) -> Vec<f64> {
-    /// Number of steps between two times, with which the classical Runge-Kutta method is exact to 1e-9.
+    /// Number of time steps from one of the times to the next, with which the classical Runge-Kutta method is exact to
+    /// 1e-9.
     const STEPS: usize = 20;
     let loss = 1.0 - restitution * restitution;
     let slope = |t: f64| -loss * rate * t.sqrt() * t / 3.0 * share_of_loss(RATIO * t.sqrt(), loss);

@@ -1,4 +1,4 @@
-//! Gases that cool by inelastic collisions, of smooth and of rough spheres.
+//! Validation rows of gases that cool by inelastic collisions, of smooth and of rough spheres.
 
 use super::check::{CheckResult, CheckScene, ValidationCheck, averaged, run_to, stopped};
 use super::gases::temperature;
@@ -10,8 +10,8 @@ use crate::simulation::Simulation;
 use crate::statistics::Estimate;
 use std::f64::consts::PI;
 
-/// [1/s] collision rate of a sphere by Enskog's theory with the contact value g of Carnahan and Starling (1969): 24 φ g
-/// sqrt(T/π)/d (1 - 1/N).
+/// [1/s] collision rate of one sphere in a gas, by Enskog's theory: 24 φ g sqrt(T/π)/d (1 - 1/N). The contact value g
+/// is that of Carnahan and Starling (1969). `temperature` [m²/s²] is the granular temperature T.
 pub fn enskog(simulation: &Simulation, temperature: f64) -> f64 {
     let (count, diameter) = (simulation.count() as f64, 2.0 * simulation.mean_radius());
     let fraction = count * PI / 6.0 * diameter.powi(3) / simulation.scene().domain.volume();
@@ -19,13 +19,14 @@ pub fn enskog(simulation: &Simulation, temperature: f64) -> f64 {
     24.0 * fraction * contact * (temperature / PI).sqrt() / diameter * (1.0 - 1.0 / count)
 }
 
-/// [-] T(t)/T(0) by Haff's law for the rate [1/s] at the start, at `time` [s].
+/// [-] temperature ratio T(t)/T(0) at `time` [s], by Haff's law. `rate` [1/s] is the collision rate of a sphere at the
+/// start.
 fn haff(restitution: f64, rate: f64, time: f64) -> f64 {
     (1.0 + (1.0 - restitution * restitution) * rate * time / 6.0).powi(-2)
 }
 
-/// Runs a cooling gas; returns, for each of the given times [s], its temperature over the initial one [-]: measured,
-/// and by Haff's law.
+/// Runs a cooling gas, and returns its temperature divided by the initial one [-] at each of the `times` [s]. Each
+/// entry has the measured ratio, then that of Haff's law.
 fn cool(simulation: &mut Simulation, restitution: f64, times: &[f64]) -> Result<Vec<[f64; 2]>, StudyError> {
     let start = temperature(&simulation.particles);
     let rate = enskog(simulation, start);
@@ -37,7 +38,7 @@ fn cool(simulation: &mut Simulation, restitution: f64, times: &[f64]) -> Result<
     times.iter().map(one).collect()
 }
 
-/// Validation row: Haff's law of cooling.
+/// Validation row: temperature of a cooling gas, compared with Haff's law.
 pub const HAFF: ValidationCheck = ValidationCheck {
     name: "haff",
     tier: OtherCodes,
@@ -63,7 +64,7 @@ fn cooling(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(times.iter().enumerate().map(number).collect::<Vec<_>>().into())
 }
 
-/// Validation row: cooling benchmark of MFIX-Exa.
+/// Validation row: cooling gas of the benchmark of MFIX-Exa.
 pub const MFIX_EXA: ValidationCheck = ValidationCheck {
     name: "mfix-exa-cooling",
     tier: OtherCodes,
@@ -95,7 +96,7 @@ fn mfix_exa(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(numbers.into())
 }
 
-/// Validation row: first Sonine coefficient of a cooling gas.
+/// Validation row: first Sonine coefficient a_2 of the velocity distribution of a cooling gas.
 pub const SONINE: ValidationCheck = ValidationCheck {
     name: "sonine",
     tier: OtherCodes,
@@ -107,7 +108,7 @@ pub const SONINE: ValidationCheck = ValidationCheck {
     measure: sonine,
 };
 
-/// Sonine coefficient a_2 [-] of van Noije and Ernst for the restitution e [-].
+/// [-] Sonine coefficient a_2 of a cooling gas by van Noije and Ernst. `e` [-] is the restitution.
 fn linear_theory(e: f64) -> f64 {
     16.0 * (1.0 - e) * (1.0 - 2.0 * e * e) / (81.0 - 17.0 * e + 30.0 * e * e * (1.0 - e))
 }
@@ -144,8 +145,8 @@ fn sonine(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     })
 }
 
-/// Mean of the Sonine coefficient a_2 over samples that are one collision per sphere apart, after 5 collisions per
-/// sphere.
+/// [-] mean of the Sonine coefficient a_2 over 20 samples. About one collision per sphere precedes each sample, and the
+/// first five collisions per sphere are not sampled.
 fn excess(simulation: &mut Simulation) -> Result<f64, StudyError> {
     let (mut sum, mut samples) = (0.0, 0.0);
     for step in 0..25 {
@@ -163,7 +164,7 @@ fn excess(simulation: &mut Simulation) -> Result<f64, StudyError> {
     Ok(sum / samples)
 }
 
-/// Validation row: a cooling gas of rough spheres.
+/// Validation row: temperatures of a cooling gas of rough spheres.
 pub const ROUGH: ValidationCheck = ValidationCheck {
     name: "rough-gas",
     tier: OtherCodes,
@@ -175,11 +176,12 @@ pub const ROUGH: ValidationCheck = ValidationCheck {
     measure: rough,
 };
 
-/// Reference values: collisions per sphere, then T and T_r over the initial T [-], each with its standard error.
+/// Reference values: number of collisions per sphere, then T and T_r divided by the initial T [-], each with its
+/// standard error.
 const MONTE_CARLO: [(f64, [(f64, f64); 2]); 2] =
     [(1.0, [(0.86357, 0.00093), (0.81901, 0.00040)]), (5.0, [(0.45934, 0.00064), (0.38795, 0.00048)])];
 
-/// Reference value of the ratio T_r/T [-] of rotational to translational temperature in the final state of a gas of
+/// [-] reference value of the ratio T_r/T of rotational to translational temperature in the final state of a gas of
 /// rough spheres, with its standard error.
 const FINAL_RATIO: (f64, f64) = (0.7899, 0.0018);
 
@@ -213,8 +215,8 @@ fn rough(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(numbers.into())
 }
 
-/// Measured T and T_r over the initial T [-], after each number of collisions per sphere in [`MONTE_CARLO`], and after
-/// 20.
+/// Measured T and T_r divided by the initial temperature [-], after each number of collisions per sphere in
+/// [`MONTE_CARLO`], and after 20 collisions.
 fn temperatures(simulation: &mut Simulation) -> Result<Vec<[f64; 2]>, StudyError> {
     let both = |simulation: &Simulation| {
         let particles = &simulation.particles;

@@ -1,4 +1,4 @@
-//! A small ball that falls in gas (MFIX DEM06).
+//! Validation row of a small ball that falls in a gas (MFIX DEM06).
 
 use super::check::{CheckResult, CheckScene, ValidationCheck, exact, run_to};
 use crate::experiment::Model;
@@ -6,7 +6,7 @@ use crate::output::ValidationTier::OtherCodes;
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::runs::StudyError;
 
-/// Validation row: terminal velocity (MFIX DEM06).
+/// Validation row: velocity of a falling ball up to its terminal velocity (MFIX DEM06).
 pub const TERMINAL: ValidationCheck = ValidationCheck {
     name: "dem06",
     tier: OtherCodes,
@@ -18,7 +18,7 @@ pub const TERMINAL: ValidationCheck = ValidationCheck {
     measure: terminal,
 };
 
-/// Time [s] and slip velocity [m/s] as stored by MFIX.
+/// Time [s] and slip velocity between ball and gas [m/s], as stored by MFIX.
 const STORED: [(f64, f64); 7] = [
     (0.01, 0.41254878),
     (0.02, 0.42238411),
@@ -38,8 +38,7 @@ fn terminal(scene: &CheckScene) -> Result<CheckResult, StudyError> {
         run_to(&mut simulation, time, windows)?;
         let found = slip(simulation.particles.velocity[0].z);
         points.push(SeriesPoint::at(simulation.time, found));
-        // MFIX itself deviates from the exact solution of its equations by 4e-6 at 10 ms; its gas velocity is 4e-7 too
-        // high
+        // MFIX deviates from the exact solution of its equations by 4e-6 at 10 ms; its gas velocity is 4e-7 too high
         numbers.push(exact(format!("slip at {time} s"), "m/s", stored, found, 1e-5));
     }
     let stored = STORED.map(|(time, slip)| SeriesPoint::at(time, slip));

@@ -1,4 +1,4 @@
-//! Flows: beads that run out of a vessel, and the mean profile of a turbulent gas.
+//! Validation rows of flows: beads that run out of a vessel, and the mean profile of a turbulent gas.
 
 use super::check::{CheckResult, CheckScene, ValidationCheck, averaged, exact, stopped};
 use crate::experiment::Model;
@@ -9,7 +9,7 @@ use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::runs::StudyError;
 use crate::statistics::Estimate;
 
-/// Validation row: discharge through a hole.
+/// Validation row: mass flow of beads through a hole in the bottom of a vessel.
 pub const BEVERLOO: ValidationCheck = ValidationCheck {
     name: "beverloo",
     tier: Experiments,
@@ -40,7 +40,7 @@ fn beverloo(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(vec![averaged("mass per time", "g/s", Estimate::exact(1e3 * expected), parts, 100.0 * expected)].into())
 }
 
-/// Validation row: mean velocity of a turbulent channel.
+/// Validation row: mean velocity of a turbulent channel flow without particles.
 pub const CHANNEL_GAS: ValidationCheck = ValidationCheck {
     name: "channel-gas",
     tier: OtherCodes,

@@ -1,4 +1,5 @@
-//! Gases of elastic spheres at equilibrium: collision rate and pressure, mixtures, and an atmosphere under gravity.
+//! Validation rows of gases of elastic spheres at equilibrium: collision rate and pressure, mixtures, and an atmosphere
+//! under gravity.
 
 use super::check::{CheckResult, CheckScene, ValidationCheck, averaged, run_to, stopped};
 use crate::experiment::Model;
@@ -10,8 +11,8 @@ use crate::simulation::Simulation;
 use crate::statistics::Estimate;
 use std::f64::consts::PI;
 
-/// [m²/s²] granular temperature 2E/(3(N-1)m) of equal spheres, with their kinetic energy E relative to the centre of
-/// mass.
+/// [m²/s²] granular temperature 2E/(3(N-1)m) of N equal spheres of mass m. E is their kinetic energy relative to the
+/// centre of mass.
 pub(super) fn temperature(particles: &Particles) -> f64 {
     let mass = particles.total_mass();
     // kinetic energy of the motion of the centre of mass
@@ -19,9 +20,9 @@ pub(super) fn temperature(particles: &Particles) -> f64 {
     2.0 * (particles.kinetic_energy() - together) / (3.0 * mass * (1.0 - 1.0 / particles.len() as f64))
 }
 
-/// Runs a gas of hard spheres of `diameter` [m] until every sphere has collided `collisions` times on average; returns
-/// the simulated time [s]. `rate` [-] is the collision rate in units of sqrt(T)/d. Within a window (piece of the run) a
-/// sphere flies a third of the way to its neighbours.
+/// Runs a gas of hard spheres of `diameter` [m] until every sphere has collided `collisions` times on average, and
+/// returns the simulated time [s]. `rate` [-] is the collision rate of a sphere in units of sqrt(T)/d. During one
+/// window (piece of the run) a sphere flies about a third of the way to its neighbours.
 fn collide(simulation: &mut Simulation, diameter: f64, rate: f64, collisions: f64) -> Result<f64, StudyError> {
     let speed = temperature(&simulation.particles).sqrt();
     let time = collisions * diameter / (rate * speed);
@@ -31,7 +32,7 @@ fn collide(simulation: &mut Simulation, diameter: f64, rate: f64, collisions: f6
     Ok(time)
 }
 
-/// Validation row: collision rate and pressure of hard spheres.
+/// Validation row: collision rate and pressure of a gas of hard spheres.
 pub const HARD_GAS: ValidationCheck = ValidationCheck {
     name: "hard-gas",
     tier: OtherCodes,
@@ -43,7 +44,8 @@ pub const HARD_GAS: ValidationCheck = ValidationCheck {
     measure: hard_gas,
 };
 
-/// Volume fraction [-], collision rate in units of sqrt(T)/d [-], and compressibility factor [-].
+/// Volume fraction [-], collision rate of a sphere in units of sqrt(T)/d [-], and compressibility factor [-] of a gas
+/// of hard spheres.
 const KOLAFA: [(f64, f64, f64); 4] =
     [(0.01, 0.138854, 1.041019), (0.1, 1.765845, 1.521647), (0.3, 10.101194, 3.983983), (0.45, 28.449080, 9.404114)];
 
@@ -76,7 +78,7 @@ fn hard_gas(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(numbers.into())
 }
 
-/// Validation row: collision rate of a mixture.
+/// Validation row: collision rate of a mixture of two sizes.
 pub const MIXTURE: ValidationCheck = ValidationCheck {
     name: "mixture",
     tier: OtherCodes,
@@ -123,7 +125,7 @@ fn mixture(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(vec![averaged("rate over that of theory", "", Estimate::exact(1.0), ratios, 0.01)].into())
 }
 
-/// Validation row: an atmosphere of spheres.
+/// Validation row: heights and temperatures of spheres under gravity (an atmosphere).
 pub const ATMOSPHERE: ValidationCheck = ValidationCheck {
     name: "barometer",
     tier: ClosedForms,
@@ -135,15 +137,16 @@ pub const ATMOSPHERE: ValidationCheck = ValidationCheck {
     measure: atmosphere,
 };
 
-/// Sums over the samples of a run, from which the profile of the atmosphere is computed.
+/// Sums over all particles and samples of a run, from which the profile of the atmosphere is computed.
 #[derive(Default)]
 struct Heights {
     samples: f64,
     height: f64,
     square: f64,
-    /// Number of spheres below and above the height T/g, and sums of their squared speeds along y.
+    /// Number of spheres [-] and sum of their squared velocities along y [m²/s²], first below the height T/g, then
+    /// above it.
     halves: [[f64; 2]; 2],
-    /// Sum of the squared speeds along all axes.
+    /// [m²/s²] sum of the squared speeds of all spheres.
     speeds: f64,
 }
 

@@ -1,8 +1,10 @@
-//! Comparisons that the suite does not make, because the program lacks a feature or the numbers are not public.
+//! Comparisons that the validation suite does not make, because the program lacks a feature or the numbers are not
+//! public.
 
 use crate::output::NotValidated;
 
-/// All comparisons that are not made. The references are known to exist, but were not read.
+/// All comparisons that are not made, each with its reference and with what it would need. The references are known to
+/// exist, but were not read.
 pub const MISSING: &[NotValidated] = &[
     NotValidated {
         name: "simple shear, hard spheres",

@@ -1,8 +1,9 @@
 //! `diptych validate`: comparisons with closed forms, with published numbers of other codes and theories, and with
 //! experiments.
 //!
-//! A row is a `ValidationCheck`: a description with the source of the reference, and a function that runs the
-//! scene of a built-in case. Rows are in the files of this folder by topic. The list `CHECKS` contains all rows.
+//! A row of the suite is a `ValidationCheck`: a description with the source of the reference, and a function that runs
+//! the scene of a built-in case. Each file of this folder has the rows of one topic. The list `CHECKS` contains all
+//! rows.
 
 mod answers;
 mod bounces;
@@ -33,7 +34,8 @@ use std::time::Instant;
 
 pub use answers::judge_numbers;
 
-/// All rows, in the order of the report within their tiers.
+/// All rows of the validation suite. The report sorts them by tier (kind of reference), and keeps this order within a
+/// tier.
 const CHECKS: &[&ValidationCheck] = &[
     &bounces::SOFT_FLOOR,
     &bounces::APEXES,
@@ -65,25 +67,25 @@ const CHECKS: &[&ValidationCheck] = &[
     &flows::BEVERLOO,
 ];
 
-/// The names of all rows.
+/// Names of all rows of the validation suite.
 pub fn names() -> impl Iterator<Item = &'static str> {
     CHECKS.iter().map(|check| check.name)
 }
 
-/// Comparisons that the suite does not make, with their reasons.
+/// Comparisons that the validation suite does not make, each with the reason.
 pub fn not_validated() -> &'static [NotValidated] {
     missing::MISSING
 }
 
-/// Runs one row and judges its numbers; `None` if there is no row with this name.
+/// Runs the row with the name `name` and judges its results; `None` if there is no such row.
 ///
 /// # Errors
-/// The scene cannot be made, which would be an error in the program.
+/// Returns an error if the scene cannot be made. This would be a fault of the program.
 pub fn row(name: &str, quick: bool) -> Option<Result<ValidationRow, StudyError>> {
     CHECKS.iter().find(|check| check.name == name).map(|check| measured(check, quick))
 }
 
-/// Runs one row and judges its numbers. If an engine stops, the row has the reason and no numbers.
+/// Runs one row and judges its results. If an engine stops, the row has the reason and no results.
 fn measured(check: &ValidationCheck, quick: bool) -> Result<ValidationRow, StudyError> {
     let began = Instant::now();
     let result = (check.measure)(&CheckScene::new(check.case, quick)?);
@@ -110,7 +112,7 @@ fn measured(check: &ValidationCheck, quick: bool) -> Result<ValidationRow, Study
     })
 }
 
-/// Rows that are selected by the arguments, and the names of the rows that `--quick` leaves out.
+/// Rows that the arguments select, and the names of the rows that `--quick` leaves out.
 fn wanted(args: &Validate) -> Result<(Vec<&'static ValidationCheck>, Vec<&'static str>), StudyError> {
     let known: Vec<&str> = names().collect();
     if let Some(unknown) = args.only.iter().find(|name| !known.contains(&name.as_str())) {
@@ -121,7 +123,7 @@ fn wanted(args: &Validate) -> Result<(Vec<&'static ValidationCheck>, Vec<&'stati
         )));
     }
     let asked = |name: &str| args.only.iter().any(|only| only == name);
-    // a row that is asked for by its name runs even if it takes minutes
+    // a row that the user names runs even if it takes minutes
     let left_out = |check: &ValidationCheck| args.quick && check.takes_minutes && !asked(check.name);
     let all = CHECKS.iter().copied().filter(|check| args.only.is_empty() || asked(check.name));
     let (left_out, mut rows): (Vec<_>, Vec<_>) = all.partition(|check| left_out(check));
@@ -129,10 +131,11 @@ fn wanted(args: &Validate) -> Result<(Vec<&'static ValidationCheck>, Vec<&'stati
     Ok((rows, left_out.iter().map(|check| check.name).collect()))
 }
 
-/// Runs the suite and writes one folder. Returns the answer of all rows together.
+/// Runs the validation suite and writes its results to one folder. Returns one answer for all rows together.
 ///
 /// # Errors
-/// Bad input, before anything is computed; afterwards a file that cannot be written, or a run that stopped early.
+/// Returns an error for bad input, before anything is computed, or later for a file that cannot be written or a run
+/// that stopped early.
 pub fn validate(args: &Validate) -> Result<Option<Answer>, StudyError> {
     let (checks, left_out) = wanted(args)?;
     use_threads(args.threads.map(usize::from))?;
@@ -165,7 +168,8 @@ pub fn validate(args: &Validate) -> Result<Option<Answer>, StudyError> {
     if failed.is_empty() { Ok(study.answer()) } else { Err(StudyError::Failed(failed.join("\n"))) }
 }
 
-/// Sentence with the number of rows of each answer, and the names of the different and the unresolved rows.
+/// Sentence with the number of rows that agree with their references, and the names of the different and of the
+/// unresolved rows.
 fn sentence(study: &ValidationStudy) -> String {
     let of = |answer: Answer| -> Vec<&str> {
         study.rows.iter().filter(|row| row.answer() == answer).map(|row| row.name).collect()

@@ -1,4 +1,4 @@
-//! Oblique impacts of a ball of 5 mm on a plate: MFIX DEM05, and the measurements of Kharaz et al.
+//! Validation rows of oblique impacts of a ball of 5 mm on a plate: MFIX DEM05, and the measurements of Kharaz et al.
 
 use super::check::{CheckResult, CheckScene, ValidationCheck, exact, read_off, run_to};
 use crate::experiment::Model;
@@ -6,12 +6,12 @@ use crate::output::ValidationTier::{Experiments, OtherCodes};
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::runs::StudyError;
 
-/// [m/s] speed of the impacts.
+/// [m/s] speed of the ball before each impact.
 const SPEED: f64 = 3.9;
 
-/// Motion of a ball after an impact.
+/// Motion of a ball after an oblique impact on a plate.
 pub(super) struct PlateRebound {
-    /// [-] velocity along the plate after the impact, divided by that before it.
+    /// [-] velocity along the plate after the impact, divided by that before the impact.
     pub(super) ratio: f64,
     /// [rad/s] spin after the impact, positive if the ball rolls forward along the plate.
     pub(super) spin: f64,
@@ -19,7 +19,8 @@ pub(super) struct PlateRebound {
     pub(super) angle: f64,
 }
 
-/// Motion of a soft ball after an impact at `angle` [°] from the normal.
+/// Motion of a soft ball after an impact at `angle` [°] from the normal of the plate. `sets` are changes of keys of the
+/// case.
 pub(super) fn rebound(scene: &CheckScene, angle: f64, sets: &[String]) -> Result<PlateRebound, StudyError> {
     let (sin, cos) = angle.to_radians().sin_cos();
     let mut sets = sets.to_vec();
@@ -37,7 +38,8 @@ pub(super) fn rebound(scene: &CheckScene, angle: f64, sets: &[String]) -> Result
     })
 }
 
-/// Angle [°], velocity ratio [-] and spin [rad/s] of a stored impact, from the columns "Part-Wall" of MFIX.
+/// Result of MFIX for one impact: angle from the normal [°], ratio of the velocities along the plate after and before
+/// [-], and spin [rad/s]. The numbers are those of the columns "Part-Wall".
 type StoredImpact = (f64, f64, f64);
 
 const LINEAR: [StoredImpact; 6] = [
@@ -58,7 +60,7 @@ const HERTZIAN: [StoredImpact; 6] = [
     (60.0, 0.8938, 357.6565),
 ];
 
-/// Validation row: linear springs (MFIX DEM05).
+/// Validation row: oblique impacts with linear springs, compared with results of MFIX (DEM05).
 pub const LINEAR_SPRINGS: ValidationCheck = ValidationCheck {
     name: "dem05-linear",
     tier: OtherCodes,
@@ -70,7 +72,7 @@ pub const LINEAR_SPRINGS: ValidationCheck = ValidationCheck {
     measure: |scene| stored(scene, &LINEAR, &[]),
 };
 
-/// Validation row: springs of Hertz and Mindlin (MFIX DEM05).
+/// Validation row: oblique impacts with springs of Hertz and Mindlin, compared with results of MFIX (DEM05).
 pub const HERTZ_MINDLIN: ValidationCheck = ValidationCheck {
     name: "dem05-hertz",
     tier: OtherCodes,
@@ -86,7 +88,7 @@ pub const HERTZ_MINDLIN: ValidationCheck = ValidationCheck {
             "walls[0].restitution=1",
             "contact.restitution=1",
             "soft.tangential.mindlin.history=displacement",
-            // hard spheres of different materials need an impact rule of their own, although this row does not run them
+            // hard spheres of different materials need a separate impact rule, although this row does not run them
             "hard.friction.walton.tangential_restitution=0.3",
         ];
         stored(scene, &HERTZIAN, &sets.map(str::to_owned))
@@ -99,7 +101,7 @@ fn stored(scene: &CheckScene, expected: &[StoredImpact], sets: &[String]) -> Res
     for (angle, ratio, spin) in expected {
         let left = rebound(scene, *angle, sets)?;
         // the lever arm of MFIX is smaller than the radius by the overlap (0.7 %), and its step is a fiftieth of a
-        // contact: together these differences are up to 2 %
+        // contact; together these differences are up to 2 %
         numbers.push(exact(format!("v_t'/v_t at {angle}°"), "", *ratio, left.ratio, 0.02 * ratio));
         numbers.push(exact(format!("spin at {angle}°"), "rad/s", *spin, left.spin, 0.02 * spin));
         found.push(SeriesPoint::at(*angle, left.ratio));
@@ -120,7 +122,7 @@ fn stored(scene: &CheckScene, expected: &[StoredImpact], sets: &[String]) -> Res
     })
 }
 
-/// Validation row: measured rebounds of aluminium oxide from glass.
+/// Validation row: measured rebounds of balls of aluminium oxide from glass.
 pub const MEASURED: ValidationCheck = ValidationCheck {
     name: "kharaz",
     tier: Experiments,
@@ -132,7 +134,8 @@ pub const MEASURED: ValidationCheck = ValidationCheck {
     measure: measured,
 };
 
-/// Impact angle [°] and measured value: velocity ratio [-], spin [rad/s], rebound angle [°].
+/// Angle of impact from the normal [°], and measured ratio of the velocities along the plate after and before the
+/// impact [-]. `SPINS` has measured spins [rad/s] instead, and `ANGLES` rebound angles [°].
 const RATIOS: [(f64, f64); 6] =
     [(9.6304, 0.6728), (20.0845, 0.5964), (30.2218, 0.6883), (39.3031, 0.7719), (49.5459, 0.8469), (59.8416, 0.9019)];
 const SPINS: [(f64, f64); 6] = [
@@ -152,7 +155,8 @@ const ANGLES: [(f64, f64); 6] = [
     (60.0571, 57.3652),
 ];
 
-/// Measured quantity: name, unit, points (angle and value), and the function that returns its value for a rebound.
+/// Measured quantity: name, unit, points (angle of impact and value), and the function that returns the quantity for a
+/// simulated rebound.
 type MeasuredKind = (&'static str, &'static str, &'static [(f64, f64)], fn(&PlateRebound) -> f64);
 
 fn measured(scene: &CheckScene) -> Result<CheckResult, StudyError> {

@@ -1,11 +1,11 @@
-//! Rows of touching balls, hit at one end.
+//! Validation row of a row of touching balls that is hit at one end.
 
 use super::check::{CheckResult, CheckScene, ValidationCheck, exact, run_to};
 use crate::experiment::Model;
 use crate::output::ValidationTier::ClosedForms;
 use crate::runs::StudyError;
 
-/// Validation row: Newton's cradle.
+/// Validation row: velocities of the balls of Newton's cradle.
 pub const CRADLE: ValidationCheck = ValidationCheck {
     name: "cradle",
     tier: ClosedForms,
@@ -17,7 +17,8 @@ pub const CRADLE: ValidationCheck = ValidationCheck {
     measure: cradle,
 };
 
-/// [m/s] velocities of the five soft balls after the impact, the incoming one first; reference values for linear springs.
+/// [m/s] velocities of the five soft balls after the impact, the incoming ball first. They are reference values for
+/// linear springs.
 const SPRINGS: [f64; 5] = [-0.13227948, -0.07532917, -0.03101083, 0.29621775, 0.94240173];
 
 fn cradle(scene: &CheckScene) -> Result<CheckResult, StudyError> {

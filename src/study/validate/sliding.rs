@@ -1,4 +1,4 @@
-//! Balls that slide, roll and spin: MFIX DEM04, and a ball that is dropped with spin.
+//! Validation rows of balls that slide, roll and spin: MFIX DEM04, and a ball that is dropped with spin.
 
 use super::check::{CheckResult, CheckScene, ValidationCheck, exact, run_to};
 use crate::experiment::Model;
@@ -7,13 +7,13 @@ use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::runs::StudyError;
 use crate::simulation::Simulation;
 
-/// [m/s] velocity of the first ball along x, and its speed of rolling R ω, positive if it rolls along +x. `radius` is R
-/// [m].
+/// [m/s] velocity of the first ball along x, and its radius times spin R ω, which is positive if the ball rolls along
+/// +x. `radius` [m] is R.
 fn rolling(simulation: &Simulation, radius: f64) -> [f64; 2] {
     [simulation.particles.velocity[0].x, -simulation.particles.spin_of(0).z * radius]
 }
 
-/// Validation row: a ball that slides until it rolls (MFIX DEM04).
+/// Validation row: a ball that slides along a floor until it rolls (MFIX DEM04).
 pub const SLIDE_TO_ROLL: ValidationCheck = ValidationCheck {
     name: "dem04",
     tier: ClosedForms,
@@ -66,7 +66,7 @@ fn slide_to_roll(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(CheckResult { numbers, picture: Some(("A ball slides until it rolls.", panel)) })
 }
 
-/// Validation row: a hard ball that is dropped with spin.
+/// Validation row: a ball that is dropped on a floor with spin.
 pub const DROPPED_WITH_SPIN: ValidationCheck = ValidationCheck {
     name: "dropped-with-spin",
     tier: ClosedForms,
@@ -78,12 +78,13 @@ pub const DROPPED_WITH_SPIN: ValidationCheck = ValidationCheck {
     measure: dropped_with_spin,
 };
 
-/// Velocity along the floor and R ω [m/s] after each bounce.
+/// [m/s] reference values after each of three bounces of the hard ball: velocity along the floor, and radius times spin
+/// R ω.
 const BOUNCES: [[f64; 2]; 3] = [[0.45, 0.875], [0.624857143, 0.437857143], [0.54792, 0.6302]];
 
 fn dropped_with_spin(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     let (radius, gravity, restitution) = (0.01, 9.81, 0.8_f64);
-    // the height from which the ball hits the floor at 1 m/s
+    // this height gives the ball a speed of 1 m/s at the floor
     let sets = [format!("particles[0].at[0].position[1]={} m", radius + 0.5 / gravity)];
     let mut simulation = scene.simulation(Model::Hard, None, &sets)?;
     let mut numbers = Vec::new();
