@@ -108,12 +108,12 @@ pub trait DragLaw: std::fmt::Debug + Send + Sync {
         None
     }
 
-    /// [-] natural logarithm of the slip speed after `duration` [s] of drag alone, divided by the initial slip speed w
-    /// = `slip` >= 0 [m/s]; <= 0. The gas velocity is constant. The logarithm is -∫dt/τ, the exact solution of dw/dt =
-    /// -w/τ(w).
+    /// [-] natural logarithm of a ratio, at most 0: the slip speed after `duration` [s] of drag alone over the slip
+    /// speed w = `slip` >= 0 [m/s] before. The gas velocity is constant. The logarithm is -∫dt/τ, from the exact
+    /// solution of dw/dt = -w/τ(w).
     ///
-    /// A kick needs 1 - ratio, which is more precise from the logarithm than from the ratio. A law with a closed form
-    /// overrides this method. By default the equation is integrated to a relative error of 1e-12.
+    /// A kick needs the ratio minus 1, which is more precise from the logarithm than from the ratio. A law with a
+    /// closed form overrides this method. By default the equation is integrated to a relative error of 1e-12.
     fn log_decay(&self, sphere: &Sphere, slip: f64, duration: f64) -> f64 {
         flow::integrate(&|log| -1.0 / self.response_time(sphere, slip * log.exp()), duration)
     }
@@ -131,13 +131,13 @@ pub trait DragLaw: std::fmt::Debug + Send + Sync {
         3.0 / (4.0 * slope(5e-4 * slip) - slope(1e-3 * slip))
     }
 
-    /// [-] slip speed after `duration` [s] of drag alone over the initial slip speed; in [0, 1].
+    /// [-] slip speed after `duration` [s] of drag alone, divided by the slip speed `slip` [m/s] before; in [0, 1].
     fn decay(&self, sphere: &Sphere, slip: f64, duration: f64) -> f64 {
         self.log_decay(sphere, slip, duration).exp()
     }
 
-    /// [-] change of the slip velocity in `duration` [s] divided by the slip velocity; in [-1, 0]. It is ratio - 1,
-    /// computed without loss of precision.
+    /// [-] change of the slip velocity in `duration` [s] of drag alone, divided by the slip velocity before; in [-1,
+    /// 0]. `slip` [m/s] is the slip speed before. A small change is computed without loss of precision.
     fn change(&self, sphere: &Sphere, slip: f64, duration: f64) -> f64 {
         self.log_decay(sphere, slip, duration).exp_m1()
     }
@@ -150,7 +150,7 @@ pub enum Drag {
     SchillerNaumann(SchillerNaumann),
     /// Stokes drag of creeping flow, whose solution is known in closed form.
     Stokes(Stokes),
-    /// A law for spheres among other spheres.
+    /// A law for a sphere among other spheres, whose drag increases with their volume fraction.
     Suspension(SuspensionDrag),
     /// A law that the calling program defines; a case cannot contain it.
     Other(Arc<dyn DragLaw>),
