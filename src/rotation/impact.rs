@@ -15,7 +15,7 @@ pub enum ImpactRule {
         /// [-] tangential restitution β_0, -1 ..= 1: -1 leaves the slip unchanged, 1 reverses it.
         tangential_restitution: f64,
     },
-    /// Impact of stiff soft spheres: the slip becomes s' = μ u_n Φ(s/(μ u_n)), with the function Φ of their tangential
+    /// Rule of stiff soft spheres: the slip s becomes s' = μ u_n Φ(s/(μ u_n)), with the function Φ of their tangential
     /// law. There is one table of Φ for each restitution and mass ratio of the scene.
     OfSpring(Arc<[ReboundTable]>),
 }
@@ -64,10 +64,11 @@ pub struct ObliqueApproach {
 }
 
 impl ImpactRule {
-    /// Coulomb's limit alone: an impact stops the slip if its friction suffices, without tangential restitution.
+    /// Coulomb's rule: an impact stops the slip if the friction suffices. There is no tangential restitution.
     pub const COULOMB: Self = Self::Walton { tangential_restitution: 0.0 };
 
-    /// Makes the rule of stiff soft spheres with a tangential law that has memory, for these kinds of impacts.
+    /// Makes the rule of stiff soft spheres from a tangential law with memory. `impacts` are the kinds of impacts
+    /// between the bodies of a scene; each gets a table.
     pub fn of_spring(law: &TangentialLaw, impacts: &[ImpactKind]) -> Self {
         let table = |&ImpactKind { restitution, mass_ratio, shear_ratio }: &ImpactKind| {
             ReboundTable::new(restitution, ObliqueImpact::of_law(law, restitution, mass_ratio, shear_ratio))
@@ -108,8 +109,8 @@ impl std::fmt::Display for ImpactRule {
 }
 
 impl Serialize for ImpactRule {
-    /// Serializes the rule under its key of the case. The rule of a spring has no parameters beyond those of the
-    /// tangential law.
+    /// Serializes the rule as in a case. The rule of stiff soft spheres is a word, since it has no parameters beyond
+    /// those of the tangential law.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Walton { tangential_restitution } => {
