@@ -7,7 +7,7 @@ use crate::simulation::Simulation;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Number of instants at which the particles are recorded, for runs of any length.
+/// Number of instants at which positions and velocities are recorded, for runs of any duration.
 const INSTANTS: u64 = 1000;
 
 /// State of one particle at one instant.
@@ -23,7 +23,7 @@ pub struct PathSample {
     pub velocity: Vector3<f64>,
     /// [rad/s] spin; `None` if spheres do not rotate.
     pub spin: Option<Vector3<f64>>,
-    /// [m] largest overlap of the particle at that time; 0 without contact.
+    /// [m] largest overlap of the particle with another body at this time; 0 without contact.
     pub overlap: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Averages in rings about the axis of a pipe with gas flow.
+//! Averages over the particles in rings about the axis of a pipe with gas flow.
 
 use super::{Needs, Observer, plain_data};
 use crate::experiment::Experiment;
@@ -10,8 +10,8 @@ use crate::statistics::{Accumulator, ProfileTable};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Sums over the particles in rings of equal area about the axis of a pipe with gas flow. Empty if the gas flow is not
-/// that of a pipe.
+/// Sums over the particles in rings of equal area about the axis of a pipe with gas flow. Without pipe flow nothing is
+/// summed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Rings {
     profiles: Option<Accumulator>,
@@ -35,8 +35,8 @@ pub struct RingAverages {
     /// Rings about the axis; none if the gas flow is not that of a pipe.
     pub rings: Vec<Ring>,
     /// Time averages in the order of the rings. `y` is the radius [m] that divides the area of a ring into two equal
-    /// parts. V is the mean velocity away from the axis and W the mean velocity around the axis; the moments use the
-    /// same components. Densities are relative to the mean density in the pipe.
+    /// parts. V is the mean velocity away from the axis, W that around the axis, and the moments use the same
+    /// components. Densities are relative to the mean density in the pipe.
     #[serde(skip)]
     pub profiles: ProfileTable,
 }
@@ -50,8 +50,8 @@ fn pipe(scene: &Scene) -> Option<&Pipe> {
 }
 
 impl Rings {
-    /// Creates an observer for an experiment, before any sample. The number of rings is the number of slices in the
-    /// case.
+    /// Creates an observer for an experiment, before any sample. The case gives the number of rings as its number of
+    /// slices.
     pub fn new(experiment: &Experiment) -> Self {
         let count = experiment.statistics.slices;
         // with the square of the radius as coordinate, rings of equal area are slices of equal height
@@ -61,7 +61,7 @@ impl Rings {
 
     /// Time averages in rings from the time `from` [s] on.
     pub fn averages(&self, scene: &Scene, from: f64) -> RingAverages {
-        /// Number of circles per ring at which the gas velocity is taken.
+        /// Number of circles about the axis in each ring on which the gas velocity is evaluated.
         const CIRCLES: usize = 16;
         let (Some(profiles), Some(pipe)) = (&self.profiles, pipe(scene)) else { return RingAverages::default() };
         let radius = |share: f64| pipe.radius() * (share / self.count as f64).sqrt();
