@@ -1,4 +1,4 @@
-//! Results of the work-precision chart as plain data for the outputs.
+//! Results of the work-precision chart (error over computing cost of each method) as plain data for the outputs.
 
 use super::Provenance;
 use super::numbers::with_error;
@@ -20,12 +20,12 @@ pub struct ChartQuantity {
     pub reference: Estimate,
     /// Unit of the value and the reference; empty if the quantity has no unit.
     pub unit: &'static str,
-    /// [-] statistical floor: error of one run by chance alone, from the scatter between the reference runs. The floor
-    /// is 0 if nothing is random.
+    /// [-] statistical floor: error that a run without any error of the method would have by chance, from the scatter
+    /// between the reference runs. It is 0 if nothing is random.
     pub floor: f64,
 }
 
-/// Value and error of one quantity at one point of the chart.
+/// Value and error of one quantity at one point of the work-precision chart.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PointError {
     /// Value of the quantity computed by the method, in the unit of the quantity.
@@ -49,7 +49,7 @@ pub struct CostSpread {
     pub highest: f64,
 }
 
-/// Reason why a point of the chart has no result.
+/// Reason why a point of the work-precision chart has no result.
 #[derive(Clone, Debug, PartialEq, Serialize, thiserror::Error)]
 #[serde(rename_all = "snake_case")]
 pub enum ChartFailure {
@@ -71,7 +71,7 @@ impl ChartFailure {
     }
 }
 
-/// Point of the chart: one method at one value of its swept parameter.
+/// Point of the work-precision chart: one method at one value of its swept parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChartPoint {
     /// Index of the method in [`ChartStudy::methods`].
@@ -82,9 +82,9 @@ pub struct ChartPoint {
     pub samples: usize,
     /// Wall-clock time of one run on one thread.
     pub wall: CostSpread,
-    /// Counts of the work of all runs of the point together, equal on every machine.
+    /// Counts of operations, summed over all runs of the point; equal on every machine.
     pub counters: Counters,
-    /// [-] number of operations of one run: pair checks, force evaluations and events.
+    /// [-] number of operations of one run: sum of pair checks, force evaluations and events.
     pub work: f64,
     /// Errors in the order of [`ChartStudy::quantities`]; `None` for a quantity that the point does not have.
     pub errors: Vec<Option<PointError>>,
@@ -105,7 +105,7 @@ pub struct ChartMethod {
     pub unit: &'static str,
 }
 
-/// Power law by which the error of a method decreases with its swept parameter, as fitted to the points.
+/// Power law fitted to the errors of a method as a function of its swept parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChartSlope {
     /// Index of the method in [`ChartStudy::methods`].
@@ -120,8 +120,9 @@ pub struct ChartSlope {
 }
 
 impl ChartSlope {
-    /// Text of the exponent with its error, with two decimal places at most. More places would be meaningless: the
-    /// error is computed from the scatter about a straight line, and does not include a curvature of the true line.
+    /// Text of the exponent with its error, with two decimal places at most. The error follows from the scatter about a
+    /// straight line in logarithmic axes. It does not include a curvature of the true line, so more places would be
+    /// meaningless.
     pub fn exponent(&self) -> String {
         let law = &self.law;
         if law.error < 0.01 {
@@ -165,7 +166,7 @@ pub enum CostMeasure {
 }
 
 impl ChartPoint {
-    /// Cost of the point: wall-clock time [s] or number of operations [-].
+    /// Cost of one run of the point: wall-clock time [s] or number of operations [-].
     pub fn cost(&self, cost: CostMeasure) -> f64 {
         match cost {
             CostMeasure::Wall => self.wall.median,
@@ -173,14 +174,14 @@ impl ChartPoint {
         }
     }
 
-    /// [-] error of the point in a quantity; `None` if unknown.
+    /// [-] error at the point of the quantity with the index `quantity`; `None` if unknown.
     pub fn error(&self, quantity: usize) -> Option<f64> {
         self.errors.get(quantity).copied().flatten().map(|found| found.error)
     }
 }
 
-/// Cheapest point of the given models whose error in a quantity plus two standard errors is within `target`
-/// [-]. A point whose error is small by chance is therefore not chosen.
+/// Cheapest point of the given models whose error in a quantity plus two standard errors of this error is at most
+/// `target` [-]. The two standard errors exclude points whose error is small by chance.
 pub fn cheapest<'a>(
     (methods, points): (&[ChartMethod], &'a [ChartPoint]),
     quantity: usize,
@@ -198,8 +199,8 @@ pub fn cheapest<'a>(
 
 impl ChartStudy<'_> {
     /// Indices of the points of the given models on the Pareto front of a quantity, in order of cost. No other point of
-    /// these models has both a smaller cost and a smaller error. Errors below the statistical floor are small by
-    /// chance, and are replaced by the floor.
+    /// these models has both a smaller cost and a smaller error. Errors below the statistical floor (error by chance
+    /// alone) are replaced by the floor.
     pub fn front(&self, quantity: usize, cost: CostMeasure, models: &[Model]) -> Vec<usize> {
         let floor = self.quantities.get(quantity).map_or(0.0, |quantity| quantity.floor);
         let asked = |point: &ChartPoint| models.contains(&self.methods[point.method].model);

@@ -150,7 +150,8 @@ pub struct Study<'a> {
     pub verdicts: &'a [String],
     /// Comparisons of variants with their references; empty for a single run.
     pub comparisons: &'a [Verdict],
-    /// Settings of each variant as typed in the case, in the order of the variants. An empty text means no settings.
+    /// Settings that distinguish each variant, as typed in the case, in the order of the variants. An empty text means
+    /// no settings.
     pub overrides: &'a [String],
     /// Remarks on how far the numbers are reliable, one sentence each.
     pub notes: &'a [String],

@@ -9,12 +9,9 @@ use crate::observe::{
 use crate::outcome::Outcome;
 
 /// Contents of `series.csv`: averages over all particles, with one row per variant and instant. Impacts and losses are
-/// counted from the start. Columns of friction exist only where spheres rotate, and those of turbulence only where
-/// particles see it. Columns of the gas, of shear, of a thermostat and of openings exist only in scenes that have these, and those of
-/// the velocity distribution only where it is measured.
-///
-/// # Errors
-/// [`OutputError::Csv`] if a row cannot be encoded.
+/// counted from the start. Columns of friction exist only if spheres rotate, and those of turbulence only if it acts on
+/// the particles. Columns of the gas, of shear, of a thermostat and of openings exist only in scenes that have them.
+/// Columns of the velocity distribution exist only if it is measured.
 pub fn series(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     let mut table = CsvTable::new();
     let has = |part: fn(&Row) -> bool| rows(outcomes, |outcome| &outcome.series.rows).any(|(_, row)| part(row));
@@ -38,11 +35,8 @@ pub fn series(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// Contents of `paths.csv`: one row per variant, instant and particle; `None` for more than 50 particles. The column of
-/// overlaps contains the largest overlap of the particle at the instant.
-///
-/// # Errors
-/// [`OutputError::Csv`] if a row cannot be encoded.
+/// Contents of `paths.csv`: one row per variant, instant and particle; `None` for more than 50 particles. The column
+/// `overlap_m` contains the largest overlap of the particle at the instant.
 pub fn paths(outcomes: &[Outcome]) -> Result<Option<Vec<u8>>, OutputError> {
     if outcomes.iter().all(|outcome| outcome.paths.points.is_empty()) {
         return Ok(None);

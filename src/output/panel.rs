@@ -33,13 +33,13 @@ pub enum SeriesStyle {
     Sweep(usize),
     /// Stars on the upper frame, independent of the value: failures of the method with this index.
     Failed(usize),
-    /// Large dark diamonds for the best method.
+    /// Large dark diamonds, which mark the best method.
     Winner,
-    /// Broad pale line with a disc around each point, for the Pareto front.
+    /// Broad pale line with a disc around each point, which marks the Pareto front.
     Front,
-    /// Thin grey dashed line: a reference with which the variants are compared.
+    /// Thin grey dashed line for a reference with which the variants are compared.
     Reference,
-    /// Broad pale line beneath other lines: the exact solution.
+    /// Broad pale line beneath other lines, for the exact solution.
     Exact,
 }
 
@@ -79,9 +79,9 @@ impl PanelSeries {
     }
 }
 
-/// Panel of a picture: one pair of axes with its series. Points that are not finite are not drawn, and neither are
-/// points that are not positive on a logarithmic axis. Points below the range of a logarithmic axis are drawn at its
-/// lower end.
+/// Panel of a picture: one pair of axes with its series. Points that are not finite are not drawn. Values that are not
+/// positive are not drawn on a logarithmic axis. Points below the range of a logarithmic axis are drawn at its lower
+/// end.
 #[derive(Clone, Debug, Default)]
 pub struct Panel {
     /// Title above the axes; empty if there is none.
@@ -92,7 +92,7 @@ pub struct Panel {
     pub y_label: String,
     /// Series of the panel; later ones cover earlier ones.
     pub series: Vec<PanelSeries>,
-    /// Horizontal lines: position on the vertical axis, and a label. The label may be empty.
+    /// Horizontal lines, each with its position on the vertical axis and a label, which may be empty.
     pub marks: Vec<(f64, &'static str)>,
     /// Lower and upper end of the horizontal axis. `None`: smallest and largest value of the points.
     pub x_range: Option<(f64, f64)>,

@@ -1,4 +1,4 @@
-//! Results of a sweep as plain data: the runs, and the rows of the points.
+//! Results of a sweep over values of keys, as plain data: the runs, and one row per point and variant.
 
 use super::{Provenance, figures};
 use crate::case::SweepAxis;
@@ -13,7 +13,7 @@ pub struct SweepObservable {
     pub key: &'static str,
     /// Name of the quantity in a sentence.
     pub name: &'static str,
-    /// Label of the axis, with the unit.
+    /// Label of the axis in pictures, with the unit.
     pub axis: &'static str,
     /// True for an average over time. Its error is valid only for a steady run whose particles mix.
     pub is_average: bool,
@@ -21,8 +21,8 @@ pub struct SweepObservable {
     pub of: fn(&Outcome) -> Option<Estimate>,
 }
 
-/// [m/s] mean streamwise velocity over all slices, weighted with the number of particles in each slice. The correlation
-/// between slices is unknown, so that the error is the largest possible one.
+/// [m/s] mean streamwise velocity over all slices, weighted by the number of particles in each slice. The correlation
+/// between slices is unknown, so the error is the largest possible one.
 fn velocity(outcome: &Outcome) -> Option<Estimate> {
     let (mut sum, mut error, mut weights) = (0.0, Some(0.0), 0.0);
     for row in &outcome.profiles.slices {
@@ -112,9 +112,9 @@ pub struct SweepRun {
     pub wall_seconds: f64,
 }
 
-/// Row of a sweep: one variant at one point.
+/// Row of a sweep: one variant at one point, which is one value for each varied key.
 pub struct SweepRow {
-    /// Index of the value on each axis, which defines the point.
+    /// Index of the value on each axis (varied key). These indices define the point.
     pub at: Vec<usize>,
     /// Index of the variant in [`SweepStudy::variants`].
     pub variant: usize,

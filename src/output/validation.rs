@@ -7,7 +7,7 @@ use super::{OutputError, Provenance};
 use crate::statistics::{Answer, Estimate};
 use serde::Serialize;
 
-/// Kind of the reference of a row.
+/// Kind of the reference with which a row of the validation suite is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ValidationTier {
@@ -33,18 +33,19 @@ impl ValidationTier {
     }
 }
 
-/// Rule by which a number is judged.
+/// Rule by which the deviation of a number from its reference is judged.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ValidationRule {
-    /// A run without scatter: the number agrees if its deviation is at most the tolerance, otherwise it is different.
+    /// The result has no scatter. The number agrees if its deviation is at most the tolerance, otherwise it is
+    /// different.
     Tolerance,
-    /// A number with a standard error: Student's t test for a difference, and two one-sided tests for equivalence
+    /// The result has a standard error. Student's t test finds a difference, and two one-sided tests find equivalence
     /// within the margin.
     Margin,
 }
 
-/// One number of a row, with its reference value.
+/// Number in a row of the validation suite, with its reference value.
 #[derive(Clone, Debug, Serialize)]
 pub struct ValidationNumber {
     /// Name of the number within its row.
@@ -61,7 +62,7 @@ pub struct ValidationNumber {
     pub allowed: f64,
     /// Rule by which the number is judged.
     pub rule: ValidationRule,
-    /// Answer for this number.
+    /// Answer for this number: equivalent, different or unresolved.
     pub answer: Answer,
 }
 
@@ -94,10 +95,10 @@ fn with_unit(number: String, unit: &str) -> String {
     if unit.is_empty() { number } else { format!("{number} {unit}") }
 }
 
-/// One comparison of the suite, with its numbers.
+/// Comparison of the validation suite, with its numbers.
 #[derive(Clone, Debug)]
 pub struct ValidationRow {
-    /// Name of the row, for `--only`.
+    /// Name of the row, as in the option `--only`.
     pub name: &'static str,
     /// Kind of the reference: closed form, other code or experiment.
     pub tier: ValidationTier,
@@ -105,7 +106,7 @@ pub struct ValidationRow {
     pub scene: &'static str,
     /// Source of the reference, with the page, figure or table.
     pub source: &'static str,
-    /// Sentence about a question that the row does not answer.
+    /// Sentence that states which question the row does not answer.
     pub not_shown: &'static str,
     /// Name of the built-in case that the row runs with changes.
     pub case: &'static str,
@@ -115,7 +116,7 @@ pub struct ValidationRow {
     pub picture: Option<(&'static str, Panel)>,
     /// Reason why a run of the row stopped early; `None` if all runs ended.
     pub failure: Option<String>,
-    /// [s] wall time of the row.
+    /// [s] wall-clock time of all runs of the row.
     pub wall_seconds: f64,
 }
 
@@ -126,15 +127,15 @@ impl ValidationRow {
         worst.filter(|_| self.failure.is_none()).unwrap_or(Answer::Unresolved)
     }
 
-    /// Number that deviates most: among the numbers with the worst answer, the one with the largest share of its
-    /// tolerance or margin.
+    /// Number of the row that deviates most. Among the numbers with the worst answer, it is the one with the largest
+    /// difference over its tolerance or margin.
     pub fn worst(&self) -> Option<&ValidationNumber> {
         let worst = self.answer();
         let among = self.numbers.iter().filter(|number| number.answer == worst);
         among.max_by(|a, b| a.share().total_cmp(&b.share()))
     }
 
-    /// Answer of the row in a word: "agrees" if all numbers are within tolerances.
+    /// Answer of the row in one word: "agrees" if all numbers are within tolerances, "stopped" if a run stopped.
     pub fn word(&self) -> &'static str {
         let exact = self.numbers.iter().all(|number| number.rule == ValidationRule::Tolerance);
         match self.answer() {
@@ -145,7 +146,7 @@ impl ValidationRow {
     }
 }
 
-/// Comparison that the suite does not make.
+/// Comparison that the validation suite does not make, with the reason.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct NotValidated {
     /// Name of the comparison that is not made.

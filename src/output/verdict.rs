@@ -7,7 +7,7 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Basis {
-    /// Averages over the time in which both runs are steady.
+    /// Averages over the time in which both the variant and the reference are steady.
     Averages,
     /// Curves over time, from several replicas.
     Curves,
@@ -31,7 +31,7 @@ pub struct Verdict {
     pub basis: Basis,
     /// Sentence that states the answer.
     pub sentence: String,
-    /// Reason for this kind of comparison, in words.
+    /// Reason why this kind of data was compared, in words.
     pub reason: String,
     /// [-] margin of equivalence: largest accepted difference, divided by the scale of the observable.
     pub margin: f64,

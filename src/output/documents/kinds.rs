@@ -53,7 +53,8 @@ pub fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     ]
 }
 
-/// Contents of `species.csv` and `meetings.csv`, only for mixtures.
+/// Tables `species.csv` and `meetings.csv` of a mixture, each as the name and the contents of the file. The list is
+/// empty if all particles are of one species.
 ///
 /// # Errors
 /// Errors of [`csv::species`].

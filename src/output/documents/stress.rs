@@ -67,8 +67,9 @@ pub(super) fn json(outcome: &Outcome) -> Value {
     })
 }
 
-/// Contents of `stress.csv`: kinetic and contact part of each component of the stress [Pa], averaged over the volume of the
-/// box and the averaging period, and the pressure. Compression is positive. Columns with `_se` contain one standard error.
+/// Contents of `stress.csv`: kinetic and contact part of each component of the stress [Pa], averaged over the volume of
+/// the box and the averaging period, and the pressure. Compression is positive. Columns with `_se` contain one standard
+/// error.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

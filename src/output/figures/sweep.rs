@@ -26,7 +26,7 @@ pub fn sweep(study: &SweepStudy) -> Vec<Figure> {
     OBSERVABLES.iter().filter(known).map(picture).collect()
 }
 
-/// Legend that numbers the values of a key that are not numbers: the position of each value on the horizontal axis.
+/// Legend for a key whose values are words: number of each value on the horizontal axis. Empty for a key with numbers.
 fn places(axis: &SweepAxis) -> String {
     if axis.numbers.is_some() {
         return String::new();
@@ -76,7 +76,7 @@ fn panel(study: &SweepStudy, axis: &SweepAxis, observable: &SweepObservable) -> 
     }
 }
 
-/// True if the values are positive and span at least a decade, so that the axis should be logarithmic.
+/// True if all values are positive and span at least a decade, so that the axis is logarithmic.
 fn is_wide(numbers: &[f64]) -> bool {
     let (low, high) =
         numbers.iter().fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), &x| (low.min(x), high.max(x)));
