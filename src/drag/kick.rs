@@ -27,7 +27,7 @@ const HIGHEST: f64 = 4096.0;
 /// two formulas.
 const TOLERANCE: f64 = 5e-10;
 
-/// Number of coefficients of the polynomial of a piece.
+/// Number of coefficients of the polynomial of each piece of the table.
 const TERMS: usize = 5;
 /// Positions in a piece of the table, from 0 to 1, at which the polynomial equals the drag law: both ends and the
 /// Chebyshev points between them.
@@ -110,7 +110,7 @@ impl Kick {
         self.law.law().cells()
     }
 
-    /// [s] duration of the kick.
+    /// [s] duration of the drag kick.
     pub fn duration(&self) -> f64 {
         self.duration
     }

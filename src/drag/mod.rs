@@ -80,7 +80,7 @@ impl Sphere {
 /// assert!((left - Stokes.decay(&sphere, 3.0, 0.2)).abs() < 1e-12);
 /// ```
 pub trait DragLaw: std::fmt::Debug + Send + Sync {
-    /// Name of the law in cases and in results.
+    /// Name of the drag law in cases and in results.
     fn name(&self) -> &'static str;
 
     /// Names and values [SI] of all parameters of the law; empty if there are none. Name and parameters are used to
@@ -91,7 +91,7 @@ pub trait DragLaw: std::fmt::Debug + Send + Sync {
     /// [s] response time τ(w) > 0: slip speed divided by deceleration, at the slip speed w = `slip` >= 0 [m/s].
     fn response_time(&self, sphere: &Sphere, slip: f64) -> f64;
 
-    /// Title of the law for use in a sentence.
+    /// Title of the drag law for use in a sentence.
     fn title(&self) -> String {
         format!("drag law {}", self.name())
     }

@@ -37,7 +37,7 @@ pub enum SuspensionLaw {
 /// Drag in a suspension, with the grid of cells in which the volume fraction of the particles is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SuspensionDrag {
-    /// Law of the drag.
+    /// Law of the drag of a sphere among other spheres.
     pub law: SuspensionLaw,
     /// Numbers of cells along x, y and z that divide the box into equal cells.
     pub cells: [u32; 3],
@@ -49,7 +49,7 @@ fn single(re: f64) -> f64 {
 }
 
 impl SuspensionLaw {
-    /// All laws.
+    /// All drag laws for suspensions.
     pub const ALL: [Self; 5] = [Self::WenYu, Self::Gidaspow, Self::Beetstra, Self::Tenneti, Self::DiFelice];
 
     /// [-] dimensionless drag force F at a volume fraction `phi` of particles and a Reynolds number `re` = ε w d/ν.
@@ -88,7 +88,7 @@ impl SuspensionLaw {
         }
     }
 
-    /// Name of the law in cases.
+    /// Name of the drag law in cases.
     fn name(self) -> &'static str {
         match self {
             Self::WenYu => "wen_yu",
@@ -99,7 +99,7 @@ impl SuspensionLaw {
         }
     }
 
-    /// Authors and year of the law.
+    /// Authors and year of the publication of the drag law.
     fn source(self) -> &'static str {
         match self {
             Self::WenYu => "Wen and Yu (1966)",

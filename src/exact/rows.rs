@@ -35,7 +35,7 @@ struct Parts<const K: usize> {
     /// Remaining bits of all rows that neither partial sum contains, combined by bitwise OR for each column. It is 0 if
     /// the partial sums are exact, apart from the sign bit of a zero.
     left: [u64; K],
-    /// Largest magnitude of the numbers in each column.
+    /// Largest magnitude of the numbers in each column of the block.
     largest: [f64; K],
 }
 
@@ -341,7 +341,7 @@ impl<const K: usize> GroupSums<K> {
         }
     }
 
-    /// Adds the collected rows to the sums.
+    /// Adds the rows that are waiting to the sums of the group.
     fn take_in(&mut self) {
         add_block(self.sums.each_mut(), &self.waiting[..self.count]);
         self.count = 0;
@@ -349,12 +349,12 @@ impl<const K: usize> GroupSums<K> {
 }
 
 impl<const K: usize> Groups<K> {
-    /// Makes `groups` groups without rows.
+    /// Makes exact sums for `groups` groups without rows.
     pub fn new(groups: usize) -> Self {
         Self((0..groups).map(|_| None).collect())
     }
 
-    /// Adds a row to a group.
+    /// Adds a row to the sums of the group with the index `group`.
     #[inline]
     pub fn add(&mut self, group: usize, row: [f64; K]) {
         self.0[group].get_or_insert_with(|| Box::new(GroupSums::new())).add(row);

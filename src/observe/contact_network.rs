@@ -38,13 +38,13 @@ pub struct ContactLine {
     pub id: u32,
     /// Id of the other particle; `None` at a wall.
     pub other: Option<u32>,
-    /// [m] centre of the particle, in the box.
+    /// [m] centre of the particle `id`, moved into the box along periodic axes.
     pub from: Vector3<f64>,
     /// [m] centre of the other particle (of its nearest image), or point of contact with a wall.
     pub to: Vector3<f64>,
-    /// [-] unit normal, from the other body to the particle.
+    /// [-] unit normal, from the other body or the wall to the particle `id`.
     pub normal: Vector3<f64>,
-    /// [N] elastic part of the normal force.
+    /// [N] elastic part of the normal force between the two bodies.
     pub force: f64,
 }
 

@@ -63,7 +63,7 @@ struct MotionBlock {
 pub struct Diffusion {
     /// [s] time between two samples that are used.
     interval: f64,
-    /// Number of intervals in a block of time.
+    /// Number of intervals between used samples in a block of time.
     intervals: usize,
     species: usize,
     tracked: TrackedParticles,

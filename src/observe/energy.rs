@@ -11,9 +11,9 @@ use serde::{Deserialize, Serialize};
 /// work and losses.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct EnergyBooks {
-    /// [J] kinetic plus elastic energy at the start.
+    /// [J] kinetic, rotational and elastic energy of all particles at the start of the run.
     pub at_start: f64,
-    /// [J] kinetic plus elastic energy at the end.
+    /// [J] kinetic, rotational and elastic energy of all particles at the end of the run.
     pub at_end: f64,
     /// [J] unexplained energy at the end: change of energy since the start minus the work and losses in the ledger.
     unexplained: f64,

@@ -60,7 +60,7 @@ pub struct Fields {
     interval: f64,
     /// [s] duration of a block of time, over which sums are added.
     length: f64,
-    /// [m] width w of the Gaussian.
+    /// [m] width w of the Gaussian that weights the particles.
     width: f64,
     cells: [usize; 3],
     law: Option<ContactLaw>,

@@ -15,7 +15,7 @@ const MOST_SAMPLES: u64 = 1000;
 pub struct FlowAverages {
     /// Name of the inlet or outlet.
     pub name: String,
-    /// True for an inlet.
+    /// True for an inlet, false for an outlet.
     pub is_inlet: bool,
     /// [kg/s] mass of the particles per time over the averaging period. `None` for fewer than two samples.
     pub mass_rate: Option<Estimate>,
@@ -34,7 +34,7 @@ pub struct FlowAverages {
 /// Sums over the particles that have passed an inlet or outlet from the start to one instant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FlowSample {
-    /// [s] simulated time.
+    /// [s] simulated time to which the sums extend.
     pub time: f64,
     /// Sums over the particles that have passed since the start.
     pub totals: FlowTotals,
@@ -43,7 +43,7 @@ pub struct FlowSample {
 /// Measurement of the flow through all inlets and outlets of a scene.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Flows {
-    /// [s] time between samples.
+    /// [s] time between two samples (instants of measurement) of the flow.
     interval: f64,
     /// Samples of each outlet, then of each inlet. The list is empty in a scene without inlets and outlets.
     samples: Vec<Vec<FlowSample>>,

@@ -17,7 +17,7 @@ const MOST_PARTICLES: usize = 500;
 /// particles even if they fly far between two frames.
 const FEW: usize = 50;
 
-/// Smallest and largest number of frames of a run.
+/// Smallest and largest number of frames (instants) that are recorded in a run.
 const FRAMES: std::ops::RangeInclusive<usize> = 40..=241;
 
 /// Largest product of recorded particles and frames, summed over all variants shown on a page. It limits the data of
@@ -37,7 +37,7 @@ const WHOLE: f64 = 5.0;
 pub struct Frame {
     /// [s] simulated time of the frame.
     pub time: f64,
-    /// [m] centres, inside the box along periodic axes.
+    /// [m] centres of the recorded particles, inside the box along periodic axes.
     pub position: Vec<Vector3<f32>>,
     /// [m/s] velocities. In a frame between two samples with drag, these are the velocities of the window that ends at
     /// the frame. A window is the time between two exchanges of momentum with the gas.
@@ -52,16 +52,16 @@ pub struct Frame {
 }
 
 /// Frames of up to 500 particles at up to 241 instants, from the start of the run. Frames spread over the whole run may
-/// be too far apart in time to show collisions. They are then closer in time, and end before the run.
+/// be too far apart in time to show collisions. In that case, the frames are closer in time and end before the run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Frames {
     /// [s] duration of the run.
     duration: f64,
     /// Largest number of recorded particles, and largest number of frames.
     most: (usize, usize),
-    /// [s] time to the next frame.
+    /// [s] time between the last recorded frame and the next one.
     spacing: f64,
-    /// Number of particles of the scene.
+    /// Number of all particles of the scene, also of those that are not recorded.
     pub particles: usize,
     /// [m] radius of each recorded particle, in the order of ids.
     pub radius: Vec<f32>,

@@ -21,7 +21,7 @@ pub struct GasFlow {
     pub pressure_gradient: Option<Estimate>,
     /// [Pa/m] pressure drop per length of the gas without particles.
     pub pressure_gradient_alone: f64,
-    /// [m/s] flow rate over the cross-section.
+    /// [m/s] flow rate of the gas with particles, divided by the area of the cross-section.
     pub bulk_velocity: Option<Estimate>,
     /// [m/s] friction velocity; negative if the gas flows backwards at the wall.
     pub friction_velocity: Option<Estimate>,
@@ -36,7 +36,7 @@ struct GasSample {
     time: f64,
     /// [Pa s/m] pressure drop per length, integrated over time since the start.
     pressed: f64,
-    /// [m/s] flow rate over the cross-section.
+    /// [m/s] flow rate of the gas, divided by the area of the cross-section.
     bulk_velocity: f64,
     /// [m/s] friction velocity of the gas at the wall.
     friction_velocity: f64,

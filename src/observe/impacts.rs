@@ -16,9 +16,9 @@ const MARKS: u64 = 40;
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct ImpactSample {
     count: u64,
-    /// [m²/s²] sum of the squared normal speeds of approach.
+    /// [m²/s²] sum of the squares of the normal speeds before the impacts.
     approach: f64,
-    /// [m²/s²] sum of the squared normal speeds of rebound.
+    /// [m²/s²] sum of the squares of the normal speeds after the impacts.
     rebound: f64,
 }
 
@@ -47,8 +47,8 @@ pub struct ImpactSeries {
     duration: f64,
     schedule: Schedule,
     samples: Vec<ImpactSample>,
-    /// Times [s], and the sums over all impacts up to each time. They are the times at which averaging begins. If its
-    /// start is detected, they are the times at which it may begin.
+    /// Times [s] at which averaging begins or, if its start is detected, may begin. Each time has the sums over all
+    /// impacts from the start to this time.
     marks: Vec<(f64, Impacts)>,
 }
 

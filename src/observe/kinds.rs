@@ -18,7 +18,7 @@ struct OfSpecies {
     species: u16,
     count: usize,
     profiles: Accumulator,
-    /// [m/s] mean streamwise velocity at every sample.
+    /// [m/s] mean streamwise velocity of the species at every sample.
     velocity: Vec<f64>,
     /// [m²/s²] granular temperature at every sample; `None` at samples with too few particles.
     temperature: Vec<Option<f64>>,
@@ -59,7 +59,7 @@ pub struct SpeciesAverages {
     /// granular temperature T. If masses differ within the species, it is the mean of m (v - U)²/2 per degree of
     /// freedom, with the mean velocity U of the slice.
     pub random_energy: Option<Estimate>,
-    /// Time averages in slices, for this species alone.
+    /// Time averages in slices along y, over the particles of this species alone.
     #[serde(skip)]
     pub profiles: ProfileTable,
     /// Averages over blocks of time, in this order: mean velocity [m/s], granular temperature [m²/s²], and rate of
@@ -74,11 +74,11 @@ pub struct MeetingAverages {
     /// Names of the two kinds: first a species, then a second species or a wall, such as `wall 0`, with its index in
     /// the case.
     pub between: [String; 2],
-    /// Number of impacts that ended in the averaging period.
+    /// Number of impacts between the two kinds that ended in the averaging period.
     pub count: u64,
     /// [1/s] rate of the impacts between the two kinds.
     pub rate: Option<Estimate>,
-    /// [m/s] mean normal speed of approach in these impacts.
+    /// [m/s] mean normal speed of approach in the impacts between the two kinds.
     pub normal_speed: Option<f64>,
     /// [-] restitution that the case prescribes for these impacts. If it depends on the speed, it is the value at the
     /// mean speed of approach.
@@ -91,13 +91,13 @@ pub struct MeetingAverages {
 /// Curve over time of a quantity of one kind (species or wall) or of a pair of kinds, for the whole run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KindCurve {
-    /// Name of the quantity, for reports.
+    /// Name of the quantity that the curve shows, for reports.
     pub name: String,
     /// Unit of the quantity; empty if it has none.
     pub unit: &'static str,
     /// True if the quantity is a sum over particles, such as a number of impacts; false if it is a mean.
     pub sum: bool,
-    /// Time [s] and value at every sample.
+    /// Points of the curve: time [s] and value at every sample.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -122,7 +122,7 @@ impl KindCurve {
 pub struct KindAverages {
     /// Averages of each species that has particles.
     pub species: Vec<SpeciesAverages>,
-    /// Impacts of each pair of kinds that had impacts.
+    /// Averages of the impacts of each pair of kinds that had impacts.
     pub meetings: Vec<MeetingAverages>,
     /// Curves over the whole run: granular temperature of each species, and number of its impacts since the start.
     #[serde(skip)]

@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 /// Quantity whose values a curve or a number of a measurement holds: its names and its unit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObservedQuantity {
-    /// Name of the column in files, with its unit.
+    /// Name of the column of the quantity in files, with its unit.
     pub column: String,
     /// Name of the quantity in pictures and tables.
     pub symbol: String,
@@ -33,7 +33,7 @@ impl ObservedQuantity {
 /// Curve of a measurement: values of a quantity at all places along the axis of the measurement, such as distances.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObservedCurve {
-    /// Quantity of which the curve holds values.
+    /// Quantity whose values the curve holds.
     pub quantity: ObservedQuantity,
     /// Values in the unit of the quantity, one for each place; `None` where the value is unknown.
     pub values: Vec<Option<Estimate>>,
@@ -59,7 +59,7 @@ pub struct ObservedNumber {
 pub struct ObservedGrid {
     /// Numbers of cells along x, y and z.
     pub cells: [usize; 3],
-    /// [m] edge lengths of a cell.
+    /// [m] edge lengths of a cell along x, y and z.
     pub spacing: Vector3<f64>,
     /// Fields on the grid: name with unit, number of components, and the components of each cell. The index along x
     /// changes first from cell to cell.
@@ -73,7 +73,7 @@ pub struct Observation {
     pub name: &'static str,
     /// Heading of the measurement in reports.
     pub title: &'static str,
-    /// Quantity along which the curves extend.
+    /// Quantity on the common axis of all curves, such as a distance.
     pub axis: ObservedQuantity,
     /// [SI] places along the axis at which the curves have values, in the unit of the axis.
     pub places: Vec<f64>,

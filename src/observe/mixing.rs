@@ -30,7 +30,7 @@ const MARKS: u64 = 8;
 /// Sums of the random signs of the particles in each layer at one instant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct LayerSample {
-    /// [s] simulated time of the sums.
+    /// [s] simulated time at which the signs were summed.
     time: f64,
     /// Sums of each layer: the number of particles, then 31 sums of signs.
     rows: Vec<Vec<f64>>,

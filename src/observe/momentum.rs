@@ -10,13 +10,13 @@ use serde::{Deserialize, Serialize};
 /// `None` if the period contains no sample. In a steady flow the forces add up to zero.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Balance {
-    /// [N] mean drag force of the gas.
+    /// [N] mean drag force of the gas on all particles along z.
     pub drag: Option<Estimate>,
     /// [N] weight minus buoyancy of all particles, along z; negative if it acts against the flow.
     pub weight: f64,
-    /// [N] mean shear force of the walls on the particles.
+    /// [N] mean shear force of the walls on all particles along z.
     pub wall: Option<Estimate>,
-    /// [N] sum of drag, weight and wall force.
+    /// [N] sum of drag, weight and wall force; zero on average in a steady flow.
     pub residual: Option<Estimate>,
 }
 

@@ -11,11 +11,11 @@ use serde::{Deserialize, Serialize};
 /// Means over all particles at every sample (instant of measurement). The test for a steady state uses these means.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Motion {
-    /// Number of slices in which the temperature is computed.
+    /// Number of slices along y relative to whose mean velocities the temperature is computed.
     slices: usize,
-    /// [s] times of the samples.
+    /// [s] simulated times of the samples.
     times: Vec<f64>,
-    /// [m/s] mean velocity at every sample.
+    /// [m/s] mean velocity of all particles at every sample.
     velocity: Vec<Vector3<f64>>,
     /// [m²/s²] mean square of the velocity relative to the mean velocity of all particles, at every sample. It changes
     /// while the agitation or the velocity profile changes.
@@ -34,7 +34,7 @@ pub struct Motion {
     stress: Vec<[f64; 2]>,
     /// True for each axis that is not periodic. Mean positions are only computed along such axes.
     bounded: [bool; 3],
-    /// [m] edge lengths of the domain.
+    /// [m] edge lengths of the domain along x, y and z.
     size: Vector3<f64>,
     /// [m/s] rest speed: particles that are slower on average count as at rest
     /// ([`Scene::rest_speed`](crate::scene::Scene::rest_speed)).

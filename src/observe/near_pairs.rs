@@ -7,7 +7,7 @@ use crate::particles::Particles;
 use crate::work_sharing;
 use nalgebra::Vector3;
 
-/// Number of particles whose pairs one thread visits at a time.
+/// Number of particles in one piece of work, whose pairs one thread visits.
 const PIECE: usize = 512;
 
 /// Calls `visit` once for each pair of particles whose centres are less than `reach` [m] apart. Its arguments are the

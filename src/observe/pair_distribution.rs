@@ -74,7 +74,7 @@ fn index(a: u16, b: u16) -> usize {
     high * (high + 1) / 2 + low
 }
 
-/// All pairs of species, in the order of [`index`].
+/// All pairs of indices of `count` species, in the order of [`index`].
 fn species_pairs(count: usize) -> impl Iterator<Item = [usize; 2]> {
     (0..count).flat_map(|high| (0..=high).map(move |low| [low, high]))
 }

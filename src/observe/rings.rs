@@ -18,7 +18,7 @@ pub struct Rings {
     count: usize,
 }
 
-/// One ring about the axis of a pipe, and the gas in it.
+/// Ring about the axis of a pipe, between two radii, with the gas velocity in it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Ring {
     /// [m] inner radius of the ring.
@@ -29,7 +29,7 @@ pub struct Ring {
     pub gas: f64,
 }
 
-/// Averages in rings, from the axis to the wall.
+/// Averages over the particles in rings about the axis of a pipe, from the axis to the wall.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct RingAverages {
     /// Rings about the axis; none if the gas flow is not that of a pipe.
@@ -59,7 +59,7 @@ impl Rings {
         Self { profiles, count }
     }
 
-    /// Time averages in rings from the time `from` [s] on.
+    /// Averages in rings about the axis of a pipe over the samples from the time `from` [s] on.
     pub fn averages(&self, scene: &Scene, from: f64) -> RingAverages {
         /// Number of circles about the axis in each ring on which the gas velocity is evaluated.
         const CIRCLES: usize = 16;

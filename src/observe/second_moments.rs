@@ -37,13 +37,13 @@ const BLOCKS: usize = 20;
 /// Rates of change of one second moment of the velocities [m²/s³], by each process.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Terms<T> {
-    /// [m²/s³] production by the gradient of the mean velocity.
+    /// [m²/s³] production of the moment by the gradient of the mean velocity along y.
     pub production: T,
     /// [m²/s³] transport from other slices by velocity fluctuations along y.
     pub transport: T,
-    /// [m²/s³] rate of change by the drag of the gas.
+    /// [m²/s³] rate of change of the moment by the drag of the gas.
     pub drag: T,
-    /// [m²/s³] rate of change by impacts between particles and on walls.
+    /// [m²/s³] rate of change of the moment by impacts between particles and on walls.
     pub impacts: T,
     /// [m²/s³] sum of the other terms. In a steady flow it is zero except for chance and the finite width of the
     /// slices.
@@ -75,7 +75,7 @@ pub struct Budgets {
     /// [m²/s³] rate of change of vv by the restitution of walls, averaged over all particles. It is a part of the
     /// impact term of vv.
     pub wall_restitution: Estimate,
-    /// [s] start of the averaging period.
+    /// [s] simulated time at which the averaging period begins.
     pub from: f64,
 }
 

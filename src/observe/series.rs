@@ -23,7 +23,7 @@ const CURVE: u64 = 200;
 /// particles takes little time.
 const FEW: usize = 10_000;
 
-/// Averages over all particles at one instant.
+/// Averages over all particles at one instant: a row of the time series.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// [s] simulated time of the row.
@@ -31,11 +31,11 @@ pub struct Row {
     /// [m²/s²] parts of the granular temperature T along x, y and z, relative to the mean velocities of slices; T is
     /// the mean of the three. `None` if every slice contains at most one particle.
     pub temperature: Option<Vector3<f64>>,
-    /// [m/s] mean velocity of the particles.
+    /// [m/s] mean velocity of all particles; relative to the mean flow in a sheared box.
     pub velocity: Vector3<f64>,
     /// [J] kinetic energy of the translation of all particles.
     pub kinetic_energy: f64,
-    /// [J] elastic energy stored in contacts.
+    /// [J] elastic energy stored in the springs of all contacts.
     pub elastic_energy: f64,
     /// Rotation of the particles; `None` if spheres do not rotate.
     pub rotation: Option<RotationSums>,
@@ -200,7 +200,7 @@ pub struct GasMeans {
     pub bulk_velocity: f64,
     /// [m/s] friction velocity of the gas; negative if the gas flows backwards at the wall.
     pub friction_velocity: f64,
-    /// [kg m/s] momentum of the gas along z.
+    /// [kg m/s] momentum of the gas in the box along z.
     pub momentum: f64,
 }
 
@@ -217,7 +217,7 @@ impl GasMeans {
 }
 
 impl Row {
-    /// [J] sum of the kinetic, rotational and elastic energy.
+    /// [J] sum of the kinetic, rotational and elastic energy of all particles.
     pub fn energy(&self) -> f64 {
         self.kinetic_energy + self.elastic_energy + self.rotation.map_or(0.0, |rotation| rotation.energy)
     }
@@ -290,7 +290,7 @@ impl Row {
 struct MassSums {
     /// [kg] mass of all particles.
     mass: f64,
-    /// [kg m] sum of mass times position.
+    /// [kg m] sum of mass times position over all particles.
     moment: Vector3<f64>,
     /// [kg m/s] momentum of all particles.
     momentum: Vector3<f64>,
@@ -331,13 +331,13 @@ pub(super) fn interval(schedule: &Schedule, least: u64, most: u64) -> f64 {
 /// rows (instants), and one more row at the end of the run.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Series {
-    /// Number of slices in which the temperature is computed.
+    /// Number of slices along y relative to whose mean velocities the temperature is computed.
     slices: usize,
     /// [s] time between two rows of the series.
     interval: f64,
     /// True if rows contain the Sonine coefficients of the velocity distribution.
     has_sonine: bool,
-    /// Rows in the order of time.
+    /// Rows of the series in the order of time.
     pub rows: Vec<Row>,
 }
 

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 /// Quantity of all particles over time, which is a column of `series.csv`.
 #[derive(Clone, Copy)]
 pub struct SeriesColumn {
-    /// Name of the column in the file, with its unit.
+    /// Name of the column in `series.csv`, with its unit.
     pub key: &'static str,
     /// Name of the quantity in a sentence.
     pub name: &'static str,

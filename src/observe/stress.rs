@@ -28,7 +28,7 @@ pub struct Stress {
     /// of two particles in contact, and f is the force between them. For hard spheres, the time integral of f is the
     /// impulse of a collision.
     pub contact: [Option<Estimate>; 6],
-    /// [Pa] sum of the kinetic and the contact part.
+    /// [Pa] sum of the kinetic and the contact part, component by component.
     pub total: [Option<Estimate>; 6],
     /// [Pa] pressure: a third of the trace of the total stress, kinetic part plus contact part.
     pub pressure: Option<Estimate>,
@@ -41,7 +41,7 @@ pub struct Stress {
     pub volume_fraction: Vec<Option<Estimate>>,
 }
 
-/// Sums over all particles at one instant.
+/// Sums over all particles from which the stress at one instant is computed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct StressSample {
     /// [J] kinetic sum Σ m c c over all particles, with the velocity c relative to the mean velocity of the slice. The

@@ -160,7 +160,7 @@ pub struct VelocityDistribution {
     interval: f64,
     /// Number of slices along y whose mean velocities are subtracted.
     slices: usize,
-    /// [-] end of the last bin of the histograms, in units of sqrt(2T).
+    /// [-] largest speed in the histograms, in units of sqrt(2T) with the granular temperature T.
     largest: f64,
     bins: usize,
     samples: Vec<VelocitySample>,

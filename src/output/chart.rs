@@ -7,7 +7,7 @@ use crate::experiment::Model;
 use crate::statistics::{Estimate, PowerLaw};
 use serde::Serialize;
 
-/// Quantity whose error is drawn against the cost.
+/// Quantity whose error is drawn against the computing cost in a work-precision chart.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChartQuantity {
     /// Short name for files and tables, such as `restitution_mean`.
@@ -41,11 +41,11 @@ pub struct PointError {
 /// Distribution of the wall-clock time of one run on one thread [s].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CostSpread {
-    /// [s] median wall-clock time of a run.
+    /// [s] median of the wall-clock times of single runs.
     pub median: f64,
-    /// [s] shortest wall-clock time of a run.
+    /// [s] shortest of the wall-clock times of single runs.
     pub lowest: f64,
-    /// [s] longest wall-clock time of a run.
+    /// [s] longest of the wall-clock times of single runs.
     pub highest: f64,
 }
 
@@ -56,7 +56,7 @@ pub enum ChartFailure {
     /// The engine stopped with a failure.
     #[error("{0}")]
     Engine(Failure),
-    /// The impact had not ended by the end of the simulated time.
+    /// The impact had not ended when the simulated time of the case was over.
     #[error("the impact had not ended when the time of the case was over")]
     Unfinished,
 }
@@ -74,11 +74,11 @@ impl ChartFailure {
 /// Point of the work-precision chart: one method at one value of its swept parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChartPoint {
-    /// Index of the method in [`ChartStudy::methods`].
+    /// Index in [`ChartStudy::methods`] of the method of this point.
     pub method: usize,
-    /// Value of the swept parameter, in the unit of this parameter.
+    /// Value of the swept parameter of the method, in the unit of this parameter.
     pub knob: f64,
-    /// Number of runs from which the point is computed.
+    /// Number of runs from which values and errors of the point are computed.
     pub samples: usize,
     /// Wall-clock time of one run on one thread.
     pub wall: CostSpread,
@@ -95,11 +95,11 @@ pub struct ChartPoint {
 /// Method of computing collisions, with the parameter that is swept for the chart.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChartMethod {
-    /// Name of the method.
+    /// Name of the method, such as an engine with its stepping.
     pub name: String,
     /// Collision model of the method.
     pub model: Model,
-    /// Symbol of the swept parameter.
+    /// Symbol of the parameter of the method that is swept.
     pub knob: &'static str,
     /// Unit of the swept parameter; empty if it has no unit.
     pub unit: &'static str,
@@ -108,9 +108,9 @@ pub struct ChartMethod {
 /// Power law fitted to the errors of a method as a function of its swept parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChartSlope {
-    /// Index of the method in [`ChartStudy::methods`].
+    /// Index in [`ChartStudy::methods`] of the method to which the power law belongs.
     pub method: usize,
-    /// Index of the quantity in [`ChartStudy::quantities`].
+    /// Index in [`ChartStudy::quantities`] of the quantity whose error follows the power law.
     pub quantity: usize,
     /// Fitted exponent of the power law, with its error.
     #[serde(flatten)]
@@ -138,21 +138,21 @@ impl ChartSlope {
 pub struct ChartStudy<'a> {
     /// Origin of the results: title, case and command.
     pub provenance: &'a Provenance,
-    /// Description of the reference values and their accuracy.
+    /// Description, in words, of the reference values and of their accuracy.
     pub reference: &'a str,
-    /// Description of the runs of each point.
+    /// Description, in words, of the runs of each point.
     pub setting: &'a str,
     /// Methods that are compared in the chart.
     pub methods: &'a [ChartMethod],
-    /// Quantities whose errors are charted.
+    /// Quantities whose errors are drawn in the chart.
     pub quantities: &'a [ChartQuantity],
-    /// Points of the chart, for all methods.
+    /// Points of the chart: one for each method and value of its swept parameter.
     pub points: &'a [ChartPoint],
-    /// Fitted slopes of the errors.
+    /// Power laws fitted to the errors of the methods.
     pub slopes: &'a [ChartSlope],
     /// Conclusions from the chart, one sentence each.
     pub verdicts: &'a [String],
-    /// Remarks on how far the numbers are reliable.
+    /// Remarks on how far the numbers of the chart are reliable, one sentence each.
     pub notes: &'a [String],
 }
 

@@ -19,7 +19,7 @@ pub(super) type TextRow = (bool, Vec<String>);
 pub(super) struct Table {
     pub head: Vec<String>,
     pub rows: Vec<TextRow>,
-    /// True if the last column contains sentences.
+    /// True if the last column of the table contains sentences, which are set as text.
     pub remarks: bool,
 }
 
@@ -32,7 +32,7 @@ pub(super) struct Matrix {
     pub rows: Vec<(String, Vec<AnswerCell>)>,
 }
 
-/// One answer in a [`Matrix`].
+/// Cell of a [`Matrix`]: one answer with the number on which it is based.
 #[derive(Clone, Debug, Default)]
 pub(super) struct AnswerCell {
     /// Answer (equivalent, different or unresolved); `None` if there is no answer.
@@ -64,7 +64,7 @@ pub(super) enum Block {
     Matrix(Matrix),
     /// Animation of the recorded motion of particles.
     Player(Box<Player>),
-    /// Pictures of the document, given by a range of indices.
+    /// Pictures of the document, given by the range of their indices in the list of figures.
     Figures(Range<usize>),
     /// Heading and text of a file, hidden until the reader opens it.
     Source(String, String),
@@ -102,7 +102,7 @@ pub(super) fn known(is_known: bool, text: String) -> String {
 /// All results of a study, in the form in which the writers use them.
 pub(super) struct Document<'a> {
     pub provenance: &'a Provenance,
-    /// Names and failures of variants that stopped early.
+    /// Variants that stopped early, each as its name and its failure.
     pub failures: Vec<(&'a str, &'a Failure)>,
     /// Answers of the study in sentences, the shortest first.
     pub verdicts: &'a [String],

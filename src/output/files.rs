@@ -78,7 +78,7 @@ pub const COMMAND: [&str; 2] = ["command", "command-copy"];
 /// Beginning of the names of temporary files. A result has such a name until the file is complete.
 pub const ASIDE: &str = ".diptych-";
 
-/// Kind of command that writes into a folder.
+/// Kind of command that writes into a folder of results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Owner {
     /// A command that starts a new run.
@@ -194,7 +194,7 @@ impl Folder {
         Ok(Self { path, stale: AtomicBool::new(occupied), resumed, pictures: Mutex::default(), lock })
     }
 
-    /// Path of the folder.
+    /// Path of the folder of results.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -272,7 +272,7 @@ impl Folder {
         self.pictures.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Paths of the trajectory files that an earlier run wrote.
+    /// Paths of the trajectory files in the folder that an earlier run of this program wrote.
     fn trajectories(&self) -> Result<Vec<PathBuf>, OutputError> {
         let mut found = Vec::new();
         for place in self.trajectory_folders() {

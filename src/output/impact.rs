@@ -8,9 +8,9 @@ use serde::Serialize;
 /// State of the two bodies at one instant of an impact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathPoint {
-    /// [s] time since the start of the run.
+    /// [s] simulated time since the start of the run.
     pub time: f64,
-    /// [m] gap between the surfaces; negative while they overlap.
+    /// [m] gap between the surfaces of the two bodies; negative while they overlap.
     pub gap: f64,
     /// [m/s] relative velocity along the normal; negative during approach.
     pub normal_velocity: f64,
@@ -49,11 +49,11 @@ pub struct Bounce {
     pub values: BounceValues,
     /// Closed-form solution for the parameters of the variant, if there is one.
     pub analytic: Option<Analytic>,
-    /// [s] time step; `None` for event-driven collisions.
+    /// [s] time step of the variant; `None` for event-driven collisions.
     pub time_step: Option<f64>,
     /// Number of time steps or events that the run needed.
     pub work: u64,
-    /// [s] wall-clock time of the impact.
+    /// [s] wall-clock time of the run of the impact.
     pub wall_seconds: f64,
     /// All parameters of the variant in SI, as written to `summary.json`.
     pub parameters: serde_json::Value,
@@ -64,7 +64,7 @@ pub struct Bounce {
 /// Curve of one variant: slip after oblique impacts as a function of the slip before.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObliqueCurve {
-    /// Name of the variant.
+    /// Name of the variant to which the curve belongs.
     pub name: String,
     /// Reduced slip s/(μ u_n) before and after the impact [-].
     pub points: Vec<(f64, f64)>,
@@ -113,13 +113,13 @@ pub struct ImpactStudy<'a> {
     pub provenance: &'a Provenance,
     /// Computed impacts of the variants, one for each.
     pub bounces: &'a [Bounce],
-    /// [-] restitution given in the case.
+    /// [-] restitution that the case prescribes for the impact.
     pub requested_restitution: f64,
     /// Oblique impacts of the two bodies; `None` if spheres do not rotate or have no friction.
     pub oblique: Option<&'a ObliqueStudy>,
-    /// [m] diameter by which overlaps are divided.
+    /// [m] diameter by which the overlaps of the study are divided.
     pub diameter: f64,
-    /// [m/s] normal speed of approach.
+    /// [m/s] normal speed of approach of the two bodies.
     pub impact_speed: f64,
     /// Answers in sentences, the shortest first. The page begins with these sentences.
     pub verdicts: &'a [String],

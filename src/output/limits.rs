@@ -20,11 +20,11 @@ pub struct MapPoint {
 pub struct Map {
     /// Name of the map in file names and in the option `--only`.
     pub name: &'static str,
-    /// Question that the map answers.
+    /// Question that the map answers, as the heading of its section.
     pub title: String,
-    /// Description of the runs of each point.
+    /// Description, in words, of the runs at each point of the map.
     pub method: String,
-    /// Conclusion that is drawn from the map.
+    /// Conclusion that is drawn from the map, in sentences.
     pub lesson: String,
     /// Names of the columns in the table, with the unit after an underscore. The comment at the beginning of `case`
     /// explains the columns.
@@ -42,7 +42,7 @@ pub struct Map {
 pub enum Picture {
     /// Coloured cells, one per point, each of which belongs to a class.
     Cells(RegimeMap),
-    /// Points and lines in a panel.
+    /// Points and lines in one panel with a pair of axes.
     Curves(Panel),
 }
 
@@ -57,7 +57,7 @@ pub struct RegimeMap {
     pub log: [bool; 2],
     /// Classes to which cells belong, each with its colour.
     pub classes: Vec<Class>,
-    /// Cells of which the map is made.
+    /// Cells of the map, one per point.
     pub cells: Vec<Cell>,
     /// Theoretical lines: a label, and points in the units of the axes.
     pub lines: Vec<(String, Vec<(f64, f64)>)>,
@@ -90,7 +90,7 @@ pub struct Cell {
     pub x: (f64, f64),
     /// Lower and upper end of the cell, in the unit of the axis.
     pub y: (f64, f64),
-    /// Index of the class to which the cell belongs.
+    /// Index of the class of the cell in [`RegimeMap::classes`].
     pub class: usize,
 }
 
@@ -98,7 +98,7 @@ pub struct Cell {
 pub struct LimitsStudy<'a> {
     /// Origin of the results: case, command and title.
     pub provenance: &'a Provenance,
-    /// Maps in the order of the page.
+    /// Maps of the study in the order of the page.
     pub maps: &'a [Map],
     /// [s] wall-clock time of the runs of each map. Two maps from the same runs have equal times.
     pub wall_seconds: &'a [f64],

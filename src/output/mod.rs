@@ -62,7 +62,7 @@ pub enum OutputError {
     /// The folder contains results of another run.
     #[error("{} holds results already; name another folder with --out, or pass --overwrite to replace them", path.display())]
     Occupied {
-        /// Path of the folder.
+        /// Path of the folder with the results.
         path: PathBuf,
     },
     /// The folder contains a run that was stopped before its end.
@@ -71,13 +71,13 @@ pub enum OutputError {
         path.display(), path.display()
     )]
     Unfinished {
-        /// Path of the folder.
+        /// Path of the folder with the stopped run.
         path: PathBuf,
     },
     /// Another command is writing into the folder.
     #[error("another run is writing into {} at this moment; wait for its end, or name another folder with --out", path.display())]
     InUse {
-        /// Path of the folder.
+        /// Path of the folder that is in use.
         path: PathBuf,
     },
     /// The operating system refused to write or read.
@@ -85,7 +85,7 @@ pub enum OutputError {
     Io {
         /// Attempted action, in words that precede the path in the message.
         action: &'static str,
-        /// Path of the file or folder.
+        /// Path of the file or folder that could not be written or read.
         path: PathBuf,
         /// Error of the operating system.
         source: std::io::Error,
@@ -97,7 +97,7 @@ pub enum OutputError {
         path: PathBuf,
         /// Number of removed frames.
         gone: usize,
-        /// Number of frames that were written.
+        /// Number of frames that the run had written.
         frames: usize,
     },
     /// One of the processes that share a run could not write its file.
@@ -108,10 +108,10 @@ pub enum OutputError {
         /// Error message of the process.
         why: String,
     },
-    /// A table could not be encoded.
+    /// A table of results could not be encoded as CSV.
     #[error("cannot encode a table: {0}")]
     Csv(#[from] ::csv::Error),
-    /// The summary could not be encoded.
+    /// The summary could not be encoded as JSON.
     #[error("cannot encode the summary: {0}")]
     Json(#[from] serde_json::Error),
 }
@@ -122,7 +122,7 @@ impl OutputError {
     }
 }
 
-/// Data needed to reproduce results.
+/// Data needed to reproduce the results of a command.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Provenance {
     /// Title of the case, in one line.

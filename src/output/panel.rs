@@ -46,16 +46,16 @@ pub enum SeriesStyle {
 /// Point of a series, in the units of the axes.
 #[derive(Clone, Copy, Debug)]
 pub struct SeriesPoint {
-    /// Position on the horizontal axis, in the unit of this axis.
+    /// Position of the point on the horizontal axis, in the unit of this axis.
     pub x: f64,
-    /// Position on the vertical axis, in the unit of this axis.
+    /// Position of the point on the vertical axis, in the unit of this axis.
     pub y: f64,
     /// One standard error of `y`, in the unit of the vertical axis.
     pub error: Option<f64>,
 }
 
 impl SeriesPoint {
-    /// Creates a point without an error.
+    /// Makes a point of a series at the position (x, y), without an error.
     pub fn at(x: f64, y: f64) -> Self {
         Self { x, y, error: None }
     }
@@ -66,7 +66,7 @@ impl SeriesPoint {
 pub struct PanelSeries {
     /// Name of the series in the legend.
     pub label: String,
-    /// Style of the line and its markers.
+    /// Style in which the series is drawn: line, markers and colour.
     pub look: SeriesStyle,
     /// Points of the series, in the order in which lines join them.
     pub points: Vec<SeriesPoint>,

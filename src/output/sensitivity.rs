@@ -56,21 +56,21 @@ impl Shift {
 pub struct Factor {
     /// Name of the factor on the command line.
     pub name: String,
-    /// Description of the factor, in a sentence.
+    /// Description of the factor in a sentence, for the report.
     pub title: String,
-    /// Old and new value of the factor, in words.
+    /// Old and new value of the changed factor, in words.
     pub change: String,
     /// Reason why the change of the factor has this size.
     pub why: String,
     /// Kind of results that the shifts compare; `None` if a run stopped early.
     pub basis: Option<Basis>,
-    /// Shifts of all observables in a fixed order.
+    /// Shifts of all observables by this factor, in a fixed order.
     pub shifts: Vec<Shift>,
     /// Names of the runs with the factor, then names of the runs with which they are compared.
     pub runs: [Vec<String>; 2],
     /// Further remarks about the factor.
     pub remarks: Vec<String>,
-    /// Reason why a run stopped early, if one did.
+    /// Reason why a run with this factor stopped early; `None` if all runs ended.
     pub stopped: Option<String>,
     /// Answer for the factor (equivalent, different or unresolved): the worst answer among all observables.
     #[serde(rename = "verdict")]
@@ -89,7 +89,7 @@ impl Factor {
 /// Factor that the study left out, with the reason.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OmittedFactor {
-    /// Name of the factor on the command line.
+    /// Name of the omitted factor on the command line.
     pub name: String,
     /// Reason why the factor was left out.
     pub why: String,
@@ -98,7 +98,7 @@ pub struct OmittedFactor {
 /// Run of a sensitivity study, with its settings and its computing time.
 #[derive(Clone, Debug, Serialize)]
 pub struct SensitivityRun {
-    /// Name of the run.
+    /// Name of the run, as in [`Factor::runs`].
     pub name: String,
     /// Changes to the case in the form of `--set` arguments; empty without changes.
     pub set: String,

@@ -13,7 +13,7 @@ pub struct SweepObservable {
     pub key: &'static str,
     /// Name of the quantity in a sentence.
     pub name: &'static str,
-    /// Label of the axis in pictures, with the unit.
+    /// Label of the axis of this quantity in pictures, with the unit.
     pub axis: &'static str,
     /// True for an average over time. Its error is valid only for a steady run whose particles mix.
     pub is_average: bool,
@@ -34,7 +34,7 @@ fn velocity(outcome: &Outcome) -> Option<Estimate> {
     (weights > 0.0).then(|| Estimate { value: sum / weights, error: error.map(|error| error / weights) })
 }
 
-/// Measured quantities, in the order of columns and pictures.
+/// Quantities measured in every run of a sweep, in the order of columns and pictures.
 pub const OBSERVABLES: [SweepObservable; 8] = [
     SweepObservable {
         key: "pair_impacts_1_s",
@@ -108,7 +108,7 @@ pub struct SweepRun {
     pub measured: BTreeMap<String, Estimate>,
     /// Reason why the run stopped early, if it did.
     pub failure: Option<String>,
-    /// [s] wall time of the run.
+    /// [s] wall-clock time of the run.
     pub wall_seconds: f64,
 }
 
@@ -158,9 +158,9 @@ impl SweepRow {
 pub struct SweepStudy<'a> {
     /// Origin of the results: title, case and command.
     pub provenance: &'a Provenance,
-    /// Varied keys with their values.
+    /// Keys of the case that the sweep varies, with their values.
     pub axes: &'a [SweepAxis],
-    /// Names of the variants.
+    /// Names of the variants that run at each point of the sweep.
     pub variants: &'a [String],
     /// Index of the first hard variant, with which the other variants are compared. `None` if no variant is hard.
     pub reference: Option<usize>,
@@ -169,13 +169,14 @@ pub struct SweepStudy<'a> {
 }
 
 impl SweepStudy<'_> {
-    /// Text of a point, such as "stiffness = 300 N/m, theta = 0.1".
+    /// Text of a point of the sweep, such as "stiffness = 300 N/m, theta = 0.1". `at` holds the index of the value of
+    /// each key.
     pub fn point(&self, at: &[usize]) -> String {
         point(self.axes, at)
     }
 }
 
-/// Text of a point, as a list of keys with their values.
+/// Text of a point of a sweep: the keys with their values. `at` holds the index of the value on each axis.
 pub fn point(axes: &[SweepAxis], at: &[usize]) -> String {
     let one = |(axis, &value): (&SweepAxis, &usize)| format!("{} = {}", axis.name(), axis.typed[value]);
     axes.iter().zip(at).map(one).collect::<Vec<_>>().join(", ")

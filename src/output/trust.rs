@@ -40,7 +40,7 @@ pub struct TrustCheck {
     /// Value with its standard error, written in JSON as `value` and `error`.
     #[serde(flatten, serialize_with = "value_and_error")]
     pub found: Option<Estimate>,
-    /// Condition on the value.
+    /// Condition on the value, such as a limit.
     pub expected: Expected,
     /// Judgement of the value by the condition `expected`.
     pub judgement: Judgement,
@@ -73,7 +73,7 @@ fn value_and_error<S: serde::Serializer>(found: &Option<Estimate>, serializer: S
 /// of both. A window is the time between two exchanges with the gas.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Halved {
-    /// Name of the quantity.
+    /// Name of the quantity that is compared between the two runs.
     pub name: &'static str,
     /// Unit of the quantity; empty if it has none.
     pub unit: &'static str,
@@ -105,7 +105,7 @@ impl Halved {
 /// half its time step and half its window (time between two exchanges with the gas).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verification {
-    /// [s] simulated time of each continuation.
+    /// [s] simulated time of each of the two continuations.
     pub stretch: f64,
     /// [-] wall-clock time of both continuations over that of the run.
     pub cost: f64,

@@ -20,10 +20,10 @@ pub enum ValidationTier {
 }
 
 impl ValidationTier {
-    /// All kinds, in the order of the report.
+    /// All kinds of references, in the order of the report.
     pub const ALL: [Self; 3] = [Self::ClosedForms, Self::OtherCodes, Self::Experiments];
 
-    /// Name of the kind in tables.
+    /// Name of this kind of reference in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::ClosedForms => "closed form",
@@ -56,11 +56,11 @@ pub struct ValidationNumber {
     pub reference: Estimate,
     /// Result of this program, with its standard error (0 without scatter), in the unit of the number.
     pub ours: Estimate,
-    /// [-] degrees of freedom of the standard error of the result.
+    /// [-] degrees of freedom of the standard error of the result of this program.
     pub freedom: f64,
     /// Tolerance or margin: largest accepted magnitude of the difference, in the unit of the number.
     pub allowed: f64,
-    /// Rule by which the number is judged.
+    /// Rule by which the difference from the reference is judged.
     pub rule: ValidationRule,
     /// Answer for this number: equivalent, different or unresolved.
     pub answer: Answer,
@@ -72,12 +72,12 @@ impl ValidationNumber {
         self.ours.less(self.reference)
     }
 
-    /// [-] magnitude of the difference over the tolerance or margin.
+    /// [-] magnitude of the difference from the reference, divided by the tolerance or margin.
     pub fn share(&self) -> f64 {
         self.difference().value.abs() / self.allowed
     }
 
-    /// Answer in words, with the number on which it is based.
+    /// Answer for this number in words, with the difference on which it is based.
     pub fn verdict(&self) -> String {
         let allowed = with_unit(significant(self.allowed, 2), self.unit);
         let difference = with_unit(with_error(self.difference()), self.unit);
@@ -102,17 +102,17 @@ pub struct ValidationRow {
     pub name: &'static str,
     /// Kind of the reference: closed form, other code or experiment.
     pub tier: ValidationTier,
-    /// Description of the scene, in words.
+    /// Description, in words, of the scene that the row computes.
     pub scene: &'static str,
     /// Source of the reference, with the page, figure or table.
     pub source: &'static str,
     /// Sentence that states which question the row does not answer.
     pub not_shown: &'static str,
-    /// Name of the built-in case that the row runs with changes.
+    /// Name of the built-in case that the row runs, with some changes.
     pub case: &'static str,
-    /// Numbers of the row. Empty if a run stopped.
+    /// Numbers of the row with their references. The list is empty if a run stopped.
     pub numbers: Vec<ValidationNumber>,
-    /// Picture of the row with its caption; `None` if there is none.
+    /// Picture of the row, as its caption and its panel; `None` if there is none.
     pub picture: Option<(&'static str, Panel)>,
     /// Reason why a run of the row stopped early; `None` if all runs ended.
     pub failure: Option<String>,
@@ -151,34 +151,34 @@ impl ValidationRow {
 pub struct NotValidated {
     /// Name of the comparison that is not made.
     pub name: &'static str,
-    /// Existing reference, with its source.
+    /// Reference that exists for this comparison, with its source.
     pub reference: &'static str,
     /// Reason why the comparison is not made: a missing part of the program, or unpublished data.
     pub needs: &'static str,
 }
 
-/// All results of the suite.
+/// All results of the validation suite.
 #[derive(Clone, Copy, Debug)]
 pub struct ValidationStudy<'a> {
     /// Origin of the results: title and command.
     pub provenance: &'a Provenance,
-    /// Rows in the order of the report.
+    /// Rows of the suite in the order of the report.
     pub rows: &'a [ValidationRow],
-    /// Names of rows that `--quick` leaves out.
+    /// Names of the rows that the option `--quick` leaves out.
     pub left_out: &'a [&'static str],
     /// Comparisons that the suite does not make.
     pub not_validated: &'a [NotValidated],
-    /// True if the suite used shorter runs.
+    /// True if the suite made shorter runs, by the option `--quick`.
     pub quick: bool,
 }
 
 impl ValidationStudy<'_> {
-    /// Command that repeats one row.
+    /// Command that repeats the runs of one row of the suite.
     pub fn command(&self, row: &ValidationRow) -> String {
         format!("diptych validate --only {}{}", row.name, if self.quick { " --quick" } else { "" })
     }
 
-    /// Worst answer of all rows; `None` without rows.
+    /// Worst answer of all rows of the suite; `None` without rows.
     pub fn answer(&self) -> Option<Answer> {
         self.rows.iter().map(ValidationRow::answer).max()
     }

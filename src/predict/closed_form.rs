@@ -14,7 +14,7 @@ const FEWEST: usize = 100;
 /// A cooling gas of equal spheres. Inelastic collisions remove its energy, and nothing replaces it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cooling {
-    /// [m²/s²] granular temperature T at the start.
+    /// [m²/s²] granular temperature T of the gas at the start.
     temperature: f64,
     /// [1/s] number of collisions per particle and time at the start, by Enskog's theory.
     rate: f64,
@@ -81,7 +81,7 @@ pub fn settling_velocity(scene: &Scene) -> Option<Vector3<f64>> {
 /// Free flight of a sphere between two bounces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct BounceFlight {
-    /// [s] start of the flight.
+    /// [s] simulated time at which the flight begins.
     begin: f64,
     /// [m] height of the centre at the start of the flight, measured upwards.
     height: f64,
@@ -94,7 +94,7 @@ struct BounceFlight {
 pub struct Bouncing {
     /// [m/s²] magnitude of the acceleration by gravity.
     gravity: f64,
-    /// [-] unit vector upwards, against gravity.
+    /// [-] unit vector upwards, opposite to gravity.
     up: Vector3<f64>,
     flights: Vec<BounceFlight>,
 }
@@ -171,9 +171,9 @@ impl Bouncing {
 /// Touching spheres transmit an impulse in an instant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chain {
-    /// [-] unit vector along the row.
+    /// [-] unit vector along the row of spheres.
     along: Vector3<f64>,
-    /// [m] diameter of the spheres.
+    /// [m] diameter of the equal spheres.
     diameter: f64,
     /// Rank of each sphere in the order along the row, from 0 for the first sphere.
     rank: Vec<usize>,

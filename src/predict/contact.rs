@@ -24,7 +24,7 @@ const CFL_PARTICLE: f64 = 1.5;
 pub struct ContactKind {
     /// Names of the two touching bodies.
     pub name: String,
-    /// True if the other body is a wall.
+    /// True if one of the two touching bodies is a wall.
     pub wall: bool,
     /// Properties of the two bodies on which a contact law depends.
     #[serde(flatten)]
@@ -110,7 +110,7 @@ impl ImpactSpeeds {
     /// Mean of the normal speed of impact to the power `p` [(m/s)^p]. In a gas it is s^p 2^(p/2) Γ(1 + p/2), with the
     /// variance s² of the relative normal velocity.
     pub fn mean_power(&self, p: f64) -> f64 {
-        /// Number of quantiles that represent a measured distribution.
+        /// Number of quantiles by which a measured distribution of speeds is represented.
         const QUANTILES: u32 = 256;
         match self {
             // a linear spring requires p = 1, since its overlaps are proportional to the speed
@@ -153,7 +153,7 @@ pub struct ContactPrediction {
     /// [-] overlap number κ_n: largest overlap of an elastic impact at the mean relative speed u_r, over the diameter
     /// d. For a linear spring it is u_r/d sqrt(M/k_n), with u_r = sqrt(4T/π) by the paper's Eq. 8, corrected.
     pub kappa: f64,
-    /// [m/s] mean normal speed of impacts.
+    /// [m/s] mean normal speed of the impacts of this kind.
     pub impact_speed: f64,
     /// [-] mean, over the impacts, of the largest overlap divided by the diameter.
     pub mean_overlap: f64,
@@ -222,7 +222,7 @@ impl ContactKind {
         law.between(&self.bodies)
     }
 
-    /// [m] largest overlap of an impact at normal speed `speed` [m/s].
+    /// [m] largest overlap of an impact of this kind of contact at the normal speed `speed` [m/s].
     pub fn largest_overlap(&self, law: &ContactLaw, speed: f64) -> f64 {
         law.greatest_overlap(&self.spring(law), speed)
     }
@@ -341,8 +341,8 @@ pub fn fastest_impact(experiment: &Experiment) -> f64 {
 /// depends on the speed at this value. It is the root of the sum of the squares of three speeds:
 ///
 /// * the mean speed of impact in a gas with the velocity fluctuation σ of the start, sqrt(π) σ (for listed particles,
-///   the largest speed), plus the speed of walls that move,
-/// * the speed after a fall through half of the box,
+///   the largest speed), plus the speed of walls that move;
+/// * the speed after a fall through half of the box;
 /// * the mean speed of impact at the agitation that a channel flow maintains.
 pub fn usual_impact(scene: &Scene, start: &[Population]) -> f64 {
     let frame = along_walls(scene, mean_velocity(start));
@@ -384,9 +384,9 @@ pub struct StepLimit {
 /// Quantities of a run from which the limits on the time step of soft spheres are computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepScales {
-    /// [-] time steps per contact N_c.
+    /// [-] number of time steps per contact, N_c.
     pub steps_per_contact: f64,
-    /// [m/s] largest speed of a particle.
+    /// [m/s] largest speed of any particle.
     pub speed: f64,
     /// [s] window h: time between two exchanges of momentum with the gas. It is the time step of the gas.
     pub window: f64,

@@ -22,11 +22,11 @@ pub struct Effect {
     pub measure: &'static str,
     /// [-] size of the effect, the ratio defined by `measure`; `None` if it cannot be computed from the scene.
     pub number: Option<f64>,
-    /// [-] value of `number` below which the effect can be neglected.
+    /// [-] value of `number` (size of the effect) below which the effect can be neglected.
     pub threshold: f64,
-    /// Source of the threshold, such as a reference.
+    /// Source of `threshold`, such as a reference.
     pub source: &'static str,
-    /// True if this program models the effect.
+    /// True if this program models the effect in the scene.
     pub modelled: bool,
 }
 

@@ -28,7 +28,7 @@ const FEWEST_STEPS: f64 = 5.0;
 
 /// Kind of contact of a scene: between two species, or between a species and a wall.
 struct PossibleContact {
-    /// Index of the wall; `None` for two particles.
+    /// Index of the wall in the scene; `None` for a contact of two particles.
     wall: Option<usize>,
     /// Properties of the two bodies on which a contact law depends.
     bodies: Bodies,
@@ -200,9 +200,9 @@ impl Bound {
         self.elastic_at_start
     }
 
-    /// Checks that the energy has not grown by more than the bound. `energy` is kinetic plus elastic energy and
-    /// `elastic` its elastic part, both in J at the simulated time `time` [s]. `uniform` is true if time steps have
-    /// moved all particles. An energy that is not a number passes this check, because other checks find it.
+    /// Checks that the energy has not grown by more than the bound. `energy` is kinetic, rotational and elastic energy
+    /// together, and `elastic` its elastic part, both in J at the simulated time `time` [s]. `uniform` is true if time
+    /// steps have moved all particles. An energy that is not a number passes this check, because other checks find it.
     ///
     /// # Errors
     /// [`Failure::EnergyGrew`].

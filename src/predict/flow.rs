@@ -19,9 +19,9 @@ pub struct Flow {
     pub stokes_time: f64,
     /// [m/s] terminal slip speed, at which drag balances the weight; 0 without gravity.
     pub terminal_slip: f64,
-    /// [-] Reynolds number at the terminal slip speed.
+    /// [-] particle Reynolds number at the terminal slip speed.
     pub slip_reynolds: f64,
-    /// [s] response time at the terminal slip speed.
+    /// [s] response time of a particle at the terminal slip speed.
     pub response_time: f64,
     /// [-] Stokes number with the bulk velocity, τ_S U_b/L_y, with the Stokes response time τ_S and the width L_y of
     /// the channel.

@@ -22,13 +22,13 @@ pub struct Gas {
     /// [-] contact value of the pair distribution: number density of other centres at contact with a particle, over the
     /// mean number density. It is a mean over pairs, weighted by their collision rates.
     pub contact_value: f64,
-    /// [1/s] number of collisions of all pairs per time.
+    /// [1/s] number of collisions between all particles per time.
     pub pair_rate: f64,
-    /// [1/s] number of impacts on all walls per time.
+    /// [1/s] number of impacts of all particles on all walls per time.
     pub wall_rate: f64,
     /// [1/s] number of collisions per particle and time with other particles.
     pub collision_rate: f64,
-    /// [m] mean free path between collisions with other particles.
+    /// [m] mean free path of a particle between collisions with other particles.
     pub mean_free_path: f64,
 }
 
@@ -36,9 +36,9 @@ pub struct Gas {
 /// size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Component {
-    /// Number of particles of the component.
+    /// Number of particles of this component of the gas.
     pub count: usize,
-    /// [m] diameter of the particles.
+    /// [m] diameter of the particles of this component.
     pub diameter: f64,
     /// [m²/s²] granular temperature T of the component: variance of a velocity component.
     pub variance: f64,
@@ -67,7 +67,7 @@ pub struct Slice {
     pub particles: f64,
     /// [-] volume of the slice that is available to centres, over the available volume of the whole scene.
     pub room: f64,
-    /// [m²/s²] variances of the velocity components along x, y, z.
+    /// [m²/s²] variances of the velocity components along x, y and z of the particles in the slice.
     pub variance: [f64; 3],
 }
 
@@ -75,7 +75,7 @@ pub struct Slice {
 /// numbers are ratios [-]; s is the standard deviation of the normal relative velocity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AgitationSpread {
-    /// Rate of pair collisions over that of the uniform gas.
+    /// Rate of pair collisions over that of a uniform gas with equal mean agitation.
     pub pair_rate: f64,
     /// Rate of wall impacts over that of the uniform gas, for walls perpendicular to y.
     pub wall_rate: f64,

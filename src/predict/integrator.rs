@@ -31,7 +31,7 @@ pub enum Method {
 /// Method of the time step, together with the way in which the beginning and the end of a contact are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scheme {
-    /// Method of one time step.
+    /// Numerical method of one time step.
     pub method: Method,
     /// True if contacts begin and end at their exact instants, as in local stepping. False if they begin and end at the
     /// next time step, as in uniform stepping.

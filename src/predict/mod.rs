@@ -69,7 +69,7 @@ pub struct PredictedCost {
     pub windows_timed: u64,
     /// [byte] largest memory of the process; `None` if the system does not report it.
     pub memory: Option<f64>,
-    /// Reason why the model cannot run; `None` if it can.
+    /// Reason why no run of the model is possible; `None` if it is possible.
     pub failure: Option<String>,
 }
 
@@ -78,7 +78,7 @@ pub struct PredictedCost {
 pub struct Averaging {
     /// [m] edges of the smallest sufficient box. Only edges along periodic axes differ from those of the case.
     pub size: [f64; 3],
-    /// Number of particles in the box of this size.
+    /// Number of particles in the smallest sufficient box.
     pub particles: usize,
     /// [s] averaging time with which averages in the smallest sufficient box reach the desired error.
     pub duration: f64,
@@ -89,7 +89,7 @@ pub struct Averaging {
 /// All predictions for a run, made before the run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunPrediction {
-    /// [-] relative error desired for averages.
+    /// [-] relative error that is desired for averages over the run.
     pub target_error: f64,
     /// Number of particles in the run.
     pub particles: usize,
@@ -99,7 +99,7 @@ pub struct RunPrediction {
     pub window: f64,
     /// Granular temperature of the particles, and its source.
     pub agitation: Agitation,
-    /// Contact law, in words, for which contacts are predicted.
+    /// Contact law, in words, under which contacts are predicted.
     pub contact_law: String,
     /// Integrator of the soft time steps for which contacts are predicted.
     pub integrator: String,
@@ -110,7 +110,7 @@ pub struct RunPrediction {
     pub step_limits: Vec<contact::StepLimit>,
     /// Predictions of kinetic theory; `None` for scenes with few bodies.
     pub gas: Option<gas::Gas>,
-    /// [-] mean fraction of the time in which a particle is in contact.
+    /// [-] mean fraction of the time that a particle is in contact with other bodies.
     pub time_in_contact: Option<f64>,
     /// Number of particles in the largest island (group of particles that may meet within a window, the time between
     /// two exchanges with the gas). `None` if islands would grow without bound, or if the theory is not valid.
@@ -121,9 +121,9 @@ pub struct RunPrediction {
     pub rest: Option<rest::Rest>,
     /// [-] overlap of a contact at the floor due to the weight of all particles above it, divided by the diameter.
     pub static_overlap: Option<f64>,
-    /// True if particles overlap at the start.
+    /// True if particles overlap each other or a wall at the start.
     pub starts_overlapping: bool,
-    /// True if the start has rows of touching particles.
+    /// True if the start has rows of particles that touch or nearly touch.
     pub in_a_row: bool,
     /// Number of particles that lie on a wall or on other particles at the start.
     pub lying: usize,

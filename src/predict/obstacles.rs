@@ -13,9 +13,9 @@ use nalgebra::Vector3;
 pub struct Obstacles {
     /// Floor on which particles gather under gravity; `None` if there is none.
     pub rest: Option<Rest>,
-    /// True if particles overlap at the start.
+    /// True if particles overlap each other or a wall at the start.
     pub overlapping: bool,
-    /// True if the start has rows of touching particles.
+    /// True if the start has rows of particles that touch or nearly touch.
     pub in_a_row: bool,
     /// Number of particles that lie on a wall or on other particles at the start.
     pub lying: usize,

@@ -94,9 +94,9 @@ pub struct Recommendation {
     pub adequate: bool,
     /// Reasons for the recommended engine.
     pub reasons: Vec<String>,
-    /// Engines that cannot be used, with reasons.
+    /// Engines that cannot be used for the case, with reasons.
     pub refused: Vec<String>,
-    /// Assumptions that are doubtful for this scene.
+    /// Assumptions of the predictions that are doubtful for this scene, one sentence each.
     pub doubts: Vec<String>,
 }
 
@@ -384,7 +384,7 @@ pub fn rounded_up(law: &ContactLaw) -> ContactLaw {
     law.stiffened(round_up(value) / value)
 }
 
-/// Rounds up to 1, 2 or 5 times a power of ten.
+/// Rounds a positive number up to 1, 2 or 5 times a power of ten.
 pub fn round_up(value: f64) -> f64 {
     let power = 10f64.powf(value.log10().floor());
     let digits = [1.0, 2.0, 5.0, 10.0].into_iter().find(|digit| digit * power >= value * (1.0 - 1e-12));

@@ -92,7 +92,7 @@ pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<R
 fn falls(surface: &Surface, speed: f64) -> f64 {
     /// [-] speed of a rebound over the speed of the first impact, below which bounces are neglected.
     const SLOW: f64 = 1e-6;
-    /// Largest number of bounces that are computed.
+    /// Largest number of bounces that are added one by one.
     const MOST: u32 = 100_000;
     if surface.by_speed.is_none() {
         return (1.0 + surface.restitution) / (1.0 - surface.restitution);

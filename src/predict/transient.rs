@@ -35,7 +35,7 @@ pub struct Transient {
 pub struct Loss {
     /// [-] fraction of the initial kinetic energy of agitation that is lost.
     pub share: f64,
-    /// [s] time from the start until this fraction is lost.
+    /// [s] time from the start until the fraction `share` is lost.
     pub time: f64,
 }
 

@@ -23,7 +23,7 @@ pub enum ImpactRule {
 /// Properties of impacts between two kinds of bodies. Impacts with equal properties follow one rule.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImpactKind {
-    /// [-] normal restitution e.
+    /// [-] normal restitution e of impacts between the two kinds of bodies.
     pub restitution: f64,
     /// [-] effective mass M_t of the slip over the effective mass M.
     pub mass_ratio: f64,
@@ -47,17 +47,17 @@ impl ImpactKind {
 /// Data of an oblique impact from which its tangential impulse is computed.
 #[derive(Clone, Copy, Debug)]
 pub struct ObliqueApproach {
-    /// [-] friction coefficient μ.
+    /// [-] friction coefficient μ of the two surfaces.
     pub friction: f64,
     /// [-] normal restitution e of the surfaces.
     pub restitution: f64,
     /// [m/s] normal speed of approach u_n > 0.
     pub normal_speed: f64,
-    /// [kg m/s] normal impulse J_n.
+    /// [kg m/s] magnitude of the normal impulse J_n of the impact.
     pub normal_impulse: f64,
     /// [m/s] magnitude |s| of the slip before the impact.
     pub slip: f64,
-    /// [kg] effective mass M_t of the slip.
+    /// [kg] effective mass M_t of the slip of the two bodies.
     pub mass: f64,
     /// [-] effective mass M_t of the slip over the effective mass M.
     pub mass_ratio: f64,

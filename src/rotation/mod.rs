@@ -48,7 +48,7 @@ pub struct Rotation {
 }
 
 impl Rotation {
-    /// Rotation without rolling and twisting resistance.
+    /// Makes the laws of rotation without rolling and twisting resistance.
     pub fn new(tangential: TangentialLaw, impact: ImpactRule) -> Self {
         Self { tangential, impact, rolling: None, twisting: None }
     }

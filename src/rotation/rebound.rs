@@ -285,7 +285,7 @@ fn crowded(share: f64) -> (f64, f64) {
 /// the first use, because soft runs do not need it.
 #[derive(Clone, Debug)]
 pub struct ReboundTable {
-    /// [-] restitution of the surfaces.
+    /// [-] normal restitution of the surfaces, by which the table is found.
     restitution: f64,
     impact: ObliqueImpact,
     points: OnceLock<ReboundPoints>,
@@ -294,7 +294,7 @@ pub struct ReboundTable {
 /// Points of a table of Φ(σ_0), the reduced slip after an impact as a function of that before.
 #[derive(Clone, Debug)]
 struct ReboundPoints {
-    /// [-] largest reduced slip σ_0 in `near`.
+    /// [-] largest reduced slip σ_0 covered by `near`. Larger slips are covered by `far`.
     most: f64,
     /// [-] Φ(σ_0) at equal intervals of σ_0 from 0 to `most`.
     near: Vec<f64>,
@@ -330,7 +330,7 @@ impl PartialEq for ReboundTable {
 }
 
 impl ReboundTable {
-    /// Makes a table of Φ for surfaces with the given restitution [-].
+    /// Makes a table of Φ for an impact of surfaces with the given restitution [-].
     pub fn new(restitution: f64, impact: ObliqueImpact) -> Self {
         Self { restitution, impact, points: OnceLock::new() }
     }

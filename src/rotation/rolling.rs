@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 pub enum RollingLaw {
     /// Type C: a spring and a dashpot whose force is limited. Spheres can rest on a slope.
     Spring {
-        /// [-] rolling friction μ_r.
+        /// [-] coefficient μ_r of rolling friction.
         friction: f64,
         /// [-] stiffness of the spring over k_n R_eff². `None`: 2.25 μ_r² (Iwashita and Oda 1998, cited by Ai et al.).
         stiffness: Option<f64>,
@@ -29,7 +29,7 @@ pub enum RollingLaw {
     /// Type A: a constant torque against the rolling motion, but at most the torque that stops this motion in one time
     /// step. Spheres cannot rest on a slope.
     Constant {
-        /// [-] rolling friction μ_r.
+        /// [-] coefficient μ_r of rolling friction.
         friction: f64,
     },
     /// Type B: a torque proportional to the rolling speed (Zhou et al. 1999, Physica A 269, 536).
@@ -51,7 +51,7 @@ pub struct TwistingLaw {
 /// Coefficients of rolling and twisting friction of a surface. `None` means the coefficient of the law of the case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ResistanceFriction {
-    /// [-] rolling friction μ_r.
+    /// [-] coefficient μ_r of rolling friction; `None`: that of the law.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rolling: Option<f64>,
     /// [-] twisting friction, which replaces the sliding friction μ in the limit of twisting.
@@ -143,7 +143,7 @@ impl RollingLaw {
         }
     }
 
-    /// [-] rolling friction μ_r; `None` for a viscous law.
+    /// [-] coefficient μ_r of rolling friction; `None` for a viscous law.
     pub fn friction(&self) -> Option<f64> {
         match self {
             Self::Spring { friction, .. } | Self::Constant { friction } => Some(*friction),

@@ -12,9 +12,9 @@ pub enum SpringHistory {
     /// to k (Elata and Berryman 1996, Mech. Mater. 24, 229; Thornton et al. 2013, Powder Technol. 233, 30).
     #[default]
     Rescaled,
-    /// The force F at all times: dF = k(δ) dξ.
+    /// The force F at all times: dF = k(δ) dξ, with the stiffness k, overlap δ and shear ξ.
     Force,
-    /// The displacement ξ at all times: F = k(δ) ξ.
+    /// The displacement (shear) ξ at all times: F = k(δ) ξ, with the force F, stiffness k and overlap δ.
     Displacement,
 }
 
@@ -25,9 +25,9 @@ pub struct SpringDashpotSlider {
     /// [kg] effective mass of the relative motion that stretches the spring; M_t for a slip, 0 for spheres that do not
     /// rotate.
     pub mass: f64,
-    /// [N/m] stiffness k at an overlap δ of 1 m.
+    /// [N/m] stiffness k of the spring at an overlap δ of 1 m.
     pub stiffness: f64,
-    /// [N s/m] dashpot constant c at an overlap of 1 m.
+    /// [N s/m] constant c of the dashpot at an overlap of 1 m.
     pub dashpot: f64,
     /// [-] 2n, if the stiffness k is proportional to δ^n, with the overlap δ, and the dashpot constant c to δ^(n/2). It
     /// is 0 if k and c do not depend on the overlap.
@@ -42,9 +42,9 @@ pub struct SpringDashpotSlider {
 pub struct SpringRates {
     /// [1/s] -ξ'/ξ: relative rate at which the shear decreases so that the force stays constant.
     pub forgotten: f64,
-    /// [1/s] F'/F: relative rate of the force F = k ξ.
+    /// [1/s] F'/F: relative rate of change of the force F = k ξ of the spring.
     pub force: f64,
-    /// [1/s] c'/c: relative rate of the dashpot constant.
+    /// [1/s] c'/c: relative rate of change of the dashpot constant c.
     pub dashpot: f64,
 }
 

@@ -26,15 +26,15 @@ pub enum TangentialLaw {
     },
 }
 
-/// Constants of the linear tangential law.
+/// Constants of the linear tangential law, given relative to the normal law or by a restitution.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LinearTangential {
     /// Tangential spring and dashpot, given as multiples of the normal spring and dashpot.
     Ratios {
-        /// [-] ratio of the stiffnesses, κ = k_t/k_n.
+        /// [-] ratio of the tangential to the normal stiffness, κ = k_t/k_n.
         stiffness: f64,
-        /// [-] ratio of the dashpot constants, c_t/c_n.
+        /// [-] ratio of the tangential to the normal dashpot constant, c_t/c_n.
         dashpot: f64,
     },
     /// [-] tangential restitution β_0 of impacts that stick, 0 < β_0 <= 1. Spring and dashpot make half an oscillation
@@ -45,9 +45,9 @@ pub enum LinearTangential {
 /// Constants of the normal contact of two bodies, from which a tangential law derives its own.
 #[derive(Clone, Copy, Debug)]
 pub struct NormalSpring {
-    /// [N/m] normal stiffness k_n.
+    /// [N/m] stiffness k_n of the normal spring.
     pub stiffness: f64,
-    /// [N s/m] normal dashpot constant c_n.
+    /// [N s/m] dashpot constant c_n of the normal contact.
     pub dashpot: f64,
     /// [s] contact time T_c of a linear law; infinite for other laws, whose contact time depends on the speed.
     pub contact_time: f64,

@@ -21,7 +21,7 @@ pub struct PlanDocument<'a> {
     pub threads: usize,
     /// Predictions for the run, and measurements of a short run.
     pub plan: &'a RunPrediction,
-    /// Recommended model and settings.
+    /// Recommended engine, contact law and time step.
     pub recommendation: &'a Recommendation,
 }
 

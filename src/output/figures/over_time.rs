@@ -28,7 +28,7 @@ const NEAR: f64 = 0.1;
 /// error.
 const ROUNDING: f64 = 1e-9;
 
-/// Figures over time of a run or a comparison.
+/// Figures of curves over time of a run or a comparison, for each group of variants.
 pub fn over_time(outcomes: &[Outcome]) -> Vec<Figure> {
     let mut figures = Vec::new();
     for group in groups(outcomes) {
@@ -59,7 +59,7 @@ fn picture(group: &PanelGroup, name: &str, caption: &str, panels: Vec<Panel>) ->
 
 /// Time axis that all panels of a group of variants share.
 struct TimeAxis {
-    /// [s] duration of the longest run.
+    /// [s] simulated time of the longest run, which is the length of the axis.
     length: f64,
     prefix: Prefix,
 }
@@ -128,7 +128,7 @@ fn rates(group: &PanelGroup, time: &TimeAxis, count: impl Fn(&Row) -> u64) -> Ve
     group.members.iter().enumerate().map(line).collect()
 }
 
-/// Largest magnitude among the points of all series.
+/// Largest magnitude of the vertical coordinate among the points of all series.
 fn largest(series: &[PanelSeries]) -> f64 {
     series.iter().flat_map(|series| &series.points).map(|point| point.y.abs()).fold(0.0, f64::max)
 }

@@ -8,9 +8,9 @@ use crate::output::{Study, Verdict, cost as cost_of};
 use crate::statistics::{Answer, Estimate, Judged, slice_column};
 use maud::{Markup, html};
 
-/// Name of the picture with the differences.
+/// Name of the picture with the differences between variants and references.
 pub const IN_PER_CENT: &str = "differences-in-per-cent";
-/// Name of the picture with the cost.
+/// Name of the picture with the cost of the variants.
 pub const COST: &str = "cost";
 
 /// [px] width of a picture.
@@ -102,7 +102,7 @@ struct Differences {
 }
 
 impl Differences {
-    /// [%] right end of the axis; the left end is its negative.
+    /// [%] right end of the axis of differences; the left end is its negative.
     fn end(&self) -> f64 {
         let reach = |mark: &DifferenceMark| mark.interval.iter().fold(0.0, |most: f64, end| most.max(end.abs()));
         let marks = self.rows.iter().flat_map(|(_, marks)| marks).map(reach).filter(|reach| reach.is_finite());

@@ -211,9 +211,9 @@ fn scores(outcomes: &[Outcome], height: &Height, column: SliceColumn) -> Vec<Pan
         .collect()
 }
 
-/// Wall-normal axis common to all profiles.
+/// Wall-normal axis y that all profiles share.
 struct Height {
-    /// [m] height of the domain.
+    /// [m] height of the domain along y, which is the length of the axis.
     length: f64,
     prefix: Prefix,
 }

@@ -18,7 +18,7 @@ const REST: f64 = 130.0;
 /// Number of decades that the axis extends to the left of the vertical line.
 const DECADES: f64 = 2.0;
 
-/// Point in a row of the picture.
+/// Point in a row of a picture with rows of points.
 pub struct Dot {
     /// Index of the kind of points to which this point belongs.
     pub series: usize,
@@ -30,7 +30,7 @@ pub struct Dot {
     pub sure: bool,
 }
 
-/// Data of a picture of rows.
+/// Data of a picture with rows of points on a logarithmic axis.
 pub struct RowsFigure {
     /// Label of the horizontal axis.
     pub x_label: String,

@@ -32,11 +32,11 @@ const FULL: f64 = u16::MAX as f64;
 /// Recorded motion that a page shows as an animation, with still pictures.
 #[derive(Clone, Debug)]
 pub(super) struct Player {
-    /// Caption of one or two sentences.
+    /// Caption of the animation, of one or two sentences.
     words: String,
     /// Name and still picture of each variant that has a panel.
     panels: Vec<(String, String)>,
-    /// Data of the recording for the script.
+    /// Data of the recorded motion for the script.
     data: Value,
 }
 
@@ -50,7 +50,7 @@ struct RecordedVariant<'a> {
 
 /// Data of a recording that are common to all variants: box, walls, gravity and view.
 struct RecordingFrame {
-    /// [m] size of the box.
+    /// [m] edge lengths of the box along x, y and z.
     size: Vector3<f64>,
     periodic: [bool; 3],
     /// Line segments of each wall, with six coordinates [m] per segment.

@@ -24,7 +24,7 @@ pub(super) struct TrajectoryFrame {
     pub time: f64,
     position: Vec<Vector3<f64>>,
     velocity: Vec<Vector3<f64>>,
-    /// [rad/s] angular velocities; `None` if spheres do not rotate.
+    /// [rad/s] spins of the particles; `None` if spheres do not rotate.
     spin: Option<Vec<Vector3<f64>>>,
     id: Vec<u32>,
     /// One entry for each particle in each contact: index of the particle in the store, and overlap [m].
@@ -41,7 +41,7 @@ pub(super) struct TrajectoryFrame {
 pub(super) struct Cast {
     domain: Domain,
     id: Vec<u32>,
-    /// [m] radii of the particles.
+    /// [m] radii of the particles, which do not change during a run.
     radius: Vec<f64>,
     species: Vec<u16>,
 }

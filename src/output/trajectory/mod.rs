@@ -32,7 +32,7 @@ use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{Scope, ScopedJoinHandle};
 
-/// Name of the subfolder of trajectories.
+/// Name of the subfolder with the trajectory files.
 pub const TRAJECTORY: &str = "trajectory";
 
 /// True if the file is a trajectory written by this program, whose name is at the beginning of the file. Other files in

@@ -22,10 +22,10 @@ pub(in crate::output) struct Vtp {
 
 /// Type of the numbers in an array of a VTK file.
 pub(in crate::output) trait Number: Copy {
-    /// Name of the type in VTK.
+    /// Name of this type of number in VTK files.
     const NAME: &'static str;
 
-    /// Writes the bytes of the number in little-endian order.
+    /// Writes the bytes of the number in little-endian order to `bytes`.
     fn put(self, bytes: &mut [u8]);
 }
 
