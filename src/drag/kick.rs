@@ -40,7 +40,7 @@ const CHECKS: [f64; TERMS - 1] = [0.05, 0.32, 0.68, 0.95];
 /// from 0 to 1. All coefficients are not-a-number if the law switches between two formulas within the piece.
 type Piece = [f64; TERMS];
 
-/// Change of the slip velocity of particles by drag alone in a given time, for spheres of each species.
+/// Drag kick: change of the slip velocity of particles by drag alone in a given time, for spheres of each species.
 #[derive(Clone, Debug)]
 pub struct Kick {
     law: Drag,
@@ -159,15 +159,16 @@ impl Kick {
         self.law.law().change(&sphere, square.sqrt(), self.duration)
     }
 
-    /// [-] change of the slip velocity divided by the slip velocity, computed by the law itself without the table.
+    /// [-] change of the slip velocity in a kick, divided by the slip velocity before, computed by the drag law without
+    /// the table. `square` [m²/s²] is the square of the slip speed.
     #[cold]
     fn by_law(&self, species: &SpeciesTable, square: f64) -> f64 {
         self.law.law().change(&species.sphere, square.sqrt(), self.duration)
     }
 }
 
-/// Exponent and leading bits of the fraction of the floating-point number `square`, as an integer that numbers the
-/// pieces of the table.
+/// Number of the piece of the table that contains `square` = w² [m²/s²]: exponent and leading mantissa bits of this
+/// floating-point number, as an integer.
 #[inline]
 fn leading(square: f64) -> u64 {
     square.to_bits() >> REST_BITS

@@ -83,12 +83,13 @@ pub trait DragLaw: std::fmt::Debug + Send + Sync {
     /// Name of the drag law in cases and in results.
     fn name(&self) -> &'static str;
 
-    /// Names and values [SI] of all parameters of the law; empty if there are none. Name and parameters are used to
-    /// compare laws and to recognise stored runs. The list must therefore contain every parameter in which two laws of
-    /// one name can differ.
+    /// Names and values [SI] of all parameters of the drag law; empty if there are none. Name and parameters are used
+    /// to compare laws and to recognise stored runs. Two laws of one name that differ must therefore differ in a
+    /// parameter in this list.
     fn parameters(&self) -> Vec<(&'static str, f64)>;
 
-    /// [s] response time τ(w) > 0: slip speed divided by deceleration, at the slip speed w = `slip` >= 0 [m/s].
+    /// [s] response time τ(w) > 0 of a sphere: slip speed divided by deceleration, at the slip speed w = `slip` >= 0
+    /// [m/s].
     fn response_time(&self, sphere: &Sphere, slip: f64) -> f64;
 
     /// Title of the drag law for use in a sentence.
@@ -103,7 +104,7 @@ pub trait DragLaw: std::fmt::Debug + Send + Sync {
     }
 
     /// [-] slip Reynolds number above which a warning is given, and the text of the warning. At larger numbers the law
-    /// is far outside its fitted range. `None` if no such number is known.
+    /// is far outside the range to which it was fitted. `None` if no such number is known.
     fn far(&self) -> Option<(f64, &'static str)> {
         None
     }

@@ -45,7 +45,8 @@ const MOST: u32 = 1024;
 /// ```
 #[derive(Clone, Debug)]
 pub struct ExactSum {
-    /// Digits, followed by special words. The sum is Σ `words[k]` 2^(32 k - 1075) over the digits.
+    /// 32-bit digits of the sum, followed by three counts of special terms. The sum is Σ `words[k]` 2^(32 k - 1075)
+    /// over the digits.
     words: [i64; WORDS],
     /// Bit k is set if `words[k]` may differ from 0.
     used: u128,

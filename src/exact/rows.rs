@@ -22,9 +22,10 @@ const NEXT: f64 = ROOM * f64::EPSILON / 2.0;
 /// Range for the largest magnitude of the numbers in a block. Within this range nothing overflows and no bit is lost by
 /// underflow.
 const SAFE: std::ops::Range<f64> = 1e-250..1e290;
-/// Number of partial sums into which one sum is split, so that a processor can add to all of them at the same time.
+/// Number of partial sums into which the sum of a list is split, because a processor can add to several sums at the
+/// same time.
 const LANES: usize = 4;
-/// Number of terms in one piece of work of a thread. For fewer terms a second thread takes longer than it saves.
+/// Number of terms in one piece of work of a thread. With fewer terms, a second thread costs more time than it saves.
 const CHUNK: usize = 8192;
 
 /// Two partial sums of each of the K columns of a block of rows. `high` is the sum of the leading bits of the numbers,
@@ -96,8 +97,8 @@ fn parts<const K: usize>(rows: &[[f64; K]]) -> Parts<K> {
     parts
 }
 
-/// Computes the partial sums of all columns together. The rows are generated twice: for the largest numbers, and for
-/// the sums.
+/// Computes the partial sums of all columns of a block together. `rows` is iterated twice: first for the largest
+/// numbers, then for the sums.
 #[inline(always)]
 fn all_columns<const K: usize>(rows: impl Iterator<Item = [f64; K]> + Clone) -> Parts<K> {
     let mut largest = [0.0_f64; K];
@@ -241,8 +242,8 @@ pub fn sum<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> ExactSum {
     sum_and_largest(items, of).0
 }
 
-/// Exact sum of the numbers that `of` returns for the items, and the largest number. The largest number is at least 0,
-/// and infinite if a number is NaN.
+/// Exact sum of the numbers that `of` returns for the items, and the largest of these numbers. The largest number is at
+/// least 0, and infinite if a number is NaN.
 pub fn sum_and_largest<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> (ExactSum, f64) {
     let piece = |items: &[T]| {
         let (mut sums, mut numbers) = (none::<LANES>(), [0.0; BLOCK * LANES]);

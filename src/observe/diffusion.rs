@@ -32,7 +32,7 @@ const MOST_TIMES: u64 = 1000;
 struct MotionSample {
     /// [m²] mean squared displacement M(t) since the origin.
     displacement: f64,
-    /// [m²/s²] autocorrelation of the velocities C(t): the mean of v(0)·v(t)/3.
+    /// [m²/s²] autocorrelation C(t) of the velocities: the mean of v(0)·v(t)/3 over the particles.
     correlation: f64,
 }
 

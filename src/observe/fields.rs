@@ -80,7 +80,8 @@ struct CellFields {
 }
 
 impl CellFields {
-    /// Fields of a cell of the volume `volume` [m³]. `sums` holds the sums of the cell, averaged over samples.
+    /// Computes the fields of a cell with the volume `volume` [m³]. `sums` holds the sums of the cell, averaged over
+    /// samples.
     fn of(sums: &[f64; SUMS], volume: f64) -> Self {
         let per_volume = sums.map(|sum| sum / volume);
         let density = per_volume[0];

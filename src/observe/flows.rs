@@ -10,14 +10,15 @@ use serde::{Deserialize, Serialize};
 /// Largest number of samples (instants of measurement) of the flow that are stored.
 const MOST_SAMPLES: u64 = 1000;
 
-/// Flow through one inlet or outlet, over the averaging period and over time.
+/// Flow of particles through one inlet or outlet: averages over the averaging period, and sums over time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FlowAverages {
     /// Name of the inlet or outlet.
     pub name: String,
     /// True for an inlet, false for an outlet.
     pub is_inlet: bool,
-    /// [kg/s] mass of the particles per time over the averaging period. `None` for fewer than two samples.
+    /// [kg/s] mass of the particles that pass per time, averaged over the averaging period. `None` for fewer than two
+    /// samples.
     pub mass_rate: Option<Estimate>,
     /// [1/s] number of particles per time over the averaging period. `None` for fewer than two samples.
     pub rate: Option<Estimate>,

@@ -24,8 +24,8 @@ const FRAMES: std::ops::RangeInclusive<usize> = 40..=241;
 /// the page to a few megabytes.
 const BUDGET: usize = 90_000;
 
-/// [-] desired mean distance that a particle flies between two frames, in units of its radius, from velocity
-/// fluctuations alone. It is short enough to show collisions.
+/// [-] desired mean distance that a particle flies between two frames, over its radius. It counts only velocity
+/// fluctuations. It is short enough to show collisions.
 const FLIGHT: f64 = 1.0;
 
 /// [-] largest factor by which the mean flight between two frames may exceed `FLIGHT` so that the frames cover the
@@ -39,12 +39,12 @@ pub struct Frame {
     pub time: f64,
     /// [m] centres of the recorded particles, inside the box along periodic axes.
     pub position: Vec<Vector3<f32>>,
-    /// [m/s] velocities. In a frame between two samples with drag, these are the velocities of the window that ends at
-    /// the frame. A window is the time between two exchanges of momentum with the gas.
+    /// [m/s] velocities of the recorded particles. In a frame between two samples with drag, they are the velocities of
+    /// the window that ends at the frame. A window is the time between two exchanges of momentum with the gas.
     pub velocity: Vec<Vector3<f32>>,
-    /// [m] largest overlap of each particle; 0 for particles without contact.
+    /// [m] largest overlap of each recorded particle; 0 for particles without contact.
     pub overlap: Vec<f32>,
-    /// [rad/s] magnitude of the spin of each particle; empty where spheres do not rotate.
+    /// [rad/s] magnitude of the spin of each recorded particle; empty if spheres do not rotate.
     pub spin: Vec<f32>,
     /// Method that moved each particle in the last window (time between two exchanges with the gas): 0 straight flight,
     /// 1 the solution of an island (a small group of particles that may meet), 2 the engine with all particles at once.
@@ -80,7 +80,7 @@ impl Frames {
         Self { duration: experiment.run.duration, most: (particles, frames), ..Self::default() }
     }
 
-    /// Recorded frames of particles of one species with the given radii [m].
+    /// Makes a recording of particles of one species from their radii [m] and the frames.
     pub fn recorded(radius: Vec<f32>, frames: Vec<Frame>) -> Self {
         Self { particles: radius.len(), species: vec![0; radius.len()], radius, frames, ..Self::default() }
     }

@@ -7,7 +7,7 @@ use crate::simulation::Simulation;
 use crate::statistics::{Estimate, estimate};
 use serde::{Deserialize, Serialize};
 
-/// Largest number of samples (instants of measurement) that are stored.
+/// Largest number of samples (instants of measurement) of the gas that are stored.
 const MOST_SAMPLES: u64 = 200;
 
 /// Flow of a gas on which the particles act (two-way coupling), averaged over the averaging period.
@@ -17,7 +17,8 @@ pub struct GasFlow {
     pub alone: Vec<GridNode>,
     /// Time averages of the gas with particles at the grid points of `alone`.
     pub mean: Vec<GridNode>,
-    /// [Pa/m] pressure drop per length, without the hydrostatic part. `None` for fewer than two samples.
+    /// [Pa/m] pressure drop per length of the gas with particles, without the hydrostatic part. `None` for fewer than
+    /// two samples.
     pub pressure_gradient: Option<Estimate>,
     /// [Pa/m] pressure drop per length of the gas without particles.
     pub pressure_gradient_alone: f64,
@@ -34,7 +35,7 @@ pub struct GasFlow {
 struct GasSample {
     /// [s] simulated time of the sample.
     time: f64,
-    /// [Pa s/m] pressure drop per length, integrated over time since the start.
+    /// [Pa s/m] time integral of the pressure drop per length since the start.
     pressed: f64,
     /// [m/s] flow rate of the gas, divided by the area of the cross-section.
     bulk_velocity: f64,

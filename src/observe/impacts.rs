@@ -74,8 +74,8 @@ impl ImpactSeries {
         if self.on_walls { &record.walls } else { &record.pairs }
     }
 
-    /// True if averaging may begin at the present sample, which is at `time` [s]. The sums of the impacts are then
-    /// stored.
+    /// True if averaging may begin at the present sample, which is at `time` [s]. In this case the sums of the impacts
+    /// are stored.
     fn begins(&self, time: f64) -> bool {
         match self.average_from {
             // 1e-9 allows for the rounding of a sum of windows
@@ -99,12 +99,13 @@ impl ImpactSeries {
         begun.map_or_else(Impacts::default, |(_, before)| self.of(record).since(before))
     }
 
-    /// [1/s] mean impact rate from the sample with the index `first` on; `None` if no sample follows.
+    /// [1/s] mean impact rate from the sample with the index `first` to the end; `None` if no sample follows.
     pub fn rate(&self, first: usize) -> Option<Estimate> {
         estimate(&self.rates(first))
     }
 
-    /// [1/s] impact rate in each interval between successive samples, from the sample with the index `first` on.
+    /// [1/s] impact rate in each interval between two successive samples, from the sample with the index `first` to the
+    /// end.
     fn rates(&self, first: usize) -> Vec<f64> {
         let interval = self.schedule.interval();
         self.intervals().skip(first).map(|totals| totals.count as f64 / interval).collect()

@@ -20,7 +20,7 @@ struct OfSpecies {
     profiles: Accumulator,
     /// [m/s] mean streamwise velocity of the species at every sample.
     velocity: Vec<f64>,
-    /// [m²/s²] granular temperature at every sample; `None` at samples with too few particles.
+    /// [m²/s²] granular temperature of the species at every sample; `None` at samples with too few particles.
     temperature: Vec<Option<f64>>,
     /// [J] mean kinetic energy of the random motion per degree of freedom of a particle, at every sample. The list is
     /// empty if all particles of the species have equal masses.
@@ -83,8 +83,8 @@ pub struct MeetingAverages {
     /// [-] restitution that the case prescribes for these impacts. If it depends on the speed, it is the value at the
     /// mean speed of approach.
     pub restitution_asked: f64,
-    /// [-] realised restitution: square root of the ratio of the normal energies after and before the impacts, both
-    /// summed over the impacts.
+    /// [-] realised restitution of the impacts between the two kinds: square root of the ratio of the normal energies
+    /// after and before the impacts, both summed over the impacts.
     pub restitution: Option<f64>,
 }
 

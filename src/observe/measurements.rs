@@ -35,7 +35,7 @@ impl ObservedQuantity {
 pub struct ObservedCurve {
     /// Quantity whose values the curve holds.
     pub quantity: ObservedQuantity,
-    /// Values in the unit of the quantity, one for each place; `None` where the value is unknown.
+    /// Values in the unit of the quantity, one for each place of the measurement; `None` where the value is unknown.
     pub values: Vec<Option<Estimate>>,
     /// Name of a theory, and the values of the theory at the same places in the same unit; `None` without a theory.
     pub theory: Option<(&'static str, Vec<f64>)>,
@@ -119,7 +119,7 @@ impl Observation {
 
 /// Observer of a run whose result has the common form of an [`Observation`].
 pub trait Measurement: Observer {
-    /// Result of the samples (instants of measurement) from the time `from` [s] on.
+    /// Returns the result of the samples (instants of measurement) from the time `from` [s] to the end.
     fn result(&self, experiment: &Experiment, from: f64) -> Observation;
 }
 

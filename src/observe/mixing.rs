@@ -32,7 +32,7 @@ const MARKS: u64 = 8;
 struct LayerSample {
     /// [s] simulated time at which the signs were summed.
     time: f64,
-    /// Sums of each layer: the number of particles, then 31 sums of signs.
+    /// Sums of each layer along y: the number of particles, followed by 31 sums of signs.
     rows: Vec<Vec<f64>>,
 }
 
@@ -77,7 +77,8 @@ impl Mixing {
     }
 }
 
-/// Contribution of the particle `id` to the sums of its layer: the number 1, then the 31 random signs of the particle.
+/// Contribution of the particle with the id `id` to the sums of its layer: the number 1, followed by the 31 random
+/// signs of the particle.
 fn row(id: u32) -> [f64; SUMS] {
     let bits = SplitMix64::seed_from_u64(u64::from(id)).next_u32();
     std::array::from_fn(|k| if k == 0 || bits >> k & 1 == 0 { 1.0 } else { -1.0 })

@@ -94,13 +94,15 @@ pub enum Needs {
     /// Otherwise all particles. Unlike with `Sums`, the observer may be called at any time, and the records are not
     /// those of the whole run.
     Parts,
-    /// Every n-th particle by id (1: all), and the particles in contact with one of these particles.
-    /// [`Simulation::count`] and [`Simulation::agitation`] still refer to all particles.
+    /// Every n-th particle by id (1: all particles), and the particles in contact with a selected particle.
+    /// [`Simulation::count`] and [`Simulation::agitation`] refer to all particles nevertheless.
     Every(u32),
 }
 
 /// Measurement that is called with the simulation at several times of a run. An observer only reads the simulation.
 /// Observers and their times therefore do not change the results.
+///
+/// Every closure that takes a `&Simulation` is an observer that is called at every sample (instant of measurement).
 pub trait Observer: Send {
     /// [s] next time after `now` [s] at which the observer is to be called; `None` if it is not to be called again. It
     /// is called at the end of the first window (time between two exchanges with the gas) that reaches this time. Every
@@ -117,7 +119,7 @@ pub trait Observer: Send {
     }
 
     /// Particles that the observer requires if several processes share a run; by default all. The observer must also
-    /// work if it is called with all particles.
+    /// work if all particles are present.
     fn sight(&self) -> Needs {
         Needs::Every(1)
     }
@@ -144,11 +146,17 @@ pub trait Observer: Send {
     /// Returns the data of the observer with which the run can be resumed after the program has ended. By default there
     /// are no data, which is correct for an observer that only displays. An observer that writes files during the run
     /// stores its position in the files.
+    ///
+    /// # Errors
+    /// The data cannot be stored.
     fn stored(&self) -> Result<Stored, StoreError> {
         Ok(Stored::default())
     }
 
     /// Restores the data that an observer of this type has stored in the run that is resumed.
+    ///
+    /// # Errors
+    /// The bytes are not data of an observer of this type.
     fn restore(&mut self, _stored: &Stored) -> Result<(), StoreError> {
         Ok(())
     }

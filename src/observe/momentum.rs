@@ -7,7 +7,7 @@ use crate::statistics::{Estimate, estimate};
 use serde::{Deserialize, Serialize};
 
 /// Mean streamwise (z) forces on all particles together [N], positive along z, over the averaging period. A force is
-/// `None` if the period contains no sample. In a steady flow the forces add up to zero.
+/// `None` if the period contains fewer than two samples. In a steady flow the forces add up to zero.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Balance {
     /// [N] mean drag force of the gas on all particles along z.
@@ -27,9 +27,9 @@ pub struct MomentumBooks {
     interval: f64,
     /// [N] weight minus buoyancy of all particles, along z.
     weight: f64,
-    /// [kg m/s] momentum received by drag since the start, at every sample.
+    /// [kg m/s] momentum along z that particles have received by drag since the start, at every sample.
     drag: Vec<f64>,
-    /// [kg m/s] momentum received from walls since the start, at every sample.
+    /// [kg m/s] momentum along z that particles have received from walls since the start, at every sample.
     wall: Vec<f64>,
     /// [kg m/s] momentum that particles have brought in through inlets, minus that taken out through outlets, since the
     /// start, at every sample.
@@ -60,7 +60,7 @@ impl MomentumBooks {
 }
 
 impl Balance {
-    /// True if drag, weight and wall force along z are exactly zero. An unknown force does not count as zero.
+    /// True if drag, weight and wall force along z are exactly zero. If a force is unknown, the result is false.
     pub fn is_idle(&self) -> bool {
         let none = |force: Option<Estimate>| force.is_some_and(|force| force.value == 0.0);
         none(self.drag) && self.weight == 0.0 && none(self.wall)

@@ -25,7 +25,7 @@ pub struct Motion {
     temperature: Vec<Option<Vector3<f64>>>,
     /// Mean position [m] along x, y and z, and mean square of y [m²], at every sample.
     place: Vec<[f64; 4]>,
-    /// Number of impacts since the start, first between particles, then on walls, at every sample.
+    /// Numbers of impacts since the start at every sample: first impacts between particles, then impacts on walls.
     impacts: Vec<[u64; 2]>,
     /// Number of particles at each sample. The list is empty in a scene without inlets and outlets.
     counts: Vec<f64>,
@@ -129,7 +129,7 @@ impl Motion {
         all
     }
 
-    /// Index of the first sample at `from` [s] or later; the number of samples if all samples are earlier.
+    /// Index of the first sample at `from` [s] or later. If all samples are earlier, the number of samples.
     pub fn first(&self, from: f64) -> usize {
         self.times.iter().position(|time| *time >= from).unwrap_or(self.times.len())
     }

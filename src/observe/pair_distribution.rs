@@ -59,7 +59,7 @@ impl PairSample {
 pub struct PairDistribution {
     /// [s] time between two samples that are used.
     interval: f64,
-    /// [m] largest distance of two centres that is counted in the histogram.
+    /// [m] largest distance of two centres that is counted in the bins of the histogram.
     reach: f64,
     bins: usize,
     /// [m] distance of the centres at contact for each pair of species. `None` if diameters vary within a species, or

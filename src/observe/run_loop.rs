@@ -179,6 +179,9 @@ impl RunLoop {
     }
 
     /// Returns all data with which the run can continue from its present state.
+    ///
+    /// # Errors
+    /// The engine or one of the observers cannot be stored.
     pub fn store(&self, simulation: &Simulation, observers: &[&mut dyn Observer]) -> Result<Pause, StoreError> {
         let observers = observers.iter().map(|observer| observer.stored()).collect::<Result<_, _>>()?;
         Ok(Pause { snapshot: simulation.snapshot()?, schedule_position: self.clone(), observers })

@@ -31,7 +31,7 @@ pub const MOMENTS: [(&str, usize, usize); 4] = [("uu", 0, 0), ("vv", 1, 1), ("ww
 /// Number of equal parts of a run. The sums of each part are stored separately, so that the averaging period can begin
 /// at the start of any part.
 const PARTS: u64 = 200;
-/// Number of blocks of time from which the standard errors are computed.
+/// Number of blocks of time from which the standard errors of the budgets are computed.
 const BLOCKS: usize = 20;
 
 /// Rates of change of one second moment of the velocities [m²/s³], by each process.
@@ -65,7 +65,7 @@ impl<T> From<[T; 5]> for Terms<T> {
 /// Budgets of the four second moments of a run, each in the order of [`MOMENTS`].
 #[derive(Clone, Debug, Serialize)]
 pub struct Budgets {
-    /// Centre y [m] of each slice, and the terms for the four moments in this slice.
+    /// Centre y [m] of each slice, and the terms of the budgets of the four moments in this slice.
     pub slices: Vec<(f64, [Terms<Estimate>; 4])>,
     /// Terms of the budgets of the four moments, averaged over all particles.
     pub whole: [Terms<Estimate>; 4],
@@ -268,7 +268,7 @@ impl SecondMoments {
         })
     }
 
-    /// Budgets of one period, from the sums of several parts of the run; `None` if a slice contained no particle.
+    /// Computes the budgets from the sums of several parts of the run; `None` if a slice contained no particle.
     fn terms(&self, parts: &[&MomentBlock]) -> Option<Derived> {
         let mut sums = vec![MomentSums::default(); self.slices];
         let (mut windows, mut walls) = (0, [0.0; 3]);

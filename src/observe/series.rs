@@ -39,7 +39,7 @@ pub struct Row {
     pub elastic_energy: f64,
     /// Rotation of the particles; `None` if spheres do not rotate.
     pub rotation: Option<RotationSums>,
-    /// Energies of friction in the contacts; `None` if spheres do not rotate.
+    /// Losses by friction, and energies of springs in contacts; `None` if spheres do not rotate.
     pub friction: Option<FrictionSums>,
     /// Turbulence at the positions of the particles; `None` if only the mean velocity of the gas acts on them.
     pub turbulence: Option<TurbulenceMeans>,
@@ -60,10 +60,10 @@ pub struct Row {
     pub pair_impacts: u64,
     /// Number of impacts on walls that have ended since the start.
     pub wall_impacts: u64,
-    /// [-] number of present contacts per particle, with other particles and with walls; 0 if contacts have no
-    /// duration.
+    /// [-] coordination number: number of present contacts per particle, with other particles and with walls. It is 0
+    /// if contacts have no duration.
     pub coordination: f64,
-    /// [-] largest overlap of the present contacts, over the diameter of the smaller particle.
+    /// [-] largest overlap of all present contacts, divided by the diameter of the smaller particle.
     pub largest_overlap: f64,
     /// [m] centre of mass along x, y and z. `None` without particles, and along a periodic axis, where no centre of
     /// mass is defined.
@@ -194,7 +194,7 @@ impl TurbulenceMeans {
 /// Flow of a gas on which the particles act (two-way coupling), at one instant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GasMeans {
-    /// [Pa/m] pressure drop per length in the last step of the gas, without the hydrostatic part.
+    /// [Pa/m] pressure drop of the gas per length in its last time step, without the hydrostatic part.
     pub pressure_gradient: f64,
     /// [m/s] flow rate of the gas divided by the area of the cross-section.
     pub bulk_velocity: f64,
@@ -249,9 +249,9 @@ impl Row {
         }
     }
 
-    /// Averages over particles at `time` [s], with 0 for contacts and impacts. The granular temperature is relative to
-    /// the mean velocities of equal slices along y; `slices` is their number. `reference` [m/s] is a velocity near the
-    /// mean. In a sheared box, temperature and mean velocity are relative to the mean flow.
+    /// Returns the averages over the particles of a sample at `time` [s], with 0 for contacts and impacts. The granular
+    /// temperature is relative to the mean velocities of `slices` equal slices along y. `reference` [m/s] is a velocity
+    /// near the mean. In a sheared box, temperature and mean velocity are relative to the mean flow.
     pub fn of_sample(time: f64, sample: Sample, reference: Vector3<f64>, (domain, slices): (&Domain, usize)) -> Self {
         let relative = sample.particles.relative_to_flow(domain);
         let spread = VelocitySpread::about(reference, sample.with(&relative), slices, domain.size.y);

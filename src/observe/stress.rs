@@ -14,7 +14,8 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// Largest number of samples (instants of measurement) that are used; more would improve neither averages nor errors.
+/// Largest number of samples (instants of measurement) that are used. More samples would improve neither averages nor
+/// errors.
 const MOST_SAMPLES: u64 = 400;
 
 /// Time averages of the stress in the particles, with components in the order xx, yy, zz, xy, xz, yz. Compression is

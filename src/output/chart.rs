@@ -16,7 +16,7 @@ pub struct ChartQuantity {
     pub name: &'static str,
     /// Definition of the error as a formula for the label of an axis, such as `|e − e₀|/e₀`.
     pub axis: &'static str,
-    /// Reference value for all errors, with its standard error, in `unit`.
+    /// Reference value of the quantity for all errors, with its standard error, in `unit`.
     pub reference: Estimate,
     /// Unit of the value and the reference; empty if the quantity has no unit.
     pub unit: &'static str,
@@ -28,13 +28,13 @@ pub struct ChartQuantity {
 /// Value and error of one quantity at one point of the work-precision chart.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PointError {
-    /// Value of the quantity computed by the method, in the unit of the quantity.
+    /// Value of the quantity that the method gives, in the unit of the quantity.
     pub value: f64,
     /// [-] error of the value, as defined by [`ChartQuantity::axis`].
     pub error: f64,
     /// [-] standard error of `error`; `None` if unknown.
     pub uncertainty: Option<f64>,
-    /// Smallest and largest value among the samples, in the unit of the quantity; `None` for a single run.
+    /// Smallest and largest value among the runs of the point, in the unit of the quantity; `None` for a single run.
     pub range: Option<(f64, f64)>,
 }
 
@@ -86,7 +86,8 @@ pub struct ChartPoint {
     pub counters: Counters,
     /// [-] number of operations of one run: sum of pair checks, force evaluations and events.
     pub work: f64,
-    /// Errors in the order of [`ChartStudy::quantities`]; `None` for a quantity that the point does not have.
+    /// Errors of the point, in the order of [`ChartStudy::quantities`]; `None` for a quantity that the point does not
+    /// have.
     pub errors: Vec<Option<PointError>>,
     /// Reason why the point has no errors; `None` for a point with errors.
     pub failure: Option<ChartFailure>,
@@ -115,7 +116,7 @@ pub struct ChartSlope {
     /// Fitted exponent of the power law, with its error.
     #[serde(flatten)]
     pub law: PowerLaw,
-    /// Values of the swept parameter at both ends of the fitted range.
+    /// Smallest and largest value of the swept parameter in the fitted range.
     pub range: (f64, f64),
 }
 

@@ -123,6 +123,9 @@ pub fn meetings(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
 /// Contents of `impacts.csv`: histograms of the impacts of every variant. Overlaps are divided by the diameter of the
 /// smaller sphere. If all values are zero, such as overlaps of hard spheres, the table has one row for a bin without
 /// width and without a density.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn impacts(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     let mut table = CsvTable::new();
     table.head("variant,kind,quantity,unit,bin_lower,bin_upper,count,probability_density")?;
@@ -145,6 +148,9 @@ pub fn impacts(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
 /// the smaller sphere. Each soft variant has a row for pairs and a row for walls. The granular temperature is in m²/s²,
 /// the elastic parameter of the contact law in SI, other numbers are [-]. κ_n is computed from the measured
 /// temperature. It is empty if spheres or surfaces differ.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn overlaps(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     let mut table = CsvTable::new();
     table.head(
@@ -220,7 +226,7 @@ pub(super) struct HistogramRow {
     pub lower: f64,
     pub upper: f64,
     pub count: u64,
-    /// Probability density, in one over the unit of the quantity; `None` for a bin without width.
+    /// Probability density, in one over the unit of the quantity; `None` for a bin of zero width.
     pub density: Option<f64>,
 }
 
@@ -247,6 +253,9 @@ pub(super) fn bins(histogram: &Histogram) -> Vec<HistogramRow> {
 /// ids. Numbers have 17 significant digits, so that they are read without rounding. Centres are moved into the box
 /// along periodic axes. Before the table, lines of the form `# key: value` contain the number of particles with a
 /// checksum, `about` and the box. Other programs read these lines as comments.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn state(particles: &Particles, scene: &Scene, about: &[(&str, String)]) -> Result<Vec<u8>, OutputError> {
     let mut table = CsvTable::new();
     let mut particles = particles.clone();
@@ -292,6 +301,9 @@ pub fn bounces(bounces: &[Bounce]) -> Result<Vec<u8>, OutputError> {
 
 /// Contents of `oblique.csv`: the reduced slip s/(μ u_n) [-] before and after oblique impacts. The rows of each variant
 /// precede those of the references.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn oblique(study: &ObliqueStudy) -> Result<Vec<u8>, OutputError> {
     let mut table = CsvTable::new();
     table.head("variant,slip_before,slip_after")?;
@@ -307,6 +319,9 @@ pub fn oblique(study: &ObliqueStudy) -> Result<Vec<u8>, OutputError> {
 /// Contents of `chart.csv`: one row per point and quantity of the work-precision chart. A failed point has a single row
 /// with the reason of the failure. Errors, uncertainties and floors are fractions [-]; other numbers are in the unit of
 /// the quantity.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn chart(study: &ChartStudy) -> Result<Vec<u8>, OutputError> {
     let mut table = CsvTable::new();
     table.head(
@@ -359,6 +374,9 @@ const MAP_ENDS: [&str; 2] = ["outcome", "message"];
 
 /// Contents of `sweep.csv`: one row per point and variant. Values of swept keys are in SI if they are numbers;
 /// otherwise they are as typed. Columns with `_se` contain one standard error.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn sweep(study: &SweepStudy) -> Result<Vec<u8>, OutputError> {
     let mut table = CsvTable::new();
     let keys = study.axes.iter().map(|axis| axis.key.clone());
@@ -389,6 +407,9 @@ pub fn sweep(study: &SweepStudy) -> Result<Vec<u8>, OutputError> {
 
 /// Contents of `sensitivity.csv`: one row per factor and observable. Scales, shifts and their standard errors are in
 /// the unit of the observable. Columns relative to the scale or to the margin (largest accepted difference) are [-].
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn sensitivity(study: &SensitivityStudy) -> Result<Vec<u8>, OutputError> {
     let mut table = CsvTable::new();
     table.head(
@@ -424,6 +445,9 @@ pub fn is_map(table: &str) -> bool {
 
 /// Contents of `maps/NAME.csv`, with one row per point of a map (table that shows where a method fails): the values of
 /// the point, its outcome, and the message of a failure.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn limits(map: &Map) -> Result<Vec<u8>, OutputError> {
     let mut table = CsvTable::new();
     table.head(&format!("{},{}", map.columns.join(","), MAP_ENDS.join(",")))?;

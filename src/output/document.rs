@@ -23,7 +23,7 @@ pub(super) struct Table {
     pub remarks: bool,
 }
 
-/// Table of answers, with quantities in rows and variants in columns.
+/// Table of answers of a comparison, with quantities in rows and variants in columns.
 #[derive(Clone, Debug)]
 pub(super) struct Matrix {
     /// Names of the columns, each with a remark that is shown below it.
@@ -99,7 +99,7 @@ pub(super) fn known(is_known: bool, text: String) -> String {
     if is_known { text } else { UNKNOWN.into() }
 }
 
-/// All results of a study, in the form in which the writers use them.
+/// Document of a study: all its results in the form in which the writers of files use them.
 pub(super) struct Document<'a> {
     pub provenance: &'a Provenance,
     /// Variants that stopped early, each as its name and its failure.

@@ -55,7 +55,7 @@ const TABLES: [&str; 22] = [
     REPORT,
 ];
 
-/// Names of all files that a run may write directly into its folder.
+/// Names of all files that a run may write directly into its folder of results.
 fn tables() -> impl Iterator<Item = String> {
     let curves = ObserveSettings::NAMES.iter().map(|name| format!("{name}.csv"));
     [SUMMARY].iter().chain(&TABLES).map(|name| (*name).to_owned()).chain(curves)
@@ -211,6 +211,9 @@ impl Folder {
 
     /// Writes one file from several parts in memory, one after the other, with the guarantees of
     /// [`write`](Self::write).
+    ///
+    /// # Errors
+    /// Errors of [`write`](Self::write).
     pub fn write_parts(&self, name: &str, parts: &[impl AsRef<[u8]>]) -> Result<PathBuf, OutputError> {
         let target = self.path.join(name);
         let aside = aside(&target, parts)?;
@@ -225,6 +228,9 @@ impl Folder {
 
     /// Removes the files of an earlier run, if there are any. If several processes write into the folder, this method
     /// must be called before the others write.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`] with the path, if a file cannot be removed.
     pub fn make_room(&self) -> Result<(), OutputError> {
         if self.stale.swap(false, Ordering::Relaxed) { self.clear() } else { Ok(()) }
     }
@@ -259,6 +265,9 @@ impl Folder {
 
     /// Removes the pictures written through this folder, except those whose names are in `names`. This is needed
     /// because a comparison of fewer variants has fewer pictures. Pictures of other origin remain.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`] with the path, if a picture cannot be removed.
     pub fn keep_pictures(&self, names: &[&str]) -> Result<(), OutputError> {
         let mut pictures = self.pictures.lock().unwrap_or_else(PoisonError::into_inner);
         let kept = |file: &PathBuf| file.file_stem().is_some_and(|stem| names.iter().any(|name| stem == *name));
@@ -311,7 +320,7 @@ impl Drop for Folder {
 }
 
 impl Document<'_> {
-    /// Writes the tables, the pictures and the page, but no summary. Returns the path of the page.
+    /// Writes the tables, the pictures and the page of the document, but no summary. Returns the path of the page.
     pub fn write_part(&self, folder: &Folder) -> Result<PathBuf, OutputError> {
         for (name, bytes) in &self.tables {
             folder.write(name, bytes)?;
@@ -323,8 +332,11 @@ impl Document<'_> {
         folder.write(REPORT, html::page(self).as_bytes())
     }
 
-    /// Writes the tables, the pictures, the page, and finally the summary. `numbers` are added to the common entries of
-    /// the summary. Returns the path of the page.
+    /// Writes the tables, the pictures, the page, and finally the summary of the document. `numbers` are added to the
+    /// common entries of the summary. Returns the path of the page.
+    ///
+    /// # Errors
+    /// An [`OutputError`]. Files written before the error remain, but there is no `summary.json`.
     pub fn write(&self, folder: &Folder, numbers: Value) -> Result<PathBuf, OutputError> {
         let page = self.write_part(folder)?;
         let mut summary = json!({
@@ -354,6 +366,9 @@ pub(super) fn write_summary(folder: &Folder, summary: &Value) -> Result<(), Outp
 }
 
 /// Writes a file as [`Folder::write`] does, but replaces the old file only after the new bytes are on the disk.
+///
+/// # Errors
+/// [`OutputError::Io`] with the path, if the file cannot be written. An existing file of that name remains unchanged.
 pub fn put(target: &Path, bytes: &[u8]) -> Result<(), OutputError> {
     let aside = aside(target, &[bytes])?;
     let fail = |source| OutputError::io("write", target, source);
@@ -426,7 +441,8 @@ fn is_at(file: &File, path: &Path) -> bool {
     }
 }
 
-/// True if a file exists at the path. On systems other than Unix, an open file cannot be replaced by another one.
+/// True if a file exists at the path `path`. On systems other than Unix, an open file cannot be replaced by another
+/// file.
 #[cfg(not(unix))]
 fn is_at(_: &File, path: &Path) -> bool {
     path.exists()

@@ -14,11 +14,12 @@ pub struct SideSummary {
     pub files: usize,
     /// Number of samples in all files of this side.
     pub samples: usize,
-    /// Average from the start of averaging on; `None` if it cannot be computed.
+    /// Average of the quantity from the start of averaging to the end; `None` if it cannot be computed.
     pub mean: Option<Estimate>,
     /// [s] start of averaging, in the unit of the times if this unit is unknown. `None` for a quantity at a point.
     pub from: Option<f64>,
-    /// [s] integral correlation time; in the unit of the times if this unit is unknown. `None` if the time is unknown.
+    /// [s] integral correlation time of the quantity, in the unit of the times if this unit is unknown. `None` if it
+    /// cannot be computed.
     pub correlation_time: Option<f64>,
     /// Result of the test for a steady state; `None` for a quantity at a point.
     pub steadiness: Option<Steadiness>,
@@ -52,7 +53,7 @@ pub struct FilesStudy<'a> {
     pub quantities: &'a [FilesQuantity],
     /// Answers in sentences. The page begins with these sentences.
     pub verdicts: &'a [String],
-    /// Tests of the quantities, one entry for each margin and kind of data.
+    /// Tests of the quantities, with one entry for each margin and kind of data.
     pub comparisons: &'a [Verdict],
     /// Remarks on how far the numbers are reliable, one sentence each.
     pub notes: &'a [String],
@@ -60,6 +61,9 @@ pub struct FilesStudy<'a> {
 
 /// Contents of `judge.csv`: two rows for each quantity, one for each side (A or B). Means and errors are in the unit of
 /// the quantity. Times are in s, or in the unit of the column of times if this unit is unknown.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
 pub(super) fn table(quantities: &[FilesQuantity]) -> Result<Vec<u8>, OutputError> {
     let mut table = CsvTable::new();
     table.head("quantity,unit,side,column,files,samples,mean,mean_se,averaged_from,correlation_time,drift,steady")?;

@@ -28,7 +28,7 @@ pub fn references(outcomes: &[Outcome]) -> Vec<usize> {
 
 /// Variants that are drawn together in one panel of a picture.
 pub(super) struct PanelGroup<'a> {
-    /// Common beginning of the names of the variants; empty if there is only one group.
+    /// Common beginning of the names of the variants in the group; empty if there is only one group.
     pub title: String,
     /// Remaining part of the name of each variant, with its outcome.
     pub members: Vec<(String, &'a Outcome)>,

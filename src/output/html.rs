@@ -21,7 +21,7 @@ pub(super) const TRUST: &str = "How far to trust this";
 /// Heading of the part with the data needed to reproduce the results.
 const AGAIN: &str = "To get the same again";
 
-/// Part of the page that is hidden below its heading until the reader opens the part.
+/// Part of a page that is hidden below its heading until the reader opens it.
 struct Fold<'a> {
     title: &'a str,
     inside: Vec<Markup>,

@@ -12,7 +12,7 @@ pub struct PathPoint {
     pub time: f64,
     /// [m] gap between the surfaces of the two bodies; negative while they overlap.
     pub gap: f64,
-    /// [m/s] relative velocity along the normal; negative during approach.
+    /// [m/s] relative velocity of the two bodies along the normal; negative during approach.
     pub normal_velocity: f64,
 }
 
@@ -45,7 +45,7 @@ pub struct Bounce {
     pub model: Model,
     /// Computed path of the two bodies.
     pub path: Vec<PathPoint>,
-    /// Restitution, contact time and largest overlap of the computed path.
+    /// Restitution, contact time and largest overlap of the computed impact.
     pub values: BounceValues,
     /// Closed-form solution for the parameters of the variant, if there is one.
     pub analytic: Option<Analytic>,
@@ -61,7 +61,7 @@ pub struct Bounce {
     pub failure: Option<Failure>,
 }
 
-/// Curve of one variant: slip after oblique impacts as a function of the slip before.
+/// Curve of one variant: reduced slip after oblique impacts as a function of that before.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObliqueCurve {
     /// Name of the variant to which the curve belongs.
@@ -115,7 +115,7 @@ pub struct ImpactStudy<'a> {
     pub bounces: &'a [Bounce],
     /// [-] restitution that the case prescribes for the impact.
     pub requested_restitution: f64,
-    /// Oblique impacts of the two bodies; `None` if spheres do not rotate or have no friction.
+    /// Oblique impacts of the two bodies. `None` if spheres do not rotate or have no friction.
     pub oblique: Option<&'a ObliqueStudy>,
     /// [m] diameter by which the overlaps of the study are divided.
     pub diameter: f64,

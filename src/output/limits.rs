@@ -11,7 +11,7 @@ pub struct MapPoint {
     /// Values of the point in the order of the columns of the map, each in the unit of its column; `None` for a missing
     /// number.
     pub values: Vec<Option<f64>>,
-    /// Failure of the first run that stopped early; `None` if all runs ended.
+    /// Failure of the first run of the point that stopped early; `None` if all runs ended.
     pub failure: Option<Failure>,
 }
 
@@ -59,7 +59,7 @@ pub struct RegimeMap {
     pub classes: Vec<Class>,
     /// Cells of the map, one per point.
     pub cells: Vec<Cell>,
-    /// Theoretical lines: a label, and points in the units of the axes.
+    /// Lines by theory, each as a label and its points in the units of the axes.
     pub lines: Vec<(String, Vec<(f64, f64)>)>,
 }
 
@@ -100,7 +100,7 @@ pub struct LimitsStudy<'a> {
     pub provenance: &'a Provenance,
     /// Maps of the study in the order of the page.
     pub maps: &'a [Map],
-    /// [s] wall-clock time of the runs of each map. Two maps from the same runs have equal times.
+    /// [s] wall-clock time of the runs of each map. Two maps made from the same runs have equal times.
     pub wall_seconds: &'a [f64],
     /// True if the study used coarse grids of points, by the option `--quick`.
     pub quick: bool,

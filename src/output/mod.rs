@@ -83,14 +83,14 @@ pub enum OutputError {
     /// The operating system refused to write or read.
     #[error("cannot {action} {}: {source}", path.display())]
     Io {
-        /// Attempted action, in words that precede the path in the message.
+        /// Attempted action, as the words before the path in the error message.
         action: &'static str,
         /// Path of the file or folder that could not be written or read.
         path: PathBuf,
         /// Error of the operating system.
         source: std::io::Error,
     },
-    /// Frames of a trajectory were removed from the folder during the run.
+    /// Other programs removed frames of a trajectory from the folder during the run.
     #[error("{gone} of {frames} frames of the trajectory were removed during the run, the first is {}; its index lists the others", path.display())]
     Gone {
         /// Path of the first removed frame.
@@ -100,7 +100,7 @@ pub enum OutputError {
         /// Number of frames that the run had written.
         frames: usize,
     },
-    /// One of the processes that share a run could not write its file.
+    /// One of the processes that share the run could not write its file.
     #[error("process {process}: {why}")]
     OfProcess {
         /// Rank (number) of the process that could not write.

@@ -12,6 +12,9 @@ use crate::outcome::Outcome;
 /// counted from the start. Columns of friction exist only if spheres rotate, and those of turbulence only if it acts on
 /// the particles. Columns of the gas, of shear, of a thermostat and of openings exist only in scenes that have them.
 /// Columns of the velocity distribution exist only if it is measured.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn series(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     let mut table = CsvTable::new();
     let has = |part: fn(&Row) -> bool| rows(outcomes, |outcome| &outcome.series.rows).any(|(_, row)| part(row));
@@ -37,6 +40,9 @@ pub fn series(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
 
 /// Contents of `paths.csv`: one row per variant, instant and particle; `None` for more than 50 particles. The column
 /// `overlap_m` contains the largest overlap of the particle at the instant.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
 pub fn paths(outcomes: &[Outcome]) -> Result<Option<Vec<u8>>, OutputError> {
     if outcomes.iter().all(|outcome| outcome.paths.points.is_empty()) {
         return Ok(None);

@@ -25,13 +25,13 @@ impl Figure {
 pub enum SeriesStyle {
     /// Line with a band of one standard error, in the colour of the variant with this index.
     Line(usize),
-    /// Thin line through all points, such as the steps of a histogram, in the colour of the variant with this index.
+    /// Thin line through all points, such as the outline of a histogram, in the colour of the variant with this index.
     Steps(usize),
     /// Separate points, in the colour of the variant with this index.
     Points(usize),
     /// Points with error bars, joined by a thin line, in the colour of the method with this index.
     Sweep(usize),
-    /// Stars on the upper frame, independent of the value: failures of the method with this index.
+    /// Stars on the upper frame at any value, which mark failures of the method with this index.
     Failed(usize),
     /// Large dark diamonds, which mark the best method.
     Winner,
@@ -94,15 +94,15 @@ pub struct Panel {
     pub series: Vec<PanelSeries>,
     /// Horizontal lines, each with its position on the vertical axis and a label, which may be empty.
     pub marks: Vec<(f64, &'static str)>,
-    /// Lower and upper end of the horizontal axis. `None`: smallest and largest value of the points.
+    /// Lower and upper end of the horizontal axis. `None` means the smallest and the largest value of the points.
     pub x_range: Option<(f64, f64)>,
-    /// Lower and upper end of the vertical axis. `None`: a little beyond the smallest and the largest value of the
+    /// Lower and upper end of the vertical axis. `None` means a little beyond the smallest and the largest value of the
     /// points.
     pub y_range: Option<(f64, f64)>,
     /// True if the horizontal axis is logarithmic.
     pub log_x: bool,
     /// True if the vertical axis is logarithmic.
     pub log_y: bool,
-    /// [units of the axis] lower end of a logarithmic vertical axis; `None`: six decades below the largest value.
+    /// [units of the axis] lower end of a logarithmic vertical axis. `None` means six decades below the largest value.
     pub floor: Option<f64>,
 }

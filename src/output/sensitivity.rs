@@ -16,16 +16,16 @@ pub struct Shift {
     /// Description of the scale, as the words after "% of".
     #[serde(skip)]
     pub scale_is: &'static str,
-    /// Value with the factor minus value without it, in the unit of the observable.
+    /// Value of the observable with the changed factor minus that without the change, in the unit of the observable.
     pub difference: f64,
-    /// One standard error of the difference, in the unit of the observable; 0 without randomness, and `None` if
+    /// One standard error of the difference, in the unit of the observable. It is 0 without randomness, and `None` if
     /// unknown.
     pub error: Option<f64>,
-    /// [-] number of degrees of freedom of the estimate of the error.
+    /// [-] number of degrees of freedom from which `error` is estimated.
     pub freedom: Option<f64>,
     /// [s] time at which the shift of a curve is measured; `None` for the shift of a mean.
     pub time: Option<f64>,
-    /// [-] probability of a shift of at least this size between equal systems, for this observable alone.
+    /// [-] probability that two equal systems show a shift of at least this size, for this observable alone.
     pub chance: Option<f64>,
     /// [-] smallest margin (accepted difference) with which the observable is equivalent, divided by the scale. `None`
     /// without a standard error.
@@ -62,11 +62,11 @@ pub struct Factor {
     pub change: String,
     /// Reason why the change of the factor has this size.
     pub why: String,
-    /// Kind of results that the shifts compare; `None` if a run stopped early.
+    /// Kind of results (averages, curves or paths) that the shifts compare; `None` if a run stopped early.
     pub basis: Option<Basis>,
     /// Shifts of all observables by this factor, in a fixed order.
     pub shifts: Vec<Shift>,
-    /// Names of the runs with the factor, then names of the runs with which they are compared.
+    /// Names of the runs with the changed factor, followed by the names of the runs with which they are compared.
     pub runs: [Vec<String>; 2],
     /// Further remarks about the factor.
     pub remarks: Vec<String>,

@@ -15,7 +15,7 @@ pub struct SweepObservable {
     pub name: &'static str,
     /// Label of the axis of this quantity in pictures, with the unit.
     pub axis: &'static str,
-    /// True for an average over time. Its error is valid only for a steady run whose particles mix.
+    /// True for an average over time. The error of an average is valid only for a steady run whose particles mix.
     pub is_average: bool,
     /// Function that computes the quantity from an outcome.
     pub of: fn(&Outcome) -> Option<Estimate>,
@@ -103,8 +103,8 @@ pub const OBSERVABLES: [SweepObservable; 8] = [
 pub struct SweepRun {
     /// Hash of the experiment and of the version of the program. Runs with equal hashes have equal results.
     pub identity: String,
-    /// Measured values by name, which is [`SweepObservable::key`]. Unknown values are left out. A run that stopped
-    /// early has no values.
+    /// Measured values, each under the name [`SweepObservable::key`] of its quantity. Unknown values are left out. A
+    /// run that stopped early has no values.
     pub measured: BTreeMap<String, Estimate>,
     /// Reason why the run stopped early, if it did.
     pub failure: Option<String>,
@@ -118,15 +118,15 @@ pub struct SweepRow {
     pub at: Vec<usize>,
     /// Index of the variant in [`SweepStudy::variants`].
     pub variant: usize,
-    /// Hashes of the runs of the row, one per replica. A run may belong to several rows.
+    /// Hashes of the runs of the row, one per replica (run with another seed). A run may belong to several rows.
     pub identities: Vec<String>,
     /// Results of the finished runs of the row.
     pub runs: Vec<SweepRun>,
 }
 
 impl SweepRow {
-    /// Value of a quantity in this row. If there are several replicas, the value is their mean, with a standard error
-    /// computed from their scatter. `None` if the value is unknown, or if a run stopped early.
+    /// Value of the quantity with the name `key` in this row. If there are several replicas, the value is their mean,
+    /// with a standard error computed from their scatter. `None` if the value is unknown, or if a run stopped early.
     pub fn measured(&self, key: &str) -> Option<Estimate> {
         let found: Option<Vec<Estimate>> = self.runs.iter().map(|run| run.measured.get(key).copied()).collect();
         let found = found?;
@@ -164,7 +164,8 @@ pub struct SweepStudy<'a> {
     pub variants: &'a [String],
     /// Index of the first hard variant, with which the other variants are compared. `None` if no variant is hard.
     pub reference: Option<usize>,
-    /// Rows in the order of the points, in which the last axis varies fastest. Each point has one row per variant.
+    /// Rows in the order of the points, in which the values of the last key change first. Each point has one row per
+    /// variant.
     pub rows: &'a [SweepRow],
 }
 

@@ -37,7 +37,7 @@ pub struct TrustCheck {
     pub name: &'static str,
     /// Unit of the value; empty if it has none.
     pub unit: &'static str,
-    /// Value with its standard error, written in JSON as `value` and `error`.
+    /// Value that is checked, with its standard error, written in JSON as `value` and `error`.
     #[serde(flatten, serialize_with = "value_and_error")]
     pub found: Option<Estimate>,
     /// Condition on the value, such as a limit.
@@ -49,7 +49,7 @@ pub struct TrustCheck {
 }
 
 impl TrustCheck {
-    /// [-] value minus expected value, in standard errors; `None` without an error or an expected value.
+    /// [-] value minus expected value, in standard errors of the value; `None` without an error or an expected value.
     pub fn in_errors(&self) -> Option<f64> {
         let (Expected::Equals(value), found) = (self.expected, self.found?) else { return None };
         let off = found.less(Estimate::exact(value));
@@ -107,7 +107,7 @@ impl Halved {
 pub struct Verification {
     /// [s] simulated time of each of the two continuations.
     pub stretch: f64,
-    /// [-] wall-clock time of both continuations over that of the run.
+    /// [-] wall-clock time of both continuations together, divided by that of the run.
     pub cost: f64,
     /// [s] window of the run (time between two exchanges with the gas). The second continuation has half this window.
     pub window: f64,
@@ -122,9 +122,10 @@ pub struct Verification {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HalvedStep {
-    /// The run was continued with the original and with halved settings.
+    /// The run was continued twice: with its settings, and with half the time step and half the window (time between
+    /// two exchanges with the gas).
     Verified(Verification),
-    /// The run was not continued, for the given reason.
+    /// The run was not continued, for the reason given by the text.
     Unknown(String),
 }
 

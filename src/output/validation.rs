@@ -52,9 +52,9 @@ pub struct ValidationNumber {
     pub name: String,
     /// Unit of the number; empty if it has none.
     pub unit: &'static str,
-    /// Reference, with its standard error (0 for an exact one), in the unit of the number.
+    /// Reference value with its standard error (0 for an exact value), in the unit of the number.
     pub reference: Estimate,
-    /// Result of this program, with its standard error (0 without scatter), in the unit of the number.
+    /// Value computed by this program, with its standard error (0 without scatter), in the unit of the number.
     pub ours: Estimate,
     /// [-] degrees of freedom of the standard error of the result of this program.
     pub freedom: f64,
@@ -67,7 +67,7 @@ pub struct ValidationNumber {
 }
 
 impl ValidationNumber {
-    /// Result of this program minus reference, with the standard error, in the unit of the number.
+    /// Value computed by this program minus the reference value, with the standard error, in the unit of the number.
     pub fn difference(&self) -> Estimate {
         self.ours.less(self.reference)
     }
@@ -121,7 +121,7 @@ pub struct ValidationRow {
 }
 
 impl ValidationRow {
-    /// Answer of the row: the worst answer of its numbers, and `Unresolved` if a run stopped.
+    /// Answer of the row: the worst answer of its numbers. It is `Unresolved` if a run stopped.
     pub fn answer(&self) -> Answer {
         let worst = self.numbers.iter().map(|number| number.answer).max();
         worst.filter(|_| self.failure.is_none()).unwrap_or(Answer::Unresolved)
@@ -153,7 +153,7 @@ pub struct NotValidated {
     pub name: &'static str,
     /// Reference that exists for this comparison, with its source.
     pub reference: &'static str,
-    /// Reason why the comparison is not made: a missing part of the program, or unpublished data.
+    /// Reason why the comparison is not made, such as a missing part of the program or unpublished data.
     pub needs: &'static str,
 }
 

@@ -3,7 +3,7 @@
 use crate::statistics::{Answer, Comparison};
 use serde::Serialize;
 
-/// Kind of data by which a variant and its reference were compared.
+/// Kind of data by which a variant is compared with its reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Basis {

@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 /// Smallest number of particles with which the gas in a periodic box is treated as a cooling gas.
 const FEWEST: usize = 100;
 
-/// A cooling gas of equal spheres. Inelastic collisions remove its energy, and nothing replaces it.
+/// Cooling gas of equal spheres. Inelastic collisions remove its energy, and nothing replaces the energy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cooling {
     /// [m²/s²] granular temperature T of the gas at the start.
@@ -104,8 +104,8 @@ impl Bouncing {
     /// becomes shorter than `SHORTEST`. `None` with drag, without gravity, or if a wall is not a plane perpendicular to
     /// gravity.
     pub fn of(scene: &Scene, [position, velocity]: [Vector3<f64>; 2], duration: f64) -> Option<Self> {
-        /// [-] shortest flight that is computed, over `duration`. Shorter flights could not be distinguished in a
-        /// picture.
+        /// [-] duration of the shortest flight that is computed, over `duration`. Shorter flights could not be
+        /// distinguished in a picture.
         const SHORTEST: f64 = 1e-5;
         let dragged = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
         let ([species], false) = (scene.species.as_slice(), dragged || scene.has_sizes()) else { return None };

@@ -19,7 +19,7 @@ const CFL_COLLISION: f64 = 0.01;
 /// the paper's Table 1.
 const CFL_PARTICLE: f64 = 1.5;
 
-/// One kind of contact: between particles of two species, or between a species and walls with equal surfaces.
+/// Kind of contact: between particles of two species, or between a species and walls with equal surfaces.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ContactKind {
     /// Names of the two touching bodies.
@@ -29,7 +29,7 @@ pub struct ContactKind {
     /// Properties of the two bodies on which a contact law depends.
     #[serde(flatten)]
     pub bodies: Bodies,
-    /// [m] smaller diameter of the two bodies, by which overlaps are divided.
+    /// [m] diameter of the smaller body, by which overlaps are divided.
     pub diameter: f64,
     /// Distribution of the normal speeds of impact.
     pub speeds: ImpactSpeeds,
@@ -51,7 +51,7 @@ pub enum ImpactSpeeds {
         #[serde(skip)]
         parts: Vec<[f64; 2]>,
     },
-    /// Speeds counted in a short run of few particles, whose distribution is not Maxwellian.
+    /// Speeds counted in a short run with few particles, if their distribution is not Maxwellian.
     Measured {
         /// [m²/s²] variance s² of the relative normal velocity.
         variance: f64,
@@ -155,9 +155,9 @@ pub struct ContactPrediction {
     pub kappa: f64,
     /// [m/s] mean normal speed of the impacts of this kind.
     pub impact_speed: f64,
-    /// [-] mean, over the impacts, of the largest overlap divided by the diameter.
+    /// [-] largest overlap of an impact divided by the diameter, averaged over the impacts.
     pub mean_overlap: f64,
-    /// [-] 99 % quantile, over the impacts, of the largest overlap divided by the diameter.
+    /// [-] largest overlap of an impact divided by the diameter, as the 99 % quantile over the impacts.
     pub overlap_99: f64,
     /// [-] number of time steps per contact N_c, at the chosen time step.
     pub steps: f64,
@@ -284,9 +284,9 @@ pub fn at_fastest_impacts(experiment: &Experiment) -> Vec<ContactKind> {
 /// walls, because the effective masses differ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactTimes {
-    /// [s] shortest contact between two particles; `None` if there are fewer than two.
+    /// [s] shortest contact time of two particles; `None` if there are fewer than two particles.
     pub pair: Option<f64>,
-    /// [s] shortest contact at any wall; `None` without walls or particles.
+    /// [s] shortest contact time of a particle at any wall; `None` without walls or particles.
     pub wall: Option<f64>,
 }
 
@@ -323,8 +323,8 @@ const AT_REST: f64 = 5e-3;
 /// For laws whose contacts last longer at lower speed, the time step is computed from this speed. The duration of a
 /// Hertzian contact is proportional to u^(-1/5), so an error of a factor of two in the speed changes the step by 13 %.
 pub fn fastest_impact(experiment: &Experiment) -> f64 {
-    /// Ratio u/σ that one in a million collisions in a Maxwellian gas exceeds: exp(-u²/(4σ²)). Here u is the relative
-    /// normal velocity, and σ the standard deviation of a velocity component of a particle.
+    /// [-] ratio u/σ that one in a million collisions in a Maxwellian gas exceeds: exp(-u²/(4σ²)) is 1e-6. Here u is
+    /// the relative normal velocity, and σ the standard deviation of a velocity component of a particle.
     const FASTEST: f64 = 7.5;
     let scene = &experiment.scene;
     let frame = along_walls(scene, mean_velocity(&experiment.start));

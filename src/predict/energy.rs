@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 /// corresponds to a million additions, each rounded at 1e-16 of the sum.
 const ROUNDING: f64 = 1e-10;
 
-/// [-] number of rounded coordinates on which an overlap depends: three of each body.
+/// [-] number of rounded coordinates on which an overlap depends: three coordinates of each of two bodies.
 const ROUNDED: f64 = 6.0;
 
 /// [-] smallest number of steps per contact N_c with which a contact is resolved. Fewer steps are refused, unless a

@@ -15,7 +15,7 @@ const EDDY_TIME: f64 = 1.5 * 0.09;
 pub struct Flow {
     /// Name of the species of particles.
     pub species: String,
-    /// [s] Stokes response time: time in which drag changes the velocity of a slow particle.
+    /// [s] Stokes response time: time in which drag reduces a small slip velocity to 1/e of its value.
     pub stokes_time: f64,
     /// [m/s] terminal slip speed, at which drag balances the weight; 0 without gravity.
     pub terminal_slip: f64,

@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 /// 3609). The formula for the contact value is valid up to this volume fraction.
 pub const FREEZING: f64 = 0.494;
 
-/// Predictions of kinetic theory for the particles. Rates per particle are means over all species.
+/// Predictions of kinetic theory for all particles. Rates per particle are means over all species.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Gas {
     /// [-] volume fraction of the particles in the whole box.
@@ -77,7 +77,7 @@ pub struct Slice {
 pub struct AgitationSpread {
     /// Rate of pair collisions over that of a uniform gas with equal mean agitation.
     pub pair_rate: f64,
-    /// Rate of wall impacts over that of the uniform gas, for walls perpendicular to y.
+    /// Rate of wall impacts over that of a uniform gas with equal mean agitation, for walls perpendicular to y.
     pub wall_rate: f64,
     /// Groups of pair collisions. A group is given by its share of all pair collisions, and by its s over the mean s,
     /// with the standard deviation s of the normal relative velocity.
@@ -97,7 +97,7 @@ impl AgitationSpread {
     /// Velocities are taken as Gaussian, with independent components that have the variances of the slice. Collisions
     /// with the normal n then occur at a rate proportional to s(n) = sqrt(Σ n_i² σ_i²).
     pub fn of(slices: &[Slice]) -> Self {
-        /// Number of values of each angle in the quadrature; the integrand is smooth.
+        /// Number of values of each of two angles in the quadrature over directions. The integrand is smooth.
         const ANGLES: usize = 12;
         let slices: Vec<&Slice> = slices.iter().filter(|slice| slice.particles > 0.0 && slice.room > 0.0).collect();
         let mean = slices.iter().map(|slice| slice.particles * slice.variance.iter().sum::<f64>() / 3.0).sum::<f64>();

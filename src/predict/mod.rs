@@ -48,13 +48,13 @@ pub struct Calibration {
     pub collision_rate: [Option<f64>; 2],
     /// [1/s] number of impacts on walls per particle and time, and its standard error; each is `None` if unknown.
     pub wall_rate: [Option<f64>; 2],
-    /// [-] relative standard error of the granular temperature of a slice (median over slices).
+    /// [-] relative standard error of the granular temperature of a slice along y (median over slices).
     pub temperature_error: Option<f64>,
     /// [s] simulated time over which the results of the short run were averaged.
     pub averaged: f64,
     /// [m] edges of the box of the short run, along x, y and z.
     pub size: [f64; 3],
-    /// Reason why the engine stopped the short run early; `None` if it did not stop early.
+    /// Reason why the engine stopped the short run early; `None` if the run ended regularly.
     pub failure: Option<String>,
 }
 
@@ -65,9 +65,9 @@ pub struct PredictedCost {
     pub model: EngineChoice,
     /// [s] predicted wall-clock time of the whole run; `None` if the model fails.
     pub wall_seconds: Option<f64>,
-    /// Number of windows (times between two exchanges with the gas) that were timed.
+    /// Number of windows (times between two exchanges with the gas) whose computing time was measured.
     pub windows_timed: u64,
-    /// [byte] largest memory of the process; `None` if the system does not report it.
+    /// [byte] largest memory that the process used; `None` if the system does not report it.
     pub memory: Option<f64>,
     /// Reason why no run of the model is possible; `None` if it is possible.
     pub failure: Option<String>,
@@ -103,8 +103,8 @@ pub struct RunPrediction {
     pub contact_law: String,
     /// Integrator of the soft time steps for which contacts are predicted.
     pub integrator: String,
-    /// Predicted contacts under the contact law of the case. If the case has no contact law, they are under the
-    /// recommended law.
+    /// Predictions for each kind of contact under the contact law of the case. If the case has no contact law, they are
+    /// under the recommended law.
     pub contacts: Vec<contact::ContactPrediction>,
     /// Limits on the time step of soft spheres, the shortest first. The first one determines the step.
     pub step_limits: Vec<contact::StepLimit>,
@@ -117,7 +117,7 @@ pub struct RunPrediction {
     pub largest_island: Option<usize>,
     /// [-] apparent decrease of the diameter of soft spheres in collisions, divided by the diameter.
     pub softness: Option<f64>,
-    /// Floor on which particles gather under gravity; `None` if there is none.
+    /// Floor on which particles gather under gravity; `None` if there is no such floor.
     pub rest: Option<rest::Rest>,
     /// [-] overlap of a contact at the floor due to the weight of all particles above it, divided by the diameter.
     pub static_overlap: Option<f64>,

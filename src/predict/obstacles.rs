@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 /// Properties of the start of a run that may exclude an engine.
 #[derive(Clone, Debug)]
 pub struct Obstacles {
-    /// Floor on which particles gather under gravity; `None` if there is none.
+    /// Floor on which particles gather under gravity; `None` if there is no such floor.
     pub rest: Option<Rest>,
     /// True if particles overlap each other or a wall at the start.
     pub overlapping: bool,

@@ -15,7 +15,8 @@ use std::f64::consts::{PI, SQRT_2};
 /// Distribution of the overlaps of one kind of contact, divided by the diameter [-].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Overlaps {
-    /// [-] largest overlap, over the diameter, of an impact at the normal speed s.
+    /// [-] largest overlap of an impact at the normal speed s, over the diameter. s² is the variance of the relative
+    /// normal velocity.
     maximum: f64,
     /// [-] distance covered in one time step at the normal speed s, over the diameter.
     first: f64,

@@ -13,7 +13,7 @@ use serde::Serialize;
 /// differ by more than 1e-2.
 const SEPARATE: f64 = 2.0;
 
-/// Largest number of particles for which all pairs are examined at the start.
+/// Largest number of particles for which all pairs of particles are examined at the start.
 const ALL_PAIRS: usize = 2000;
 
 /// Floor on which particles gather under gravity, with the time until they are at rest.
@@ -137,7 +137,7 @@ impl Rest {
     }
 }
 
-/// True if any spheres overlap each other or a wall by more than rounding.
+/// True if spheres overlap each other or a wall by more than the rounding of positions.
 pub fn overlapping(scene: &Scene, particles: &Particles) -> bool {
     /// [-] largest overlap that counts as rounding of typed positions, divided by the diameter.
     const ROUNDING: f64 = 1e-9;

@@ -7,7 +7,7 @@ use crate::rotation::{RollingBodies, SpringDashpotSlider};
 use crate::scene::Species;
 use std::f64::consts::PI;
 
-/// A tangential, rolling or twisting spring between two bodies, at the largest overlap of the fastest impacts.
+/// Tangential, rolling or twisting spring between two bodies, at the largest overlap of the fastest impacts.
 #[derive(Clone, Copy, Debug)]
 pub struct SideSpring {
     /// Name of the spring in a sentence.

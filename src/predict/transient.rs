@@ -24,13 +24,14 @@ pub struct Transient {
     /// [s] upper limit of the time until all particles lie on the floor; `None` without a floor, or without energy
     /// losses on it.
     pub at_rest: Option<f64>,
-    /// [-] relative standard deviation of the granular temperature at one instant of one run, due to random starts.
+    /// [-] relative standard deviation of the granular temperature at one instant between single runs, due to random
+    /// starts.
     pub scatter: f64,
     /// Number of runs with different seeds that are needed so that their mean has the desired error at every instant.
     pub replicas: u64,
 }
 
-/// A fraction of the energy of agitation, and the time at which it is lost.
+/// Fraction of the energy of agitation, and the time at which it is lost.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Loss {
     /// [-] fraction of the initial kinetic energy of agitation that is lost.
@@ -90,7 +91,7 @@ fn is_stirred(scene: &Scene) -> bool {
         || scene.walls.iter().any(|wall| slides(wall) && wall.surface.friction > 0.0)
 }
 
-/// Weighted mean of numbers, given as pairs [weight, number]; 0 for an empty list.
+/// Weighted mean of numbers, given as pairs [weight, number]; 0 if the list is empty.
 fn mean(numbers: impl Iterator<Item = [f64; 2]>) -> f64 {
     let [weights, sum] =
         numbers.fold([0.0; 2], |[weights, sum], [weight, number]| [weights + weight, sum + weight * number]);

@@ -9,10 +9,10 @@ use std::sync::Arc;
 /// Rule of the tangential impulse of an instantaneous impact.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ImpactRule {
-    /// Rule of Walton. Impacts that stick change the slip s to -β_0 s, and all others slide. The tangential impulse is
-    /// J_t = min(μ J_n, M_t (1 + β_0) |s|) (Walton 1993; Foerster et al. 1994, Phys. Fluids 6, 1108).
+    /// Rule of Walton. An impact that sticks changes the slip s to -β_0 s; all other impacts slide. The tangential
+    /// impulse is J_t = min(μ J_n, M_t (1 + β_0) |s|) (Walton 1993; Foerster et al. 1994, Phys. Fluids 6, 1108).
     Walton {
-        /// [-] tangential restitution β_0, -1 ..= 1: -1 leaves the slip unchanged, 1 reverses it.
+        /// [-] tangential restitution β_0, from -1 to 1. The value -1 leaves the slip unchanged, and 1 reverses it.
         tangential_restitution: f64,
     },
     /// Rule of stiff soft spheres: the slip s becomes s' = μ u_n Φ(s/(μ u_n)), with the function Φ of their tangential
@@ -27,7 +27,7 @@ pub struct ImpactKind {
     pub restitution: f64,
     /// [-] effective mass M_t of the slip over the effective mass M.
     pub mass_ratio: f64,
-    /// [-] Mindlin's tangential stiffness over Hertz's elastic constant; 0 for other laws.
+    /// [-] Mindlin's tangential stiffness over Hertz's elastic constant; 0 for other contact laws.
     pub shear_ratio: f64,
 }
 

@@ -74,7 +74,7 @@ fn time_left_out(outcome: &Outcome) -> f64 {
     time / (outcome.particles as f64 * outcome.simulated_seconds)
 }
 
-/// Numbers about instantaneous impacts for `summary.json`; `null` for other models.
+/// Numbers about instantaneous impacts of a hybrid run for `summary.json`; `null` for other models.
 pub(super) fn json(outcome: &Outcome) -> Value {
     if outcome.experiment.model() != Model::Hybrid {
         return Value::Null;

@@ -127,7 +127,8 @@ pub(super) fn tables(outcomes: &[Outcome]) -> Result<Vec<(String, Vec<u8>)>, Out
     Ok(tables)
 }
 
-/// Curves of one measurement, with one row per variant and place. Variants may have different curves.
+/// Contents of the file with the curves of one measurement, with one row per variant and place. Variants may have
+/// different curves.
 fn curves(results: &[(&Outcome, &Observation)]) -> Result<Vec<u8>, OutputError> {
     let mut columns: Vec<(&str, bool)> = Vec::new();
     for curve in results.iter().flat_map(|(_, observed)| &observed.curves) {

@@ -21,8 +21,8 @@ pub fn blocks(study: &Study, figures: &[Figure]) -> Vec<Block> {
     blocks
 }
 
-/// Table of answers with a column per variant and a row per quantity. Each column has the settings of its variant. The
-/// first row contains the answers for all quantities together.
+/// Table of answers with one column per variant and one row per quantity. The head of each column has the settings of
+/// its variant. The first row contains the answers for all quantities together.
 fn matrix(study: &Study) -> Matrix {
     let judged = |name: &str| study.comparisons.iter().find(|verdict| verdict.variant == name);
     let heads = study.outcomes.iter().enumerate().map(|(place, outcome)| {

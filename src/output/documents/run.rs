@@ -296,7 +296,8 @@ fn averaging(outcomes: &[Outcome]) -> Vec<Block> {
     ]
 }
 
-/// Table of hashes of the initial and final states. Equal hashes mean that all bits of the states are equal.
+/// Table of the hashes of the initial and the final state of each variant. Equal hashes mean that all bits of the
+/// states are equal.
 fn hashes(outcomes: &[Outcome]) -> Block {
     let cells =
         |o: &Outcome| (false, vec![format!("{:016x}", o.initial_state_hash), format!("{:016x}", o.final_state_hash)]);
@@ -307,7 +308,7 @@ pub(super) fn measured(found: Option<Estimate>) -> Value {
     json!({ "value": found.map(|found| found.value), "standard_error": found.and_then(|found| found.error) })
 }
 
-/// Data of a variant for `summary.json`, in SI units; `null` means an unknown value.
+/// Results of a variant for `summary.json`, in SI units; `null` means an unknown value.
 fn variant(outcome: &Outcome, parameters: Option<&Value>) -> Value {
     let (experiment, record) = (&outcome.experiment, &outcome.record);
     let (pairs, walls) = (outcome.pairs.summary(), outcome.walls.summary());

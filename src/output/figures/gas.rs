@@ -29,8 +29,8 @@ const POINTS: usize = 400;
 /// Number of points of each curve in a picture of several gases.
 const GASES_POINTS: usize = 120;
 
-/// Figures of a gas profile between walls at y = 0 and y = `height` [m]. Only a k-epsilon channel has the second
-/// figure, in wall units.
+/// Figures of a gas profile between walls at y = 0 and y = `height` [m]. For a k-epsilon channel there is a second
+/// figure in wall units.
 pub fn gas(profile: &Profile, height: f64) -> Vec<Figure> {
     let mut figures = vec![Figure::new(
         "velocity",

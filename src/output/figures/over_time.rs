@@ -133,7 +133,7 @@ fn largest(series: &[PanelSeries]) -> f64 {
     series.iter().flat_map(|series| &series.points).map(|point| point.y.abs()).fold(0.0, f64::max)
 }
 
-/// Panel of a quantity in `unit` with an SI prefix, such as milli; `None` for a quantity that is always 0.
+/// Panel of a quantity whose unit `unit` gets an SI prefix, such as milli. `None` for a quantity that is always 0.
 fn prefixed(time: &TimeAxis, name: &str, unit: &str, mut series: Vec<PanelSeries>) -> Option<Panel> {
     let prefix = Prefix::of(largest(&series));
     series.iter_mut().flat_map(|series| &mut series.points).for_each(|point| point.y *= prefix.factor);
@@ -161,7 +161,7 @@ fn velocity(group: &PanelGroup, time: &TimeAxis, axis: usize) -> Vec<PanelSeries
     if largest(&lines) > ROUNDING * agitation { lines } else { Vec::new() }
 }
 
-/// Panels of all averages over the particles that are drawn against time.
+/// Panels of all averages over the particles that are drawn as functions of time.
 fn series(group: &PanelGroup, time: &TimeAxis) -> Vec<Panel> {
     let Some((_, first)) = group.members.first() else { return Vec::new() };
     let scene = &first.experiment.scene;

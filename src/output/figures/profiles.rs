@@ -36,8 +36,8 @@ pub fn streamwise_velocity(outcomes: &[Outcome]) -> String {
     draw(&groups(outcomes).iter().map(panel).collect::<Vec<_>>())
 }
 
-/// Picture of the mean streamwise velocities of the particles and of the gas. The gas is not in the picture of the
-/// particles, because its much wider range would hide differences between variants. `None` without a gas.
+/// Picture of the mean streamwise velocities of the particles and of the gas; `None` without a gas. The picture of the
+/// particles alone has no gas, because the wider range of the gas velocity would hide differences between variants.
 pub fn beside_the_gas(outcomes: &[Outcome]) -> Option<String> {
     let height = Height::of(outcomes);
     let groups = groups(outcomes);
@@ -127,14 +127,14 @@ pub(super) fn gas_velocity(profile: &Profile, length: f64) -> Panel {
     height.panel("U  [m/s]", vec![line])
 }
 
-/// Pictures of the six second moments, with a panel per moment. Each group of variants has one element: the title of
-/// the group and its picture.
+/// Pictures of the six second moments of velocity, with a panel per moment. Each entry of the list belongs to a group
+/// of variants: the title of the group, and its picture.
 pub fn second_moments(outcomes: &[Outcome]) -> Vec<(String, String)> {
     panels(&groups(outcomes), &Height::of(outcomes), statistics::second_moments())
 }
 
-/// Pictures of mean spins and of the parts of the rotational temperature, with a panel per quantity. Each group of
-/// variants with rotating spheres has one element: the title of the group and its picture.
+/// Pictures of mean spins and of the parts of the rotational temperature, with a panel per quantity. Each entry of the
+/// list belongs to a group of variants with rotating spheres: the title of the group, and its picture.
 pub fn spins(outcomes: &[Outcome]) -> Vec<(String, String)> {
     let mut groups = groups(outcomes);
     groups.retain(|group| group.members.iter().any(|(_, outcome)| outcome.experiment.scene.rotation.is_some()));

@@ -57,7 +57,7 @@ impl Player {
     }
 }
 
-/// [m] size of a box that contains two spheres and the gap between them.
+/// [m] edge lengths of a box that contains two spheres and the gap between them.
 fn size(study: &ImpactStudy) -> Vector3<f64> {
     Vector3::new(3.6, 1.4, 1.4) * study.diameter
 }

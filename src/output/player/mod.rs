@@ -53,9 +53,9 @@ struct RecordingFrame {
     /// [m] edge lengths of the box along x, y and z.
     size: Vector3<f64>,
     periodic: [bool; 3],
-    /// Line segments of each wall, with six coordinates [m] per segment.
+    /// Line segments that outline each wall, with six coordinates [m] per segment.
     walls: Vec<Vec<f64>>,
-    /// [m/s²] gravity, for the curved paths of particles between frames.
+    /// [m/s²] acceleration by gravity, for the curved paths of particles between frames.
     gravity: Vector3<f64>,
     /// [m/s] mean velocity of all particles along periodic axes. The view of the animation may move with this velocity.
     drift: Vector3<f64>,

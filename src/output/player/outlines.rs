@@ -12,7 +12,7 @@ const SHARP: f64 = 0.906;
 /// Largest number of line segments that are drawn for one surface. More segments would cover the spheres.
 const MOST: usize = 2000;
 
-/// Line segments of each wall, with six coordinates [m] per segment: outlines of planes, and edges of bodies.
+/// Line segments that outline each wall, with six coordinates [m] per segment: borders of planes, and edges of bodies.
 pub fn outlines(scene: &Scene) -> Vec<Vec<f64>> {
     let of = |geometry: &WallGeometry| match geometry {
         WallGeometry::Plane(plane) => around(plane, scene),

@@ -10,8 +10,8 @@ use std::fmt::Write;
 /// Code, in a trajectory file, of a particle that moved along a straight line in the last window (time between two
 /// exchanges with the gas).
 const FLEW: u8 = 0;
-/// Code, in a trajectory file, of a particle in an island, a group of particles that may touch within a part of a
-/// window.
+/// Code, in a trajectory file, of a particle in an island: a group of particles that may touch each other within a part
+/// of a window (time between two exchanges with the gas).
 const ISLAND: u8 = 1;
 /// Code, in a trajectory file, of a particle that was moved together with all other particles, by uniform steps or one
 /// event queue.
@@ -97,8 +97,8 @@ struct Own {
 }
 
 impl TrajectoryFrame {
-    /// Copies the data of a frame from the simulation, in the order of the particle store. The writing thread sorts
-    /// them later.
+    /// Copies the data of a frame from the simulation, in the order of the particle store. The writing thread sorts the
+    /// data later.
     pub(super) fn take(&mut self, simulation: &Simulation) {
         let particles = &simulation.particles;
         self.time = simulation.time;

@@ -62,7 +62,7 @@ struct WriterProgress {
     changed: Condvar,
 }
 
-/// Work that the thread that writes trajectory files has done so far.
+/// Work that the thread for writing trajectory files has done so far.
 #[derive(Default)]
 struct Written {
     frames: u64,
@@ -123,7 +123,7 @@ pub struct Trajectory<'scope> {
 }
 
 impl<'scope> Trajectory<'scope> {
-    /// Creates a trajectory in `trajectory/NAME` of a folder. The writing thread belongs to `scope`.
+    /// Creates a trajectory in `trajectory/NAME` of a folder of results. The writing thread belongs to `scope`.
     pub fn new<'env>(
         scope: &'scope Scope<'scope, 'env>,
         folder: &'env Folder,
@@ -227,6 +227,9 @@ impl<'scope> Trajectory<'scope> {
     }
 
     /// Waits until all frames are written, and returns the result of writing them.
+    ///
+    /// # Errors
+    /// A frame could not be written.
     pub fn written(mut self) -> Result<(), OutputError> {
         self.finish();
         self.failed.map_or(Ok(()), Err)
@@ -241,8 +244,8 @@ impl Observer for Trajectory<'_> {
         Some(((now / self.asked.every * (1.0 + 1e-9)).floor() + 1.0) * self.asked.every)
     }
 
-    /// Extended XYZ has one file per frame, and requires all particles in one process. For VTK, each process requires
-    /// only its own particles.
+    /// Particles that the trajectory requires. Extended XYZ has one file per frame, and requires all particles in one
+    /// process. For VTK, each process requires its own particles.
     fn sight(&self) -> Needs {
         if self.asked.format.is_xyz() { Needs::Every(1) } else { Needs::Parts }
     }

@@ -28,7 +28,7 @@ pub(super) struct FramePiece {
 }
 
 impl FramePiece {
-    /// Writes the particles of this process into the file `name` of a folder.
+    /// Writes the particles of this process into the file with the name `name` in a folder of results.
     fn write(&mut self, simulation: &Simulation, folder: &Folder, name: &str) -> Result<(), OutputError> {
         self.frame.take(simulation);
         self.frame.sort();
