@@ -25,8 +25,8 @@ use crate::stored::{StoreError, Stored};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Largest number of samples (instants of measurement) that are used; in a longer run the used samples are further
-/// apart.
+/// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th sample
+/// is used.
 const MOST_SAMPLES: u64 = 400;
 /// Number of blocks of time into which the run is divided. The averaging period begins at the start of a block, because
 /// its start is known only after the run.

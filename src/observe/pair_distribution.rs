@@ -17,8 +17,8 @@ use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Largest number of samples (instants of measurement) that are used; in a longer run the used samples are further
-/// apart.
+/// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th sample
+/// is used.
 const MOST_SAMPLES: u64 = 1000;
 /// Number of bins of the distance, beginning at contact, from whose counts the value of g(r) at contact is
 /// extrapolated.

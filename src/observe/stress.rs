@@ -65,7 +65,7 @@ pub struct Stresses {
     /// [s] time between two samples that are used.
     interval: f64,
     slices: usize,
-    /// [m³] volume of the box.
+    /// [m³] volume of the box, by which the sums are divided.
     volume: f64,
     lasts: bool,
     samples: Vec<StressSample>,

@@ -15,8 +15,8 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Largest number of samples (instants of measurement) that are used; in a longer run the used samples are further
-/// apart.
+/// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th sample
+/// is used.
 const MOST_SAMPLES: u64 = 400;
 /// Largest number of wave vectors that are used in a bin of the wave number. More vectors of one sample would hardly be
 /// statistically independent.

@@ -26,8 +26,8 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Largest number of samples (instants of measurement) that are used; in a longer run the used samples are further
-/// apart.
+/// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th sample
+/// is used.
 const MOST_SAMPLES: u64 = 1000;
 
 /// Coefficients of the Sonine polynomials in the velocity distribution at one instant.

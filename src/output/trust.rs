@@ -134,7 +134,7 @@ pub enum HalvedStep {
 pub struct TrustSheet {
     /// Name of the variant.
     pub variant: String,
-    /// Checks of the results.
+    /// Checks of the results of the variant.
     pub checks: Vec<TrustCheck>,
     /// Effect of halving the time step and the window (time between two exchanges with the gas).
     pub halved_step: HalvedStep,

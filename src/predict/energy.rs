@@ -135,7 +135,7 @@ pub struct Bound {
     /// [-] largest relative energy gain g of any contact (see [`Bound`]) in uniform stepping, in which time steps move
     /// all particles.
     uniform: f64,
-    /// [-] largest relative energy error s at a wall due to jumps of its normal (see [`Bound`]).
+    /// [-] largest relative energy error s of an impact at a wall whose normal jumps, such as a mesh (see [`Bound`]).
     seams: f64,
     /// [kg] half of the largest effective mass M of two particles.
     pair: f64,
@@ -150,7 +150,7 @@ pub struct Bound {
     start: f64,
     /// [J] elastic energy of all contacts at the start.
     elastic_at_start: f64,
-    /// Settings that shorten the time step, as text for the error message.
+    /// Text for the error message, which names settings that shorten the time step.
     remedy: String,
 }
 
@@ -225,8 +225,8 @@ impl Bound {
     }
 }
 
-/// Settings that at least halve the time step `step` [s], with an integrator that does not increase the energy, as text
-/// for an error message.
+/// Text for an error message. It names settings that at least halve the time step `step` [s], and an integrator that
+/// does not increase the energy.
 fn remedy(experiment: &Experiment, contacts: &[PossibleContact], law: &ContactLaw, step: f64) -> String {
     let speed = fastest_impact(experiment);
     let times = contacts.iter().map(|contact| law.contact_time(&law.between(&contact.bodies), speed));

@@ -76,11 +76,12 @@ pub struct PredictedCost {
 /// Box and duration of a run in which averages reach the desired error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Averaging {
-    /// [m] edges of the smallest sufficient box. Only edges along periodic axes differ from those of the case.
+    /// [m] edges of the smallest box in which averages can reach the desired error. Only edges along periodic axes
+    /// differ from those of the case.
     pub size: [f64; 3],
-    /// Number of particles in the smallest sufficient box.
+    /// Number of particles in the box of the size `size`.
     pub particles: usize,
-    /// [s] averaging time with which averages in the smallest sufficient box reach the desired error.
+    /// [s] averaging time with which averages in the box of the size `size` reach the desired error.
     pub duration: f64,
     /// [s] averaging time with which averages in the box of the case reach the desired error.
     pub duration_as_given: f64,

@@ -10,11 +10,11 @@ use std::f64::consts::PI;
 /// Tangential, rolling or twisting spring between two bodies, at the largest overlap of the fastest impacts.
 #[derive(Clone, Copy, Debug)]
 pub struct SideSpring {
-    /// Name of the spring in a sentence.
+    /// Name of the spring in a sentence, such as "tangential".
     pub name: &'static str,
     /// [1/s] undamped angular frequency of the spring.
     pub frequency: f64,
-    /// [-] damping ratio: damping over critical damping.
+    /// [-] damping ratio of the spring: damping over critical damping.
     pub damping_ratio: f64,
 }
 

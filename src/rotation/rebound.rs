@@ -285,7 +285,7 @@ fn crowded(share: f64) -> (f64, f64) {
 /// the first use, because soft runs do not need it.
 #[derive(Clone, Debug)]
 pub struct ReboundTable {
-    /// [-] normal restitution of the surfaces, by which the table is found.
+    /// [-] normal restitution of the surfaces to which the table belongs.
     restitution: f64,
     impact: ObliqueImpact,
     points: OnceLock<ReboundPoints>,
