@@ -1,4 +1,4 @@
-//! Results of the work-precision chart as plain data for the outputs.
+//! Results of the work-precision chart (error over computing cost of each method) as plain data for the outputs.
 
 use super::Provenance;
 use super::numbers::with_error;
@@ -7,7 +7,7 @@ use crate::experiment::Model;
 use crate::statistics::{Estimate, PowerLaw};
 use serde::Serialize;
 
-/// Quantity whose error is drawn against the cost.
+/// Quantity whose error is drawn against the computing cost in a work-precision chart.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChartQuantity {
     /// Short name for files and tables, such as `restitution_mean`.
@@ -16,47 +16,47 @@ pub struct ChartQuantity {
     pub name: &'static str,
     /// Definition of the error as a formula for the label of an axis, such as `|e − e₀|/e₀`.
     pub axis: &'static str,
-    /// Reference value for all errors, with its standard error, in `unit`.
+    /// Reference value of the quantity for all errors, with its standard error, in `unit`.
     pub reference: Estimate,
     /// Unit of the value and the reference; empty if the quantity has no unit.
     pub unit: &'static str,
-    /// [-] statistical floor: error of one run by chance alone, from the scatter between the reference runs. The floor
-    /// is 0 if nothing is random.
+    /// [-] statistical floor: error that a run without any error of the method would have by chance, from the scatter
+    /// between the reference runs. It is 0 if nothing is random.
     pub floor: f64,
 }
 
-/// Value and error of one quantity at one point of the chart.
+/// Value and error of one quantity at one point of the work-precision chart.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PointError {
-    /// Value of the quantity computed by the method, in the unit of the quantity.
+    /// Value of the quantity that the method gives, in the unit of the quantity.
     pub value: f64,
     /// [-] error of the value, as defined by [`ChartQuantity::axis`].
     pub error: f64,
     /// [-] standard error of `error`; `None` if unknown.
     pub uncertainty: Option<f64>,
-    /// Smallest and largest value among the samples, in the unit of the quantity; `None` for a single run.
+    /// Smallest and largest value among the runs of the point, in the unit of the quantity; `None` for a single run.
     pub range: Option<(f64, f64)>,
 }
 
 /// Distribution of the wall-clock time of one run on one thread [s].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CostSpread {
-    /// [s] median wall-clock time of a run.
+    /// [s] median of the wall-clock times of single runs.
     pub median: f64,
-    /// [s] shortest wall-clock time of a run.
+    /// [s] shortest of the wall-clock times of single runs.
     pub lowest: f64,
-    /// [s] longest wall-clock time of a run.
+    /// [s] longest of the wall-clock times of single runs.
     pub highest: f64,
 }
 
-/// Reason why a point of the chart has no result.
+/// Reason why a point of the work-precision chart has no result.
 #[derive(Clone, Debug, PartialEq, Serialize, thiserror::Error)]
 #[serde(rename_all = "snake_case")]
 pub enum ChartFailure {
     /// The engine stopped with a failure.
     #[error("{0}")]
     Engine(Failure),
-    /// The impact had not ended by the end of the simulated time.
+    /// The impact had not ended when the simulated time of the case was over.
     #[error("the impact had not ended when the time of the case was over")]
     Unfinished,
 }
@@ -71,22 +71,23 @@ impl ChartFailure {
     }
 }
 
-/// Point of the chart: one method at one value of its swept parameter.
+/// Point of the work-precision chart: one method at one value of its swept parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChartPoint {
-    /// Index of the method in [`ChartStudy::methods`].
+    /// Index in [`ChartStudy::methods`] of the method of this point.
     pub method: usize,
-    /// Value of the swept parameter, in the unit of this parameter.
+    /// Value of the swept parameter of the method, in the unit of this parameter.
     pub knob: f64,
-    /// Number of runs from which the point is computed.
+    /// Number of runs from which values and errors of the point are computed.
     pub samples: usize,
     /// Wall-clock time of one run on one thread.
     pub wall: CostSpread,
-    /// Counts of the work of all runs of the point together, equal on every machine.
+    /// Counts of operations, summed over all runs of the point; equal on every machine.
     pub counters: Counters,
-    /// [-] number of operations of one run: pair checks, force evaluations and events.
+    /// [-] number of operations of one run: sum of pair checks, force evaluations and events.
     pub work: f64,
-    /// Errors in the order of [`ChartStudy::quantities`]; `None` for a quantity that the point does not have.
+    /// Errors of the point, in the order of [`ChartStudy::quantities`]; `None` for a quantity that the point does not
+    /// have.
     pub errors: Vec<Option<PointError>>,
     /// Reason why the point has no errors; `None` for a point with errors.
     pub failure: Option<ChartFailure>,
@@ -95,33 +96,34 @@ pub struct ChartPoint {
 /// Method of computing collisions, with the parameter that is swept for the chart.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChartMethod {
-    /// Name of the method.
+    /// Name of the method, such as an engine with its stepping.
     pub name: String,
     /// Collision model of the method.
     pub model: Model,
-    /// Symbol of the swept parameter.
+    /// Symbol of the parameter of the method that is swept.
     pub knob: &'static str,
     /// Unit of the swept parameter; empty if it has no unit.
     pub unit: &'static str,
 }
 
-/// Power law by which the error of a method decreases with its swept parameter, as fitted to the points.
+/// Power law fitted to the errors of a method as a function of its swept parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChartSlope {
-    /// Index of the method in [`ChartStudy::methods`].
+    /// Index in [`ChartStudy::methods`] of the method to which the power law belongs.
     pub method: usize,
-    /// Index of the quantity in [`ChartStudy::quantities`].
+    /// Index in [`ChartStudy::quantities`] of the quantity whose error follows the power law.
     pub quantity: usize,
     /// Fitted exponent of the power law, with its error.
     #[serde(flatten)]
     pub law: PowerLaw,
-    /// Values of the swept parameter at both ends of the fitted range.
+    /// Smallest and largest value of the swept parameter in the fitted range.
     pub range: (f64, f64),
 }
 
 impl ChartSlope {
-    /// Text of the exponent with its error, with two decimal places at most. More places would be meaningless: the
-    /// error is computed from the scatter about a straight line, and does not include a curvature of the true line.
+    /// Text of the exponent with its error, with two decimal places at most. The error follows from the scatter about a
+    /// straight line in logarithmic axes. It does not include a curvature of the true line, so more places would be
+    /// meaningless.
     pub fn exponent(&self) -> String {
         let law = &self.law;
         if law.error < 0.01 {
@@ -137,21 +139,21 @@ impl ChartSlope {
 pub struct ChartStudy<'a> {
     /// Origin of the results: title, case and command.
     pub provenance: &'a Provenance,
-    /// Description of the reference values and their accuracy.
+    /// Description, in words, of the reference values and of their accuracy.
     pub reference: &'a str,
-    /// Description of the runs of each point.
+    /// Description, in words, of the runs of each point.
     pub setting: &'a str,
     /// Methods that are compared in the chart.
     pub methods: &'a [ChartMethod],
-    /// Quantities whose errors are charted.
+    /// Quantities whose errors are drawn in the chart.
     pub quantities: &'a [ChartQuantity],
-    /// Points of the chart, for all methods.
+    /// Points of the chart: one for each method and value of its swept parameter.
     pub points: &'a [ChartPoint],
-    /// Fitted slopes of the errors.
+    /// Power laws fitted to the errors of the methods.
     pub slopes: &'a [ChartSlope],
     /// Conclusions from the chart, one sentence each.
     pub verdicts: &'a [String],
-    /// Remarks on how far the numbers are reliable.
+    /// Remarks on how far the numbers of the chart are reliable, one sentence each.
     pub notes: &'a [String],
 }
 
@@ -165,7 +167,7 @@ pub enum CostMeasure {
 }
 
 impl ChartPoint {
-    /// Cost of the point: wall-clock time [s] or number of operations [-].
+    /// Cost of one run of the point: wall-clock time [s] or number of operations [-].
     pub fn cost(&self, cost: CostMeasure) -> f64 {
         match cost {
             CostMeasure::Wall => self.wall.median,
@@ -173,14 +175,14 @@ impl ChartPoint {
         }
     }
 
-    /// [-] error of the point in a quantity; `None` if unknown.
+    /// [-] error at the point of the quantity with the index `quantity`; `None` if unknown.
     pub fn error(&self, quantity: usize) -> Option<f64> {
         self.errors.get(quantity).copied().flatten().map(|found| found.error)
     }
 }
 
-/// Cheapest point of the given models whose error in a quantity plus two standard errors is within `target`
-/// [-]. A point whose error is small by chance is therefore not chosen.
+/// Cheapest point of the given models whose error in a quantity plus two standard errors of this error is at most
+/// `target` [-]. The two standard errors exclude points whose error is small by chance.
 pub fn cheapest<'a>(
     (methods, points): (&[ChartMethod], &'a [ChartPoint]),
     quantity: usize,
@@ -198,8 +200,8 @@ pub fn cheapest<'a>(
 
 impl ChartStudy<'_> {
     /// Indices of the points of the given models on the Pareto front of a quantity, in order of cost. No other point of
-    /// these models has both a smaller cost and a smaller error. Errors below the statistical floor are small by
-    /// chance, and are replaced by the floor.
+    /// these models has both a smaller cost and a smaller error. Errors below the statistical floor (error by chance
+    /// alone) are replaced by the floor.
     pub fn front(&self, quantity: usize, cost: CostMeasure, models: &[Model]) -> Vec<usize> {
         let floor = self.quantities.get(quantity).map_or(0.0, |quantity| quantity.floor);
         let asked = |point: &ChartPoint| models.contains(&self.methods[point.method].model);

@@ -1,5 +1,4 @@
-//! Tables of results as CSV. The headers are fixed, because scripts depend on them. The cell of an unknown number is
-//! empty.
+//! Tables of results as CSV. The headers are fixed, because scripts depend on them. Cells of unknown numbers are empty.
 
 use super::limits::Map;
 use super::sensitivity::SensitivityStudy;
@@ -72,12 +71,12 @@ pub fn rings(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// True if spheres rotate in one of the variants. The tables then have columns of spins.
+/// True if spheres rotate in one of the variants, so that the tables have columns of spins.
 fn rotating(outcomes: &[Outcome]) -> bool {
     outcomes.iter().any(|outcome| outcome.experiment.scene.rotation.is_some())
 }
 
-/// Header of the columns of a slice.
+/// Header of the columns of a slice: names of the values, then of their standard errors, separated by commas.
 fn slice_head(outcomes: &[Outcome]) -> String {
     let columns = slice_columns(rotating(outcomes));
     let values: String = columns.iter().map(|column| format!("{},", column.name)).collect();
@@ -85,7 +84,7 @@ fn slice_head(outcomes: &[Outcome]) -> String {
     format!("slice,y_m,{values}{errors}samples")
 }
 
-/// Cells of the row of a slice.
+/// Cells of the row of a slice, in the order of [`slice_head`].
 fn slice(index: usize, row: &SliceRow, rotating: bool) -> impl Iterator<Item = String> {
     let found = |column: &SliceColumn| row.of(*column);
     let columns = slice_columns(rotating).iter();
@@ -121,9 +120,9 @@ pub fn meetings(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// Contents of `impacts.csv`: histograms of every variant. Overlaps are relative to the diameter, the smaller one of
-/// two different spheres. If all values are zero, such as overlaps of hard spheres, the table has one row of zero width
-/// without a density.
+/// Contents of `impacts.csv`: histograms of the impacts of every variant. Overlaps are divided by the diameter of the
+/// smaller sphere. If all values are zero, such as overlaps of hard spheres, the table has one row for a bin without
+/// width and without a density.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -145,10 +144,10 @@ pub fn impacts(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// Contents of `overlaps.csv`: means and extremes of the overlaps in the averaging period, over the diameter, the
-/// smaller one of two different spheres. Each soft variant has a row for pairs and a row for walls. The granular
-/// temperature is in m²/s², the elastic parameter of the contact law in SI, other numbers are [-]. κ_n is computed from
-/// the measured temperature. It is empty if spheres or surfaces differ.
+/// Contents of `overlaps.csv`: means and extremes of the overlaps in the averaging period, divided by the diameter of
+/// the smaller sphere. Each soft variant has a row for pairs and a row for walls. The granular temperature is in m²/s²,
+/// the elastic parameter of the contact law in SI, other numbers are [-]. κ_n is computed from the measured
+/// temperature. It is empty if spheres or surfaces differ.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -221,17 +220,17 @@ fn histograms(impacts: &Impacts) -> [(&'static str, &'static str, &Histogram); 5
     ]
 }
 
-/// One bin of a histogram, with numbers in the unit of the quantity.
+/// Bin of a histogram: lower and upper end in the unit of the quantity, count, and probability density.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct HistogramRow {
     pub lower: f64,
     pub upper: f64,
     pub count: u64,
-    /// Probability density, in one over the unit of the quantity; `None` for a bin without width.
+    /// Probability density, in one over the unit of the quantity; `None` for a bin of zero width.
     pub density: Option<f64>,
 }
 
-/// Bins of a histogram up to the last bin with a count.
+/// Bins of a histogram, from the first bin to the last bin that is not empty.
 pub(super) fn bins(histogram: &Histogram) -> Vec<HistogramRow> {
     if histogram.total == 0 {
         return Vec::new();
@@ -251,7 +250,7 @@ pub(super) fn bins(histogram: &Histogram) -> Vec<HistogramRow> {
 }
 
 /// Contents of `state.csv`: ids, centres [m], velocities [m/s], diameters [m] and species names in the order of the
-/// ids. Numbers have 17 significant digits, so that reading them gives the same bits. Centres are moved into the box
+/// ids. Numbers have 17 significant digits, so that they are read without rounding. Centres are moved into the box
 /// along periodic axes. Before the table, lines of the form `# key: value` contain the number of particles with a
 /// checksum, `about` and the box. Other programs read these lines as comments.
 ///
@@ -300,8 +299,8 @@ pub fn bounces(bounces: &[Bounce]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// Contents of `oblique.csv`: the reduced slip s/(μ u_n) [-] before and after oblique impacts of each variant, then the
-/// references.
+/// Contents of `oblique.csv`: the reduced slip s/(μ u_n) [-] before and after oblique impacts. The rows of each variant
+/// precede those of the references.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -317,8 +316,9 @@ pub fn oblique(study: &ObliqueStudy) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// Contents of `chart.csv`: one row per point and quantity. A failed point has a single row with the reason of the
-/// failure. Errors, uncertainties and floors are fractions [-]; other numbers are in the unit of the quantity.
+/// Contents of `chart.csv`: one row per point and quantity of the work-precision chart. A failed point has a single row
+/// with the reason of the failure. Errors, uncertainties and floors are fractions [-]; other numbers are in the unit of
+/// the quantity.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -368,11 +368,12 @@ pub fn chart(study: &ChartStudy) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// Names of the last two columns of every map: the outcome of a point, and the message of a failure.
+/// Names of the last two columns of every map (table of failures): the outcome of a point, and the message of a
+/// failure.
 const MAP_ENDS: [&str; 2] = ["outcome", "message"];
 
-/// Contents of `sweep.csv`: one row per point and variant. Numbers that are values of keys are in SI; other values are
-/// as typed. Columns with `_se` contain one standard error.
+/// Contents of `sweep.csv`: one row per point and variant. Values of swept keys are in SI if they are numbers;
+/// otherwise they are as typed. Columns with `_se` contain one standard error.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -405,7 +406,7 @@ pub fn sweep(study: &SweepStudy) -> Result<Vec<u8>, OutputError> {
 }
 
 /// Contents of `sensitivity.csv`: one row per factor and observable. Scales, shifts and their standard errors are in
-/// the unit of the observable. Columns relative to the scale or to the margin are [-].
+/// the unit of the observable. Columns relative to the scale or to the margin (largest accepted difference) are [-].
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -436,13 +437,14 @@ pub fn sensitivity(study: &SensitivityStudy) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// True if [`limits`] made the table. Any other table in the folder of maps belongs to the user.
+/// True if the text of a table is that of a map made by [`limits`]. Other tables in the folder of maps belong to the
+/// user.
 pub fn is_map(table: &str) -> bool {
     table.lines().next().is_some_and(|header| header.ends_with(&MAP_ENDS.join(",")))
 }
 
-/// Contents of `maps/NAME.csv`, with one row per point of a map: the columns of the map, the outcome of the point, and
-/// the message of a failure.
+/// Contents of `maps/NAME.csv`, with one row per point of a map (table that shows where a method fails): the values of
+/// the point, its outcome, and the message of a failure.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -457,7 +459,7 @@ pub fn limits(map: &Map) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// Shortest text that is read as the same number; empty if the number is unknown or not finite.
+/// Shortest text from which the number is read without rounding; empty if the number is unknown or not finite.
 pub(super) fn number<N: Into<Option<f64>>>(value: N) -> String {
     let Some(value) = value.into() else { return String::new() };
     match value.abs() {
@@ -476,7 +478,7 @@ impl CsvTable {
         Self(Writer::from_writer(Vec::new()))
     }
 
-    /// Adds the header; `names` contains the names of the columns, separated by commas.
+    /// Adds the header of the table. `names` contains the names of the columns, separated by commas.
     pub(super) fn head(&mut self, names: &str) -> Result<(), OutputError> {
         Ok(self.0.write_record(names.split(','))?)
     }

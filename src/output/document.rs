@@ -1,6 +1,6 @@
 //! Content of the report of a study, independent of the format: sentences, tables, pictures, and numbers of the
-//! summary. The module [`html`](super::html) turns the content into a page. [`text`] turns it into lines for a
-//! terminal.
+//! summary. The module [`html`](super::html) makes a page from the content. [`text`] makes lines for a terminal from
+//! it.
 
 use super::Provenance;
 use super::numbers::UNKNOWN;
@@ -11,7 +11,7 @@ use crate::statistics::Answer;
 use std::fmt::Write;
 use std::ops::Range;
 
-/// Row of a table: a flag that highlights the row if true, and the cells. The first cell is the name of the row.
+/// Row of a table: a flag that is true for a highlighted row, and the cells. The first cell is the name of the row.
 pub(super) type TextRow = (bool, Vec<String>);
 
 /// Table of text cells whose first column contains the names of the rows.
@@ -19,23 +19,23 @@ pub(super) type TextRow = (bool, Vec<String>);
 pub(super) struct Table {
     pub head: Vec<String>,
     pub rows: Vec<TextRow>,
-    /// True if the last column contains sentences.
+    /// True if the last column of the table contains sentences, which are set as text.
     pub remarks: bool,
 }
 
-/// Table of answers, with quantities in rows and variants in columns.
+/// Table of answers of a comparison, with quantities in rows and variants in columns.
 #[derive(Clone, Debug)]
 pub(super) struct Matrix {
-    /// Names of the columns, each with a remark.
+    /// Names of the columns, each with a remark that is shown below it.
     pub head: Vec<(String, String)>,
-    /// Names of the rows, each with its answers.
+    /// Names of the rows, each with one answer per column.
     pub rows: Vec<(String, Vec<AnswerCell>)>,
 }
 
-/// One answer in a [`Matrix`].
+/// Cell of a [`Matrix`]: one answer with the number on which it is based.
 #[derive(Clone, Debug, Default)]
 pub(super) struct AnswerCell {
-    /// Answer in a word; `None` if there is no answer.
+    /// Answer (equivalent, different or unresolved); `None` if there is no answer.
     pub answer: Option<Answer>,
     /// Number on which the answer is based, or the text shown instead of an answer.
     pub words: String,
@@ -53,18 +53,18 @@ pub(super) enum Block {
     Paragraph(String),
     /// Label in bold letters above the blocks that follow.
     Label(String),
-    /// Sentence that answers the question of a part of the document.
+    /// Sentence with the answer to the question of a part of the document.
     Verdict(String),
     Note(String),
     List(Vec<String>),
     /// Terms with their values; terms with an empty value are left out.
     Entries(Vec<(String, String)>),
     Table(Table),
-    /// Answers in a compact table.
+    /// Table of answers, with quantities in rows and variants in columns.
     Matrix(Matrix),
     /// Animation of the recorded motion of particles.
     Player(Box<Player>),
-    /// Pictures of the document, given by a range of indices.
+    /// Pictures of the document, given by the range of their indices in the list of figures.
     Figures(Range<usize>),
     /// Heading and text of a file, hidden until the reader opens it.
     Source(String, String),
@@ -89,38 +89,39 @@ impl Block {
     }
 }
 
-/// Names of columns from a text in which they are separated by ` | `.
+/// Splits a text into the names of columns, which are separated by ` | `.
 pub(super) fn columns(head: &str) -> Vec<String> {
     head.split(" | ").map(String::from).collect()
 }
 
-/// Returns the given text if the value in it is known, else the sign for an unknown value.
+/// Returns `text` if the value in it is known, otherwise the sign for an unknown value.
 pub(super) fn known(is_known: bool, text: String) -> String {
     if is_known { text } else { UNKNOWN.into() }
 }
 
-/// All results of a study, in the form in which the writers use them.
+/// Document of a study: all its results in the form in which the writers of files use them.
 pub(super) struct Document<'a> {
     pub provenance: &'a Provenance,
-    /// Names and failures of variants that stopped early.
+    /// Variants that stopped early, each as its name and its failure.
     pub failures: Vec<(&'a str, &'a Failure)>,
     /// Answers of the study in sentences, the shortest first.
     pub verdicts: &'a [String],
-    /// Number of `verdicts` at the top of the page. Further verdicts are hidden until the reader opens them.
+    /// Number of `verdicts` that are shown at the top of the page. The other verdicts are hidden until the reader opens
+    /// them.
     pub answers: usize,
-    /// Part of the page that is always visible.
+    /// Blocks of the page that are always visible.
     pub front: Vec<Block>,
     /// Remarks on how far the numbers are reliable, one sentence each.
     pub notes: &'a [String],
     pub body: Vec<Block>,
-    /// Further data needed to reproduce the results.
+    /// Blocks with further data that are needed to reproduce the results.
     pub tail: Vec<Block>,
     /// Tables of numbers, each as the name of its file and the text of the file.
     pub tables: Vec<(String, Vec<u8>)>,
     pub figures: Vec<Figure>,
 }
 
-/// State of a run as a word for `summary.json`: "failed" if it stopped early, else "complete".
+/// Status of a run in one word for `summary.json`: "failed" if it stopped early, otherwise "complete".
 pub(super) fn status(failed: bool) -> &'static str {
     if failed { "failed" } else { "complete" }
 }
@@ -153,7 +154,7 @@ pub(super) fn text(blocks: &[Block]) -> String {
     text
 }
 
-/// Lines with columns as wide as their longest cell, two spaces apart.
+/// Text of a table in lines. Columns are as wide as their longest cell, and two spaces apart.
 fn aligned<'a>(rows: &[impl AsRef<[&'a str]>]) -> String {
     let mut widths: Vec<usize> = Vec::new();
     for row in rows.iter().map(AsRef::as_ref) {

@@ -1,41 +1,42 @@
-//! Results of the comparison of files that any program may have written, as plain data for the outputs.
+//! Results of a comparison of files that any program may have written, as plain data for the outputs.
 
 use super::csv::{CsvTable, number};
 use super::{Basis, OutputError, Provenance, Verdict};
 use crate::statistics::{Estimate, Steadiness};
 use serde::Serialize;
 
-/// Summary of one side of a compared quantity.
+/// Summary of one side (A or B) of a compared quantity.
 #[derive(Clone, Debug, Serialize)]
 pub struct SideSummary {
-    /// Name of the column, or label of the point.
+    /// Name of the column that contains the quantity, or label of the point.
     pub column: String,
-    /// Number of files (replicas).
+    /// Number of files (replicas) of this side.
     pub files: usize,
-    /// Number of samples of all files.
+    /// Number of samples in all files of this side.
     pub samples: usize,
-    /// Average from the start of averaging on; `None` if it cannot be computed.
+    /// Average of the quantity from the start of averaging to the end; `None` if it cannot be computed.
     pub mean: Option<Estimate>,
-    /// [s] start of averaging; in the unit of the times if this unit is unknown. `None` for a point.
+    /// [s] start of averaging, in the unit of the times if this unit is unknown. `None` for a quantity at a point.
     pub from: Option<f64>,
-    /// [s] integral correlation time; in the unit of the times if this unit is unknown. `None` if the time is unknown.
+    /// [s] integral correlation time of the quantity, in the unit of the times if this unit is unknown. `None` if it
+    /// cannot be computed.
     pub correlation_time: Option<f64>,
-    /// Result of the test for a steady state; `None` for a point.
+    /// Result of the test for a steady state; `None` for a quantity at a point.
     pub steadiness: Option<Steadiness>,
 }
 
-/// Quantity that is compared between the two sides.
+/// Quantity that is compared between the two sides A and B.
 #[derive(Clone, Debug, Serialize)]
 pub struct FilesQuantity {
-    /// Name in sentences.
+    /// Name of the quantity in sentences.
     pub name: String,
-    /// SI unit; empty if the settings give none.
+    /// SI unit of the quantity; empty if the settings give none.
     pub unit: String,
     /// [-] margin of equivalence: largest accepted difference, divided by the scale of the quantity.
     pub margin: f64,
-    /// Kind of data by which the sides are compared.
+    /// Kind of data by which the two sides are compared.
     pub basis: Basis,
-    /// Both sides; the second is the reference.
+    /// Summaries of the sides A and B; B is the reference.
     pub sides: [SideSummary; 2],
 }
 
@@ -44,22 +45,22 @@ pub struct FilesQuantity {
 pub struct FilesStudy<'a> {
     /// Origin of the results: title, settings and command.
     pub provenance: &'a Provenance,
-    /// Names of both sides.
+    /// Names of the sides A and B.
     pub names: &'a [String; 2],
-    /// Paths of the files of both sides.
+    /// Paths of the files of the sides A and B.
     pub paths: &'a [String; 2],
     /// Quantities in the order of the settings.
     pub quantities: &'a [FilesQuantity],
     /// Answers in sentences. The page begins with these sentences.
     pub verdicts: &'a [String],
-    /// Tests of the quantities, one entry for each margin and kind of data.
+    /// Tests of the quantities, with one entry for each margin and kind of data.
     pub comparisons: &'a [Verdict],
     /// Remarks on how far the numbers are reliable, one sentence each.
     pub notes: &'a [String],
 }
 
-/// Contents of `judge.csv`: two rows for each quantity, one for each side. Means and errors are in the unit of the
-/// quantity. Times are in s, or in the unit of the column of times if this unit is unknown.
+/// Contents of `judge.csv`: two rows for each quantity, one for each side (A or B). Means and errors are in the unit of
+/// the quantity. Times are in s, or in the unit of the column of times if this unit is unknown.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

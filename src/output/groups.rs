@@ -1,15 +1,15 @@
-//! Groups of variants: the reference of each variant, and the variants that share a panel.
+//! Groups of variants: the reference of each variant, and the variants that share a panel of a picture.
 
 use crate::experiment::{Model, Reference};
 use crate::outcome::Outcome;
 
-/// Largest number of variants that readers can distinguish in one panel; it equals the number of dash patterns and of
-/// markers.
+/// Largest number of variants that readers can distinguish in one panel. It equals the number of dash patterns and the
+/// number of markers.
 pub(super) const TOLD_APART: usize = 6;
 
-/// Index of the reference of each variant: the variant that the key `against` names, if there is one. A variant that is
-/// named by another variant, or compared with a table, is its own reference. All other variants have the first hard
-/// variant as reference, or the first variant if none is hard.
+/// Index of the reference of each variant. It is the variant that the key `against` names, if there is one. A variant
+/// that is named by another variant, or compared with a table, is its own reference. All other variants have the first
+/// hard variant as reference, or the first variant if none is hard.
 pub fn references(outcomes: &[Outcome]) -> Vec<usize> {
     let rest = outcomes.iter().position(|outcome| outcome.experiment.model() == Model::Hard).unwrap_or(0);
     // a variant whose reference has not been run is its own reference
@@ -28,13 +28,14 @@ pub fn references(outcomes: &[Outcome]) -> Vec<usize> {
 
 /// Variants that are drawn together in one panel of a picture.
 pub(super) struct PanelGroup<'a> {
-    /// Common beginning of the names of the variants; empty if there is only one group.
+    /// Common beginning of the names of the variants in the group; empty if there is only one group.
     pub title: String,
-    /// Remaining part of each name, with the outcome of the variant.
+    /// Remaining part of the name of each variant, with its outcome.
     pub members: Vec<(String, &'a Outcome)>,
 }
 
-/// Returns one group of all variants if readers can distinguish them in a panel, else a group for each reference.
+/// Returns one group of all variants if readers can distinguish them in a panel. Otherwise returns one group for each
+/// reference.
 pub(super) fn groups(outcomes: &[Outcome]) -> Vec<PanelGroup<'_>> {
     let name = |outcome: &Outcome| outcome.experiment.name.clone();
     let references = references(outcomes);
@@ -57,8 +58,8 @@ pub(super) fn groups(outcomes: &[Outcome]) -> Vec<PanelGroup<'_>> {
     heads.iter().map(group).collect()
 }
 
-/// Splits the names of variants at their first comma: "case B, soft" and "case B, hard" give "case B", and "soft",
-/// "hard". `None` if the parts before the comma differ, or a name has no comma.
+/// Splits the names of variants at their first comma: "case B, soft" and "case B, hard" give "case B", and the list
+/// "soft", "hard". `None` if the parts before the comma differ, or if a name has no comma.
 fn split(names: &[String]) -> Option<(String, Vec<String>)> {
     let (title, _) = names.first()?.split_once(", ")?;
     let rest = names.iter().map(|name| Some(name.strip_prefix(title)?.strip_prefix(", ")?.to_owned()));

@@ -1,7 +1,7 @@
 //! Report as one HTML page, which needs no network and can be printed. All text is readable without scripts.
 //!
-//! The answer comes first and fits on one screen. The data follow in parts, each hidden below a heading until the
-//! reader opens the part. The last part contains the data needed to reproduce the results. Text of the user, such as
+//! The answer comes first and fits on one screen. The data follow in parts. Each part is hidden below its heading until
+//! the reader opens it. The last part contains the data needed to reproduce the results. Text of the user, such as
 //! names of variants, is escaped, and its control characters are made visible.
 
 use super::document::{AnswerCell, Block, Document, Matrix, Table};
@@ -15,13 +15,13 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 const STYLE: &str = include_str!("page/style.css");
 
-/// Heading of the part of a page with remarks and checks of the results.
+/// Heading of the part of a page with remarks and checks that show how reliable the results are.
 pub(super) const TRUST: &str = "How far to trust this";
 
 /// Heading of the part with the data needed to reproduce the results.
 const AGAIN: &str = "To get the same again";
 
-/// Part of the page that is hidden below its heading until the reader opens the part.
+/// Part of a page that is hidden below its heading until the reader opens it.
 struct Fold<'a> {
     title: &'a str,
     inside: Vec<Markup>,
@@ -67,7 +67,7 @@ pub(super) fn page(document: &Document) -> String {
     legible::lines(&page.into_string()).into_owned()
 }
 
-/// All parts of the page that have a heading, in the order of the page.
+/// Makes all parts of the page that have a heading, in the order of the page.
 fn folds<'a>(document: &'a Document, body: &'a [Block]) -> Vec<Fold<'a>> {
     let Document { provenance, notes, figures, .. } = document;
     let mut folds = Vec::new();
@@ -132,8 +132,8 @@ fn contents(folds: &[Fold], tables: &[(String, Vec<u8>)]) -> Markup {
     }
 }
 
-/// HTML of a part of the page below its heading. The target of links is inside the part, so that following a link opens
-/// the part.
+/// HTML of a part of the page, which the reader opens by its heading. The target of links is inside the part, so that a
+/// link to the part opens it.
 fn folded(fold: &Fold) -> Markup {
     html! {
         details.part {

@@ -8,31 +8,31 @@ use serde::Serialize;
 /// State of the two bodies at one instant of an impact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathPoint {
-    /// [s] time since the start of the run.
+    /// [s] simulated time since the start of the run.
     pub time: f64,
-    /// [m] gap between the surfaces; negative while they overlap.
+    /// [m] gap between the surfaces of the two bodies; negative while they overlap.
     pub gap: f64,
-    /// [m/s] relative velocity along the normal; negative during approach.
+    /// [m/s] relative velocity of the two bodies along the normal; negative during approach.
     pub normal_velocity: f64,
 }
 
-/// Three numbers of an impact. Each one is `None` if the impact did not end.
+/// Restitution, contact time and largest overlap of an impact; `None` for each of them if the impact did not end.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BounceValues {
     /// [-] restitution, the ratio of the rebound speed to the approach speed.
     pub restitution: Option<f64>,
     /// [s] duration of the contact; 0 for an instantaneous collision.
     pub contact_time: Option<f64>,
-    /// [m] largest overlap; 0 for an instantaneous collision of hard spheres, `None` if the impact did not end.
+    /// [m] largest overlap; 0 for an instantaneous collision of hard spheres.
     pub maximum_overlap: Option<f64>,
 }
 
 /// Closed-form solution for the impact of one variant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Analytic {
-    /// Path of the two bodies.
+    /// Path of the two bodies by the closed-form solution.
     pub path: Vec<PathPoint>,
-    /// Restitution, contact time and largest overlap of this solution.
+    /// Restitution, contact time and largest overlap of the closed-form solution.
     pub values: BounceValues,
 }
 
@@ -45,15 +45,15 @@ pub struct Bounce {
     pub model: Model,
     /// Computed path of the two bodies.
     pub path: Vec<PathPoint>,
-    /// Restitution, contact time and largest overlap of the computed path.
+    /// Restitution, contact time and largest overlap of the computed impact.
     pub values: BounceValues,
     /// Closed-form solution for the parameters of the variant, if there is one.
     pub analytic: Option<Analytic>,
-    /// [s] time step; `None` for event-driven collisions.
+    /// [s] time step of the variant; `None` for event-driven collisions.
     pub time_step: Option<f64>,
-    /// Number of time steps or events of the run.
+    /// Number of time steps or events that the run needed.
     pub work: u64,
-    /// [s] wall-clock time of the impact.
+    /// [s] wall-clock time of the run of the impact.
     pub wall_seconds: f64,
     /// All parameters of the variant in SI, as written to `summary.json`.
     pub parameters: serde_json::Value,
@@ -61,10 +61,10 @@ pub struct Bounce {
     pub failure: Option<Failure>,
 }
 
-/// Curve of one variant: slip after oblique impacts as a function of the slip before.
+/// Curve of one variant: reduced slip after oblique impacts as a function of that before.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObliqueCurve {
-    /// Name of the variant.
+    /// Name of the variant to which the curve belongs.
     pub name: String,
     /// Reduced slip s/(μ u_n) before and after the impact [-].
     pub points: Vec<(f64, f64)>,
@@ -75,17 +75,18 @@ pub struct ObliqueCurve {
 pub struct ObliqueStudy {
     /// Curves of the variants, one for each.
     pub curves: Vec<ObliqueCurve>,
-    /// Measured points of solid spheres: reduced slip before and after the impact [-]. Empty for other bodies.
+    /// Measured reduced slip s/(μ u_n) of solid spheres before and after the impact [-]; empty for other bodies.
     pub measured: Vec<(f64, f64)>,
-    /// Curve of elastic impacts whose contact circle slips only in part: reduced slip before and after the impact [-]
+    /// Reduced slip s/(μ u_n) before and after elastic impacts whose contact circle slips only at its edge [-]
     /// ([`PartialSlip`](crate::rotation::PartialSlip)). Empty if the contact law has no elastic constants.
     pub partial_slip: Vec<(f64, f64)>,
-    /// [-] largest change of the reduced slip, by the friction impulse of sliding: (1+e) M/M_t.
+    /// [-] change of the reduced slip by the friction impulse of an impact that slides to its end: (1+e) M/M_t. It is
+    /// the largest possible change.
     pub impulse: f64,
 }
 
 impl ObliqueStudy {
-    /// Curves and points that do not come from this program's engines, with their labels.
+    /// Reference points and curves that no engine of this program computed, with their labels.
     pub fn references(&self) -> [(&'static str, &[(f64, f64)]); 2] {
         [
             ("measured (Kharaz et al. 2001)", &self.measured),
@@ -93,8 +94,8 @@ impl ObliqueStudy {
         ]
     }
 
-    /// Largest difference [-] between the curve with index `curve` and the first curve, in units of
-    /// [`impulse`](Self::impulse), and the reduced slip at this difference.
+    /// Largest difference [-] between the curve with the index `curve` and the first curve, divided by
+    /// [`impulse`](Self::impulse), and the reduced slip before the impact at this difference.
     pub fn difference(&self, curve: usize) -> Option<(f64, f64)> {
         let (first, other) = (self.curves.first()?, self.curves.get(curve)?);
         let off = |(at, after): &(f64, f64)| {
@@ -112,13 +113,13 @@ pub struct ImpactStudy<'a> {
     pub provenance: &'a Provenance,
     /// Computed impacts of the variants, one for each.
     pub bounces: &'a [Bounce],
-    /// [-] restitution given in the case.
+    /// [-] restitution that the case prescribes for the impact.
     pub requested_restitution: f64,
-    /// Oblique impacts of the two bodies; `None` if spheres do not rotate or have no friction.
+    /// Oblique impacts of the two bodies. `None` if spheres do not rotate or have no friction.
     pub oblique: Option<&'a ObliqueStudy>,
-    /// [m] diameter by which overlaps are divided.
+    /// [m] diameter by which the overlaps of the study are divided.
     pub diameter: f64,
-    /// [m/s] normal speed of approach.
+    /// [m/s] normal speed of approach of the two bodies.
     pub impact_speed: f64,
     /// Answers in sentences, the shortest first. The page begins with these sentences.
     pub verdicts: &'a [String],

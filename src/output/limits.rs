@@ -1,63 +1,65 @@
-//! Results of the study of limits as plain data for the outputs, with one [`Map`] per question.
+//! Results of the study of limits, which shows where a method fails, as plain data for the outputs. There is one
+//! [`Map`] per question.
 
 use super::Provenance;
 use super::panel::Panel;
 use crate::engine::Failure;
 
-/// Point of a map: one run, or several runs with the same settings.
+/// Point of a map (table of the settings for which a method fails): one run, or several runs with equal settings.
 #[derive(Clone, Debug)]
 pub struct MapPoint {
-    /// Values in the order of the columns, each in the unit of its column; `None` for a missing number.
+    /// Values of the point in the order of the columns of the map, each in the unit of its column; `None` for a missing
+    /// number.
     pub values: Vec<Option<f64>>,
-    /// Failure of the first run that stopped early; `None` if all runs ended.
+    /// Failure of the first run of the point that stopped early; `None` if all runs ended.
     pub failure: Option<Failure>,
 }
 
 /// Map that shows for which settings a method fails.
 #[derive(Clone, Debug)]
 pub struct Map {
-    /// Name of the map: for its files, and for the option `--only`.
+    /// Name of the map in file names and in the option `--only`.
     pub name: &'static str,
-    /// Question that the map answers.
+    /// Question that the map answers, as the heading of its section.
     pub title: String,
-    /// Description of the runs of each point.
+    /// Description, in words, of the runs at each point of the map.
     pub method: String,
-    /// Conclusion that is drawn from the map.
+    /// Conclusion that is drawn from the map, in sentences.
     pub lesson: String,
     /// Names of the columns in the table, with the unit after an underscore. The comment at the beginning of `case`
     /// explains the columns.
     pub columns: Vec<&'static str>,
-    /// Points in the order in which they are drawn.
+    /// Points of the map, in the order in which they are drawn.
     pub rows: Vec<MapPoint>,
     /// Picture of the map: cells or curves.
     pub picture: Picture,
-    /// Text of the case of the map, for `diptych run`. Each point changes some keys of this case.
+    /// Text of a case for `diptych run`. For each point of the map, some keys of this case are changed.
     pub case: &'static str,
 }
 
 /// Kind of picture of a map.
 #[derive(Clone, Debug)]
 pub enum Picture {
-    /// Coloured cells, each of which belongs to a class.
+    /// Coloured cells, one per point, each of which belongs to a class.
     Cells(RegimeMap),
-    /// Points and lines in a panel.
+    /// Points and lines in one panel with a pair of axes.
     Curves(Panel),
 }
 
-/// Plane of coloured cells with theoretical lines. Each cell belongs to a class.
+/// Map of coloured cells in a plane, with lines by theory. Each cell belongs to a class.
 #[derive(Clone, Debug)]
 pub struct RegimeMap {
     /// Label of the horizontal axis.
     pub x_label: String,
     /// Label of the vertical axis.
     pub y_label: String,
-    /// True for a logarithmic axis, in the order horizontal, vertical.
+    /// True for a logarithmic axis, first for the horizontal, then for the vertical axis.
     pub log: [bool; 2],
-    /// Classes of cells, each with its colour.
+    /// Classes to which cells belong, each with its colour.
     pub classes: Vec<Class>,
-    /// Cells of which the map is made.
+    /// Cells of the map, one per point.
     pub cells: Vec<Cell>,
-    /// Theoretical lines: a label, and points in the units of the axes.
+    /// Lines by theory, each as a label and its points in the units of the axes.
     pub lines: Vec<(String, Vec<(f64, f64)>)>,
 }
 
@@ -66,18 +68,18 @@ pub struct RegimeMap {
 pub struct Class {
     /// Name of the class in the legend.
     pub label: String,
-    /// Meaning of the class, from which its colour follows.
+    /// Meaning of the class, which determines its colour.
     pub shade: Shade,
 }
 
-/// Meaning of a class of cells, from which its colour follows.
+/// Meaning of a class of cells, which determines the colour of the cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shade {
     /// Size of an effect, from 0 (not visible) to 3 (large); shades of blue.
     Level(u8),
     /// Runs that stopped with a failure, grew without bound or have large errors; orange with crosses.
     Fails,
-    /// Runs with wrong results but without a message; dark grey with crosses.
+    /// Runs with wrong results but no error message; dark grey with crosses.
     Silent,
 }
 
@@ -88,7 +90,7 @@ pub struct Cell {
     pub x: (f64, f64),
     /// Lower and upper end of the cell, in the unit of the axis.
     pub y: (f64, f64),
-    /// Index of the class to which the cell belongs.
+    /// Index of the class of the cell in [`RegimeMap::classes`].
     pub class: usize,
 }
 
@@ -96,11 +98,11 @@ pub struct Cell {
 pub struct LimitsStudy<'a> {
     /// Origin of the results: case, command and title.
     pub provenance: &'a Provenance,
-    /// Maps in the order of the page.
+    /// Maps of the study in the order of the page.
     pub maps: &'a [Map],
-    /// [s] wall-clock time of the runs of each map. Two maps from the same runs have equal times.
+    /// [s] wall-clock time of the runs of each map. Two maps made from the same runs have equal times.
     pub wall_seconds: &'a [f64],
-    /// True if the study used coarse grids.
+    /// True if the study used coarse grids of points, by the option `--quick`.
     pub quick: bool,
 }
 
@@ -119,7 +121,7 @@ impl MapPoint {
 }
 
 impl Map {
-    /// Number of points with each outcome, in order of first appearance.
+    /// Number of points of the map with each outcome, in order of first appearance.
     pub fn outcomes(&self) -> Vec<(&'static str, u64)> {
         let mut outcomes: Vec<(&str, u64)> = Vec::new();
         for name in self.rows.iter().map(MapPoint::outcome) {

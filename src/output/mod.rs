@@ -62,7 +62,7 @@ pub enum OutputError {
     /// The folder contains results of another run.
     #[error("{} holds results already; name another folder with --out, or pass --overwrite to replace them", path.display())]
     Occupied {
-        /// Path of the folder.
+        /// Path of the folder with the results.
         path: PathBuf,
     },
     /// The folder contains a run that was stopped before its end.
@@ -71,36 +71,36 @@ pub enum OutputError {
         path.display(), path.display()
     )]
     Unfinished {
-        /// Path of the folder.
+        /// Path of the folder with the stopped run.
         path: PathBuf,
     },
     /// Another command is writing into the folder.
     #[error("another run is writing into {} at this moment; wait for its end, or name another folder with --out", path.display())]
     InUse {
-        /// Path of the folder.
+        /// Path of the folder that is in use.
         path: PathBuf,
     },
     /// The operating system refused to write or read.
     #[error("cannot {action} {}: {source}", path.display())]
     Io {
-        /// Attempted action, in words that precede the path in the message.
+        /// Attempted action, as the words before the path in the error message.
         action: &'static str,
-        /// Path of the file or folder.
+        /// Path of the file or folder that could not be written or read.
         path: PathBuf,
         /// Error of the operating system.
         source: std::io::Error,
     },
-    /// Frames of a trajectory were removed from the folder during the run.
+    /// Other programs removed frames of a trajectory from the folder during the run.
     #[error("{gone} of {frames} frames of the trajectory were removed during the run, the first is {}; its index lists the others", path.display())]
     Gone {
         /// Path of the first removed frame.
         path: PathBuf,
         /// Number of removed frames.
         gone: usize,
-        /// Number of frames that were written.
+        /// Number of frames that the run had written.
         frames: usize,
     },
-    /// One of the processes that share a run could not write its file.
+    /// One of the processes that share the run could not write its file.
     #[error("process {process}: {why}")]
     OfProcess {
         /// Rank (number) of the process that could not write.
@@ -108,10 +108,10 @@ pub enum OutputError {
         /// Error message of the process.
         why: String,
     },
-    /// A table could not be encoded.
+    /// A table of results could not be encoded as CSV.
     #[error("cannot encode a table: {0}")]
     Csv(#[from] ::csv::Error),
-    /// The summary could not be encoded.
+    /// The summary could not be encoded as JSON.
     #[error("cannot encode the summary: {0}")]
     Json(#[from] serde_json::Error),
 }
@@ -122,7 +122,7 @@ impl OutputError {
     }
 }
 
-/// Data needed to reproduce results.
+/// Data needed to reproduce the results of a command.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Provenance {
     /// Title of the case, in one line.
@@ -150,7 +150,8 @@ pub struct Study<'a> {
     pub verdicts: &'a [String],
     /// Comparisons of variants with their references; empty for a single run.
     pub comparisons: &'a [Verdict],
-    /// Settings of each variant as typed in the case, in the order of the variants. An empty text means no settings.
+    /// Settings that distinguish each variant, as typed in the case, in the order of the variants. An empty text means
+    /// no settings.
     pub overrides: &'a [String],
     /// Remarks on how far the numbers are reliable, one sentence each.
     pub notes: &'a [String],

@@ -1,4 +1,4 @@
-//! Formats numbers for readers: only significant digits, SI prefixes, and values with their errors.
+//! Formats numbers for readers, with significant digits only, SI prefixes, and standard errors.
 
 use crate::statistics::Estimate;
 
@@ -23,13 +23,13 @@ pub fn significant(value: impl Into<Option<f64>>, digits: usize) -> String {
     format!("{} × 10{}", signed(mantissa, digits - 1), superscript(exponent))
 }
 
-/// The value if it is finite; `None` if it is missing or not finite.
+/// Returns the value if it is present and finite, otherwise `None`.
 fn finite(value: impl Into<Option<f64>>) -> Option<f64> {
     value.into().filter(|value| value.is_finite())
 }
 
 /// Text of a value ± one standard error. The error has one or two digits, and the value has as many decimal places as
-/// the error. For an unknown error, the value has four digits, and `?` is in place of the error.
+/// the error. If the error is unknown, the value has four digits, and `?` replaces the error.
 pub fn with_error(found: impl Into<Option<Estimate>>) -> String {
     let Some(Estimate { value, error }) = found.into().filter(|found| found.value.is_finite()) else {
         return UNKNOWN.into();
@@ -83,7 +83,7 @@ pub fn percent(part: f64, whole: f64) -> String {
 /// SI prefix with its factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prefix {
-    /// [-] factor by which a value is multiplied to obtain the number before the prefixed unit.
+    /// [-] factor by which a value in the plain unit is multiplied to give the number before the prefixed unit.
     pub factor: f64,
     /// Letter of the SI prefix, such as `m` for milli.
     pub symbol: &'static str,
@@ -108,8 +108,8 @@ fn exponent(value: f64, digits: usize) -> i32 {
     text.split_once('e').and_then(|(_, power)| power.parse().ok()).unwrap_or(0)
 }
 
-/// Text of a number with `places` decimal places and a typographic minus sign. A negative number of places rounds
-/// digits before the point.
+/// Text of a number with `places` decimal places and a typographic minus sign. If `places` is negative, the number is
+/// rounded to a multiple of 10 to the power -`places`.
 fn signed(value: f64, places: i32) -> String {
     let rounded = if places < 0 {
         let unit = 10f64.powi(-places);

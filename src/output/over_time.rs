@@ -9,9 +9,9 @@ use crate::observe::{
 use crate::outcome::Outcome;
 
 /// Contents of `series.csv`: averages over all particles, with one row per variant and instant. Impacts and losses are
-/// counted from the start. Columns of friction exist only where spheres rotate, and those of turbulence only where
-/// particles see it. Columns of the gas, of shear, of a thermostat and of openings exist only in scenes that have these, and those of
-/// the velocity distribution only where it is measured.
+/// counted from the start. Columns of friction exist only if spheres rotate, and those of turbulence only if it acts on
+/// the particles. Columns of the gas, of shear, of a thermostat and of openings exist only in scenes that have them.
+/// Columns of the velocity distribution exist only if it is measured.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -38,8 +38,8 @@ pub fn series(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// Contents of `paths.csv`: one row per variant, instant and particle; `None` for more than 50 particles. The column of
-/// overlaps contains the largest overlap of the particle at the instant.
+/// Contents of `paths.csv`: one row per variant, instant and particle; `None` for more than 50 particles. The column
+/// `overlap_m` contains the largest overlap of the particle at the instant.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

@@ -25,37 +25,37 @@ impl Figure {
 pub enum SeriesStyle {
     /// Line with a band of one standard error, in the colour of the variant with this index.
     Line(usize),
-    /// Thin line through all points, such as the steps of a histogram, in the colour of the variant with this index.
+    /// Thin line through all points, such as the outline of a histogram, in the colour of the variant with this index.
     Steps(usize),
     /// Separate points, in the colour of the variant with this index.
     Points(usize),
     /// Points with error bars, joined by a thin line, in the colour of the method with this index.
     Sweep(usize),
-    /// Stars on the upper frame, independent of the value: failures of the method with this index.
+    /// Stars on the upper frame at any value, which mark failures of the method with this index.
     Failed(usize),
-    /// Large dark diamonds for the best method.
+    /// Large dark diamonds, which mark the best method.
     Winner,
-    /// Broad pale line with a disc around each point, for the Pareto front.
+    /// Broad pale line with a disc around each point, which marks the Pareto front.
     Front,
-    /// Thin grey dashed line: a reference with which the variants are compared.
+    /// Thin grey dashed line for a reference with which the variants are compared.
     Reference,
-    /// Broad pale line beneath other lines: the exact solution.
+    /// Broad pale line beneath other lines, for the exact solution.
     Exact,
 }
 
 /// Point of a series, in the units of the axes.
 #[derive(Clone, Copy, Debug)]
 pub struct SeriesPoint {
-    /// Position on the horizontal axis, in the unit of this axis.
+    /// Position of the point on the horizontal axis, in the unit of this axis.
     pub x: f64,
-    /// Position on the vertical axis, in the unit of this axis.
+    /// Position of the point on the vertical axis, in the unit of this axis.
     pub y: f64,
     /// One standard error of `y`, in the unit of the vertical axis.
     pub error: Option<f64>,
 }
 
 impl SeriesPoint {
-    /// Creates a point without an error.
+    /// Makes a point of a series at the position (x, y), without an error.
     pub fn at(x: f64, y: f64) -> Self {
         Self { x, y, error: None }
     }
@@ -66,7 +66,7 @@ impl SeriesPoint {
 pub struct PanelSeries {
     /// Name of the series in the legend.
     pub label: String,
-    /// Style of the line and its markers.
+    /// Style in which the series is drawn: line, markers and colour.
     pub look: SeriesStyle,
     /// Points of the series, in the order in which lines join them.
     pub points: Vec<SeriesPoint>,
@@ -79,9 +79,9 @@ impl PanelSeries {
     }
 }
 
-/// Panel of a picture: one pair of axes with its series. Points that are not finite are not drawn, and neither are
-/// points that are not positive on a logarithmic axis. Points below the range of a logarithmic axis are drawn at its
-/// lower end.
+/// Panel of a picture: one pair of axes with its series. Points that are not finite are not drawn. Values that are not
+/// positive are not drawn on a logarithmic axis. Points below the range of a logarithmic axis are drawn at its lower
+/// end.
 #[derive(Clone, Debug, Default)]
 pub struct Panel {
     /// Title above the axes; empty if there is none.
@@ -92,17 +92,17 @@ pub struct Panel {
     pub y_label: String,
     /// Series of the panel; later ones cover earlier ones.
     pub series: Vec<PanelSeries>,
-    /// Horizontal lines: position on the vertical axis, and a label. The label may be empty.
+    /// Horizontal lines, each with its position on the vertical axis and a label, which may be empty.
     pub marks: Vec<(f64, &'static str)>,
-    /// Lower and upper end of the horizontal axis. `None`: smallest and largest value of the points.
+    /// Lower and upper end of the horizontal axis. `None` means the smallest and the largest value of the points.
     pub x_range: Option<(f64, f64)>,
-    /// Lower and upper end of the vertical axis. `None`: a little beyond the smallest and the largest value of the
+    /// Lower and upper end of the vertical axis. `None` means a little beyond the smallest and the largest value of the
     /// points.
     pub y_range: Option<(f64, f64)>,
     /// True if the horizontal axis is logarithmic.
     pub log_x: bool,
     /// True if the vertical axis is logarithmic.
     pub log_y: bool,
-    /// [units of the axis] lower end of a logarithmic vertical axis; `None`: six decades below the largest value.
+    /// [units of the axis] lower end of a logarithmic vertical axis. `None` means six decades below the largest value.
     pub floor: Option<f64>,
 }

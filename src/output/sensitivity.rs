@@ -4,7 +4,7 @@ use super::{Basis, Provenance};
 use crate::statistics::Answer;
 use serde::Serialize;
 
-/// Shift of one observable: the change of its value by one factor.
+/// Shift of one observable: change of its value by one changed factor, such as a parameter of the case.
 #[derive(Clone, Debug, Serialize)]
 pub struct Shift {
     /// Name of the observable that is shifted.
@@ -16,24 +16,25 @@ pub struct Shift {
     /// Description of the scale, as the words after "% of".
     #[serde(skip)]
     pub scale_is: &'static str,
-    /// Value with the factor minus value without it, in the unit of the observable.
+    /// Value of the observable with the changed factor minus that without the change, in the unit of the observable.
     pub difference: f64,
-    /// One standard error of the difference, in the unit of the observable; 0 without randomness, and `None` if
+    /// One standard error of the difference, in the unit of the observable. It is 0 without randomness, and `None` if
     /// unknown.
     pub error: Option<f64>,
-    /// [-] number of degrees of freedom of the estimate of the error.
+    /// [-] number of degrees of freedom from which `error` is estimated.
     pub freedom: Option<f64>,
     /// [s] time at which the shift of a curve is measured; `None` for the shift of a mean.
     pub time: Option<f64>,
-    /// [-] probability of a shift of at least this size between equal systems, for this observable alone.
+    /// [-] probability that two equal systems show a shift of at least this size, for this observable alone.
     pub chance: Option<f64>,
     /// [-] smallest margin (accepted difference) with which the observable is equivalent, divided by the scale. `None`
     /// without a standard error.
     pub reached: Option<f64>,
-    /// [-] ratio of the necessary to the actual duration of the run; with the necessary duration, equal systems are
-    /// found equivalent in 80 % of cases.
+    /// [-] necessary duration of the run over its actual duration. With the necessary duration, equal systems are found
+    /// equivalent in 80 % of cases.
     pub stretch: Option<f64>,
-    /// Answer, tested for all factors and observables together.
+    /// Answer (equivalent, different or unresolved) for this observable, from a test of all factors and observables
+    /// together.
     #[serde(rename = "verdict")]
     pub answer: Answer,
 }
@@ -44,7 +45,7 @@ impl Shift {
         self.difference / self.scale
     }
 
-    /// [-] one standard error of the shift, divided by the scale.
+    /// [-] one standard error of the shift, divided by the scale of the observable.
     pub fn share_error(&self) -> Option<f64> {
         self.error.map(|error| error / self.scale)
     }
@@ -55,48 +56,49 @@ impl Shift {
 pub struct Factor {
     /// Name of the factor on the command line.
     pub name: String,
-    /// Description of the factor, in a sentence.
+    /// Description of the factor in a sentence, for the report.
     pub title: String,
-    /// Old and new value of the factor, in words.
+    /// Old and new value of the changed factor, in words.
     pub change: String,
-    /// Reason why the change has this size.
+    /// Reason why the change of the factor has this size.
     pub why: String,
-    /// Kind of results that the shifts compare; `None` if a run stopped early.
+    /// Kind of results (averages, curves or paths) that the shifts compare; `None` if a run stopped early.
     pub basis: Option<Basis>,
-    /// Shifts of all observables in a fixed order.
+    /// Shifts of all observables by this factor, in a fixed order.
     pub shifts: Vec<Shift>,
-    /// Names of the runs with the factor, then names of the runs with which they are compared.
+    /// Names of the runs with the changed factor, followed by the names of the runs with which they are compared.
     pub runs: [Vec<String>; 2],
     /// Further remarks about the factor.
     pub remarks: Vec<String>,
-    /// Reason why a run stopped early, if one did.
+    /// Reason why a run with this factor stopped early; `None` if all runs ended.
     pub stopped: Option<String>,
-    /// Answer for the factor: the worst answer among all observables.
+    /// Answer for the factor (equivalent, different or unresolved): the worst answer among all observables.
     #[serde(rename = "verdict")]
     pub answer: Answer,
 }
 
 impl Factor {
-    /// Largest shift among those with the answer of the factor, for the headline; `None` if there is none.
+    /// Largest shift, relative to its scale, among the observables with the answer of the factor; `None` if there is
+    /// none.
     pub fn headline(&self) -> Option<&Shift> {
         let deciding = self.shifts.iter().filter(|shift| shift.answer == self.answer);
         deciding.max_by(|a, b| a.share().abs().total_cmp(&b.share().abs()))
     }
 }
 
-/// Factor that was left out of the study.
+/// Factor that the study left out, with the reason.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OmittedFactor {
-    /// Name of the factor on the command line.
+    /// Name of the omitted factor on the command line.
     pub name: String,
     /// Reason why the factor was left out.
     pub why: String,
 }
 
-/// Run of the study, with its settings and its cost.
+/// Run of a sensitivity study, with its settings and its computing time.
 #[derive(Clone, Debug, Serialize)]
 pub struct SensitivityRun {
-    /// Name of the run.
+    /// Name of the run, as in [`Factor::runs`].
     pub name: String,
     /// Changes to the case in the form of `--set` arguments; empty without changes.
     pub set: String,
@@ -108,7 +110,7 @@ pub struct SensitivityRun {
     pub steady: bool,
     /// [s] simulated time of each replica.
     pub simulated_seconds: f64,
-    /// [s] wall time of all replicas together.
+    /// [s] wall-clock time of all replicas together.
     pub wall_seconds: f64,
     /// Reason why the run stopped early, if it did.
     pub failure: Option<String>,
@@ -124,9 +126,9 @@ pub struct SensitivityStudy<'a> {
     pub factors: &'a [Factor],
     /// Factors that were left out.
     pub left_out: &'a [OmittedFactor],
-    /// Names of factors with unfinished runs.
+    /// Names of factors whose runs are not finished.
     pub waiting: &'a [String],
-    /// Finished runs; the first is the unchanged case.
+    /// Finished runs of the study. The first one is that of the unchanged case.
     pub runs: &'a [SensitivityRun],
     /// Answers in sentences, the shortest first.
     pub sentences: &'a [String],

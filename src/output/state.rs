@@ -10,7 +10,7 @@ use crate::simulation::Simulation;
 /// Observer that writes `state.csv` when the run is over or has failed.
 pub struct StateFile<'a> {
     folder: &'a Folder,
-    /// Checksum of the text of the case.
+    /// Checksum of the text of the case file, which identifies the case of the state.
     case: u64,
     written: Result<(), OutputError>,
 }

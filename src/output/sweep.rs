@@ -1,4 +1,4 @@
-//! Results of a sweep as plain data: the runs, and the rows of the points.
+//! Results of a sweep over values of keys, as plain data: the runs, and one row per point and variant.
 
 use super::{Provenance, figures};
 use crate::case::SweepAxis;
@@ -13,16 +13,16 @@ pub struct SweepObservable {
     pub key: &'static str,
     /// Name of the quantity in a sentence.
     pub name: &'static str,
-    /// Label of the axis, with the unit.
+    /// Label of the axis of this quantity in pictures, with the unit.
     pub axis: &'static str,
-    /// True for an average over time. Its error is valid only for a steady run whose particles mix.
+    /// True for an average over time. The error of an average is valid only for a steady run whose particles mix.
     pub is_average: bool,
     /// Function that computes the quantity from an outcome.
     pub of: fn(&Outcome) -> Option<Estimate>,
 }
 
-/// [m/s] mean streamwise velocity over all slices, weighted with the number of particles in each slice. The correlation
-/// between slices is unknown, so that the error is the largest possible one.
+/// [m/s] mean streamwise velocity over all slices, weighted by the number of particles in each slice. The correlation
+/// between slices is unknown, so the error is the largest possible one.
 fn velocity(outcome: &Outcome) -> Option<Estimate> {
     let (mut sum, mut error, mut weights) = (0.0, Some(0.0), 0.0);
     for row in &outcome.profiles.slices {
@@ -34,7 +34,7 @@ fn velocity(outcome: &Outcome) -> Option<Estimate> {
     (weights > 0.0).then(|| Estimate { value: sum / weights, error: error.map(|error| error / weights) })
 }
 
-/// Measured quantities, in the order of columns and pictures.
+/// Quantities measured in every run of a sweep, in the order of columns and pictures.
 pub const OBSERVABLES: [SweepObservable; 8] = [
     SweepObservable {
         key: "pair_impacts_1_s",
@@ -103,30 +103,30 @@ pub const OBSERVABLES: [SweepObservable; 8] = [
 pub struct SweepRun {
     /// Hash of the experiment and of the version of the program. Runs with equal hashes have equal results.
     pub identity: String,
-    /// Measured values by name, which is [`SweepObservable::key`]. Unknown values are left out. A run that stopped
-    /// early has no values.
+    /// Measured values, each under the name [`SweepObservable::key`] of its quantity. Unknown values are left out. A
+    /// run that stopped early has no values.
     pub measured: BTreeMap<String, Estimate>,
     /// Reason why the run stopped early, if it did.
     pub failure: Option<String>,
-    /// [s] wall time of the run.
+    /// [s] wall-clock time of the run.
     pub wall_seconds: f64,
 }
 
-/// Row of a sweep: one variant at one point.
+/// Row of a sweep: one variant at one point, which is one value for each varied key.
 pub struct SweepRow {
-    /// Index of the value on each axis, which defines the point.
+    /// Index of the value on each axis (varied key). These indices define the point.
     pub at: Vec<usize>,
     /// Index of the variant in [`SweepStudy::variants`].
     pub variant: usize,
-    /// Hashes of the runs of the row, one per replica. A run may belong to several rows.
+    /// Hashes of the runs of the row, one per replica (run with another seed). A run may belong to several rows.
     pub identities: Vec<String>,
     /// Results of the finished runs of the row.
     pub runs: Vec<SweepRun>,
 }
 
 impl SweepRow {
-    /// Value of a quantity in this row. If there are several replicas, the value is their mean, with a standard error
-    /// computed from their scatter. `None` if the value is unknown, or if a run stopped early.
+    /// Value of the quantity with the name `key` in this row. If there are several replicas, the value is their mean,
+    /// with a standard error computed from their scatter. `None` if the value is unknown, or if a run stopped early.
     pub fn measured(&self, key: &str) -> Option<Estimate> {
         let found: Option<Vec<Estimate>> = self.runs.iter().map(|run| run.measured.get(key).copied()).collect();
         let found = found?;
@@ -158,24 +158,26 @@ impl SweepRow {
 pub struct SweepStudy<'a> {
     /// Origin of the results: title, case and command.
     pub provenance: &'a Provenance,
-    /// Varied keys with their values.
+    /// Keys of the case that the sweep varies, with their values.
     pub axes: &'a [SweepAxis],
-    /// Names of the variants.
+    /// Names of the variants that run at each point of the sweep.
     pub variants: &'a [String],
     /// Index of the first hard variant, with which the other variants are compared. `None` if no variant is hard.
     pub reference: Option<usize>,
-    /// Rows in the order of the points, in which the last axis varies fastest. Each point has one row per variant.
+    /// Rows in the order of the points, in which the values of the last key change first. Each point has one row per
+    /// variant.
     pub rows: &'a [SweepRow],
 }
 
 impl SweepStudy<'_> {
-    /// Text of a point, such as "stiffness = 300 N/m, theta = 0.1".
+    /// Text of a point of the sweep, such as "stiffness = 300 N/m, theta = 0.1". `at` holds the index of the value of
+    /// each key.
     pub fn point(&self, at: &[usize]) -> String {
         point(self.axes, at)
     }
 }
 
-/// Text of a point, as a list of keys with their values.
+/// Text of a point of a sweep: the keys with their values. `at` holds the index of the value on each axis.
 pub fn point(axes: &[SweepAxis], at: &[usize]) -> String {
     let one = |(axis, &value): (&SweepAxis, &usize)| format!("{} = {}", axis.name(), axis.typed[value]);
     axes.iter().zip(at).map(one).collect::<Vec<_>>().join(", ")

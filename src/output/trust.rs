@@ -37,19 +37,19 @@ pub struct TrustCheck {
     pub name: &'static str,
     /// Unit of the value; empty if it has none.
     pub unit: &'static str,
-    /// Value with its standard error, written in JSON as `value` and `error`.
+    /// Value that is checked, with its standard error, written in JSON as `value` and `error`.
     #[serde(flatten, serialize_with = "value_and_error")]
     pub found: Option<Estimate>,
-    /// Condition on the value.
+    /// Condition on the value, such as a limit.
     pub expected: Expected,
-    /// Judgement of the value by this condition.
+    /// Judgement of the value by the condition `expected`.
     pub judgement: Judgement,
     /// Reason why the value is missing, or the source of the limit.
     pub remark: String,
 }
 
 impl TrustCheck {
-    /// [-] value minus expected value, in standard errors; `None` without an error or an expected value.
+    /// [-] value minus expected value, in standard errors of the value; `None` without an error or an expected value.
     pub fn in_errors(&self) -> Option<f64> {
         let (Expected::Equals(value), found) = (self.expected, self.found?) else { return None };
         let off = found.less(Estimate::exact(value));
@@ -69,28 +69,29 @@ fn value_and_error<S: serde::Serializer>(found: &Option<Estimate>, serializer: S
     numbers.serialize(serializer)
 }
 
-/// Quantity in two short runs: with the time step and window of the original run, and with half of both. A window is
-/// the time between two exchanges with the gas.
+/// Quantity in two short runs. The first run has the time step and the window of the original run, the second one half
+/// of both. A window is the time between two exchanges with the gas.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Halved {
-    /// Name of the quantity.
+    /// Name of the quantity that is compared between the two runs.
     pub name: &'static str,
     /// Unit of the quantity; empty if it has none.
     pub unit: &'static str,
-    /// Value with the time step and the window of the run.
+    /// Value of the quantity with the time step and the window of the original run.
     pub as_run: Estimate,
-    /// Value with half the time step and half the window.
+    /// Value of the quantity with half the time step and half the window.
     pub halved: Estimate,
 }
 
 impl Halved {
-    /// Value with half the step and window, minus value with the original ones. The standard error assumes that both
-    /// continuations of the run are independent.
+    /// Value with half the time step and window, minus the value with the original ones. The standard error assumes
+    /// that the two short runs are independent.
     pub fn change(&self) -> Estimate {
         self.halved.less(self.as_run)
     }
 
-    /// [-] change in units of its standard error; `None` without an error.
+    /// [-] change of the quantity by the halved time step and window, in units of its standard error; `None` without an
+    /// error.
     pub fn in_errors(&self) -> Option<f64> {
         let change = self.change();
         // a quantity without unit is a fraction and has the scale 1; a change up to 1e-12 of the scale counts as
@@ -100,29 +101,31 @@ impl Halved {
     }
 }
 
-/// Two short continuations from the final state of a run: one with the settings of the run, one with half the step and
-/// half the window.
+/// Two short continuations of a run from its final state. The first one has the settings of the run, the second one
+/// half its time step and half its window (time between two exchanges with the gas).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verification {
-    /// [s] simulated time of each continuation.
+    /// [s] simulated time of each of the two continuations.
     pub stretch: f64,
-    /// [-] wall-clock time of both continuations over that of the run.
+    /// [-] wall-clock time of both continuations together, divided by that of the run.
     pub cost: f64,
-    /// [s] window of the run (time between two exchanges with the gas); the second continuation has half this window.
+    /// [s] window of the run (time between two exchanges with the gas). The second continuation has half this window.
     pub window: f64,
-    /// [s] time step of the run, `None` for event-driven collisions; the second continuation has half this step.
+    /// [s] time step of the run; `None` for event-driven collisions. The second continuation has half this step.
     pub time_step: Option<f64>,
-    /// Compared quantities, as far as both continuations have values of them.
+    /// Compared quantities that have values in both continuations.
     pub quantities: Vec<Halved>,
 }
 
-/// Result of the test with half the time step and half the window.
+/// Result of a test in which a run is continued with half the time step and half the window (time between two exchanges
+/// with the gas).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HalvedStep {
-    /// The run was continued with the original and with halved settings.
+    /// The run was continued twice: with its settings, and with half the time step and half the window (time between
+    /// two exchanges with the gas).
     Verified(Verification),
-    /// The run was not continued, for the given reason.
+    /// The run was not continued, for the reason given by the text.
     Unknown(String),
 }
 
@@ -131,8 +134,8 @@ pub enum HalvedStep {
 pub struct TrustSheet {
     /// Name of the variant.
     pub variant: String,
-    /// Checks of the results.
+    /// Checks of the results of the variant.
     pub checks: Vec<TrustCheck>,
-    /// Effect of halving the step and the window.
+    /// Effect of halving the time step and the window (time between two exchanges with the gas).
     pub halved_step: HalvedStep,
 }

@@ -7,7 +7,7 @@ use super::{OutputError, Provenance};
 use crate::statistics::{Answer, Estimate};
 use serde::Serialize;
 
-/// Kind of the reference of a row.
+/// Kind of the reference with which a row of the validation suite is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ValidationTier {
@@ -20,10 +20,10 @@ pub enum ValidationTier {
 }
 
 impl ValidationTier {
-    /// All kinds, in the order of the report.
+    /// All kinds of references, in the order of the report.
     pub const ALL: [Self; 3] = [Self::ClosedForms, Self::OtherCodes, Self::Experiments];
 
-    /// Name of the kind in tables.
+    /// Name of this kind of reference in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::ClosedForms => "closed form",
@@ -33,50 +33,51 @@ impl ValidationTier {
     }
 }
 
-/// Rule by which a number is judged.
+/// Rule by which the deviation of a number from its reference is judged.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ValidationRule {
-    /// A run without scatter: the number agrees if its deviation is at most the tolerance, otherwise it is different.
+    /// The result has no scatter. The number agrees if its deviation is at most the tolerance, otherwise it is
+    /// different.
     Tolerance,
-    /// A number with a standard error: Student's t test for a difference, and two one-sided tests for equivalence
+    /// The result has a standard error. Student's t test finds a difference, and two one-sided tests find equivalence
     /// within the margin.
     Margin,
 }
 
-/// One number of a row, with its reference value.
+/// Number in a row of the validation suite, with its reference value.
 #[derive(Clone, Debug, Serialize)]
 pub struct ValidationNumber {
     /// Name of the number within its row.
     pub name: String,
     /// Unit of the number; empty if it has none.
     pub unit: &'static str,
-    /// Reference, with its standard error (0 for an exact one), in the unit of the number.
+    /// Reference value with its standard error (0 for an exact value), in the unit of the number.
     pub reference: Estimate,
-    /// Result of this program, with its standard error (0 without scatter), in the unit of the number.
+    /// Value computed by this program, with its standard error (0 without scatter), in the unit of the number.
     pub ours: Estimate,
-    /// [-] degrees of freedom of the standard error of the result.
+    /// [-] degrees of freedom of the standard error of the result of this program.
     pub freedom: f64,
     /// Tolerance or margin: largest accepted magnitude of the difference, in the unit of the number.
     pub allowed: f64,
-    /// Rule by which the number is judged.
+    /// Rule by which the difference from the reference is judged.
     pub rule: ValidationRule,
-    /// Answer for this number.
+    /// Answer for this number: equivalent, different or unresolved.
     pub answer: Answer,
 }
 
 impl ValidationNumber {
-    /// Result of this program minus reference, with the standard error, in the unit of the number.
+    /// Value computed by this program minus the reference value, with the standard error, in the unit of the number.
     pub fn difference(&self) -> Estimate {
         self.ours.less(self.reference)
     }
 
-    /// [-] magnitude of the difference over the tolerance or margin.
+    /// [-] magnitude of the difference from the reference, divided by the tolerance or margin.
     pub fn share(&self) -> f64 {
         self.difference().value.abs() / self.allowed
     }
 
-    /// Answer in words, with the number on which it is based.
+    /// Answer for this number in words, with the difference on which it is based.
     pub fn verdict(&self) -> String {
         let allowed = with_unit(significant(self.allowed, 2), self.unit);
         let difference = with_unit(with_error(self.difference()), self.unit);
@@ -94,47 +95,47 @@ fn with_unit(number: String, unit: &str) -> String {
     if unit.is_empty() { number } else { format!("{number} {unit}") }
 }
 
-/// One comparison of the suite, with its numbers.
+/// Comparison of the validation suite, with its numbers.
 #[derive(Clone, Debug)]
 pub struct ValidationRow {
-    /// Name of the row, for `--only`.
+    /// Name of the row, as in the option `--only`.
     pub name: &'static str,
     /// Kind of the reference: closed form, other code or experiment.
     pub tier: ValidationTier,
-    /// Description of the scene, in words.
+    /// Description, in words, of the scene that the row computes.
     pub scene: &'static str,
     /// Source of the reference, with the page, figure or table.
     pub source: &'static str,
-    /// Sentence about a question that the row does not answer.
+    /// Sentence that states which question the row does not answer.
     pub not_shown: &'static str,
-    /// Name of the built-in case that the row runs with changes.
+    /// Name of the built-in case that the row runs, with some changes.
     pub case: &'static str,
-    /// Numbers of the row. Empty if a run stopped.
+    /// Numbers of the row with their references. The list is empty if a run stopped.
     pub numbers: Vec<ValidationNumber>,
-    /// Picture of the row with its caption; `None` if there is none.
+    /// Picture of the row, as its caption and its panel; `None` if there is none.
     pub picture: Option<(&'static str, Panel)>,
     /// Reason why a run of the row stopped early; `None` if all runs ended.
     pub failure: Option<String>,
-    /// [s] wall time of the row.
+    /// [s] wall-clock time of all runs of the row.
     pub wall_seconds: f64,
 }
 
 impl ValidationRow {
-    /// Answer of the row: the worst answer of its numbers, and `Unresolved` if a run stopped.
+    /// Answer of the row: the worst answer of its numbers. It is `Unresolved` if a run stopped.
     pub fn answer(&self) -> Answer {
         let worst = self.numbers.iter().map(|number| number.answer).max();
         worst.filter(|_| self.failure.is_none()).unwrap_or(Answer::Unresolved)
     }
 
-    /// Number that deviates most: among the numbers with the worst answer, the one with the largest share of its
-    /// tolerance or margin.
+    /// Number of the row that deviates most. Among the numbers with the worst answer, it is the one with the largest
+    /// difference over its tolerance or margin.
     pub fn worst(&self) -> Option<&ValidationNumber> {
         let worst = self.answer();
         let among = self.numbers.iter().filter(|number| number.answer == worst);
         among.max_by(|a, b| a.share().total_cmp(&b.share()))
     }
 
-    /// Answer of the row in a word: "agrees" if all numbers are within tolerances.
+    /// Answer of the row in one word: "agrees" if all numbers are within tolerances, "stopped" if a run stopped.
     pub fn word(&self) -> &'static str {
         let exact = self.numbers.iter().all(|number| number.rule == ValidationRule::Tolerance);
         match self.answer() {
@@ -145,39 +146,39 @@ impl ValidationRow {
     }
 }
 
-/// Comparison that the suite does not make.
+/// Comparison that the validation suite does not make, with the reason.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct NotValidated {
     /// Name of the comparison that is not made.
     pub name: &'static str,
-    /// Existing reference, with its source.
+    /// Reference that exists for this comparison, with its source.
     pub reference: &'static str,
-    /// Reason why the comparison is not made: a missing part of the program, or unpublished data.
+    /// Reason why the comparison is not made, such as a missing part of the program or unpublished data.
     pub needs: &'static str,
 }
 
-/// All results of the suite.
+/// All results of the validation suite.
 #[derive(Clone, Copy, Debug)]
 pub struct ValidationStudy<'a> {
     /// Origin of the results: title and command.
     pub provenance: &'a Provenance,
-    /// Rows in the order of the report.
+    /// Rows of the suite in the order of the report.
     pub rows: &'a [ValidationRow],
-    /// Names of rows that `--quick` leaves out.
+    /// Names of the rows that the option `--quick` leaves out.
     pub left_out: &'a [&'static str],
     /// Comparisons that the suite does not make.
     pub not_validated: &'a [NotValidated],
-    /// True if the suite used shorter runs.
+    /// True if the suite made shorter runs, by the option `--quick`.
     pub quick: bool,
 }
 
 impl ValidationStudy<'_> {
-    /// Command that repeats one row.
+    /// Command that repeats the runs of one row of the suite.
     pub fn command(&self, row: &ValidationRow) -> String {
         format!("diptych validate --only {}{}", row.name, if self.quick { " --quick" } else { "" })
     }
 
-    /// Worst answer of all rows; `None` without rows.
+    /// Worst answer of all rows of the suite; `None` without rows.
     pub fn answer(&self) -> Option<Answer> {
         self.rows.iter().map(ValidationRow::answer).max()
     }

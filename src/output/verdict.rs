@@ -3,15 +3,15 @@
 use crate::statistics::{Answer, Comparison};
 use serde::Serialize;
 
-/// Kind of data by which a variant and its reference were compared.
+/// Kind of data by which a variant is compared with its reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Basis {
-    /// Averages over the time in which both runs are steady.
+    /// Averages over the time in which both the variant and the reference are steady.
     Averages,
-    /// Curves over time, from several replicas.
+    /// Curves over time of the variant and the reference, from several replicas of each.
     Curves,
-    /// Positions and velocities of each particle at equal times.
+    /// Positions and velocities of each particle in both runs at equal times.
     Paths,
     /// No data could be compared.
     Nothing,
@@ -27,15 +27,15 @@ pub struct Verdict {
     /// Answer: equivalent, different or unresolved.
     #[serde(rename = "verdict")]
     pub answer: Answer,
-    /// Kind of the compared data.
+    /// Kind of data by which the variant and the reference were compared.
     pub basis: Basis,
-    /// Sentence that states the answer.
+    /// Sentence that states the answer for the report.
     pub sentence: String,
-    /// Reason for this kind of comparison, in words.
+    /// Reason why this kind of data was compared, in words.
     pub reason: String,
     /// [-] margin of equivalence: largest accepted difference, divided by the scale of the observable.
     pub margin: f64,
-    /// Compared observables; `None` for a comparison of paths.
+    /// Tests of the compared observables; `None` for a comparison of paths.
     pub comparison: Option<Comparison>,
     /// Further remarks about the variant and its reference, one sentence each.
     #[serde(skip)]

@@ -1,4 +1,4 @@
-//! Document of the work-precision chart.
+//! Document of the work-precision chart, which shows the error of each method over its computing cost.
 
 use crate::experiment::Model;
 use crate::output::document::{Block, Document, Table, TextRow, columns, known, text};
@@ -10,8 +10,7 @@ use crate::statistics::Estimate;
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Writes all results of a work-precision chart, and returns the path of the report. Points of failed runs are results
-/// too.
+/// Writes all results of a work-precision chart, including the points of failed runs. Returns the path of the report.
 ///
 /// # Errors
 /// An [`OutputError`]. Files written before the error remain, but there is no `summary.json`.
@@ -41,8 +40,8 @@ pub fn write_chart(folder: &Folder, study: &ChartStudy) -> Result<PathBuf, Outpu
     document.write(folder, numbers)
 }
 
-/// Answers of a chart as a table for a terminal. For each quantity the table contains the cheapest soft and hard method
-/// within 1 % and 0.1 %, with the operations of one run.
+/// Answers of a work-precision chart as a table for a terminal. For each quantity the table contains the cheapest soft
+/// and hard method with an error below 1 % and below 0.1 %, with the number of operations of one run.
 pub fn chart_answers(study: &ChartStudy) -> String {
     let rows = study.quantities.iter().enumerate().flat_map(|(index, quantity)| {
         [(0.01, "1 %"), (0.001, "0.1 %")].map(|(target, words)| -> TextRow {
@@ -66,7 +65,7 @@ pub fn chart_answers(study: &ChartStudy) -> String {
     )])
 }
 
-/// Explanation of all diagrams on the page.
+/// Explanation of the marks in the diagrams, for the page.
 const READING: &str = "Operations: pair checks, force evaluations and events of one run together; they are the same on every machine. Bars: one standard error. \
      Pale and broad: what no other point beats; thin dashed: the same among soft methods. Diamond: the cheapest within 1 % for certain. Line marked chance: what chance alone \
      makes of one run, where there is chance; points below it say no more than points on it. Points on the lower frame: errors of 1e-9 or less. Stars on the upper frame: \
@@ -141,7 +140,7 @@ fn reference(of: &ChartQuantity) -> Vec<String> {
 }
 
 impl ChartStudy<'_> {
-    /// Sentence with the cheapest soft and hard method for the quantity with the index `index`.
+    /// Sentence that names the cheapest soft and the cheapest hard method for the quantity with the index `index`.
     fn aloud(&self, index: usize) -> String {
         let (target, words) = figures::WITHIN;
         let floor = self.quantities[index].floor;
@@ -187,7 +186,7 @@ impl ChartStudy<'_> {
         ]
     }
 
-    /// Name of the method of a point, with the value of its swept parameter.
+    /// Name of the method of a point, followed by the value of its swept parameter.
     fn knob(&self, point: &ChartPoint) -> String {
         let method = &self.methods[point.method];
         let value = if method.unit == "s" { quantity(point.knob, "s", 3) } else { significant(point.knob, 4) };

@@ -5,11 +5,12 @@ use crate::output::document::{Block, Table, TextRow};
 use crate::output::numbers::{Prefix, percent, significant};
 use serde_json::{Value, json};
 
-/// [-] magnitude of the unexplained energy, over the energy that passes through the balance, above which it is
-/// highlighted. The error of the integrator at 20 steps per contact is much smaller.
+/// [-] magnitude of the unexplained energy above which it is highlighted, divided by the sum of all energies in the
+/// balance. The error of the integrator at 20 steps per contact is much smaller.
 const SUSPECT_RESIDUAL: f64 = 1e-3;
 
-/// Notes on the energy that collisions within the contact time of another one have kept.
+/// Notes on the energy that the restitution would have removed from collisions in quick succession. Collisions within
+/// the contact time of another collision are elastic and therefore keep this energy.
 fn notes_on_contact_time(outcomes: &[Outcome], prefix: &Prefix) -> Vec<Block> {
     let note = |o: &Outcome| {
         let kept = o.record.ledger.contact_time_kept;
@@ -26,7 +27,7 @@ fn notes_on_contact_time(outcomes: &[Outcome], prefix: &Prefix) -> Vec<Block> {
     outcomes.iter().filter(|o| o.record.ledger.contact_time_kept > 0.0).map(note).collect()
 }
 
-/// Parts of the page about the energy balance.
+/// Parts of the page about the energy balance of each variant.
 pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     let largest = outcomes
         .iter()
@@ -100,8 +101,8 @@ pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     blocks
 }
 
-/// [-] unexplained energy, over the sum of the initial energy and the magnitudes of the work of drag, gravity, moving
-/// walls and shear. `None` if this sum is 0.
+/// [-] unexplained energy, divided by the sum of the initial energy and the magnitudes of the work of drag, gravity,
+/// moving walls and shear. `None` if this sum is 0.
 fn relative_residual(outcome: &Outcome) -> Option<f64> {
     let ledger = &outcome.record.ledger;
     let through = ledger.through(outcome.energy_at_start);

@@ -1,4 +1,4 @@
-//! Document of a comparison of files.
+//! Document of a comparison of files that any program may have written.
 
 use super::verdict::{legend, of_pair};
 use crate::output::document::{Block, Document, TextRow};
@@ -45,7 +45,7 @@ pub fn write_files_study(folder: &Folder, study: &FilesStudy) -> Result<PathBuf,
     document.write(folder, numbers)
 }
 
-/// Two rows of a quantity, one for each side.
+/// Two rows of a table for one quantity: side A and side B of the comparison.
 fn rows(quantity: &FilesQuantity) -> Vec<TextRow> {
     quantity.sides.iter().zip(["A", "B"]).map(|(side, letter)| (false, row(quantity, side, letter))).collect()
 }

@@ -1,4 +1,4 @@
-//! Parts of a report about a gas that feels the particles.
+//! Parts of a report about a gas on which the particles act (two-way coupling).
 
 use super::run::{measured, table};
 use crate::observe::GasFlow;
@@ -9,7 +9,7 @@ use crate::output::document::Block;
 use crate::output::numbers::{significant, with_error};
 use serde_json::{Value, json};
 
-/// Table of the gas with and without particles; empty if the gas is frozen in all variants.
+/// Table of the gas flow with and without particles. Empty if the particles do not change the gas flow in any variant.
 pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     if outcomes.iter().all(|outcome| outcome.gas.is_none()) {
         return Vec::new();
@@ -43,8 +43,8 @@ pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     blocks
 }
 
-/// Sentence about a variant whose mean gas flow is outside the range of the turbulence model; `None` if it is within,
-/// or if the gas is frozen.
+/// Sentence about a variant whose mean gas flow is outside the range of the turbulence model. `None` if it is within
+/// the range, or if the particles do not change the gas flow.
 fn beyond_the_model(outcome: &Outcome) -> Option<String> {
     let (gas, fluid) = (outcome.gas.as_ref()?, outcome.experiment.scene.fluid.as_ref()?);
     let flow = fluid.profile.channel_flow()?;
@@ -62,12 +62,12 @@ fn beyond_the_model(outcome: &Outcome) -> Option<String> {
     })
 }
 
-/// [-] turbulent kinetic energy k in the middle of the flow, over that of the gas without particles.
+/// [-] turbulent kinetic energy in the middle of the flow with particles, divided by that without particles.
 fn remaining_turbulence(gas: &GasFlow) -> Option<f64> {
     Some(gas.mean.last()?.k / gas.alone.last()?.k)
 }
 
-/// Gas of a variant for `summary.json`, in SI units; null if it is frozen.
+/// Gas flow of a variant for `summary.json`, in SI units; null if the particles do not change it.
 pub(super) fn json(outcome: &Outcome) -> Value {
     let Some(gas) = &outcome.gas else { return Value::Null };
     json!({
@@ -81,8 +81,8 @@ pub(super) fn json(outcome: &Outcome) -> Value {
     })
 }
 
-/// Contents of `gas.csv`: the gas alone and its time average among the particles, at the grid points from the wall to the
-/// middle. `None` if the gas is frozen in all variants.
+/// Contents of `gas.csv`: the gas without particles, and the time average of the gas with particles, at the grid points
+/// from the wall to the middle. `None` if the particles do not change the gas flow in any variant.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

@@ -1,5 +1,5 @@
-//! Report of the instantaneous impacts in hybrid runs: their share of all impacts, and the neglected contact times and
-//! overlaps.
+//! Parts of a report about the instantaneous impacts in hybrid runs: their share of all impacts, and the neglected
+//! contact times and overlaps.
 
 use super::run::table;
 use crate::experiment::Model;
@@ -59,21 +59,22 @@ fn cells(impacts: &Impacts) -> [String; 8] {
     ]
 }
 
-/// [-] realised restitution of the impacts that were soft contacts; `None` if there were none.
+/// [-] realised restitution of the impacts that were computed as soft contacts; `None` if there were none.
 fn contacts_restitution(impacts: &Impacts) -> Option<f64> {
     let before = impacts.normal_speed.sum_of_squares() - impacts.instants.approach_squares();
     let after = impacts.rebound_squares() - impacts.instants.rebound_squares();
     (impacts.count > impacts.instants.count).then(|| (after / before).sqrt())
 }
 
-/// [-] contact time that instantaneous impacts left out, over the simulated time of all particles.
+/// [-] contact time that instantaneous impacts neglect, summed over all particles, divided by the simulated time of all
+/// particles.
 fn time_left_out(outcome: &Outcome) -> f64 {
     let record = &outcome.record;
     let time = 2.0 * record.pairs.instants.duration() + record.walls.instants.duration();
     time / (outcome.particles as f64 * outcome.simulated_seconds)
 }
 
-/// Numbers about instantaneous impacts for `summary.json`; `null` for other models.
+/// Numbers about instantaneous impacts of a hybrid run for `summary.json`; `null` for other models.
 pub(super) fn json(outcome: &Outcome) -> Value {
     if outcome.experiment.model() != Model::Hybrid {
         return Value::Null;

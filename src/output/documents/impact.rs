@@ -1,4 +1,4 @@
-//! Document of an impact study.
+//! Document of an impact study, which computes one impact with several variants.
 
 use crate::output::document::{Block, Document, TextRow, known, status};
 use crate::output::numbers::{count, quantity, significant};
@@ -62,8 +62,8 @@ pub fn write_impact(folder: &Folder, study: &ImpactStudy) -> Result<PathBuf, Out
     document.write(folder, numbers)
 }
 
-/// Table with the computed values of each variant, and a further row with the values of its closed-form solution, if
-/// there is one.
+/// Table of restitution, contact time and largest overlap of each variant. If there is a closed-form solution, a
+/// further row contains its values.
 fn values(study: &ImpactStudy) -> Block {
     let cells = |name: &str, model: &str, values: &BounceValues, exact: Option<&BounceValues>| {
         let off = |asked: Option<f64>| Some(values.restitution? - asked?);
@@ -91,14 +91,14 @@ fn values(study: &ImpactStudy) -> Block {
     )
 }
 
-/// Row with the amount of work of a variant. Wall time is left out, because it is mostly spent on setting up the impact
-/// and storing its path.
+/// Row with the time step, and the number of time steps or events of a variant. Wall-clock time is left out, because it
+/// is mostly spent on preparing the impact and storing its path.
 fn work(bounce: &Bounce) -> TextRow {
     let step = quantity(bounce.time_step, "s", 3);
     (bounce.failure.is_some(), vec![bounce.name.clone(), step, count(bounce.work)])
 }
 
-/// Data of a variant for `summary.json`.
+/// Results of one variant of an impact study for `summary.json`.
 fn numbers(bounce: &Bounce) -> Value {
     json!({
         "name": bounce.name,

@@ -6,7 +6,8 @@ use crate::output::document::{Block, TextRow};
 use crate::output::numbers::{count, significant, with_error};
 use crate::output::{OutputError, csv};
 
-/// Tables of the species, and of the impacts of each pair; empty if all particles are of one species.
+/// Tables of the species, and of the impacts of each pair of kinds (species or walls). Empty if all particles are of
+/// one species.
 pub fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     if outcomes.iter().all(|outcome| outcome.kinds.species.is_empty()) {
         return Vec::new();
@@ -53,7 +54,8 @@ pub fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     ]
 }
 
-/// Contents of `species.csv` and `meetings.csv`, only for mixtures.
+/// Tables `species.csv` and `meetings.csv` of a mixture, each as the name and the contents of the file. The list is
+/// empty if all particles are of one species.
 ///
 /// # Errors
 /// Errors of [`csv::species`].

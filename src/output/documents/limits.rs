@@ -56,7 +56,7 @@ pub fn write_limits(folder: &Folder, study: &LimitsStudy) -> Result<PathBuf, Out
     Ok(page)
 }
 
-/// Table of the maps for a terminal: the number of points of each map with each outcome.
+/// Table of the maps for a terminal. For each map, it contains the number of points with each outcome.
 pub fn limits_answers(study: &LimitsStudy) -> String {
     let rows = study.maps.iter().map(|map| -> TextRow {
         let outcomes = map.outcomes().into_iter().map(|(name, number)| format!("{} {name}", count(number)));
@@ -66,7 +66,8 @@ pub fn limits_answers(study: &LimitsStudy) -> String {
 }
 
 impl LimitsStudy<'_> {
-    /// Section of the page about one map; `place` is the index of its picture.
+    /// Section of the page about one map. `place` is the index of its picture, and `seconds` the wall-clock time of its
+    /// runs [s].
     fn section(&self, place: usize, map: &Map, seconds: f64) -> Vec<Block> {
         let outcomes: Vec<String> =
             map.outcomes().iter().map(|(name, number)| format!("{} {name}", count(*number))).collect();

@@ -13,11 +13,11 @@ use crate::output::trajectory::Vtp;
 use crate::statistics::Estimate;
 use serde_json::{Value, json};
 
-/// Name of the file with the single numbers of all measurements.
+/// Name of the file with the single numbers that all measurements give.
 const NUMBERS: &str = "observables.csv";
 
-/// Numbers of all measurements with their theories, then the pictures that `pictures` returns for a name of figures.
-/// Empty if no variant has a measurement.
+/// Table of the numbers of all measurements with their theories, followed by pictures. `pictures` returns the pictures
+/// for a name of figures. Empty if no variant has a measurement.
 pub(super) fn blocks(outcomes: &[Outcome], pictures: impl Fn(&str) -> Vec<Block>) -> Vec<Block> {
     let row = |(outcome, observed): (&Outcome, &Observation)| {
         let name = outcome.experiment.name.clone();
@@ -59,19 +59,20 @@ pub(super) fn blocks(outcomes: &[Outcome], pictures: impl Fn(&str) -> Vec<Block>
     blocks
 }
 
-/// Text of the difference between a number and its theory, in standard errors; empty without a theory or an error.
+/// Text of the difference between a measured number and its theory, in standard errors. Empty without a theory or an
+/// error.
 fn in_errors(number: &ObservedNumber) -> String {
     let exact = number.theory.map(|(_, value)| Estimate::exact(value));
     let difference = number.value.zip(exact).and_then(|(value, exact)| value.less(exact).in_errors());
     difference.map_or_else(String::new, |errors| significant(errors, 2))
 }
 
-/// All results of measurements, each with the outcome of its variant.
+/// Results of all measurements of all variants, each with the outcome of its variant.
 fn all(outcomes: &[Outcome]) -> impl Iterator<Item = (&Outcome, &Observation)> {
     outcomes.iter().flat_map(|outcome| outcome.observations.iter().map(move |observed| (outcome, observed)))
 }
 
-/// Names of the measurements of all variants, each once.
+/// Names of the measurements of all variants, without repetition.
 fn names(outcomes: &[Outcome]) -> impl Iterator<Item = &'static str> {
     let mut names: Vec<&'static str> = Vec::new();
     for (_, observed) in all(outcomes) {
@@ -82,7 +83,7 @@ fn names(outcomes: &[Outcome]) -> impl Iterator<Item = &'static str> {
     names.into_iter()
 }
 
-/// Measurements of a variant for `summary.json`: the single numbers of each, in SI units.
+/// Single numbers of each measurement of a variant for `summary.json`, in SI units.
 pub(super) fn json(outcome: &Outcome) -> Value {
     let numbers = |observed: &Observation| {
         let each = observed.numbers.iter().map(|number| {
@@ -101,7 +102,8 @@ pub(super) fn json(outcome: &Outcome) -> Value {
     outcome.observations.iter().map(numbers).collect()
 }
 
-/// Files of the measurements: one with the curves of each measurement, and one with the numbers of all.
+/// Tables of the measurements, each as name and contents of a file: one file with the curves of each measurement, and
+/// one with the numbers of all measurements.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -125,7 +127,8 @@ pub(super) fn tables(outcomes: &[Outcome]) -> Result<Vec<(String, Vec<u8>)>, Out
     Ok(tables)
 }
 
-/// Curves of one measurement, with one row per variant and place. Variants may have different curves.
+/// Contents of the file with the curves of one measurement, with one row per variant and place. Variants may have
+/// different curves.
 fn curves(results: &[(&Outcome, &Observation)]) -> Result<Vec<u8>, OutputError> {
     let mut columns: Vec<(&str, bool)> = Vec::new();
     for curve in results.iter().flat_map(|(_, observed)| &observed.curves) {
@@ -156,7 +159,7 @@ fn curves(results: &[(&Outcome, &Observation)]) -> Result<Vec<u8>, OutputError> 
     table.bytes()
 }
 
-/// Single numbers of all measurements.
+/// Contents of `observables.csv`: the single numbers that all measurements give, with their theories.
 fn numbers(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     let mut table = CsvTable::new();
     table.head("variant,measurement,quantity,unit,value,value_se,theory,source")?;
@@ -175,8 +178,8 @@ fn numbers(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// File for ParaView of contacts as lines, each with its force [N] and the ids of its particles. The id of a wall is
-/// -1. `time` is in s.
+/// File for ParaView with contacts as lines, each with its force [N] and the ids of its two particles. For a wall, the
+/// id -1 is written. `time` [s] is the simulated time.
 fn contact_lines(time: f64, lines: &[ContactLine]) -> Vec<u8> {
     let ends = lines.iter().map(|line| [line.from.into(), line.to.into()]);
     Vtp::of_lines(time, lines.len(), ends, |file| {
@@ -186,7 +189,7 @@ fn contact_lines(time: f64, lines: &[ContactLine]) -> Vec<u8> {
     })
 }
 
-/// File for ParaView of time averages on a grid, for the end of the run at `time` [s].
+/// File for ParaView with time averages in the cells of a grid. `time` [s] is the end of the run.
 fn grid_file(time: f64, grid: &ObservedGrid) -> Vec<u8> {
     Vtp::of_grid(time, grid.cells, grid.spacing.into(), |file| {
         for (name, components, values) in &grid.fields {

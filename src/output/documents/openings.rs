@@ -9,22 +9,22 @@ use crate::output::document::Block;
 use crate::output::numbers::{significant, with_error};
 use serde_json::{Value, json};
 
-/// Word for an inlet or an outlet.
+/// Word "inlet" or "outlet" for the opening to which a flow belongs.
 fn kind(flow: &FlowAverages) -> &'static str {
     if flow.is_inlet { "inlet" } else { "outlet" }
 }
 
-/// All flows, each with its variant.
+/// Flows through all inlets and outlets, each with the outcome of its variant.
 fn flows(outcomes: &[Outcome]) -> impl Iterator<Item = (&Outcome, &FlowAverages)> {
     outcomes.iter().flat_map(|outcome| outcome.flows.iter().map(move |flow| (outcome, flow)))
 }
 
-/// [m/s] mean speed of the particles that have passed; `None` without any.
+/// [m/s] mean speed of the particles that have passed the inlet or outlet; `None` if none has passed.
 fn mean_speed(flow: &FlowAverages) -> Option<f64> {
     (flow.totals.count > 0).then(|| flow.totals.speed / flow.totals.count as f64)
 }
 
-/// Table of the flows; empty if no variant has inlets or outlets.
+/// Table of the flows through inlets and outlets; empty if no variant has any.
 pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     if flows(outcomes).next().is_none() {
         return Vec::new();
@@ -51,7 +51,7 @@ pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     blocks
 }
 
-/// Sentence about an inlet at which particles had to wait; `None` if none had to.
+/// Sentence about an inlet at which particles waited for free space; `None` if no particle waited.
 fn blocked((outcome, flow): (&Outcome, &FlowAverages)) -> Option<String> {
     let [now, most] = flow.waiting;
     (most > 0).then(|| {
@@ -62,7 +62,7 @@ fn blocked((outcome, flow): (&Outcome, &FlowAverages)) -> Option<String> {
     })
 }
 
-/// Flows of a variant for `summary.json`, in SI units.
+/// Flows through the inlets and outlets of a variant for `summary.json`, in SI units.
 pub(super) fn json(outcome: &Outcome) -> Value {
     let flow = |flow: &FlowAverages| {
         json!({
@@ -79,8 +79,9 @@ pub(super) fn json(outcome: &Outcome) -> Value {
     outcome.flows.iter().map(flow).collect()
 }
 
-/// Contents of `flow.csv`: for each inlet and outlet, the sums since the start at the times of samples, and the mass rate
-/// and mean speed since the row before. `None` if no variant has inlets or outlets.
+/// Contents of `flow.csv`: for each inlet and outlet, sums over the particles that have passed since the start, at the
+/// times of samples. Mass rate and mean speed are those since the previous row. `None` if no variant has inlets or
+/// outlets.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

@@ -7,7 +7,7 @@ use crate::output::panel::Figure;
 use crate::output::{Study, Verdict};
 use crate::statistics::Judged;
 
-/// Parts of the page that are always visible; empty for a single run.
+/// Blocks of the page of a comparison that are always visible; empty for a single run.
 pub fn blocks(study: &Study, figures: &[Figure]) -> Vec<Block> {
     if study.comparisons.is_empty() {
         return Vec::new();
@@ -21,8 +21,8 @@ pub fn blocks(study: &Study, figures: &[Figure]) -> Vec<Block> {
     blocks
 }
 
-/// Table of answers with a column per variant and a row per quantity. Each column has the settings of its variant. The
-/// first row contains the answers for all quantities together.
+/// Table of answers with one column per variant and one row per quantity. The head of each column has the settings of
+/// its variant. The first row contains the answers for all quantities together.
 fn matrix(study: &Study) -> Matrix {
     let judged = |name: &str| study.comparisons.iter().find(|verdict| verdict.variant == name);
     let heads = study.outcomes.iter().enumerate().map(|(place, outcome)| {
@@ -55,7 +55,7 @@ fn against(study: &Study, reference: &str) -> String {
     set.map_or_else(|| format!("against “{reference}”"), |set| format!("against “{reference}” ({set})"))
 }
 
-/// Exchanges rows and columns of a table if it has more than five columns, so that it is not too wide for the page.
+/// Exchanges rows and columns of a table that has more than five columns, which would be too wide for the page.
 fn turned(matrix: Matrix) -> Matrix {
     if matrix.head.len() <= 5 {
         return matrix;
@@ -74,7 +74,8 @@ fn judged(verdict: &Verdict) -> &[Judged] {
     verdict.comparison.as_ref().map_or(&[], |comparison| &comparison.judged)
 }
 
-/// Answer for one quantity, with the difference in its sentence, in % of the scale of the quantity.
+/// Cell with the answer for one quantity, and with the difference on which it is based, in % of the scale of the
+/// quantity.
 fn cell(verdict: &Verdict, name: &str) -> Cell {
     let Some(one) = judged(verdict).iter().find(|one| one.tested.name == name) else {
         return Cell { answer: None, words: "not compared".into() };

@@ -1,4 +1,4 @@
-//! Document of a plan, as text or as JSON.
+//! Document of a plan (predictions before a run), as text or as JSON.
 
 use crate::output::OutputError;
 use crate::output::document::{Block, TextRow, known, text};
@@ -15,17 +15,17 @@ pub struct PlanDocument<'a> {
     pub case: String,
     /// Title of the case: the first line of the case file.
     pub title: String,
-    /// Collision model of the case itself.
+    /// Collision model that the case itself sets.
     pub model_of_the_case: String,
-    /// Number of threads for which times are predicted.
+    /// Number of threads for which computing times are predicted.
     pub threads: usize,
-    /// Predictions and measurements.
+    /// Predictions for the run, and measurements of a short run.
     pub plan: &'a RunPrediction,
-    /// Recommended model and settings.
+    /// Recommended engine, contact law and time step.
     pub recommendation: &'a Recommendation,
 }
 
-/// Units of all numbers in the JSON: each unit, and the keys of the numbers in this unit.
+/// Units of all numbers in the JSON. Each entry is a unit, followed by the keys of the numbers in this unit.
 const UNITS: [(&str, &str); 11] = [
     (
         "s",
@@ -97,17 +97,17 @@ pub fn plan_text(document: &PlanDocument) -> String {
     text(&blocks)
 }
 
-/// Largest number of rows in a table, so that the table fits on a screen.
+/// Largest number of rows in a table of the plan, so that the table fits on a screen.
 const MOST_ROWS: usize = 12;
 
 /// Note on the number of rows that a table leaves out, beyond [`MOST_ROWS`]. `rows` is the number of all rows. `None`
-/// if the table contains all of them.
+/// if no row is left out.
 fn left_out(rows: usize) -> Option<Block> {
     let more = rows.checked_sub(MOST_ROWS).filter(|more| *more > 0)?;
     Some(Block::Note(format!("and {} more, all with --json", counted(more, "row"))))
 }
 
-/// List of terms with values, to which entries are added one by one.
+/// List of terms with their values, which grows by one entry at a time.
 #[derive(Default)]
 struct Entries(Vec<(String, String)>);
 
@@ -307,7 +307,7 @@ fn averaging(plan: &RunPrediction) -> Vec<Block> {
     ]
 }
 
-/// Predictions for a scene that never becomes steady.
+/// Part of the document with predictions for a scene that never becomes steady; otherwise empty.
 fn transient(plan: &RunPrediction) -> Vec<Block> {
     let Some(found) = &plan.transient else { return Vec::new() };
     let mut entries = Entries::default();
@@ -328,7 +328,7 @@ fn transient(plan: &RunPrediction) -> Vec<Block> {
     vec![Block::heading("Nothing is steady here"), Block::Note(course), Block::Entries(entries.0)]
 }
 
-/// Time after the start, in words.
+/// Time [s] after the start, in words; "never" if it is infinite.
 fn after(time: f64) -> String {
     if time.is_finite() { format!("after about {}", quantity(time, "s", 2)) } else { "never".into() }
 }

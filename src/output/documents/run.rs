@@ -15,10 +15,10 @@ use crate::statistics::{Answer, Estimate};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// Largest number of answers at the top of a page. More answers would make the top too long.
+/// Largest number of answers that are shown at the top of a page.
 const ANSWERS: usize = 3;
 
-/// Number of standard errors beyond which a deviation is highlighted.
+/// Number of standard errors beyond which a deviation from an expected value is highlighted.
 const SUSPECT: f64 = 3.0;
 
 /// Writes all results of a run or a comparison, and returns the path of the report.
@@ -95,7 +95,7 @@ fn document<'a>(study: &Study<'a>) -> Result<Document<'a>, OutputError> {
     })
 }
 
-/// Main part of the page. The first `over_time` figures show curves over time.
+/// Main part of the page of a run or a comparison. The first `over_time` figures show curves over time.
 fn body(study: &Study, over_time: usize, figures: &[Figure]) -> Vec<Block> {
     let outcomes = study.outcomes;
     // curves over time come first for unsteady runs, whose averages mix different states, and for a few bodies, whose
@@ -146,8 +146,8 @@ fn body(study: &Study, over_time: usize, figures: &[Figure]) -> Vec<Block> {
     body
 }
 
-/// Figures whose names are given, or begin with a given name and a hyphen. Consecutive figures are placed next to each
-/// other.
+/// Blocks with the figures whose names are in `names`, or begin with such a name and a hyphen. Consecutive figures are
+/// placed next to each other.
 fn pictures(figures: &[Figure], names: &[&str]) -> Vec<Block> {
     let is = |figure: &Figure, name: &str| {
         figure.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'))
@@ -163,7 +163,7 @@ fn pictures(figures: &[Figure], names: &[&str]) -> Vec<Block> {
     ranges.into_iter().map(Block::Figures).collect()
 }
 
-/// Distinct texts in order of first appearance, separated by commas.
+/// Joins the distinct texts in order of first appearance, separated by commas.
 pub fn distinct(texts: impl Iterator<Item = String>) -> String {
     let mut seen: Vec<String> = Vec::new();
     for text in texts {
@@ -218,7 +218,8 @@ fn impacts(outcomes: &[Outcome]) -> Vec<Block> {
     blocks
 }
 
-/// Restitution that a case gives; where it depends on the speed, that at the mean normal speed of impact [m/s].
+/// Restitution that a case gives, as text. If it depends on the speed, it is the value at the mean normal speed of
+/// impact `speed` [m/s].
 fn requested(surface: &Surface, speed: Option<f64>) -> String {
     match (surface.by_speed, speed) {
         (None, _) => significant(surface.restitution, 4),
@@ -295,7 +296,8 @@ fn averaging(outcomes: &[Outcome]) -> Vec<Block> {
     ]
 }
 
-/// Table of hashes of the initial and final states. Equal hashes mean that all bits of the states are equal.
+/// Table of the hashes of the initial and the final state of each variant. Equal hashes mean that all bits of the
+/// states are equal.
 fn hashes(outcomes: &[Outcome]) -> Block {
     let cells =
         |o: &Outcome| (false, vec![format!("{:016x}", o.initial_state_hash), format!("{:016x}", o.final_state_hash)]);
@@ -306,7 +308,7 @@ pub(super) fn measured(found: Option<Estimate>) -> Value {
     json!({ "value": found.map(|found| found.value), "standard_error": found.and_then(|found| found.error) })
 }
 
-/// Data of a variant for `summary.json`, in SI units; `null` means an unknown value.
+/// Results of a variant for `summary.json`, in SI units; `null` means an unknown value.
 fn variant(outcome: &Outcome, parameters: Option<&Value>) -> Value {
     let (experiment, record) = (&outcome.experiment, &outcome.record);
     let (pairs, walls) = (outcome.pairs.summary(), outcome.walls.summary());

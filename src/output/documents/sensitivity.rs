@@ -1,4 +1,4 @@
-//! Document of a sensitivity study.
+//! Document of a sensitivity study, which changes one factor of a case at a time.
 
 use crate::output::document::{Block, Document, Table, known};
 use crate::output::numbers::{percent, quantity, significant, with_error};
@@ -78,7 +78,7 @@ fn remarks(head: &str, rows: impl Iterator<Item = (bool, Vec<String>)>) -> Block
     Block::Table(Table { remarks: true, ..table })
 }
 
-/// Table of the factors and their effects; the most important factor is first.
+/// Table of the changed factors and their effects; the most important factor is first.
 fn factors(study: &SensitivityStudy) -> Block {
     let row = |factor: &Factor| {
         let shift = factor.headline();
@@ -106,7 +106,7 @@ fn share(shift: &Shift) -> String {
     with_error(Estimate { value: 100.0 * shift.share(), error: shift.share_error().map(|error| 100.0 * error) })
 }
 
-/// Note on the kind of results that the shifts compare; `None` if there are no results.
+/// Note on the kind of results (averages, curves or paths) that the shifts compare; `None` if there are no results.
 fn basis(study: &SensitivityStudy) -> Option<&'static str> {
     match study.factors.iter().find_map(|factor| factor.basis)? {
         Basis::Averages => Some(
@@ -125,7 +125,7 @@ fn basis(study: &SensitivityStudy) -> Option<&'static str> {
     }
 }
 
-/// Table with a row per factor and a column per observable; `None` without shifts.
+/// Table of the shifts with one row per factor and one column per observable; `None` without shifts.
 fn shifts(study: &SensitivityStudy) -> Option<Block> {
     let names = study.observables();
     if names.is_empty() {
@@ -142,7 +142,7 @@ fn shifts(study: &SensitivityStudy) -> Option<Block> {
     Some(Block::table(&format!("factor | {}", names.join(" | ")), study.factors.iter().map(row)))
 }
 
-/// Table of all runs, with their settings and times.
+/// Table of all runs of the study, with their settings and wall-clock times.
 fn runs(study: &SensitivityStudy) -> Block {
     let all: f64 = study.runs.iter().map(|run| run.wall_seconds).sum();
     let row = |run: &crate::output::sensitivity::SensitivityRun| {

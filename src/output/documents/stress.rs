@@ -52,7 +52,7 @@ pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     blocks.into_iter().chain(kinetic_only).collect()
 }
 
-/// Stress of a variant for `summary.json`, in SI units.
+/// Stress, contacts per particle and volume fraction of a variant for `summary.json`, in SI units.
 pub(super) fn json(outcome: &Outcome) -> Value {
     let stress = &outcome.stress;
     let all = |list: &[Option<Estimate>]| list.iter().map(|part| measured(*part)).collect::<Vec<_>>();
@@ -67,8 +67,9 @@ pub(super) fn json(outcome: &Outcome) -> Value {
     })
 }
 
-/// Contents of `stress.csv`: kinetic and contact part of each component of the stress [Pa], averaged over the volume of the
-/// box and the averaging period, and the pressure. Compression is positive. Columns with `_se` contain one standard error.
+/// Contents of `stress.csv`: kinetic and contact part of each component of the stress [Pa], averaged over the volume of
+/// the box and the averaging period, and the pressure. Compression is positive. Columns with `_se` contain one standard
+/// error.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

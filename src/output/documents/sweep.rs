@@ -1,4 +1,4 @@
-//! Document of a sweep.
+//! Document of a sweep, which runs a case with several values of its keys.
 
 use crate::output::document::{Block, Document};
 use crate::output::files::write_summary;
@@ -9,7 +9,7 @@ use crate::statistics::Estimate;
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Number of standard errors of the difference beyond which two values count as different.
+/// Number of standard errors of the difference beyond which two values of a quantity count as different.
 const FAR: f64 = 3.0;
 
 /// Writes the table, the pictures and the page of a sweep. Writes the summary too if all runs are finished. Returns the
@@ -50,7 +50,7 @@ pub fn write_sweep(folder: &Folder, study: &SweepStudy) -> Result<PathBuf, Outpu
     Ok(page)
 }
 
-/// Answers of a sweep, in sentences.
+/// Answers of a sweep in sentences: missing and failed runs, and differences between variants.
 pub fn sweep_verdicts(study: &SweepStudy) -> Vec<String> {
     verdicts(study)
 }
@@ -116,8 +116,8 @@ fn verdicts(study: &SweepStudy) -> Vec<String> {
     sentences
 }
 
-/// Sentence that compares a variant with the reference in one observable at all points. `None` if no point has two
-/// values with errors.
+/// Sentence that compares a variant with the reference in one observable at all points of the sweep. `None` if at no
+/// point both have values with errors.
 fn compared(study: &SweepStudy, variant: usize, reference: usize, key: &str, name: &str) -> Option<String> {
     let (mut points, mut near) = (0, 0);
     let mut farthest: Option<(f64, &SweepRow, Estimate, Estimate)> = None;

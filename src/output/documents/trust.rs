@@ -5,7 +5,7 @@ use crate::output::numbers::{UNKNOWN, quantity, significant, with_error};
 use crate::output::{Expected, Halved, HalvedStep, Judgement, TrustCheck, TrustSheet, Verification};
 use crate::statistics::Estimate;
 
-/// Number of standard errors beyond which a change is highlighted.
+/// Number of standard errors beyond which a change by a halved time step is highlighted.
 const SUSPECT: f64 = 3.0;
 
 /// Trust sheets (checks of the results) of all variants as parts of a page. A table has one column per variant.
@@ -41,7 +41,7 @@ pub(super) fn blocks(sheets: &[TrustSheet]) -> Vec<Block> {
     blocks
 }
 
-/// Text of a value with its unit, and with its standard error unless the error is only rounding.
+/// Text of a value with its unit and its standard error. An error that is only rounding is left out.
 fn value(found: impl Into<Option<Estimate>>, unit: &str) -> String {
     let Some(found) = found.into() else { return format!("{UNKNOWN}{unit}") };
     let space = if unit.is_empty() { "" } else { " " };
@@ -55,7 +55,7 @@ fn value(found: impl Into<Option<Estimate>>, unit: &str) -> String {
     format!("{text}{space}{unit}")
 }
 
-/// Table of the checks, with a row per check and a column per variant.
+/// Table of the checks, with one row per check and one column per variant.
 fn checks(sheets: &[TrustSheet]) -> Block {
     let mut names: Vec<&'static str> = Vec::new();
     for check in sheets.iter().flat_map(|sheet| &sheet.checks) {
@@ -78,7 +78,7 @@ fn checks(sheets: &[TrustSheet]) -> Block {
     Block::Table(Table { head: head.collect(), rows: names.iter().map(row).collect(), remarks: true })
 }
 
-/// Distinct texts in order of first appearance, separated by semicolons.
+/// Joins the distinct texts in order of first appearance, separated by semicolons.
 fn distinct(texts: impl Iterator<Item = String>) -> String {
     let mut seen: Vec<String> = Vec::new();
     for text in texts {
@@ -97,7 +97,8 @@ fn expected(expected: Expected) -> String {
     }
 }
 
-/// Value of a check, its deviation from the expected value in standard errors, and a mark for good or suspect values.
+/// Text of a check: its value, its deviation from the expected value in standard errors, and a mark for a good or
+/// suspect value.
 fn cell(check: &TrustCheck) -> String {
     let off = check
         .in_errors()

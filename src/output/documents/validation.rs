@@ -1,4 +1,4 @@
-//! Document of the validation suite.
+//! Document of the validation suite, which compares results with closed forms, other codes and experiments.
 
 use crate::output::document::{Block, Document, Table, TextRow, columns, text};
 use crate::output::files::write_summary;
@@ -60,7 +60,7 @@ const LEGEND: &str = "Agrees: a run without scatter that deviates by less than t
     difference below the stated margin. Different: Student's t test finds a difference (1 % for all rows together, Holm within a row), and it is not \
     shown to be within the margin. Unresolved: neither is shown. ±: one standard error, or the error of reading a picture.";
 
-/// Heading of the part of the page about one kind of reference.
+/// Heading of the part of the page with the rows of one kind of reference.
 fn heading(tier: ValidationTier) -> &'static str {
     match tier {
         ValidationTier::ClosedForms => "Closed forms",
@@ -69,12 +69,12 @@ fn heading(tier: ValidationTier) -> &'static str {
     }
 }
 
-/// Table of the rows for a terminal. It contains the number of each row that deviates most.
+/// Table of the rows of the suite for a terminal. From each row it contains the number that deviates most.
 pub fn validation_answers(study: &ValidationStudy) -> String {
     text(&[overview(study)])
 }
 
-/// Table of all rows. It contains the number of each row that deviates most.
+/// Table of all rows of the suite. From each row it contains the number that deviates most.
 fn overview(study: &ValidationStudy) -> Block {
     let row = |row: &ValidationRow| -> TextRow {
         let worst = row.worst();
@@ -101,14 +101,14 @@ fn overview(study: &ValidationStudy) -> Block {
     })
 }
 
-/// Value with its unit: with its standard error, or with six digits if the error is 0.
+/// Text of a value with its unit and its standard error, or with six digits if the error is 0.
 fn shown(found: Estimate, unit: &str) -> String {
     let value =
         if found.error.is_some_and(|error| error == 0.0) { significant(found.value, 6) } else { with_error(found) };
     format!("{value} {unit}").trim_end().to_owned()
 }
 
-/// Part of the page about comparisons that were not made.
+/// Part of the page about comparisons that the suite does not make.
 fn not_validated(study: &ValidationStudy) -> Vec<Block> {
     let mut blocks = vec![Block::heading("Not validated")];
     if !study.left_out.is_empty() {
@@ -125,7 +125,7 @@ fn not_validated(study: &ValidationStudy) -> Vec<Block> {
 }
 
 impl ValidationStudy<'_> {
-    /// Section of the page about one row.
+    /// Section of the page about one row of the suite: its scene, source, numbers and picture.
     fn section(&self, row: &ValidationRow, figures: &[crate::output::panel::Figure]) -> Vec<Block> {
         let number = |one: &ValidationNumber| -> TextRow {
             let cells = vec![
@@ -161,7 +161,7 @@ impl ValidationStudy<'_> {
         section
     }
 
-    /// Entry of a row in the summary.
+    /// Entry of one row of the suite in `summary.json`.
     fn json(&self, row: &ValidationRow) -> Value {
         json!({
             "name": row.name,

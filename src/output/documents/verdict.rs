@@ -17,7 +17,7 @@ pub fn blocks(study: &Study) -> Vec<Block> {
     blocks
 }
 
-/// Note that explains the columns of [`of_pair`].
+/// Note that explains the columns of the tables made by [`of_pair`].
 pub fn legend() -> Block {
     Block::note(
         "SE: standard error. Clearest: the slice or instant that deviates most in its standard error. Chance: of as large a difference between equal systems, \
@@ -26,7 +26,7 @@ pub fn legend() -> Block {
     )
 }
 
-/// Numbers on which the answer for one pair is based.
+/// Blocks with the numbers on which the answer for one pair of variants is based.
 pub fn of_pair(verdict: &Verdict) -> Vec<Block> {
     let title = format!("“{}” − “{}”", verdict.variant, verdict.reference);
     let mut blocks = vec![Block::Label(title), Block::note(verdict.reason.clone())];
@@ -41,7 +41,7 @@ pub fn of_pair(verdict: &Verdict) -> Vec<Block> {
     blocks
 }
 
-/// Table with a row per variant: its settings, its reference and its answer.
+/// Table with one row per variant: its settings, its reference and its answer.
 fn answers(study: &Study) -> Block {
     let row = |(place, outcome): (usize, &crate::outcome::Outcome)| {
         let name = &outcome.experiment.name;

@@ -1,4 +1,4 @@
-//! Parts of a report about the cost of runs, in wall time and in counts of work.
+//! Parts of a report about the cost of runs, in wall-clock time and in numbers of operations.
 
 use super::run::{distinct, table};
 use crate::experiment::{HardStepping, Model};
@@ -7,7 +7,7 @@ use crate::output::cost;
 use crate::output::document::{Block, known};
 use crate::output::numbers::{count, percent, quantity, significant};
 
-/// Table of the work and the cost of each variant.
+/// Table of the numbers of operations and the wall-clock time of each variant.
 pub fn costs(outcomes: &[Outcome]) -> Vec<Block> {
     // a run that stopped early is left out, because its cost is not that of the whole case
     let finished = outcomes.iter().filter(|outcome| outcome.failure.is_none());
@@ -52,8 +52,8 @@ pub fn costs(outcomes: &[Outcome]) -> Vec<Block> {
     blocks.chain((!stepped.is_empty()).then_some(integrators)).collect()
 }
 
-/// Statistics of the islands, which are groups of particles that may touch within a part of a window. Empty without
-/// islands.
+/// Statistics of the islands, which are groups of particles that may touch within a part of a window (time between two
+/// exchanges with the gas). Empty without islands.
 pub fn islands(outcomes: &[Outcome]) -> Vec<Block> {
     if outcomes.iter().all(|o| o.counters.islands == 0) {
         return Vec::new();
@@ -75,7 +75,7 @@ pub fn islands(outcomes: &[Outcome]) -> Vec<Block> {
     ]
 }
 
-/// Table with the share of each part of a run, such as drag or sampling, in its wall time.
+/// Table with the share of each part of a run, such as drag or sampling, in its wall-clock time.
 pub fn timing(outcomes: &[Outcome]) -> Vec<Block> {
     let cells = |o: &Outcome| {
         let t = &o.timing;
@@ -96,7 +96,7 @@ pub fn timing(outcomes: &[Outcome]) -> Vec<Block> {
 }
 
 /// [1/s] number of particles times number of windows (times between two exchanges with the gas), per wall-clock second.
-/// `None` if no time was measured.
+/// `None` if no wall-clock time was measured.
 pub fn particle_windows_per_second(outcome: &Outcome) -> Option<f64> {
     let seconds = outcome.timing.wall_seconds;
     (seconds > 0.0).then(|| outcome.particles as f64 * outcome.windows as f64 / seconds)

@@ -5,7 +5,7 @@ use crate::output::numbers::Prefix;
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::output::{Bounce, ObliqueStudy, PathPoint};
 
-/// Picture of the overlap (the negative gap) over time, with the closed-form solution if there is one.
+/// Picture of the overlap (the negative gap) over time for each variant, with the closed-form solution if there is one.
 pub fn overlap_in_time(bounces: &[Bounce]) -> String {
     let deepest = points(bounces).map(|point| -point.gap).filter(|overlap| overlap.is_finite()).fold(0.0, f64::max);
     let overlap = if deepest > 0.0 { Prefix::of(deepest) } else { Prefix::of(widest(bounces)) };
@@ -25,7 +25,7 @@ pub fn overlap_in_time(bounces: &[Bounce]) -> String {
     })
 }
 
-/// Picture of the normal velocity over time, with the closed-form solution if there is one.
+/// Picture of the normal velocity over time for each variant, with the closed-form solution if there is one.
 pub fn normal_velocity(bounces: &[Bounce]) -> String {
     let deepest = points(bounces).map(|point| -point.gap).filter(|overlap| overlap.is_finite()).fold(0.0, f64::max);
     let floor = if deepest > 0.0 { -0.5 * deepest } else { f64::NEG_INFINITY };
@@ -44,7 +44,7 @@ pub fn normal_velocity(bounces: &[Bounce]) -> String {
     })
 }
 
-/// Picture of the reduced slip s/(μ u_n) after an impact against the reduced slip before it, for each variant, with
+/// Picture of the reduced slip s/(μ u_n) after an impact as a function of that before, for each variant. It also has
 /// measured points and the curve of partial slip.
 pub fn slip_after(study: &ObliqueStudy) -> String {
     let of = |points: &[(f64, f64)]| points.iter().map(|(x, y)| SeriesPoint::at(*x, *y)).collect::<Vec<_>>();
@@ -77,22 +77,21 @@ fn widest(bounces: &[Bounce]) -> f64 {
     points(bounces).map(|point| point.gap.abs()).filter(|gap| gap.is_finite()).fold(0.0, f64::max)
 }
 
-/// First and last instant [s] at which the overlap is at least `floor` [m] in any variant. The overlap is negative
-/// while the bodies are apart.
+/// First and last time [s] at which the overlap is at least `floor` [m] in any variant. A negative overlap is a gap.
 fn near(bounces: &[Bounce], floor: f64) -> (f64, f64) {
     let times = bounces.iter().flat_map(|bounce| cut(&bounce.path, floor)).map(|(t, _)| t).filter(|t| t.is_finite());
     times.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| (low.min(t), high.max(t)))
 }
 
-/// [s] largest magnitude of the times at which the overlap is at least `floor` [m] in any variant. Infinite if there is
-/// no such time.
+/// [s] largest magnitude of the times at which the overlap is at least `floor` [m] in any variant. It is infinite if
+/// there is no such time.
 fn span(bounces: &[Bounce], floor: f64) -> f64 {
     let (from, until) = near(bounces, floor);
     from.abs().max(until.abs()).max(0.0)
 }
 
-/// Times [s] and overlaps [m] along a path, where the overlap is at least `floor` [m]. The instants at which the
-/// overlap equals `floor` are found by linear interpolation.
+/// Times [s] and overlaps [m] at the points of a path where the overlap is at least `floor` [m]. The times at which the
+/// overlap equals `floor` are added by linear interpolation.
 fn cut(path: &[PathPoint], floor: f64) -> impl Iterator<Item = (f64, f64)> {
     let inside = path.iter().filter(move |point| -point.gap >= floor).map(|point| (point.time, -point.gap));
     let crossings = path.windows(2).filter_map(move |pair| {
@@ -107,7 +106,8 @@ fn cut(path: &[PathPoint], floor: f64) -> impl Iterator<Item = (f64, f64)> {
     kept.into_iter()
 }
 
-/// Part of a series between two instants. Points at the two instants are found by linear interpolation.
+/// Part of a series between the horizontal positions `from` and `until`. Its end points are found by linear
+/// interpolation.
 fn within(series: PanelSeries, (from, until): (f64, f64)) -> PanelSeries {
     let mut points: Vec<SeriesPoint> = Vec::new();
     for pair in series.points.windows(2) {
@@ -125,7 +125,8 @@ fn within(series: PanelSeries, (from, until): (f64, f64)) -> PanelSeries {
     PanelSeries { points, ..series }
 }
 
-/// Series of all closed-form solutions under one name, then the series of the variants, which are drawn on top.
+/// Series of all closed-form solutions under one name, followed by the series of the variants. Later series are drawn
+/// on top. `map` converts a path to points.
 fn series(bounces: &[Bounce], map: impl Fn(&[PathPoint]) -> Vec<(f64, f64)>) -> Vec<PanelSeries> {
     let one = |label: &str, look, path: &[PathPoint]| {
         PanelSeries::new(label, look, map(path).into_iter().map(|(x, y)| SeriesPoint::at(x, y)))

@@ -1,4 +1,4 @@
-//! Figures of the budgets of the second moments of velocity across the channel.
+//! Figure of the budgets of the second moments of velocity across the channel.
 
 use super::chart;
 use crate::observe::{Budgets, MOMENTS, Terms};
@@ -9,7 +9,7 @@ use crate::statistics::Estimate;
 /// Name of a term of the budget, and the function that selects the term.
 type Named = (&'static str, fn(&Terms<Estimate>) -> Estimate);
 
-/// Terms of a budget, in the order of the legend.
+/// Terms of a budget of a second moment, in the order of the legend.
 const TERMS: [Named; 5] = [
     ("production", |terms| terms.production),
     ("impacts", |terms| terms.impacts),
@@ -18,7 +18,8 @@ const TERMS: [Named; 5] = [
     ("rest", |terms| terms.rest),
 ];
 
-/// Budgets of a run between walls at y = 0 and y = `height` [m], with one panel per moment.
+/// Figure of the budgets of the second moments of a run between walls at y = 0 and y = `height` [m], with one panel per
+/// moment.
 pub fn budgets(budgets: &Budgets, height: f64) -> Figure {
     let prefix = Prefix::of(height);
     let panel = |(k, (name, ..)): (usize, (&str, usize, usize))| {

@@ -24,7 +24,7 @@ fn colour(shade: Shade) -> &'static str {
     }
 }
 
-/// SVG picture of a map of cells.
+/// SVG picture of a map of coloured cells, with its lines by theory and a legend.
 pub fn cells(map: &RegimeMap) -> String {
     let mut plots = Vec::new();
     let mut legend = Vec::new();

@@ -23,7 +23,7 @@ pub(super) const WIDTH: f64 = 640.0;
 pub(super) const HEIGHT: f64 = 400.0;
 /// [px] height of one panel if there are several.
 const PANEL_HEIGHT: f64 = 250.0;
-/// Number of decades of a logarithmic axis below its largest value. Labels of more decades would not fit.
+/// Number of decades that a logarithmic axis extends below its largest value. Labels of more decades would not fit.
 const DECADES: i32 = 6;
 /// Colour of curves that serve only as a reference.
 pub(super) const GREY: &str = "#777777";
@@ -80,7 +80,7 @@ pub(super) fn single(panel: &Panel) -> String {
     svg(&render_multiple(plots, layout.with_width(WIDTH).with_height(HEIGHT)))
 }
 
-/// Adds `legend` below a picture.
+/// Returns the layout of a picture with a legend below the panel.
 pub(super) fn with_legend(layout: Layout, legend: Vec<LegendEntry>) -> Layout {
     let layout = layout.with_legend_entries(legend).with_legend_box(false);
     layout.with_legend_position(LegendPosition::OutsideBottomColumns)
@@ -192,7 +192,8 @@ fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
     (plots, layout)
 }
 
-/// Axes of a panel with the given ends. An empty panel contains the words "nothing recorded".
+/// Layout of a panel whose axes have the given ends. `empty` is true for a panel without points, which contains the
+/// words "nothing recorded".
 fn layout(panel: &Panel, x: (f64, f64), y: (f64, f64), empty: bool) -> Layout {
     let mut layout = style(Layout::new(x, y))
         .with_x_axis_min(x.0)
@@ -249,7 +250,8 @@ pub(super) fn powers() -> TickFormat {
     }))
 }
 
-/// Plots of a series: points, or a line, with a band if errors are known. Error bars end at `floor`.
+/// Plots that draw one series: points, or a line with a band if errors are known. `floor` is the lower end of the axis,
+/// at which error bars end.
 fn plot(look: SeriesStyle, points: &[SeriesPoint], floor: f64) -> Vec<Plot> {
     let data: Vec<(f64, f64)> = points.iter().map(|p| (p.x, p.y)).collect();
     let line = || {
@@ -317,7 +319,7 @@ impl AxisRange {
         self.0 > self.1
     }
 
-    /// Ends of the axis. They differ even if all values are equal.
+    /// Lower and upper end of the axis, which differ even if all values are equal.
     fn ends(self) -> (f64, f64) {
         let Self(low, high) = self;
         // a smaller difference is rounding, and would give ticks with equal labels
@@ -328,7 +330,7 @@ impl AxisRange {
         (low - half, high + half)
     }
 
-    /// Range widened to whole powers of ten, with at least one decade.
+    /// Range from a whole power of ten to another one, with at least one decade between them.
     fn decades(self) -> (f64, f64) {
         let (low, high) = (self.0.log10().floor(), self.1.log10().ceil());
         (10f64.powf(low), 10f64.powf(high.max(low + 1.0)))

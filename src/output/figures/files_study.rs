@@ -1,11 +1,12 @@
-//! Figure of the differences between the two sides, in units of the margin.
+//! Figure of the differences between the two sides of a comparison of files, in units of the margin (largest accepted
+//! difference).
 
 use super::rows::{Dot, RowsFigure, rows};
 use crate::output::Verdict;
 use crate::output::panel::Figure;
 use crate::statistics::{Answer, Judged};
 
-/// Figure with a row per quantity. Empty if nothing was compared.
+/// Figure with one row per compared quantity. The list is empty if nothing was compared.
 pub fn files_study(comparisons: &[Verdict]) -> Vec<Figure> {
     let judged = comparisons.iter().flat_map(|verdict| {
         let all = verdict.comparison.iter().flat_map(|comparison| &comparison.judged);

@@ -24,13 +24,13 @@ pub const CHANNEL_DNS: [(f64, f64); 9] = [
     (998.0, 22.593),
 ];
 
-/// Number of points of a drawn curve.
+/// Number of points of a drawn curve of the gas velocity.
 const POINTS: usize = 400;
 /// Number of points of each curve in a picture of several gases.
 const GASES_POINTS: usize = 120;
 
-/// Figures of a gas profile between walls at y = 0 and y = `height` [m]. Only a k-epsilon channel has the second
-/// figure, in wall units.
+/// Figures of a gas profile between walls at y = 0 and y = `height` [m]. For a k-epsilon channel there is a second
+/// figure in wall units.
 pub fn gas(profile: &Profile, height: f64) -> Vec<Figure> {
     let mut figures = vec![Figure::new(
         "velocity",
@@ -51,8 +51,8 @@ pub fn gas(profile: &Profile, height: f64) -> Vec<Figure> {
 /// Figure of the profiles of several gases between walls at y = 0 and y = `height` [m]. The horizontal axis is the
 /// distance from the wall on a logarithmic scale, up to the middle of the channel. `None` for fewer than two gases.
 pub fn gases(profiles: &[(String, Profile)], height: f64) -> Option<Figure> {
-    /// [-] distance from the wall over the width of the channel at which the curves begin: half the radius of the
-    /// smallest sphere of a channel.
+    /// [-] distance from the wall at which the curves begin, over the width of the channel. It is half the radius of
+    /// the smallest sphere of a channel.
     const NEAREST: f64 = 2.5e-3;
     if profiles.len() < 2 {
         return None;
@@ -77,8 +77,8 @@ pub fn gases(profiles: &[(String, Profile)], height: f64) -> Option<Figure> {
     Some(Figure::new("gases", "Mean streamwise velocity of the gases of all variants.", chart::single(&panel)))
 }
 
-/// Picture of the gas that feels the particles, beside the gas alone: velocity and turbulent kinetic energy from the wall
-/// to the middle. `None` if the gas is frozen in all variants.
+/// Figure of a gas on which the particles act, together with the gas without particles. It shows velocity and turbulent
+/// kinetic energy from the wall to the middle. `None` if the particles do not change the gas in any variant.
 pub fn loaded(outcomes: &[Outcome]) -> Option<Figure> {
     let flows: Vec<(&str, &GasFlow)> =
         outcomes.iter().filter_map(|outcome| Some((outcome.experiment.name.as_str(), outcome.gas.as_ref()?))).collect();

@@ -10,16 +10,16 @@ use crate::predict::overlaps::Overlaps;
 use crate::record::{Histogram, Impacts};
 use std::f64::consts::PI;
 
-/// Largest number of histogram bins that a picture shows.
+/// Largest number of bins of a histogram that a picture shows. Bins of finer histograms are merged.
 const SHOWN: usize = 48;
 
-/// Number of intervals of a curve: one for every four pixels of a panel.
+/// Number of intervals of a curve of kinetic theory: one for every four pixels of a panel.
 const CURVE_POINTS: usize = 60;
 
 /// Name in the legend of curves from kinetic theory.
 const THEORY: &str = "Maxwellian gas";
 
-/// [-] overlap over the diameter below which the overlap counts as a rounding error, as in event-driven collisions.
+/// [-] overlap over the diameter below which an overlap counts as a rounding error, as in event-driven collisions.
 pub(in crate::output) const ROUNDING: f64 = 1e-9;
 
 /// Kind of curve by which a distribution is drawn.
@@ -32,21 +32,20 @@ enum Shape {
     Share,
 }
 
-/// Quantity of an impact, and the way in which its distribution is drawn.
+/// Quantity of an impact, such as its normal speed, and the way in which its distribution is drawn.
 #[derive(Clone, Copy)]
 struct ImpactQuantity {
     x_label: &'static str,
-    /// Factor by which the quantity is multiplied for the axis, such as 100 for per cent.
+    /// [-] factor by which the quantity is multiplied for the axis, such as 100 for per cent.
     scale: f64,
     y_label: &'static str,
     shape: Shape,
-    /// Largest value below which a distribution is not drawn, in the unit of the quantity. A variant with smaller
-    /// values only is left out.
+    /// Threshold in the unit of the quantity. A variant whose values are all smaller is left out of the picture.
     least: f64,
     pick: fn(&Impacts) -> &Histogram,
-    /// Prediction of kinetic theory, as a function of the quantity.
+    /// Prediction of kinetic theory as a function of the quantity; `None` if there is no theory.
     theory: Option<fn(&Overlaps, f64) -> f64>,
-    /// True if the prediction is valid only for uniform steps, in which all contacts have the same time steps.
+    /// True if the prediction is valid only for uniform stepping, in which time steps move all particles.
     in_step: bool,
 }
 
@@ -65,9 +64,9 @@ pub fn impact_speed(outcomes: &[Outcome]) -> String {
     views(outcomes, &[view])
 }
 
-/// Picture of the largest overlap of an impact over the diameter, between particles and at walls. One panel shows the
-/// probability density on a logarithmic axis, because deep overlaps are rare. The other panel shows the cumulative
-/// distribution.
+/// Picture of the largest overlap of an impact, divided by the diameter, between particles and at walls. One panel
+/// shows the probability density on a logarithmic axis, because deep overlaps are rare. The other panel shows the
+/// cumulative distribution.
 pub fn overlap(outcomes: &[Outcome]) -> String {
     let density = ImpactQuantity {
         x_label: "δ max / d  [–]",
@@ -84,8 +83,8 @@ pub fn overlap(outcomes: &[Outcome]) -> String {
     views(outcomes, &[density, share])
 }
 
-/// Picture of the overlap over the diameter at the first detection of an impact, between particles and at walls:
-/// probability density and cumulative distribution.
+/// Picture of the overlap, divided by the diameter, when an impact is first detected, between particles and at walls.
+/// It shows the probability density and the cumulative distribution.
 pub fn first_overlap(outcomes: &[Outcome]) -> String {
     let density = ImpactQuantity {
         x_label: "δ first / d  [%]",
@@ -102,8 +101,8 @@ pub fn first_overlap(outcomes: &[Outcome]) -> String {
     views(outcomes, &[density, share])
 }
 
-/// Picture of the mean overlaps of all soft variants over κ_n d, against κ_n. Lines show kinetic theory. One panel is
-/// for particles, one for walls. `None` for fewer than two variants.
+/// Picture of the mean overlaps of all soft variants, divided by κ_n d, as a function of the overlap number κ_n. Lines
+/// show kinetic theory. One panel is for pairs of particles, one for walls. `None` for fewer than two variants.
 pub fn mean_overlap(outcomes: &[Outcome]) -> Option<String> {
     let panel = |title: &str, wall: bool| {
         let known: Vec<(f64, &Impacts)> = outcomes
@@ -142,8 +141,8 @@ pub fn mean_overlap(outcomes: &[Outcome]) -> Option<String> {
     (!panels.is_empty()).then(|| chart::grid(&panels))
 }
 
-/// Picture with panels for each group of variants and each of the `views`: a panel for impacts between particles and a
-/// panel for impacts at walls.
+/// Picture with panels for each group of variants and each quantity in `views`: one panel for impacts between
+/// particles, and one for impacts at walls.
 fn views(outcomes: &[Outcome], views: &[ImpactQuantity]) -> String {
     let mut panels = Vec::new();
     for group in groups(outcomes) {
@@ -182,8 +181,8 @@ impl ImpactQuantity {
         panel
     }
 
-    /// Density as a step curve. On a linear axis the curve ends at zero. On a logarithmic axis, an empty bin is drawn
-    /// at the density of half a count, lower than any filled bin.
+    /// Probability density of a histogram as a step curve. On a linear axis the curve ends at zero. On a logarithmic
+    /// axis, an empty bin is drawn at the density of half a count, lower than any filled bin.
     fn steps(&self, histogram: &Histogram) -> Vec<SeriesPoint> {
         let all = bins(histogram);
         let mut points: Vec<SeriesPoint> = Vec::new();
@@ -206,7 +205,7 @@ impl ImpactQuantity {
         points
     }
 
-    /// Curve of kinetic theory over the range of the histogram; `None` if the theory does not apply.
+    /// Curve of kinetic theory over the range of the histogram; `None` if the theory is not valid for the run.
     fn curve(&self, outcome: &Outcome, histogram: &Histogram, wall: bool) -> Option<PanelSeries> {
         let (theory, overlaps) = (self.theory?, outcome.kinetic_theory(wall)?);
         let uniform = outcome.experiment.soft.stepping == SoftStepping::Uniform;
@@ -224,7 +223,8 @@ impl ImpactQuantity {
     }
 }
 
-/// Fractions of values below the upper ends of groups of bins, with as many groups as a picture shows.
+/// Cumulative distribution of a histogram: fraction of the values below the upper end of each group of bins. There are
+/// as many groups as a picture shows.
 fn shares(histogram: &Histogram) -> Vec<SeriesPoint> {
     let all = bins(histogram);
     let mut below = 0;
@@ -236,7 +236,7 @@ fn shares(histogram: &Histogram) -> Vec<SeriesPoint> {
     std::iter::once(zero).chain(all.chunks(all.len().div_ceil(SHOWN).max(1)).filter_map(end)).collect()
 }
 
-/// Probability density of a bin, made of `merged` bins of the histogram, that contains half a count.
+/// Probability density that half a count gives in a bin made of `merged` bins of the histogram.
 fn half_count(histogram: &Histogram, merged: usize) -> f64 {
     0.5 / (histogram.total as f64 * histogram.width * merged as f64)
 }

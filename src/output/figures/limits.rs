@@ -1,11 +1,11 @@
-//! Figures of the study of limits.
+//! Figures of the study of limits, which shows where a method fails.
 
 use super::cells::cells;
 use super::chart;
 use crate::output::limits::{Map, Picture};
 use crate::output::panel::{Figure, Panel, SeriesStyle};
 
-/// Figure of one map: cells or curves.
+/// Figure of one map (settings for which a method fails): coloured cells or curves.
 pub fn limits(map: &Map) -> Figure {
     let svg = match &map.picture {
         Picture::Cells(plane) => cells(plane),
@@ -14,8 +14,8 @@ pub fn limits(map: &Map) -> Figure {
     Figure::new(map.name, &map.method, svg)
 }
 
-/// Ends of the horizontal axis, with room for the markers at both ends. `None` without markers, or if all markers have
-/// the same position.
+/// Ends of the horizontal axis of a panel, with space for the markers at both ends. `None` without markers, or if all
+/// markers have the same position.
 pub(super) fn x_range(panel: &Panel) -> Option<(f64, f64)> {
     let marks =
         panel.series.iter().filter(|series| matches!(series.look, SeriesStyle::Points(_) | SeriesStyle::Sweep(_)));

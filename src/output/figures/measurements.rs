@@ -8,7 +8,7 @@ use crate::output::groups::{PanelGroup, groups};
 use crate::output::numbers::Prefix;
 use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle};
 
-/// Name of the figures of the measurement `name`: hyphens take the place of underscores.
+/// Name of the figures of a measurement: its name in the case, with hyphens instead of underscores.
 pub fn of_measurement(name: &str) -> String {
     name.replace('_', "-")
 }
@@ -38,7 +38,7 @@ fn of_group(group: &PanelGroup) -> Vec<Figure> {
     names.iter().map(figure).collect()
 }
 
-/// Panel of a curve that occurs in several variants.
+/// Panel of a curve of a measurement, with one line for each variant that has this curve.
 fn panel(group: &PanelGroup, first: &Observation, curve: &ObservedCurve) -> Panel {
     let lines: Vec<(usize, &str, &Observation, &ObservedCurve)> = (0..)
         .zip(&group.members)
@@ -66,8 +66,8 @@ fn panel(group: &PanelGroup, first: &Observation, curve: &ObservedCurve) -> Pane
     Panel { x_label, y_label, series: exact.chain(measured).collect(), log_y: curve.is_logarithmic, ..Panel::default() }
 }
 
-/// Factors for quantities with the given largest values, and the labels of their axes. Pure numbers have no prefix, and
-/// neither have units with a power.
+/// Factors by which two quantities are multiplied for their axes, and the labels of the axes. The SI prefixes follow
+/// from the given largest values. Pure numbers and units with a power have no prefix.
 fn scales(of: [(&ObservedQuantity, f64); 2]) -> ([f64; 2], [String; 2]) {
     let scale = |(quantity, largest): (&ObservedQuantity, f64)| {
         let (symbol, unit) = (&quantity.symbol, quantity.unit);

@@ -46,12 +46,12 @@ use crate::case::saved;
 use crate::outcome::Outcome;
 use crate::record::{Histogram, Impacts};
 
-/// Pictures at the top of a comparison; none for a single run.
+/// Figures at the top of the page of a comparison; none for a single run.
 pub fn glance(study: &Study) -> Vec<Figure> {
     overview::differences(study).into_iter().chain(overview::cost(study)).collect()
 }
 
-/// Pictures of the averages of a run or comparison, in the order of the page.
+/// Figures of the averages of a run or comparison, in the order of the page.
 pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
     let mut figures = vec![
         Figure::new(
@@ -96,7 +96,7 @@ pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
     figures
 }
 
-/// One figure for each picture. Each picture comes with the title of its group of variants.
+/// Makes one figure from each picture. A picture comes with the title of its group of variants.
 fn of_groups(
     name: &'static str,
     caption: &'static str,
@@ -110,7 +110,7 @@ fn of_groups(
     })
 }
 
-/// Pictures of overlaps; none without overlaps.
+/// Figures of the overlaps in impacts; an empty list if no impact has an overlap.
 fn overlaps(outcomes: &[Outcome]) -> Vec<Figure> {
     let mut figures = Vec::new();
     let any = |of: fn(&Impacts) -> &Histogram| {
@@ -143,12 +143,12 @@ fn overlaps(outcomes: &[Outcome]) -> Vec<Figure> {
     figures
 }
 
-/// [byte] largest length of the part of a file name that is made from words. File systems allow 255 bytes for the whole
-/// name.
+/// [byte] largest length of the part of a file name that is made from a title. File systems allow 255 bytes for the
+/// whole name.
 const LONGEST_NAME: usize = 100;
 
-/// Words as a part of a file name: letters and digits in lower case, and hyphens in place of other characters. Long
-/// words are cut, and a checksum of the whole text is added.
+/// Converts a title to a part of a file name: letters and digits in lower case, and hyphens instead of other
+/// characters. Long titles are cut, and a checksum of the whole title is added.
 pub fn file_name(title: &str) -> String {
     let letters = title.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { ' ' });
     let mut name = letters.collect::<String>().split_whitespace().collect::<Vec<_>>().join("-");
@@ -160,7 +160,8 @@ pub fn file_name(title: &str) -> String {
     name
 }
 
-/// Pictures of an impact study.
+/// Figures of an impact study: overlap and normal velocity over time, and the slip after oblique impacts if there are
+/// any.
 pub fn impact(bounces: &[Bounce], oblique: Option<&ObliqueStudy>) -> Vec<Figure> {
     let slip = oblique.map(|study| {
         let caption = "Oblique impacts without spin: slip after against slip before, both over μ u_n. On the line of slope 1 nothing changes; below zero the slip is reversed.";

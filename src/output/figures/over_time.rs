@@ -10,23 +10,25 @@ use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle}
 use crate::predict::closed_form::{Bouncing, Chain, Cooling, settling_velocity};
 use nalgebra::Vector3;
 
-/// Number of equal parts of a run for impact rates. With 50 parts, a curve has enough points, and each part contains
-/// impacts.
+/// Number of equal parts of a run in which impact rates are averaged. With 50 parts, a curve has enough points, and
+/// each part contains impacts.
 const PARTS: usize = 50;
 
-/// Number of intervals of a theoretical curve.
+/// Number of intervals of a curve by theory.
 const POINTS: usize = 600;
 
-/// [-] ratio of the highest to the lowest granular temperature of a run above which the axis is logarithmic.
+/// [-] ratio of the highest to the lowest granular temperature in a run above which the axis of the temperature is
+/// logarithmic.
 const DECAY: f64 = 20.0;
 
-/// [-] smallest ratio of the speed of the particles to the settling velocity for which the settling velocity is drawn.
+/// [-] smallest ratio of the mean velocity to the settling velocity for which the settling velocity is drawn.
 const NEAR: f64 = 0.1;
 
-/// [-] ratio of the mean velocity to the agitation, below which the mean velocity is a rounding error.
+/// [-] ratio of the mean velocity to the velocity fluctuations, below which the mean velocity counts as a rounding
+/// error.
 const ROUNDING: f64 = 1e-9;
 
-/// Figures over time of a run or a comparison.
+/// Figures of curves over time of a run or a comparison, for each group of variants.
 pub fn over_time(outcomes: &[Outcome]) -> Vec<Figure> {
     let mut figures = Vec::new();
     for group in groups(outcomes) {
@@ -57,7 +59,7 @@ fn picture(group: &PanelGroup, name: &str, caption: &str, panels: Vec<Panel>) ->
 
 /// Time axis that all panels of a group of variants share.
 struct TimeAxis {
-    /// [s] duration of the longest run.
+    /// [s] simulated time of the longest run, which is the length of the axis.
     length: f64,
     prefix: Prefix,
 }
@@ -68,8 +70,8 @@ impl TimeAxis {
         Self { length, prefix: Prefix::of(length) }
     }
 
-    /// Panel with this time axis and the given series. Series without points are left out. `None` if only theoretical
-    /// series remain.
+    /// Makes a panel with this time axis and the given series. Series without points are left out. `None` if only
+    /// series by theory remain.
     fn panel(&self, y_label: String, series: Vec<PanelSeries>) -> Option<Panel> {
         let series: Vec<PanelSeries> = series.into_iter().filter(|series| !series.points.is_empty()).collect();
         let drawn = series.iter().any(|series| !matches!(series.look, SeriesStyle::Exact | SeriesStyle::Reference));
@@ -81,7 +83,8 @@ impl TimeAxis {
         SeriesPoint::at(time * self.prefix.factor, value)
     }
 
-    /// Theoretical curve over the whole time. `of` returns its value at a time [s]; times without a value are left out.
+    /// Curve by theory over the whole time axis. `of` returns its value at a time [s]. Times without a value are left
+    /// out.
     fn theory(&self, label: &str, of: impl Fn(f64) -> Option<f64>) -> PanelSeries {
         let times = (0..=POINTS).map(|k| self.length * k as f64 / POINTS as f64);
         let points = times.filter_map(|time| Some(self.point(time, of(time)?)));
@@ -89,7 +92,8 @@ impl TimeAxis {
     }
 }
 
-/// Curves of a quantity over time, one per variant. `of` returns the quantity of a row, or `None` if it is unknown.
+/// Curves of a quantity over time, one per variant. `of` returns the quantity in a row of the time series, or `None` if
+/// it is unknown.
 fn lines(group: &PanelGroup, time: &TimeAxis, of: impl Fn(&Row) -> Option<f64>) -> Vec<PanelSeries> {
     let line = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
         let points = outcome.series.rows.iter().filter_map(|row| Some(time.point(row.time, of(row)?)));
@@ -98,8 +102,8 @@ fn lines(group: &PanelGroup, time: &TimeAxis, of: impl Fn(&Row) -> Option<f64>) 
     group.members.iter().enumerate().map(line).collect()
 }
 
-/// Curves of the rate of impacts [1/s], averaged over parts of the run. `count` returns the number of impacts since the
-/// start.
+/// Curves of the rate of impacts [1/s] over time, averaged over parts of the run. `count` returns the number of impacts
+/// since the start.
 fn rates(group: &PanelGroup, time: &TimeAxis, count: impl Fn(&Row) -> u64) -> Vec<PanelSeries> {
     let line = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
         let rows: Vec<&Row> = outcome.series.rows.iter().collect();
@@ -124,12 +128,12 @@ fn rates(group: &PanelGroup, time: &TimeAxis, count: impl Fn(&Row) -> u64) -> Ve
     group.members.iter().enumerate().map(line).collect()
 }
 
-/// Largest magnitude among the points of all series.
+/// Largest magnitude of the vertical coordinate among the points of all series.
 fn largest(series: &[PanelSeries]) -> f64 {
     series.iter().flat_map(|series| &series.points).map(|point| point.y.abs()).fold(0.0, f64::max)
 }
 
-/// Panel of a quantity in `unit` with an SI prefix, such as milli; `None` for a quantity that is always 0.
+/// Panel of a quantity whose unit `unit` gets an SI prefix, such as milli. `None` for a quantity that is always 0.
 fn prefixed(time: &TimeAxis, name: &str, unit: &str, mut series: Vec<PanelSeries>) -> Option<Panel> {
     let prefix = Prefix::of(largest(&series));
     series.iter_mut().flat_map(|series| &mut series.points).for_each(|point| point.y *= prefix.factor);
@@ -140,15 +144,16 @@ fn plain(time: &TimeAxis, label: &str, series: Vec<PanelSeries>) -> Option<Panel
     (largest(&series) > 0.0).then(|| time.panel(label.into(), series))?
 }
 
-/// Curves of the granular temperature over time. Empty if the temperature is unknown at an instant, as for a few
-/// particles.
+/// Curves of the granular temperature [m²/s²] over time. The list is empty if the temperature is unknown at an instant,
+/// as for a few particles.
 fn temperature(group: &PanelGroup, time: &TimeAxis) -> Vec<PanelSeries> {
     let known = |outcome: &Outcome| outcome.series.rows.iter().all(|row| row.temperature.is_some());
     let all = group.members.iter().all(|(_, outcome)| known(outcome));
     if all { lines(group, time, Row::granular_temperature) } else { Vec::new() }
 }
 
-/// Curves of the mean velocity along an axis. Empty if the velocities are only rounding errors of sums that vanish.
+/// Curves of the mean velocity [m/s] along the axis with the index `axis`. The list is empty if the velocities are only
+/// rounding errors of sums that are zero.
 fn velocity(group: &PanelGroup, time: &TimeAxis, axis: usize) -> Vec<PanelSeries> {
     let lines = lines(group, time, |row| Some(row.velocity[axis]));
     let rows = group.members.iter().flat_map(|(_, outcome)| &outcome.series.rows);
@@ -156,7 +161,7 @@ fn velocity(group: &PanelGroup, time: &TimeAxis, axis: usize) -> Vec<PanelSeries
     if largest(&lines) > ROUNDING * agitation { lines } else { Vec::new() }
 }
 
-/// Panels of all averages over the particles that are drawn against time.
+/// Panels of all averages over the particles that are drawn as functions of time.
 fn series(group: &PanelGroup, time: &TimeAxis) -> Vec<Panel> {
     let Some((_, first)) = group.members.first() else { return Vec::new() };
     let scene = &first.experiment.scene;
@@ -191,8 +196,8 @@ fn series(group: &PanelGroup, time: &TimeAxis) -> Vec<Panel> {
     panels.into_iter().flatten().collect()
 }
 
-/// Axis along which most of the motion occurs: that of gravity or, without gravity, that of the largest velocity. The
-/// streamwise axis if nothing moves.
+/// Index of the axis along which most of the motion occurs. It is the axis of gravity or, without gravity, that of the
+/// largest velocity. If nothing moves, it is the streamwise axis.
 fn axis(outcome: &Outcome) -> usize {
     let gravity = outcome.experiment.scene.gravity_alone();
     let speeds =
@@ -204,11 +209,11 @@ fn axis(outcome: &Outcome) -> usize {
     }
 }
 
-/// Theory of the motion. It returns the position [m] and the velocity [m/s] of the particle with the given index at a
-/// time [s], or `None` if it is unknown.
+/// Theory of the motion of single particles, as a function. It returns the position [m] and the velocity [m/s] of the
+/// particle with the given index at a time [s], or `None` if they are unknown.
 type Theory = dyn Fn(usize, f64) -> Option<[Vector3<f64>; 2]>;
 
-/// Theory of a single bouncing particle, or of a chain of particles; `None` if the scene is neither.
+/// Theory of a single bouncing sphere or of a row of equal spheres; `None` for other scenes.
 fn theory(outcome: &Outcome) -> Option<Box<Theory>> {
     let points = &outcome.paths.points;
     let start: Vec<_> = points.iter().take(outcome.particles).map(|point| [point.position, point.velocity]).collect();

@@ -1,5 +1,6 @@
-//! Figures at the top of the page of a comparison: differences in per cent with the margin, and the cost. The pictures
-//! use the colours of the page, so that they fit its dark mode too. In separate files they have light colours.
+//! Figures at the top of the page of a comparison: differences in per cent with the margin of equivalence, and the
+//! cost. The pictures use the colours of the page, so that they fit its dark mode too. In separate files they have
+//! light colours.
 
 use crate::output::numbers::significant;
 use crate::output::panel::Figure;
@@ -7,21 +8,22 @@ use crate::output::{Study, Verdict, cost as cost_of};
 use crate::statistics::{Answer, Estimate, Judged, slice_column};
 use maud::{Markup, html};
 
-/// Name of the picture with the differences.
+/// Name of the picture with the differences between variants and references.
 pub const IN_PER_CENT: &str = "differences-in-per-cent";
-/// Name of the picture with the cost.
+/// Name of the picture with the cost of the variants.
 pub const COST: &str = "cost";
 
 /// [px] width of a picture.
 const WIDTH: f64 = 560.0;
-/// [px] part of the width with the names of the rows.
+/// [px] width of the column with the names of the rows.
 const NAMES: f64 = 168.0;
-/// [px] height of a row without its points, and height of each point.
+/// [px] height of a row of the picture without its points, and additional height for each point.
 const ROW: f64 = 10.0;
 const POINT: f64 = 11.0;
-/// [margins] largest difference on the axis. A larger difference is drawn at the frame, with its number.
+/// [margins] largest difference on the axis, in units of the margin of equivalence. A larger difference is drawn at the
+/// frame, with its number.
 const FURTHEST: f64 = 4.0;
-/// [s] wall time below which the cost of a run depends mainly on other load of the machine.
+/// [s] wall-clock time below which the cost of a run depends mainly on other load of the machine.
 const TELLING: f64 = 0.1;
 /// Colours of the variants, equal to those of other pictures. The file style.css contains the colours of the dark mode.
 const COLOURS: [&str; 7] = super::chart::COLOURS;
@@ -31,12 +33,13 @@ fn colour(place: usize) -> String {
     format!("var(--series-{}, {})", place + 1, COLOURS[place])
 }
 
-/// Symbol of a quantity for pictures.
+/// Symbol of a quantity for pictures, such as U; the name of the quantity if it has no symbol.
 pub fn symbol(quantity: &str) -> String {
     slice_column(quantity).map_or(quantity, |column| column.symbol).into()
 }
 
-/// Difference that a report names first, in % of the scale of the quantity; `None` if there is none.
+/// Difference of a quantity that a report names first, in % of the scale of the quantity, with its standard error.
+/// `None` if there is none.
 pub fn in_per_cent(one: &Judged) -> Option<Estimate> {
     let found = one.tested.headline()?;
     Some(Estimate::new(found.difference, found.error).times(100.0 / one.tested.scale))
@@ -53,7 +56,8 @@ pub fn quantities<'a>(verdicts: impl Iterator<Item = &'a Verdict>) -> Vec<&'a st
     names
 }
 
-/// Figure of the difference of each quantity in % of its scale, with the margin as a band. `None` without a comparison.
+/// Figure of the difference between each variant and its reference for each quantity, in % of the scale of the
+/// quantity. The margin of equivalence is a band. `None` without a comparison.
 pub fn differences(study: &Study) -> Option<Figure> {
     let judged =
         |verdict: &Verdict| verdict.comparison.as_ref().map_or(Vec::new(), |comparison| comparison.judged.clone());
@@ -81,24 +85,24 @@ pub fn differences(study: &Study) -> Option<Figure> {
     Some(Figure::new(IN_PER_CENT, caption, picture.draw(study).into_string()))
 }
 
-/// Mark of one variant in a row of the picture: its difference from the reference in one quantity.
+/// Mark of one variant in a row of the picture: difference between the variant and its reference in one quantity.
 struct DifferenceMark {
     /// Index of the variant, by which its colour is chosen.
     place: usize,
-    /// [%] difference with its standard error.
+    /// [%] difference with its standard error, in per cent of the scale of the quantity.
     found: Estimate,
-    /// [%] interval in which the differences of all slices or instants lie.
+    /// [%] interval in which the differences of all slices or instants lie, in per cent of the scale of the quantity.
     interval: [f64; 2],
 }
 
 struct Differences {
-    /// [%] margin of equivalence: largest accepted difference, of the scale of the quantity.
+    /// [%] margin of equivalence: largest accepted difference, in per cent of the scale of the quantity.
     margin: f64,
     rows: Vec<(String, Vec<DifferenceMark>)>,
 }
 
 impl Differences {
-    /// [%] right end of the axis; the left end is its negative.
+    /// [%] right end of the axis of differences; the left end is its negative.
     fn end(&self) -> f64 {
         let reach = |mark: &DifferenceMark| mark.interval.iter().fold(0.0, |most: f64, end| most.max(end.abs()));
         let marks = self.rows.iter().flat_map(|(_, marks)| marks).map(reach).filter(|reach| reach.is_finite());
@@ -183,8 +187,8 @@ fn arrow(x: f64, y: f64, side: f64) -> String {
     format!("M{x} {y} l{} -5 v10 z", -9.0 * side)
 }
 
-/// Figure of the wall-clock time per simulated time, with a bar per variant. `None` for a single variant, or if all
-/// runs were too short to compare their times.
+/// Figure of the cost of each variant: wall-clock time per simulated time, with one bar per variant. `None` for a
+/// single variant, or if all runs were too short to compare their times.
 pub fn cost(study: &Study) -> Option<Figure> {
     let outcomes = study.outcomes;
     let told = outcomes.iter().filter(|o| o.failure.is_none() && o.timing.wall_seconds >= TELLING);
@@ -218,10 +222,10 @@ pub fn cost(study: &Study) -> Option<Figure> {
 struct Bar {
     place: usize,
     name: String,
-    /// [-] cost over that of the cheapest variant; `None` for a run that stopped early.
+    /// [-] cost of the variant over the cost of the cheapest variant; `None` for a run that stopped early.
     ratio: Option<f64>,
     words: String,
-    /// True for the reference, and for a variant that is equivalent to it within the margin.
+    /// True for the reference, and for a variant that is equivalent to the reference within the margin.
     equal: bool,
 }
 
@@ -247,7 +251,7 @@ fn draw(bars: &[Bar]) -> Markup {
     }
 }
 
-/// Name shortened so that it fits next to its bar.
+/// Shortens the name of a variant so that it fits next to its bar.
 fn short(name: &str) -> String {
     const LONGEST: usize = 23;
     if name.chars().count() <= LONGEST {

@@ -13,7 +13,7 @@ use crate::statistics::{
 };
 use crate::walls::WallGeometry;
 
-/// Number of points of the gas profile.
+/// Number of points of the drawn profile of the gas velocity.
 const FLUID_POINTS: usize = 201;
 
 /// Picture of the number density over its mean, with a panel per group of variants.
@@ -36,8 +36,8 @@ pub fn streamwise_velocity(outcomes: &[Outcome]) -> String {
     draw(&groups(outcomes).iter().map(panel).collect::<Vec<_>>())
 }
 
-/// Picture of the mean streamwise velocities of the particles and of the gas. The gas is not in the picture of the
-/// particles, because its much wider range would hide differences between variants. `None` without a gas.
+/// Picture of the mean streamwise velocities of the particles and of the gas; `None` without a gas. The picture of the
+/// particles alone has no gas, because the wider range of the gas velocity would hide differences between variants.
 pub fn beside_the_gas(outcomes: &[Outcome]) -> Option<String> {
     let height = Height::of(outcomes);
     let groups = groups(outcomes);
@@ -50,9 +50,8 @@ pub fn beside_the_gas(outcomes: &[Outcome]) -> Option<String> {
     Some(draw(&groups.iter().map(panel).collect::<Vec<_>>()))
 }
 
-/// [-] fraction of slice `k` of `slices` across y that centres of spheres can reach, because they stay a radius away
-/// from walls. `None` if this fraction is zero. For spheres of several sizes the fraction depends on the size, and 1 is
-/// returned.
+/// [-] fraction of the slice number `k` of `slices` slices along y that centres of spheres can reach. Centres stay a
+/// radius away from walls. `None` if this fraction is zero. For spheres of several sizes the result is 1.
 fn open_part(outcome: &Outcome, k: usize, slices: usize) -> Option<f64> {
     let scene = &outcome.experiment.scene;
     let ([species], false) = (scene.species.as_slice(), scene.has_sizes()) else { return Some(1.0) };
@@ -71,7 +70,7 @@ fn open_part(outcome: &Outcome, k: usize, slices: usize) -> Option<f64> {
     (open > 0.0).then(|| (open / width).min(1.0))
 }
 
-/// Curves of the number density over its mean across the channel. The density refers to the volume that centres of
+/// Curves of the number density over its mean across the channel. The density is that in the volume that centres of
 /// particles can reach.
 fn room(group: &PanelGroup, height: &Height) -> Vec<PanelSeries> {
     let series = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
@@ -105,7 +104,7 @@ fn gas(group: &PanelGroup, height: &Height) -> Option<PanelSeries> {
     Some(PanelSeries { label: label.into(), look: SeriesStyle::Reference, points })
 }
 
-/// Time averages of a gas that feels the particles, at the grid points of both halves of the flow.
+/// Time averages of the velocity of a gas on which the particles act, at the grid points of both halves of the channel.
 fn loaded_points(gas: &GasFlow, profile: &Profile, height: &Height) -> Vec<SeriesPoint> {
     let [low, high] = profile.between(height.length);
     let lower = gas.mean.iter().map(|node| (low + node.y, node.u));
@@ -128,21 +127,21 @@ pub(super) fn gas_velocity(profile: &Profile, length: f64) -> Panel {
     height.panel("U  [m/s]", vec![line])
 }
 
-/// Pictures of the six second moments, with a panel per moment. Each group of variants has one element: the title of
-/// the group and its picture.
+/// Pictures of the six second moments of velocity, with a panel per moment. Each entry of the list belongs to a group
+/// of variants: the title of the group, and its picture.
 pub fn second_moments(outcomes: &[Outcome]) -> Vec<(String, String)> {
     panels(&groups(outcomes), &Height::of(outcomes), statistics::second_moments())
 }
 
-/// Pictures of mean spins and of the parts of the rotational temperature, with a panel per quantity. Each group of
-/// variants with rotating spheres has one element: the title of the group and its picture.
+/// Pictures of mean spins and of the parts of the rotational temperature, with a panel per quantity. Each entry of the
+/// list belongs to a group of variants with rotating spheres: the title of the group, and its picture.
 pub fn spins(outcomes: &[Outcome]) -> Vec<(String, String)> {
     let mut groups = groups(outcomes);
     groups.retain(|group| group.members.iter().any(|(_, outcome)| outcome.experiment.scene.rotation.is_some()));
     panels(&groups, &Height::of(outcomes), &statistics::spin_components().collect::<Vec<_>>())
 }
 
-/// Title and picture of each group, with a panel per column in each picture.
+/// Title and picture of each group of variants. Each picture has a panel for each quantity in `columns`.
 fn panels(groups: &[PanelGroup], height: &Height, columns: &[SliceColumn]) -> Vec<(String, String)> {
     let picture = |group: &PanelGroup| {
         let panel = |column: &SliceColumn| {
@@ -153,9 +152,9 @@ fn panels(groups: &[PanelGroup], height: &Height, columns: &[SliceColumn]) -> Ve
     groups.iter().map(picture).collect()
 }
 
-/// Picture of the difference between each variant and its reference, in standard errors of the difference. Each
-/// quantity has a panel. Slices are compared one by one; variants with another number of slices than the reference are
-/// left out.
+/// Picture of the difference between each variant and its reference, in standard errors of the difference, with a panel
+/// for each quantity. Slices are compared one by one. A variant is left out if its number of slices differs from that
+/// of its reference.
 pub fn differences(outcomes: &[Outcome]) -> String {
     let height = Height::of(outcomes);
     let rotating = outcomes.iter().all(|outcome| outcome.experiment.scene.rotation.is_some());
@@ -212,9 +211,9 @@ fn scores(outcomes: &[Outcome], height: &Height, column: SliceColumn) -> Vec<Pan
         .collect()
 }
 
-/// Wall-normal axis common to all profiles.
+/// Wall-normal axis y that all profiles share.
 struct Height {
-    /// [m] height of the domain.
+    /// [m] height of the domain along y, which is the length of the axis.
     length: f64,
     prefix: Prefix,
 }

@@ -1,4 +1,4 @@
-//! Pictures with rows of points on a logarithmic axis. Each row has a name and points of several kinds.
+//! Pictures with rows of points on a logarithmic horizontal axis. Each row has a name and points of several kinds.
 
 use super::chart::{COLOURS, GREY, MARKERS, WIDTH, plain, powers, style, svg, with_legend};
 use kuva::plot::ScatterPlot;
@@ -15,10 +15,10 @@ const ROW: f64 = 18.0;
 const DOT: f64 = 7.0;
 /// [px] height of the axis, its label and the legend together.
 const REST: f64 = 130.0;
-/// Number of decades to the left of the vertical line.
+/// Number of decades that the axis extends to the left of the vertical line.
 const DECADES: f64 = 2.0;
 
-/// Point in a row of the picture.
+/// Point in a row of a picture with rows of points.
 pub struct Dot {
     /// Index of the kind of points to which this point belongs.
     pub series: usize,
@@ -26,11 +26,11 @@ pub struct Dot {
     pub value: f64,
     /// [units of the axis] standard error of the value.
     pub error: Option<f64>,
-    /// True if the answer for this value is certain. Other points have pale colours.
+    /// True if the answer for this value is certain. Points with uncertain answers have pale colours.
     pub sure: bool,
 }
 
-/// Data of a picture of rows.
+/// Data of a picture with rows of points on a logarithmic axis.
 pub struct RowsFigure {
     /// Label of the horizontal axis.
     pub x_label: String,
@@ -88,8 +88,8 @@ pub fn rows(picture: &RowsFigure) -> String {
     svg(&render_multiple(plots, layout.with_width(WIDTH).with_height(height)))
 }
 
-/// Plot of the points of one kind (index `series`): those with a certain answer if `sure` is true, else the others.
-/// Points below `floor` are drawn at it. `None` without points.
+/// Plot of the points of the kind with the index `series`. If `sure` is true, it contains the points with a certain
+/// answer, otherwise the other points. Points below `floor` are drawn at `floor`. `None` without points.
 fn points(picture: &RowsFigure, series: usize, sure: bool, floor: f64) -> Option<Plot> {
     let kinds = picture.series.len() as f64;
     let (mut data, mut arms) = (Vec::new(), Vec::new());

@@ -1,11 +1,12 @@
-//! Figure of the shifts of the observables by each factor, in units of the margin.
+//! Figure of the shifts of the observables by each factor, in units of the margin of equivalence (largest accepted
+//! difference).
 
 use super::rows::{Dot, RowsFigure, rows};
 use crate::output::panel::Figure;
 use crate::output::sensitivity::{Factor, SensitivityStudy, Shift};
 use crate::statistics::Answer;
 
-/// Figure with a row per factor; the most important factor is at the top. Empty without factors.
+/// Figure with one row per factor; the most important factor is at the top. The list is empty without factors.
 pub fn sensitivity(study: &SensitivityStudy) -> Vec<Figure> {
     if study.factors.is_empty() {
         return Vec::new();
@@ -32,7 +33,7 @@ pub fn sensitivity(study: &SensitivityStudy) -> Vec<Figure> {
     vec![Figure::new("sensitivity", caption, picture)]
 }
 
-/// Symbol of an observable for the legend.
+/// Symbol of an observable for the legend; a short name for observables without a symbol.
 fn symbol(name: &str) -> String {
     match name {
         "granular temperature" => "T".into(),

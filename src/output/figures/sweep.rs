@@ -6,8 +6,8 @@ use crate::case::SweepAxis;
 use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::output::sweep::{OBSERVABLES, SweepObservable, SweepRow, SweepStudy};
 
-/// Figures of all observables that are known at some point. The first key is on the horizontal axis. Each combination
-/// of values of the other keys has a curve.
+/// Figures of all observables that are known at some point of the sweep. The first varied key is on the horizontal
+/// axis. Each combination of values of the other keys has a curve.
 pub fn sweep(study: &SweepStudy) -> Vec<Figure> {
     let Some(axis) = study.axes.first() else { return Vec::new() };
     let known = |observable: &&SweepObservable| study.rows.iter().any(|row| row.measured(observable.key).is_some());
@@ -26,7 +26,7 @@ pub fn sweep(study: &SweepStudy) -> Vec<Figure> {
     OBSERVABLES.iter().filter(known).map(picture).collect()
 }
 
-/// Legend that numbers the values of a key that are not numbers: the position of each value on the horizontal axis.
+/// Legend for a key whose values are words: number of each value on the horizontal axis. Empty for a key with numbers.
 fn places(axis: &SweepAxis) -> String {
     if axis.numbers.is_some() {
         return String::new();
@@ -76,7 +76,7 @@ fn panel(study: &SweepStudy, axis: &SweepAxis, observable: &SweepObservable) -> 
     }
 }
 
-/// True if the values are positive and span at least a decade, so that the axis should be logarithmic.
+/// True if all values are positive and span at least a decade, so that the axis is logarithmic.
 fn is_wide(numbers: &[f64]) -> bool {
     let (low, high) =
         numbers.iter().fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), &x| (low.min(x), high.max(x)));

@@ -1,4 +1,4 @@
-//! Figures of the validation suite: the largest deviation of each row, and curves of single rows.
+//! Figures of the validation suite: the largest deviation in each row, and the curves of some rows.
 
 use super::chart;
 use super::limits::x_range;
@@ -7,7 +7,8 @@ use crate::output::panel::{Figure, Panel};
 use crate::output::{ValidationRow, ValidationTier};
 use crate::statistics::Answer;
 
-/// Figure of all rows, followed by the pictures of single rows. Empty without rows.
+/// Figure with the largest deviation of each row of the suite, followed by the pictures of single rows. The list is
+/// empty without rows.
 pub fn validation(all: &[ValidationRow]) -> Vec<Figure> {
     if all.is_empty() {
         return Vec::new();

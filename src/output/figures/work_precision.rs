@@ -1,4 +1,4 @@
-//! Figures of the work-precision chart: error against cost.
+//! Figures of the work-precision chart: error of each method over its computing cost.
 
 use super::chart;
 use crate::experiment::Model;
@@ -6,13 +6,14 @@ use crate::output::panel::Figure;
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::output::{ChartStudy, CostMeasure, cheapest};
 
-/// [-] smallest error on the axis. A smaller error is drawn on the lower frame.
+/// [-] smallest error on the vertical axis. A smaller error is drawn on the lower frame.
 const LOWEST: f64 = 1e-9;
 
-/// [-] largest error of the methods among which the cheapest is searched for, and this error as text.
+/// [-] largest error with which a method may be marked as the cheapest one, followed by this error as text.
 pub const WITHIN: (f64, &str) = (0.01, "1 %");
 
-/// Figures of the error of each quantity: first against the number of operations, then against wall-clock time.
+/// Figures of the error of each quantity. The first figures show it as a function of the number of operations, the
+/// others as a function of wall-clock time.
 pub fn work_precision(study: &ChartStudy) -> Vec<Figure> {
     let all = |cost: CostMeasure, name: &'static str, words: &'static str| {
         study.quantities.iter().enumerate().map(move |(index, quantity)| {

@@ -1,4 +1,4 @@
-//! Recording of one impact for the animation. Gaps and overlaps are enlarged so that they are visible.
+//! Recording of one impact for an animation. Gaps and overlaps are enlarged so that they are visible.
 
 use super::{Player, RecordedVariant, RecordingFrame};
 use crate::observe::{Frame, Frames};
@@ -9,15 +9,17 @@ use nalgebra::Vector3;
 /// Number of frames (instants) of the recording of an impact.
 const FRAMES: usize = 240;
 
-/// [diameters] depth with which the largest overlap is drawn; gaps and overlaps are enlarged for this purpose.
+/// [diameters] overlap that is drawn for the largest overlap of any variant. All gaps and overlaps are enlarged by one
+/// factor for this purpose.
 const DEEP: f64 = 0.3;
 
-/// [-] recorded times before and after the first touch, each over the duration of the longest contact.
+/// [-] durations of the recording before and after the first touch, each divided by the duration of the longest
+/// contact.
 const BEFORE: f64 = 0.6;
 const AFTER: f64 = 1.4;
 
 impl Player {
-    /// Recording of one impact for each variant; `None` if no variant has a contact with a duration.
+    /// Makes a recording with one impact for each variant; `None` if no variant has a contact with a duration.
     pub fn of_impact(study: &ImpactStudy) -> Option<Self> {
         let of = |pick: fn(&Bounce) -> Option<f64>| {
             study.bounces.iter().filter_map(pick).filter(|value| value.is_finite()).fold(0.0, f64::max)
@@ -55,13 +57,13 @@ impl Player {
     }
 }
 
-/// [m] size of a box that contains two spheres and the gap between them.
+/// [m] edge lengths of a box that contains two spheres and the gap between them.
 fn size(study: &ImpactStudy) -> Vector3<f64> {
     Vector3::new(3.6, 1.4, 1.4) * study.diameter
 }
 
-/// Recorded motion of a variant at equal intervals, from `from` to `to` [s] after the first touch. `None` if the
-/// spheres never touch.
+/// Records the motion of a variant at equal intervals, from `from` to `to` [s] after the first touch. Gaps are enlarged
+/// by the factor `magnified` [-]. `None` if the spheres never touch.
 fn record<'a>(
     study: &ImpactStudy,
     bounce: &'a Bounce,
@@ -95,7 +97,7 @@ fn record<'a>(
     (recorded.frames.len() > 1).then_some((bounce, recorded))
 }
 
-/// [s] time at which the gap becomes zero for the first time; `None` if it never does.
+/// [s] time at which the gap between the bodies first becomes zero; `None` if it never does.
 fn touch(path: &[PathPoint]) -> Option<f64> {
     path.windows(2).find_map(|pair| {
         let (a, b) = (pair[0], pair[1]);
@@ -109,7 +111,7 @@ fn touch(path: &[PathPoint]) -> Option<f64> {
 }
 
 /// Gap [m] and normal velocity [m/s] at a time [s]. Values between points of the path are interpolated linearly. Before
-/// the first and after the last point, the spheres move straight.
+/// the first and after the last point, the normal velocity is constant.
 fn at(path: &[PathPoint], time: f64) -> Option<(f64, f64)> {
     let (first, last) = (path.first()?, path.last()?);
     let straight = |point: &PathPoint| (point.gap + point.normal_velocity * (time - point.time), point.normal_velocity);

@@ -3,8 +3,8 @@
 //!
 //! The page contains the recording as JSON. Positions are 16-bit fractions of the box; velocities, overlaps and spins
 //! are 16-bit fractions of their largest value. This resolution is finer than that of a screen. The order is: all
-//! positions, all velocities, overlaps (if any), spins (if any), solvers. Each of these blocks is ordered by frame,
-//! then by particle.
+//! positions, all velocities, overlaps (if any), spins (if any), and the numbers of the methods that moved the
+//! particles. The values of each quantity are ordered by frame, then by particle.
 
 mod impact;
 mod outlines;
@@ -20,23 +20,23 @@ use maud::{Markup, PreEscaped, html};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-/// Number of variants that have a panel at first. The reader can choose other variants.
+/// Number of variants that have a panel when the page opens. The reader can choose other variants.
 const SHOWN: usize = 3;
 
 /// Scripts, in the order in which a page contains them.
 const SCRIPTS: [&str; 2] = [include_str!("../page/scene.js"), include_str!("../page/player.js")];
 
-/// Largest value of an unsigned 16-bit number [-], by which recorded numbers from 0 to 1 are multiplied.
+/// Largest unsigned 16-bit number [-]. Recorded fractions from 0 to 1 are multiplied by it.
 const FULL: f64 = u16::MAX as f64;
 
-/// Recording that a page shows, with still pictures.
+/// Recorded motion that a page shows as an animation, with still pictures.
 #[derive(Clone, Debug)]
 pub(super) struct Player {
-    /// Caption of one or two sentences.
+    /// Caption of the animation, of one or two sentences.
     words: String,
     /// Name and still picture of each variant that has a panel.
     panels: Vec<(String, String)>,
-    /// Data of the recording for the script.
+    /// Data of the recorded motion for the script.
     data: Value,
 }
 
@@ -48,20 +48,20 @@ struct RecordedVariant<'a> {
     frames: &'a Frames,
 }
 
-/// Data common to all variants of a recording: box, walls and view.
+/// Data of a recording that are common to all variants: box, walls, gravity and view.
 struct RecordingFrame {
-    /// [m] size of the box.
+    /// [m] edge lengths of the box along x, y and z.
     size: Vector3<f64>,
     periodic: [bool; 3],
-    /// Line segments of each wall, with six coordinates [m] per segment.
+    /// Line segments that outline each wall, with six coordinates [m] per segment.
     walls: Vec<Vec<f64>>,
-    /// [m/s²] gravity, for the curved paths of particles between frames.
+    /// [m/s²] acceleration by gravity, for the curved paths of particles between frames.
     gravity: Vector3<f64>,
-    /// [m/s] mean velocity of all particles along periodic axes; the view may move with this velocity.
+    /// [m/s] mean velocity of all particles along periodic axes. The view of the animation may move with this velocity.
     drift: Vector3<f64>,
     /// Names of the species.
     names: Vec<String>,
-    /// Axes that point right and up, such as `zy`; `3d` for a view in three dimensions.
+    /// Axes of the box that point to the right and upwards, such as `zy`; `3d` for a view in three dimensions.
     view: &'static str,
     /// [-] factor by which gaps and overlaps are enlarged; `None` if they are drawn to scale.
     magnified: Option<f64>,
@@ -69,7 +69,7 @@ struct RecordingFrame {
 }
 
 impl Player {
-    /// Player of recorded runs; `None` without a run that has at least two frames and a sphere.
+    /// Makes the animation of recorded runs; `None` unless a run has at least two frames and a sphere.
     pub fn of(outcomes: &[Outcome], frames: &[Frames]) -> Option<Self> {
         let variants =
             outcomes.iter().zip(frames).filter(|(_, frames)| frames.frames.len() > 1 && !frames.radius.is_empty());
@@ -103,7 +103,7 @@ impl Player {
         Self { words: stage.words.clone(), panels: panels.collect(), data }
     }
 
-    /// HTML of the player for a page.
+    /// HTML of the animation for a page, with its still pictures and data.
     pub fn markup(&self) -> Markup {
         // in a script element, only a tag could end the data
         let data = self.data.to_string().replace('<', "\\u003c");
@@ -120,12 +120,12 @@ impl Player {
     }
 }
 
-/// HTML with the scripts for a page that contains a player.
+/// HTML with the scripts that a page with an animation needs.
 pub(super) fn scripts() -> Markup {
     html! { @for script in SCRIPTS { script { (PreEscaped(script)) } } }
 }
 
-/// Data common to all recorded runs of a scene.
+/// Makes the data that are common to all recorded runs of a scene: box, walls, gravity and view.
 fn stage(outcome: &Outcome, frames: &Frames) -> RecordingFrame {
     let scene = &outcome.experiment.scene;
     let drift = drift(scene, frames);
@@ -162,8 +162,8 @@ fn stage(outcome: &Outcome, frames: &Frames) -> RecordingFrame {
     }
 }
 
-/// View that shows a scene best: the axes to the right and up. The upward axis is opposite to gravity, or across the
-/// channel.
+/// View that shows a scene best, as the names of the axes to the right and upwards. The upward axis is opposite to
+/// gravity, or perpendicular to the walls of a channel.
 fn view(scene: &Scene, shown: usize) -> &'static str {
     let size = scene.domain.size;
     let falls_along_z = scene.gravity.z != 0.0 && scene.gravity.y == 0.0 && scene.fluid.is_none();
@@ -189,7 +189,7 @@ fn drift(scene: &Scene, frames: &Frames) -> Vector3<f64> {
 }
 
 impl RecordedVariant<'_> {
-    /// Data of a variant for the script.
+    /// Data of the recorded motion of a variant, for the script of the animation.
     fn record(&self, stage: &RecordingFrame) -> Value {
         let Frames { radius, species, frames, .. } = self.frames;
         let fastest = frames.iter().flat_map(|frame| &frame.velocity).fold(0.0_f32, |most, v| most.max(v.amax()));

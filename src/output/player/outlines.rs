@@ -6,13 +6,13 @@ use crate::walls::{Plane, WallGeometry};
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
-/// [-] cosine of 25 degrees. The common edge of two triangles is drawn if their normals differ by a larger angle.
+/// [-] cosine of 25 degrees. The common edge of two triangles is drawn if the angle between their normals is larger.
 const SHARP: f64 = 0.906;
 
-/// Largest number of segments of one surface; more segments would cover the spheres.
+/// Largest number of line segments that are drawn for one surface. More segments would cover the spheres.
 const MOST: usize = 2000;
 
-/// Line segments of each wall, with six coordinates [m] per segment: outlines of planes, and edges of bodies.
+/// Line segments that outline each wall, with six coordinates [m] per segment: borders of planes, and edges of bodies.
 pub fn outlines(scene: &Scene) -> Vec<Vec<f64>> {
     let of = |geometry: &WallGeometry| match geometry {
         WallGeometry::Plane(plane) => around(plane, scene),
@@ -36,8 +36,8 @@ fn around(plane: &Plane, scene: &Scene) -> Vec<f64> {
     corners.iter().zip(next).flat_map(|(from, to)| segment(from, to)).collect()
 }
 
-/// Edges at which a surface ends or bends. Two triangles have a common edge if the positions of two corners are equal;
-/// their indices may differ.
+/// Line segments of the edges at which a surface ends or bends. Two triangles have a common edge if the positions of
+/// two corners are equal, even if the indices of the corners differ.
 fn edges(corners: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Vec<f64> {
     let key = |corner: u32| corners[corner as usize].map(f64::to_bits).data.0[0];
     let mut found: HashMap<_, (u32, u32, Vec<Vector3<f64>>)> = HashMap::new();

@@ -5,14 +5,14 @@ use crate::observe::Frames;
 use maud::html;
 use nalgebra::Vector3;
 
-/// [px] width of a picture, and margin around the box.
+/// [px] width of a still picture, and margin between its edge and the box.
 const WIDTH: f64 = 400.0;
 const MARGIN: f64 = 6.0;
 
-/// Colours of speeds as in scene.js, from the slowest to the fastest sphere.
+/// Colours of spheres from the slowest to the fastest, as in scene.js.
 const SCALE: [&str; 6] = ["#323888", "#245696", "#1b798e", "#3e9d79", "#8ebc52", "#ecd646"];
 
-/// SVG picture of the last frame, with spheres coloured by speed.
+/// SVG picture of the last frame of a recording. Spheres are coloured by speed.
 pub fn still(stage: &RecordingFrame, frames: &Frames) -> String {
     let Some(last) = frames.frames.last() else { return String::new() };
     let [right, up] = match stage.view {

@@ -1,4 +1,4 @@
-//! Data of one frame of a trajectory, and the formats of the files with a frame.
+//! Data of one frame (instant) of a trajectory, and the formats of the file of a frame.
 
 use super::vtp::Vtp;
 use crate::domain::Domain;
@@ -10,11 +10,11 @@ use std::fmt::Write;
 /// Code, in a trajectory file, of a particle that moved along a straight line in the last window (time between two
 /// exchanges with the gas).
 const FLEW: u8 = 0;
-/// Code, in a trajectory file, of a particle in an island, a group of particles that may touch within a part of a
-/// window.
+/// Code, in a trajectory file, of a particle in an island: a group of particles that may touch each other within a part
+/// of a window (time between two exchanges with the gas).
 const ISLAND: u8 = 1;
-/// Code, in a trajectory file, of a particle that was moved together with all others, by uniform steps or one event
-/// queue.
+/// Code, in a trajectory file, of a particle that was moved together with all other particles, by uniform steps or one
+/// event queue.
 const EVERYONE: u8 = 2;
 
 /// Particles at one instant, for a trajectory file. The memory is reused from frame to frame.
@@ -24,15 +24,15 @@ pub(super) struct TrajectoryFrame {
     pub time: f64,
     position: Vec<Vector3<f64>>,
     velocity: Vec<Vector3<f64>>,
-    /// [rad/s] angular velocities; `None` if spheres do not rotate.
+    /// [rad/s] spins of the particles; `None` if spheres do not rotate.
     spin: Option<Vec<Vector3<f64>>>,
     id: Vec<u32>,
-    /// Entry for each contact of each particle: index of the particle in the store, and overlap [m].
+    /// One entry for each particle in each contact: index of the particle in the store, and overlap [m].
     contacts: Vec<(u32, f64)>,
-    /// Indices of the particles in islands (groups that may touch each other); `None` if all particles were moved
-    /// together.
+    /// Indices of the particles in islands (groups of particles that may touch each other); `None` if all particles
+    /// were moved together.
     islands: Option<Vec<u32>>,
-    /// Data of the particles in the order of their ids; available after [`sort`](Self::sort).
+    /// Data of each particle, in the order of the ids. They are available after [`sort`](Self::sort).
     own: Vec<Own>,
 }
 
@@ -41,13 +41,14 @@ pub(super) struct TrajectoryFrame {
 pub(super) struct Cast {
     domain: Domain,
     id: Vec<u32>,
-    /// [m] radii of the particles.
+    /// [m] radii of the particles, which do not change during a run.
     radius: Vec<f64>,
     species: Vec<u16>,
 }
 
 impl Cast {
-    /// Copies the constant data in the order of the particle store. The writing thread sorts them later.
+    /// Copies the data that do not change during a run, in the order of the particle store. The writing thread sorts
+    /// them by id later.
     pub(super) fn of(simulation: &Simulation) -> Self {
         let particles = &simulation.particles;
         Self {
@@ -68,8 +69,8 @@ impl Cast {
     }
 }
 
-/// Rank of each particle in the order of ids, which must be distinct. If all particles of a run are given, the rank is
-/// the id.
+/// Rank of each particle in the order of the ids, which must be distinct. If the ids are 0 to N - 1, each rank is the
+/// id.
 fn ranks(ids: &[u32]) -> Cow<'_, [u32]> {
     let count = ids.len() as u32;
     if ids.iter().all(|id| *id < count) {
@@ -84,7 +85,7 @@ fn ranks(ids: &[u32]) -> Cow<'_, [u32]> {
     Cow::Owned(ranks)
 }
 
-/// Data of one particle in one frame of a trajectory, as they are sorted by id.
+/// Data of one particle in one frame of a trajectory, which can be sorted by id.
 #[derive(Clone, Copy, Debug, Default)]
 struct Own {
     /// Index of the particle in the store.
@@ -96,8 +97,8 @@ struct Own {
 }
 
 impl TrajectoryFrame {
-    /// Copies the data of a frame from the simulation, in the order of the particle store. The writing thread sorts
-    /// them later.
+    /// Copies the data of a frame from the simulation, in the order of the particle store. The writing thread sorts the
+    /// data later.
     pub(super) fn take(&mut self, simulation: &Simulation) {
         let particles = &simulation.particles;
         self.time = simulation.time;
@@ -132,13 +133,14 @@ impl TrajectoryFrame {
         }
     }
 
-    /// File of the frame in the format VTK PolyData, in three parts to be written one after the other.
+    /// File of the frame in the format VTK PolyData, as three parts to be written one after the other. The memory of
+    /// `memory` is used again.
     pub(super) fn vtp(&self, cast: &Cast, memory: Vec<u8>) -> [Vec<u8>; 3] {
         self.arrays(cast, memory).finish()
     }
 
-    /// Contents of the file that joins the pieces of the frame at `time` [s]. The pieces have spins if `rotate` is
-    /// true.
+    /// Contents of the file that joins the pieces of a frame, one per process. `time` [s] is the simulated time of the
+    /// frame. The pieces contain spins if `rotate` is true.
     pub(super) fn joined(time: f64, rotate: bool, pieces: impl Iterator<Item = String>) -> Vec<u8> {
         let domain = Domain::new(Vector3::repeat(1.0), [false; 3]);
         let nobody = Cast { domain, id: Vec::new(), radius: Vec::new(), species: Vec::new() };

@@ -2,11 +2,11 @@
 //! with a `.pvd` index), and extended XYZ for OVITO and ASE.
 //!
 //! An observer copies the required data of the simulation, and sends the copy to a thread that sorts and writes it.
-//! Each file is written completely or not at all. The memory is that of at most two frames, for runs of any duration.
-//! If the disk is slower than the run, the run waits.
+//! Each file is written either completely or not at all. At any time the memory holds at most two frames. If the disk
+//! is slower than the run, the run waits.
 //!
 //! If several processes share a run, each process writes its particles as one piece of the frame, in a VTK file. When
-//! all pieces are written, the writing thread of the lead process writes the file that joins them (`.pvtp`).
+//! all pieces are written, the writing thread of the lead process writes a file that joins them (`.pvtp`).
 
 mod frame;
 mod pieces;
@@ -32,10 +32,11 @@ use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{Scope, ScopedJoinHandle};
 
-/// Name of the subfolder of trajectories.
+/// Name of the subfolder with the trajectory files.
 pub const TRAJECTORY: &str = "trajectory";
 
-/// True if the beginning of a file contains the name of this program. Other files in the folder belong to the user.
+/// True if the file is a trajectory written by this program, whose name is at the beginning of the file. Other files in
+/// the folder belong to the user.
 pub(super) fn is_ours(path: &Path) -> bool {
     let mut beginning = [0; 512];
     let read = File::open(path).and_then(|mut file| file.read(&mut beginning));
@@ -44,27 +45,28 @@ pub(super) fn is_ours(path: &Path) -> bool {
 
 /// Messages to the thread that writes trajectory files.
 enum WriterMessage {
-    /// Surfaces of the walls, times [s] of existing frames, and a flag that is true if spheres rotate.
+    /// Data needed before the first frame: surfaces of the walls, times [s] of existing frames, and a flag that is true
+    /// if spheres rotate.
     Begin(Option<[Vec<u8>; 3]>, Vec<f64>, bool),
-    /// Constant data of the particles for the next frames.
+    /// Data of the particles that do not change in the frames that follow.
     Cast(Box<Cast>),
     Frame(TrajectoryFrame),
-    /// Time [s] of a frame, and the number of processes that have written their pieces of this frame.
+    /// Simulated time [s] of a frame, and the number of processes that have written their pieces of this frame.
     Pieces(f64, usize),
 }
 
-/// Progress of the thread that writes trajectory files; the observer can read it.
+/// Progress of the thread that writes trajectory files, for the observer that sends the frames.
 #[derive(Default)]
 struct WriterProgress {
     written: Mutex<Written>,
     changed: Condvar,
 }
 
-/// Work that the thread that writes trajectory files has done so far.
+/// Work that the thread for writing trajectory files has done so far.
 #[derive(Default)]
 struct Written {
     frames: u64,
-    /// True if no more frames will be written.
+    /// True if the thread has ended, so that no more frames will be written.
     ended: bool,
     /// Reason why writing failed, if it did.
     failed: Option<String>,
@@ -80,13 +82,14 @@ impl WriterProgress {
         self.changed.notify_all();
     }
 
-    /// Waits until `frames` frames have been written, or the thread has ended.
+    /// Waits until `frames` frames have been written, or until the writing thread has ended.
     fn wait(&self, frames: u64) {
         drop(self.changed.wait_while(self.now(), |written| written.frames < frames && !written.ended));
     }
 }
 
-/// Value that records the end of the thread when it is dropped, even after a panic.
+/// Guard of the thread that writes trajectory files. When it is dropped, even after a panic, the end of the thread is
+/// recorded.
 struct Ended(Arc<WriterProgress>);
 
 impl Drop for Ended {
@@ -95,22 +98,22 @@ impl Drop for Ended {
     }
 }
 
-/// Observer that sends the particles to a writing thread at equal intervals of time.
+/// Observer that sends the particles to a thread that writes trajectory files, at equal intervals of simulated time.
 pub struct Trajectory<'scope> {
     folder: &'scope Folder,
     name: String,
     asked: Trajectories,
-    /// Channel to the thread; `None` after the trajectory is finished.
+    /// Channel to the writing thread; `None` after the trajectory is finished.
     frames: Option<SyncSender<WriterMessage>>,
     /// Channel by which the writing thread returns frames that it has written, so that their memory is used again.
     used: Receiver<TrajectoryFrame>,
     writer: Option<ScopedJoinHandle<'scope, Result<(), OutputError>>>,
     progress: Arc<WriterProgress>,
-    /// True if the walls have been sent to the thread.
+    /// True if the surfaces of the walls have been sent to the writing thread.
     begun: bool,
-    /// True if the constant data of the particles have been sent to the thread.
+    /// True if the constant data of the particles have been sent to the writing thread.
     has_cast: bool,
-    /// Piece of a frame that this process writes itself if several processes share the run.
+    /// Particles of this process in one frame. The process writes them itself if several processes share the run.
     piece: FramePiece,
     /// [s] times of all frames, including those from earlier parts of a resumed run.
     times: Vec<f64>,
@@ -120,7 +123,7 @@ pub struct Trajectory<'scope> {
 }
 
 impl<'scope> Trajectory<'scope> {
-    /// Creates a trajectory in `trajectory/NAME` of a folder. The writing thread belongs to `scope`.
+    /// Creates a trajectory in `trajectory/NAME` of a folder of results. The writing thread belongs to `scope`.
     pub fn new<'env>(
         scope: &'scope Scope<'scope, 'env>,
         folder: &'env Folder,
@@ -176,7 +179,7 @@ impl<'scope> Trajectory<'scope> {
         }
     }
 
-    /// Waits until all frames are written, and stores the error of the thread if there is one.
+    /// Waits until all frames are written, and stores the error of the writing thread if there is one.
     fn finish(&mut self) {
         self.frames = None;
         let Some(writer) = self.writer.take() else { return };
@@ -188,12 +191,13 @@ impl<'scope> Trajectory<'scope> {
         self.failed = self.failed.take().or(failed);
     }
 
-    /// True if no frame is to be written for `time` [s], because it exists, or because writing has failed.
+    /// True if no frame is to be written for `time` [s], because the frame exists, or because writing has failed.
     fn is_done(&self, time: f64) -> bool {
         self.failed.is_some() || self.times.last().is_some_and(|last| *last >= time)
     }
 
-    /// Sends the data that the thread requires before the first frame.
+    /// Sends the data that the writing thread requires before the first frame: walls, times of existing frames, and
+    /// whether spheres rotate.
     fn begin(&mut self, simulation: &Simulation) {
         if !self.begun {
             self.send(WriterMessage::Begin(
@@ -205,7 +209,7 @@ impl<'scope> Trajectory<'scope> {
         }
     }
 
-    /// Sends all particles to the writing thread, unless the frame of this instant exists.
+    /// Sends all particles to the writing thread, unless the frame of the present time exists.
     fn take_all(&mut self, simulation: &Simulation) {
         if self.is_done(simulation.time) {
             return;
@@ -222,7 +226,7 @@ impl<'scope> Trajectory<'scope> {
         self.send(WriterMessage::Frame(frame));
     }
 
-    /// Returns the result of writing all frames.
+    /// Waits until all frames are written, and returns the result of writing them.
     ///
     /// # Errors
     /// A frame could not be written.
@@ -233,14 +237,15 @@ impl<'scope> Trajectory<'scope> {
 }
 
 impl Observer for Trajectory<'_> {
-    /// Next whole multiple of the requested interval. These times are equal in all variants, for any windows.
+    /// Returns the next whole multiple of the requested interval. These times are equal in all variants, for windows
+    /// (times between two exchanges with the gas) of any length.
     fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
         // 1e-9 allows for the rounding error of a sum of windows
         Some(((now / self.asked.every * (1.0 + 1e-9)).floor() + 1.0) * self.asked.every)
     }
 
-    /// Extended XYZ has one file per frame, and requires all particles in one process. For VTK, each process requires
-    /// only its own particles.
+    /// Particles that the trajectory requires. Extended XYZ has one file per frame, and requires all particles in one
+    /// process. For VTK, each process requires its own particles.
     fn sight(&self) -> Needs {
         if self.asked.format.is_xyz() { Needs::Every(1) } else { Needs::Parts }
     }
@@ -264,7 +269,7 @@ impl Observer for Trajectory<'_> {
         self.finish();
     }
 
-    /// Times of all frames, returned after the frames have been written. A resumed run continues after these frames.
+    /// Waits until all frames are written, and returns their times. A resumed run continues after these frames.
     fn stored(&self) -> Result<Stored, StoreError> {
         self.progress.wait((self.times.len() - self.earlier) as u64);
         Stored::of(&self.times)
@@ -286,14 +291,16 @@ struct Writer<'env> {
     folder: &'env Folder,
     name: String,
     format: TrajectoryFormat,
-    /// Time [s] of each written frame, and a flag that is true for a frame in pieces.
+    /// Simulated time [s] of each written frame, and a flag that is true if the frame consists of one piece per
+    /// process.
     frames: Vec<(f64, bool)>,
-    /// Number of frames in the index file on the disk.
+    /// Number of frames that the index file on the disk lists.
     listed: usize,
     walls: bool,
     /// True if spheres rotate, so that frames contain spins.
     rotates: bool,
-    /// Names of files of an earlier part of the run. They are removed once the index does not list them.
+    /// Names of files that an earlier part of the run wrote for the same frames. They are removed once the index does
+    /// not list them.
     spare: Vec<String>,
 }
 
@@ -340,13 +347,13 @@ impl Writer<'_> {
         }
     }
 
-    /// Numbers of the frames whose files have been removed from the folder.
+    /// Numbers of the frames whose files other programs have removed from the folder.
     fn gone(&self) -> Vec<usize> {
         let is_gone = |number: &usize| !self.folder.path().join(self.file(*number)).exists();
         (0..self.frames.len()).filter(is_gone).collect()
     }
 
-    /// Path of the file of the frame with the given number, relative to the folder of results.
+    /// Path of the file of a frame, relative to the folder of results. `number` counts the frames from 0.
     fn file(&self, number: usize) -> String {
         let kind = match self.frames[number].1 {
             true => "pvtp",
@@ -386,7 +393,8 @@ impl Writer<'_> {
         Ok(memory)
     }
 
-    /// Writes the file that joins `count` pieces of a frame at `time` [s].
+    /// Writes the file that joins the pieces of a frame, one from each of `count` processes. `time` [s] is the
+    /// simulated time of the frame.
     fn join(&mut self, time: f64, count: usize) -> Result<(), OutputError> {
         let number = self.frames.len();
         let sources = (0..count).map(|rank| format!("{number:06}-{rank}.vtp"));
@@ -399,7 +407,8 @@ impl Writer<'_> {
         self.is_written(time, true)
     }
 
-    /// Names of the existing pieces of the frame `number` that processes with the rank `rank` or a higher one wrote.
+    /// Names of the existing pieces of a frame that were written by processes whose number is `rank` or higher.
+    /// `number` is the number of the frame.
     fn pieces_from(&self, number: usize, rank: usize) -> Vec<String> {
         let names = (rank..).map(|rank| pieces::piece(&self.name, number, rank));
         names.take_while(|name| self.folder.path().join(name).exists()).collect()
@@ -415,7 +424,8 @@ impl Writer<'_> {
         Ok(())
     }
 
-    /// Writes the index file for ParaView. The index lists time and file of each frame, without the frames in `gone`.
+    /// Writes the index file for ParaView, which lists time and file of each frame. The frames with the numbers in
+    /// `gone` are left out.
     fn list(&mut self, gone: &[usize]) -> Result<(), OutputError> {
         if !self.format.is_vtp() || gone.is_empty() && self.listed == self.frames.len() {
             return Ok(());

@@ -1,11 +1,13 @@
-//! Writes VTK files of points, lines, polygons and grids with raw binary data for ParaView. The numbers are written without rounding.
+//! Writes VTK files of points, lines, polygons and grids with raw binary data for ParaView. The numbers are written
+//! without rounding.
 //!
 //! File format: VTK File Formats, "XML file formats",
 //! <https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html>.
 
 use std::fmt::Write;
 
-/// [byte] size of the buffer in which numbers are collected: a multiple of the size of any point.
+/// [byte] size of the buffer in which numbers are collected before they are appended to the file. It is a multiple of
+/// the size of any point.
 const PIECE: usize = 6144;
 
 /// VTK file under construction. The header describes the arrays, and the bytes of the arrays follow in the same order.
@@ -14,16 +16,16 @@ pub(in crate::output) struct Vtp {
     kind: &'static str,
     header: String,
     data: Vec<u8>,
-    /// Declarations of the arrays, for a file that joins several pieces.
+    /// Declarations of the arrays of points, for a file that joins several pieces.
     of_points: String,
 }
 
-/// Type of number that an array can contain.
+/// Type of the numbers in an array of a VTK file.
 pub(in crate::output) trait Number: Copy {
-    /// Name of the type in VTK.
+    /// Name of this type of number in VTK files.
     const NAME: &'static str;
 
-    /// Writes the bytes of the number in little-endian order.
+    /// Writes the bytes of the number in little-endian order to `bytes`.
     fn put(self, bytes: &mut [u8]);
 }
 
@@ -42,15 +44,15 @@ macro_rules! numbers {
 numbers!(f64: "Float64", i32: "Int32", u32: "UInt32", u16: "UInt16", u8: "UInt8");
 
 impl Vtp {
-    /// Begins a file of the state at `time` [s] with the given numbers of points, vertices and polygons. The memory of
-    /// `memory` is used again for the data.
+    /// Begins a VTK file of the state at `time` [s] with the given numbers of points, vertices and polygons. The memory
+    /// of `memory` is used again for the data.
     pub(super) fn begin(memory: Vec<u8>, time: f64, [points, vertices, polygons]: [usize; 3]) -> Self {
         let counts = format!("NumberOfPoints=\"{points}\" NumberOfVerts=\"{vertices}\" NumberOfPolys=\"{polygons}\"");
         Self::of_kind("PolyData", memory, time, ["", &counts])
     }
 
-    /// File of a number of `lines` at `time` [s]. `ends` returns the two points [m] of each line; `arrays` adds numbers of the
-    /// lines.
+    /// VTK file of `lines` lines at the simulated time `time` [s]. `ends` returns the two end points [m] of each line.
+    /// `arrays` adds arrays with one value per line.
     pub(in crate::output) fn of_lines(
         time: f64,
         lines: usize,
@@ -68,8 +70,8 @@ impl Vtp {
         file.finish().concat()
     }
 
-    /// File of a grid at `time` [s], with numbers of cells along x, y and z and their edges `spacing` [m]. `arrays` adds
-    /// numbers of the cells.
+    /// VTK file of a grid at the simulated time `time` [s]. The grid has the given numbers of cells along x, y and z,
+    /// with the edges `spacing` [m]. `arrays` adds arrays with one value per cell.
     pub(in crate::output) fn of_grid(
         time: f64,
         [x, y, z]: [usize; 3],
@@ -85,7 +87,8 @@ impl Vtp {
         file.finish().concat()
     }
 
-    /// Begins a file of a kind of data set, with the attributes of the data set and those of its piece.
+    /// Begins a VTK file with the kind of data set `kind`. `whole` and `piece` are the XML attributes of the data set
+    /// and of its piece.
     fn of_kind(kind: &'static str, mut memory: Vec<u8>, time: f64, [whole, piece]: [&str; 2]) -> Self {
         memory.clear();
         let mut header = format!(
@@ -97,7 +100,7 @@ impl Vtp {
         Self { kind, header, data: memory, of_points: String::new() }
     }
 
-    /// Adds a section of the file, such as `Points`; `arrays` adds the arrays of the section.
+    /// Adds a section of the file with the name `name`, such as `Points`. `arrays` adds the arrays of the section.
     pub(super) fn part(&mut self, name: &str, arrays: impl FnOnce(&mut Self)) {
         let before = self.of_points.len();
         let _ = writeln!(self.header, "<{name}>");
@@ -110,7 +113,7 @@ impl Vtp {
         }
     }
 
-    /// Adds an array with `C` components per point.
+    /// Adds an array of `C` components per point or cell.
     pub(in crate::output) fn array<T: Number, const C: usize>(
         &mut self,
         name: &str,
@@ -144,7 +147,8 @@ impl Vtp {
         self.data[start..start + 8].copy_from_slice(&length.to_le_bytes());
     }
 
-    /// Text of a file that joins `pieces` of the state at `time` [s]. The names of the pieces are relative to the file.
+    /// Text of a VTK file that joins the files `pieces` of the state at `time` [s]. The names of the pieces are
+    /// relative to this file.
     pub(super) fn join(self, time: f64, pieces: impl Iterator<Item = String>) -> Vec<u8> {
         let mut text = String::from(
             "<?xml version=\"1.0\"?>\n<!-- written by diptych -->\n\
@@ -159,7 +163,7 @@ impl Vtp {
         text.into_bytes()
     }
 
-    /// Finishes the file: header, data and end, to be written in this order.
+    /// Finishes the file, and returns its header, data and end, to be written in this order.
     pub(super) fn finish(mut self) -> [Vec<u8>; 3] {
         let _ = write!(self.header, "</Piece>\n</{}>\n<AppendedData encoding=\"raw\">\n_", self.kind);
         [self.header.into_bytes(), self.data, b"\n</AppendedData>\n</VTKFile>\n".to_vec()]

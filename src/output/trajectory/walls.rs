@@ -1,4 +1,5 @@
-//! Walls of a scene as surfaces for trajectory files: planes within the box, and bodies as triangles.
+//! Walls of a scene as surfaces for trajectory files. Planes are cut at the sides of the box, and bodies consist of
+//! triangles.
 
 use super::vtp::Vtp;
 use crate::domain::Domain;
@@ -6,10 +7,10 @@ use crate::scene::Scene;
 use crate::walls::{Plane, WallGeometry};
 use nalgebra::Vector3;
 
-/// Corners [m] of a surface, and its polygons as lists of indices of corners.
+/// Surface as the list of its corners [m], and a list of polygons. A polygon is a list of indices of corners.
 pub(in crate::output) type DrawnSurface = (Vec<Vector3<f64>>, Vec<Vec<u32>>);
 
-/// VTK PolyData file with the surfaces of all walls. Each surface has the index of its wall in the case. `None` if no
+/// VTK PolyData file with the surfaces of all walls. Each polygon has the index of its wall in the case. `None` if no
 /// wall has a surface.
 pub(super) fn walls(scene: &Scene) -> Option<[Vec<u8>; 3]> {
     let surfaces = scene.walls.iter().map(|wall| match &wall.geometry {
@@ -46,7 +47,8 @@ pub(super) fn walls(scene: &Scene) -> Option<[Vec<u8>; 3]> {
     Some(file.finish())
 }
 
-/// Part of a plane inside the box: one convex polygon, anticlockwise as seen from the side to which the normal points.
+/// Part of a plane inside the box: one convex polygon, anticlockwise when seen from the side to which the normal
+/// points.
 pub(in crate::output) fn flat(plane: &Plane, domain: &Domain) -> DrawnSurface {
     let corner = |k: usize| Vector3::from_fn(|axis, _| if k >> axis & 1 == 1 { domain.size[axis] } else { 0.0 });
     let height = |x: &Vector3<f64>| (x - plane.point).dot(&plane.normal);

@@ -9,15 +9,15 @@
 /// Number of midpoint sequences, which have 2, 4, ..., 12 substeps. Extrapolation from six sequences is of twelfth
 /// order in the step.
 const SEQUENCES: usize = 6;
-/// [-] allowed error of one step, divided by |L| at its end. It is a tenth of the documented accuracy of 1e-12, because
-/// the errors of several steps add up.
+/// [-] allowed error of L = ln(w/w_0) in one step, relative to |L| at the end of the step. It is a tenth of the
+/// documented accuracy of 1e-12, because the errors of several steps add up.
 const TOLERANCE: f64 = 1e-13;
-/// [-] shortest step, divided by the time integrated so far; rounding would swallow a shorter step. Where the response
-/// time jumps, steps become this short, and the error is the jump times this ratio.
+/// [-] shortest step, divided by the time integrated so far. Rounding would make the end of a shorter step equal to its
+/// start. Where the response time jumps, steps become this short. The error is then the jump times this ratio.
 const SHORTEST: f64 = 8.0 * f64::EPSILON;
 
-/// [-] solution L after `duration` [s] of dL/dt = `rate`(L), with L = 0 at the start and the rate in 1/s. The relative
-/// error is 1e-12. If `rate` returns not-a-number, so does this function.
+/// [-] solution L = ln(w/w_0) of dL/dt = `rate`(L) after `duration` [s], with the slip speed w, L = 0 at the start and
+/// the rate in 1/s. The relative error is 1e-12. The result is not-a-number if `rate` returns not-a-number.
 pub(super) fn integrate(rate: &dyn Fn(f64) -> f64, duration: f64) -> f64 {
     let (mut time, mut log) = (0.0, 0.0);
     let mut step = duration.min(1.0 / rate(0.0).abs());
@@ -44,9 +44,9 @@ pub(super) fn integrate(rate: &dyn Fn(f64) -> f64, duration: f64) -> f64 {
     log
 }
 
-/// [-] change of L = ln(w/w_0) in one step from the value `start`, and the estimated error of this change. The estimate
-/// is the difference from the extrapolation without the last sequence. The entries of the last row alone give no safe
-/// estimate, because they may agree by chance where the law jumps.
+/// [-] change of L = ln(w/w_0) in one step of length `step` [s] from the value `start`, and the estimated error of the
+/// change. The error is the difference between the extrapolations with and without the last midpoint sequence. Entries
+/// of the last row alone give no safe estimate, because they may agree by chance where the law jumps.
 fn extrapolate(rate: &dyn Fn(f64) -> f64, start: f64, step: f64) -> (f64, f64) {
     let first = rate(start);
     // one row of the scheme of Aitken and Neville, which extrapolates in the square of the substep
@@ -65,8 +65,8 @@ fn extrapolate(rate: &dyn Fn(f64) -> f64, start: f64, step: f64) -> (f64, f64) {
     (best, (best - before).abs())
 }
 
-/// [-] change of L = ln(w/w_0) over `step` [s], by `substeps` steps of the midpoint rule. The last two values are
-/// averaged (Gragg).
+/// [-] change of L = ln(w/w_0) over `step` [s], by `substeps` steps of the midpoint rule. `start` is L at the start,
+/// and `first` is dL/dt [1/s] there. The last two values are averaged (Gragg).
 fn midpoint(rate: &dyn Fn(f64) -> f64, (start, first): (f64, f64), step: f64, substeps: usize) -> f64 {
     let h = step / substeps as f64;
     // all values are relative to the start, so that a short step keeps its digits

@@ -11,32 +11,36 @@
 use super::{Drag, Sphere};
 use nalgebra::{SMatrix, SVector};
 
-/// Number of leading bits of the fraction of w² that determine the piece: 16 pieces per octave of w².
+/// Number of leading bits of the mantissa of w² that select a piece of the table, with the slip speed w. Four bits give
+/// 16 pieces per octave of w².
 const PIECE_BITS: u32 = 4;
-/// Number of remaining bits of w², which give the position within the piece.
+/// Number of remaining bits of the mantissa of w², which give the position within a piece of the table.
 const REST_BITS: u32 = f64::MANTISSA_DIGITS - 1 - PIECE_BITS;
-/// [m²/s²] lower end of the table in w², a power of 2. It corresponds to w = 1e-6 m/s.
+/// [m²/s²] lower end of the table in w², the square of the slip speed. It is a power of 2 and corresponds to w = 1e-6
+/// m/s.
 const LOWEST: f64 = 1.0 / (1_u64 << 40) as f64;
-/// [m²/s²] upper end of the table in w², a power of 2. It corresponds to w = 64 m/s.
+/// [m²/s²] upper end of the table in w², the square of the slip speed. It is a power of 2 and corresponds to w = 64
+/// m/s.
 const HIGHEST: f64 = 4096.0;
-/// [-] relative error of a piece above which the law itself is evaluated. The error is at most 2e-10 for a smooth law,
-/// and about 1e-3 in a piece in which a law switches between two formulas.
+/// [-] largest allowed relative error of a piece of the table. Instead of a piece with a larger error, the law itself
+/// is evaluated. The error is at most 2e-10 for a smooth law, and about 1e-3 in a piece in which a law switches between
+/// two formulas.
 const TOLERANCE: f64 = 5e-10;
 
-/// Number of coefficients of the polynomial of a piece.
+/// Number of coefficients of the polynomial of each piece of the table.
 const TERMS: usize = 5;
 /// Positions in a piece of the table, from 0 to 1, at which the polynomial equals the drag law: both ends and the
 /// Chebyshev points between them.
 const NODES: [f64; TERMS] = [0.0, 0.146_446_609_406_726_24, 0.5, 0.853_553_390_593_273_8, 1.0];
-/// Positions in a piece of the table, from 0 to 1, at which the error of the polynomial is largest. The error is
-/// checked there.
+/// Positions in a piece of the table, from 0 to 1, near which the error of the polynomial is largest. The error is
+/// checked at these positions.
 const CHECKS: [f64; TERMS - 1] = [0.05, 0.32, 0.68, 0.95];
 
 /// Coefficients [-] of the polynomial of a piece, constant term first. The variable is the position within the piece,
 /// from 0 to 1. All coefficients are not-a-number if the law switches between two formulas within the piece.
 type Piece = [f64; TERMS];
 
-/// Change of the slip velocity of particles by drag alone in a given time, for spheres of each species.
+/// Drag kick: change of the slip velocity of particles by drag alone in a given time, for spheres of each species.
 #[derive(Clone, Debug)]
 pub struct Kick {
     law: Drag,
@@ -47,7 +51,7 @@ pub struct Kick {
     spread: Vec<Option<f64>>,
 }
 
-/// Sphere of one species, and its table. If the table is empty, the law itself is evaluated.
+/// Sphere of one species, and its table of drag. If the table is empty, the drag law itself is evaluated.
 #[derive(Clone, Debug)]
 struct SpeciesTable {
     sphere: Sphere,
@@ -55,28 +59,29 @@ struct SpeciesTable {
 }
 
 impl Kick {
-    /// Makes a kick over `duration` [s] that evaluates the law itself. It is used for few particles, and as a
-    /// reference.
+    /// Makes a drag kick over `duration` [s] without a table, which evaluates the law itself. It is used for few
+    /// particles, and as a reference.
     pub fn exact(law: &Drag, spheres: &[Sphere], duration: f64) -> Self {
         let species = spheres.iter().map(|&sphere| SpeciesTable { sphere, pieces: Vec::new() }).collect();
         Self { law: law.clone(), duration, species, spread: Vec::new() }
     }
 
-    /// Lets the particles of some species differ in diameter. `diameters` has one entry per species: the diameter [m] of
-    /// its `Sphere`, or `None` if all its particles have this diameter. A table is valid for one size only, so the law itself is evaluated for particles
-    /// of these species.
+    /// Returns the kick for species whose particles may differ in diameter. `diameters` has one entry per species: the
+    /// diameter [m] of its `Sphere`, or `None` if all its particles have this diameter. A table is valid for one size
+    /// only. For particles of species with several sizes, the law itself is evaluated.
     pub fn with_sizes(mut self, diameters: Vec<Option<f64>>) -> Self {
         self.spread = diameters;
         self
     }
 
-    /// True if the change of some particles depends on their own size, and not only on their species.
+    /// True if, for some species, the change of the slip velocity depends on the diameter of each particle.
     pub fn asks_sizes(&self) -> bool {
         self.spread.iter().any(Option::is_some)
     }
 
-    /// Makes a kick with a table of the law, accurate to 5e-10 of the change. A law that depends on the volume fraction
-    /// of the particles is not tabulated. The table costs as much time as about 10⁴ evaluations of the law.
+    /// Makes a drag kick over `duration` [s] with a table of the law, accurate to 5e-10 of the change. A law that
+    /// depends on the volume fraction of the particles is not tabulated. The table costs as much time as about 10⁴
+    /// evaluations of the law.
     pub fn tabulated(law: &Drag, spheres: &[Sphere], duration: f64) -> Self {
         let mut kick = Self::exact(law, spheres, duration);
         if kick.cells().is_some() {
@@ -99,19 +104,19 @@ impl Kick {
         kick
     }
 
-    /// Numbers of cells along x, y and z for the volume fraction of the particles; `None` if the law does not depend on
-    /// it.
+    /// Numbers of cells along x, y and z in which the volume fraction of the particles is computed. `None` if the drag
+    /// law does not depend on this fraction.
     pub fn cells(&self) -> Option<[u32; 3]> {
         self.law.law().cells()
     }
 
-    /// [s] duration of the kick.
+    /// [s] duration of the drag kick.
     pub fn duration(&self) -> f64 {
         self.duration
     }
 
-    /// [-] change of the slip velocity divided by the slip velocity, in [-1, 0]. `square` [m²/s²] is the square of the
-    /// slip speed.
+    /// [-] change of the slip velocity in a kick, divided by the slip velocity before; in [-1, 0]. `square` [m²/s²] is
+    /// the square of the slip speed before the kick.
     #[inline]
     pub fn change(&self, species: u16, square: f64) -> f64 {
         let species = &self.species[species as usize];
@@ -127,8 +132,9 @@ impl Kick {
         self.by_law(species, square)
     }
 
-    /// [-] change of the slip velocity divided by the slip velocity, for a sphere of `radius` [m]. `square` [m²/s²] is
-    /// the square of the slip speed. For species of one size the result equals [`change`](Self::change).
+    /// [-] change of the slip velocity in a kick, divided by the slip velocity before, for a sphere of `radius` [m].
+    /// `square` [m²/s²] is the square of the slip speed. For species of one size the result equals
+    /// [`change`](Self::change).
     #[inline]
     pub fn change_of(&self, species: u16, radius: f64, square: f64) -> f64 {
         match self.spread.get(usize::from(species)) {
@@ -140,8 +146,9 @@ impl Kick {
         }
     }
 
-    /// [-] change of the slip velocity divided by the slip velocity, for a sphere of `radius` [m] with the volume
-    /// fraction `fraction` of particles around it. `square` [m²/s²] is the square of the slip speed.
+    /// [-] change of the slip velocity in a kick, divided by the slip velocity before. The sphere has the radius
+    /// `radius` [m] and the volume fraction `fraction` [-] of particles around it. `square` [m²/s²] is the square of
+    /// the slip speed.
     pub fn change_among(&self, species: u16, radius: f64, fraction: f64, square: f64) -> f64 {
         let index = usize::from(species);
         let own = self.species[index].sphere.among(fraction);
@@ -152,21 +159,22 @@ impl Kick {
         self.law.law().change(&sphere, square.sqrt(), self.duration)
     }
 
-    /// [-] change of the slip velocity divided by the slip velocity, computed by the law itself without the table.
+    /// [-] change of the slip velocity in a kick, divided by the slip velocity before, computed by the drag law without
+    /// the table. `square` [m²/s²] is the square of the slip speed.
     #[cold]
     fn by_law(&self, species: &SpeciesTable, square: f64) -> f64 {
         self.law.law().change(&species.sphere, square.sqrt(), self.duration)
     }
 }
 
-/// Exponent and leading bits of the fraction of the floating-point number `square`, as an integer that numbers the
-/// pieces of the table.
+/// Number of the piece of the table that contains `square` = w² [m²/s²]: exponent and leading mantissa bits of this
+/// floating-point number, as an integer.
 #[inline]
 fn leading(square: f64) -> u64 {
     square.to_bits() >> REST_BITS
 }
 
-/// Value of the polynomial of a piece at a position in [0, 1].
+/// Value of the polynomial of a piece of the table at a position within the piece, from 0 to 1.
 #[inline]
 fn value(piece: &Piece, place: f64) -> f64 {
     let [a, b, c, d, e] = *piece;

@@ -81,18 +81,19 @@ impl Sphere {
 /// assert!((left - Stokes.decay(&sphere, 3.0, 0.2)).abs() < 1e-12);
 /// ```
 pub trait DragLaw: std::fmt::Debug + Send + Sync {
-    /// Name of the law in cases and in results.
+    /// Name of the drag law in cases and in results.
     fn name(&self) -> &'static str;
 
-    /// Names and values [SI] of all parameters of the law; empty if there are none. Name and parameters are used to
-    /// compare laws and to recognise stored runs. The list must therefore contain every parameter in which two laws of
-    /// one name can differ.
+    /// Names and values [SI] of all parameters of the drag law; empty if there are none. Name and parameters are used
+    /// to compare laws and to recognise stored runs. Two laws of one name that differ must therefore differ in a
+    /// parameter in this list.
     fn parameters(&self) -> Vec<(&'static str, f64)>;
 
-    /// [s] response time τ(w) > 0: slip speed divided by deceleration, at the slip speed w = `slip` >= 0 [m/s].
+    /// [s] response time τ(w) > 0 of a sphere: slip speed divided by deceleration, at the slip speed w = `slip` >= 0
+    /// [m/s].
     fn response_time(&self, sphere: &Sphere, slip: f64) -> f64;
 
-    /// Title of the law for use in a sentence.
+    /// Title of the drag law for use in a sentence.
     fn title(&self) -> String {
         format!("drag law {}", self.name())
     }
@@ -104,17 +105,17 @@ pub trait DragLaw: std::fmt::Debug + Send + Sync {
     }
 
     /// [-] slip Reynolds number above which a warning is given, and the text of the warning. At larger numbers the law
-    /// is far outside its fitted range. `None` if no such number is known.
+    /// is far outside the range to which it was fitted. `None` if no such number is known.
     fn far(&self) -> Option<(f64, &'static str)> {
         None
     }
 
-    /// [-] natural logarithm of the slip speed after `duration` [s] of drag alone, divided by the initial slip speed w
-    /// = `slip` >= 0 [m/s]; <= 0. The gas velocity is constant. The logarithm is -∫dt/τ, the exact solution of dw/dt =
-    /// -w/τ(w).
+    /// [-] natural logarithm of a ratio, at most 0: the slip speed after `duration` [s] of drag alone over the slip
+    /// speed w = `slip` >= 0 [m/s] before. The gas velocity is constant. The logarithm is -∫dt/τ, from the exact
+    /// solution of dw/dt = -w/τ(w).
     ///
-    /// A kick needs 1 - ratio, which is more precise from the logarithm than from the ratio. A law with a closed form
-    /// overrides this method. By default the equation is integrated to a relative error of 1e-12.
+    /// A kick needs the ratio minus 1, which is more precise from the logarithm than from the ratio. A law with a
+    /// closed form overrides this method. By default the equation is integrated to a relative error of 1e-12.
     fn log_decay(&self, sphere: &Sphere, slip: f64, duration: f64) -> f64 {
         flow::integrate(&|log| -1.0 / self.response_time(sphere, slip * log.exp()), duration)
     }
@@ -132,13 +133,13 @@ pub trait DragLaw: std::fmt::Debug + Send + Sync {
         3.0 / (4.0 * slope(5e-4 * slip) - slope(1e-3 * slip))
     }
 
-    /// [-] slip speed after `duration` [s] of drag alone over the initial slip speed; in [0, 1].
+    /// [-] slip speed after `duration` [s] of drag alone, divided by the slip speed `slip` [m/s] before; in [0, 1].
     fn decay(&self, sphere: &Sphere, slip: f64, duration: f64) -> f64 {
         self.log_decay(sphere, slip, duration).exp()
     }
 
-    /// [-] change of the slip velocity in `duration` [s] divided by the slip velocity; in [-1, 0]. It is ratio - 1,
-    /// computed without loss of precision.
+    /// [-] change of the slip velocity in `duration` [s] of drag alone, divided by the slip velocity before; in [-1,
+    /// 0]. `slip` [m/s] is the slip speed before. A small change is computed without loss of precision.
     fn change(&self, sphere: &Sphere, slip: f64, duration: f64) -> f64 {
         self.log_decay(sphere, slip, duration).exp_m1()
     }
@@ -151,7 +152,7 @@ pub enum Drag {
     SchillerNaumann(SchillerNaumann),
     /// Stokes drag of creeping flow, whose solution is known in closed form.
     Stokes(Stokes),
-    /// A law for spheres among other spheres.
+    /// A law for a sphere among other spheres, whose drag increases with their volume fraction.
     Suspension(SuspensionDrag),
     /// A law that the calling program defines; a case cannot contain it.
     Other(Arc<dyn DragLaw>),

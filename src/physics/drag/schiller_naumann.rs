@@ -13,7 +13,8 @@ const PLATEAU: f64 = 0.44;
 /// [-] product C_D Re of Stokes drag, which is 24.
 const STOKES: f64 = 24.0;
 
-/// [-] slip Reynolds number above which a warning is given: ten times the upper end of the formula.
+/// [-] slip Reynolds number above which a warning is given: ten times the largest one at which the formula of Schiller
+/// and Naumann is valid.
 const FAR: f64 = 10.0 * SWITCH;
 
 /// Drag law of Schiller and Naumann (1935): C_D = 24/Re (1 + 0.15 Re^0.687) up to Re = 1000, and C_D = 0.44 above. The
@@ -30,9 +31,10 @@ const FAR: f64 = 10.0 * SWITCH;
 pub struct SchillerNaumann;
 
 impl SchillerNaumann {
-    /// [-] logarithm of the ratio w/w0 of slip speeds for Re <= 1000. The ratio is w/w0 = [1 + (1 + s) (e^a -
-    /// 1)]^(-1/p) with a = p t/τ_S. The logarithm is computed as -t/τ_S - ln[1 + s (1 - e^-a)]/p. This form does not
-    /// overflow for long times, and is precise for short times.
+    /// [-] logarithm of the ratio w/w0 of the slip speeds after and before the time t = `duration` [s], for Re <= 1000.
+    /// The ratio is w/w0 = [1 + (1 + s) (e^a - 1)]^(-1/p) with a = p t/τ_S, p = 0.687 and s = 0.15 Re^p at w0. The
+    /// logarithm is computed as -t/τ_S - ln[1 + s (1 - e^-a)]/p. This form does not overflow for long times, and is
+    /// precise for short times.
     fn log_decay_below(stokes_time: f64, reynolds: f64, duration: f64) -> f64 {
         let time = duration / stokes_time;
         let correction = FACTOR * reynolds.powf(EXPONENT);
@@ -104,7 +106,8 @@ mod tests {
     /// The paper's spheres of 1.5 mm in air: Re = 1000 at 10.1 m/s.
     const LARGE: Sphere = Sphere { stokes_time: 7.066_266_793, reynolds_per_speed: 1.5e-3 / 1.515e-5, fraction: 0.0 };
 
-    /// Slip speed [m/s] after `duration` [s], by the classical fourth-order Runge-Kutta method for dw/dt = -w/τ(w).
+    /// Slip speed [m/s] after `duration` [s] from the slip speed `slip` [m/s]. The equation dw/dt = -w/τ(w) is
+    /// integrated by the classical fourth-order Runge-Kutta method.
     fn integrate(slip: f64, duration: f64, steps: usize) -> f64 {
         let rate = |w: f64| -w / LAW.response_time(&LARGE, w);
         let h = duration / steps as f64;
@@ -185,7 +188,7 @@ mod tests {
         let slip = SWITCH / LARGE.reynolds_per_speed;
         let below = LAW.response_time(&LARGE, slip * (1.0 - 1e-12));
         let above = LAW.response_time(&LARGE, slip * (1.0 + 1e-12));
-        // 0.44 / 0.438288 is the jump in the catalogue of oracles (F).
+        // the force jumps by the factor 0.44 / 0.438288
         assert!((below / above - 0.44 / 0.438_288).abs() < 1e-5, "{}", below / above);
     }
 }

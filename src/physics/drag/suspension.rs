@@ -9,13 +9,13 @@
 
 use super::{DragLaw, SchillerNaumann, Sphere, flow};
 
-/// [-] largest volume fraction to which a law is applied: that of the densest packing of equal spheres, π/√18. In small
-/// cells the computed fraction can be larger.
+/// [-] largest volume fraction at which a drag law is evaluated: that of the densest packing of equal spheres, π/√18.
+/// The fraction computed in a small cell can be larger; it is then replaced by this value.
 const DENSEST: f64 = 0.740_480_489_693_061_1;
-/// [-] step of the integration of a kick over the response time. The Runge-Kutta method of fourth order then has a
-/// relative error of at most 0.02⁴/120 = 1.3e-9.
+/// [-] time step in the integration of a kick, divided by the response time. The Runge-Kutta method of fourth order
+/// then has a relative error of at most 0.02⁴/120 = 1.3e-9.
 const STEP: f64 = 0.02;
-/// Largest number of such steps in a kick. Longer kicks are integrated with adaptive steps.
+/// Largest number of Runge-Kutta steps in a kick. Longer kicks are integrated with adaptive steps instead.
 const MOST_STEPS: f64 = 10.0;
 
 /// Law for the drag of spheres in a suspension, from experiments or from simulations that resolve the flow between the
@@ -37,7 +37,7 @@ pub enum SuspensionLaw {
 /// Drag in a suspension, with the grid of cells in which the volume fraction of the particles is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SuspensionDrag {
-    /// Law of the drag.
+    /// Law of the drag of a sphere among other spheres.
     pub law: SuspensionLaw,
     /// Numbers of cells along x, y and z that divide the box into equal cells.
     pub cells: [u32; 3],
@@ -49,14 +49,15 @@ fn single(re: f64) -> f64 {
 }
 
 impl SuspensionLaw {
-    /// All laws.
+    /// All drag laws for suspensions.
     pub const ALL: [Self; 5] = [Self::WenYu, Self::Gidaspow, Self::Beetstra, Self::Tenneti, Self::DiFelice];
 
     /// [-] dimensionless drag force F at a volume fraction `phi` of particles and a Reynolds number `re` = ε w d/ν.
     pub fn force(self, phi: f64, re: f64) -> f64 {
         let e = 1.0 - phi;
         match self {
-            // constants of MFIX, model/drag_gs.f (`WEN_YU`): C_D of Schiller and Naumann, exponent -2.65 of the friction
+            // constants of MFIX, model/drag_gs.f (`WEN_YU`): C_D of Schiller and Naumann, exponent -2.65 of the
+            // friction
             Self::WenYu => single(re) * e.powf(-3.65),
             // constants 150 and 1.75 of Ergun, switch at ε = 0.8: phasicFlow, ErgunWenYu.hpp
             Self::Gidaspow if e < 0.8 => (150.0 * phi + 1.75 * re) / (18.0 * e * e),
@@ -87,7 +88,7 @@ impl SuspensionLaw {
         }
     }
 
-    /// Name of the law in cases.
+    /// Name of the drag law in cases.
     fn name(self) -> &'static str {
         match self {
             Self::WenYu => "wen_yu",
@@ -98,7 +99,7 @@ impl SuspensionLaw {
         }
     }
 
-    /// Authors and year of the law.
+    /// Authors and year of the publication of the drag law.
     fn source(self) -> &'static str {
         match self {
             Self::WenYu => "Wen and Yu (1966)",
@@ -159,7 +160,8 @@ impl DragLaw for SuspensionDrag {
 mod tests {
     use super::*;
 
-    /// The short integration of kicks agrees with the adaptive one, which is accurate to 1e-12.
+    /// The integration of short kicks by Runge-Kutta steps agrees with the adaptive integration, which is accurate to
+    /// 1e-12.
     #[test]
     fn short_kicks_agree_with_adaptive_ones() {
         for law in SuspensionLaw::ALL {

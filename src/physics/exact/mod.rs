@@ -16,16 +16,18 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Number of bits of a digit of an exact sum.
 const BITS: u32 = 32;
-/// Number of digits of an exact sum: enough for every finite number, and for 2^40 numbers of the largest size.
+/// Number of 32-bit digits of an exact sum. They suffice for every finite `f64`, and for the sum of 2^40 numbers of the
+/// largest size.
 const DIGITS: usize = 67;
-/// Number of words after the digits. They count the terms that are infinite, minus infinite, and not a number.
+/// Number of 64-bit words after the digits of an exact sum. They count the terms that are infinite, minus infinite, and
+/// not a number.
 const SPECIAL: usize = 3;
-/// Number of words in which a sum is stored.
+/// Number of 64-bit words in which an exact sum is stored: its digits and three counts of special terms.
 const WORDS: usize = DIGITS + SPECIAL;
-/// [-] exponent of the power of two that the lowest bit of the first digit represents. 2^-1075 is half of the smallest
-/// `f64` above 0.
+/// [-] exponent of two that belongs to the lowest bit of an exact sum. 2^-1075 is half of the smallest `f64` above 0.
 const LOWEST: i32 = -1075;
-/// Number of terms that can be added before digits must be carried: each term adds less than 2^52 to a 64-bit digit.
+/// Number of terms that can be added to an exact sum before its digits must be carried. Each term adds less than 2^52
+/// to a 64-bit digit.
 const MOST: u32 = 1024;
 
 /// An exact sum of `f64`, rounded to the nearest (ties to even) when its value is read.
@@ -44,11 +46,13 @@ const MOST: u32 = 1024;
 /// ```
 #[derive(Clone, Debug)]
 pub struct ExactSum {
-    /// Digits, followed by special words. The sum is Σ `words[k]` 2^(32 k - 1075) over the digits.
+    /// 32-bit digits of the sum, followed by three counts of special terms. The sum is Σ `words[k]` 2^(32 k - 1075)
+    /// over the digits.
     words: [i64; WORDS],
     /// Bit k is set if `words[k]` may differ from 0.
     used: u128,
-    /// Bound on the size of the digits: no digit is larger than this number of additions to an empty sum could make it.
+    /// Bound on the digits: the magnitude of each digit is at most this number times 2^52. One term adds less than 2^52
+    /// to a digit.
     added: u32,
 }
 
@@ -103,18 +107,19 @@ impl ExactSum {
         self.added += other.added;
     }
 
-    /// Returns this sum minus another.
+    /// Returns the exact difference of two sums: this sum minus `other`.
     pub fn less(&self, other: &Self) -> Self {
         let mut other = other.clone();
         other.words[..DIGITS].iter_mut().for_each(|word| *word = -*word);
-        // these counts are subtracted too, so that terms of `other` that were not finite do not belong to the
-        // difference
+        // the counts of terms that are not finite are subtracted too, so that such terms of `other` do not belong to
+        // the difference
         other.words[DIGITS..].iter_mut().for_each(|word| *word = -*word);
         other.merge(self);
         other
     }
 
-    /// Carries between digits, so that every digit lies in [-2^31, 2^31). The digits of a number are then unique.
+    /// Carries between digits, so that every digit except the last lies in [-2^31, 2^31). Equal sums then have equal
+    /// digits.
     fn carry(&mut self) {
         let mut carried = 0;
         let first = self.used.trailing_zeros() as usize;
@@ -128,9 +133,9 @@ impl ExactSum {
         self.added = 1;
     }
 
-    /// The 64-bit words in which the sum is stored. To add the sums of several processes, add their words one by one:
-    /// word k of every sum to word k of this sum, for up to 2^20 sums. The result is the exact total, also if terms
-    /// were not finite.
+    /// Returns the 64-bit words in which the sum is stored, for example to add the sums of several processes. The total
+    /// of up to 2^20 sums is exact if its word k is the sum of their words k. This holds also for terms that are not
+    /// finite.
     pub fn words(&mut self) -> &mut [i64; WORDS] {
         self.carry();
         // all words count as used, since the caller may change any of them
@@ -190,7 +195,7 @@ fn places(mut bits: u128) -> impl Iterator<Item = usize> {
 }
 
 /// Number whose digits to the base 2^32 are given, the lowest first, rounded to the nearest `f64` (ties to even). No
-/// digit is negative. `first` is the exponent of two of the lowest digit.
+/// digit is negative. `first` is the index of the lowest given digit in the exact sum.
 fn round(digits: &[i64], first: i32) -> f64 {
     let Some(top) = digits.iter().rposition(|&digit| digit != 0) else { return 0.0 };
     // the three leading digits, and a flag that is true if lower digits differ from 0
@@ -211,7 +216,7 @@ fn round(digits: &[i64], first: i32) -> f64 {
     if exponent > 2045 { f64::INFINITY } else { f64::from_bits((exponent << 52) + kept) }
 }
 
-/// Compares the exact values of two sums.
+/// Compares the exact values of two sums, not their rounded values.
 impl PartialEq for ExactSum {
     fn eq(&self, other: &Self) -> bool {
         let [mut one, mut other] = [self, other].map(Self::clone);
@@ -221,7 +226,8 @@ impl PartialEq for ExactSum {
     }
 }
 
-/// Stores the index and the value of each word in use. Formats that are readable for humans contain the rounded value.
+/// Serializes a sum as the index and the value of each of its nonzero words. Text formats such as JSON contain the
+/// rounded value instead.
 impl Serialize for ExactSum {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         if serializer.is_human_readable() {

@@ -13,25 +13,30 @@ use std::array::from_fn;
 
 /// Largest number of rows that are added together as a block.
 pub const BLOCK: usize = 128;
-/// [-] ratio of the first σ to a power of two above the largest number of a block. It must be at least `BLOCK` + 2.
+/// [-] first σ over the smallest power of two above all numbers of a block. σ is a large number that cuts off the lower
+/// bits of other numbers. The ratio must be at least `BLOCK` + 2.
 const ROOM: f64 = 256.0;
-/// [-] ratio of the second σ to the first. The first step leaves remainders of at most 2^-53 times the first σ.
+/// [-] second σ over the first σ. Each σ is a large number that cuts off the lower bits of other numbers. The first σ
+/// leaves remainders of at most 2^-53 times its own value.
 const NEXT: f64 = ROOM * f64::EPSILON / 2.0;
-/// Range that must contain the largest number of a block, so that nothing overflows and no bit is lost by underflow.
+/// Range for the largest magnitude of the numbers in a block. Within this range nothing overflows and no bit is lost by
+/// underflow.
 const SAFE: std::ops::Range<f64> = 1e-250..1e290;
-/// Number of partial sums into which one sum is split, so that a processor can add to all of them at the same time.
+/// Number of partial sums into which the sum of a list is split, because a processor can add to several sums at the
+/// same time.
 const LANES: usize = 4;
-/// Number of terms in one piece of work of a thread. For fewer terms a second thread takes longer than it saves.
+/// Number of terms in one piece of work of a thread. With fewer terms, a second thread costs more time than it saves.
 const CHUNK: usize = 8192;
 
-/// Two partial sums of each of the K columns of a block of numbers: `high` of the leading bits, `low` of the next bits.
+/// Two partial sums of each of the K columns of a block of rows. `high` is the sum of the leading bits of the numbers,
+/// `low` that of the next bits.
 struct Parts<const K: usize> {
     high: [f64; K],
     low: [f64; K],
     /// Remaining bits of all rows that neither partial sum contains, combined by bitwise OR for each column. It is 0 if
     /// the partial sums are exact, apart from the sign bit of a zero.
     left: [u64; K],
-    /// Largest magnitude of the numbers in each column.
+    /// Largest magnitude of the numbers in each column of the block.
     largest: [f64; K],
 }
 
@@ -92,8 +97,8 @@ fn parts<const K: usize>(rows: &[[f64; K]]) -> Parts<K> {
     parts
 }
 
-/// Computes the partial sums of all columns together. The rows are generated twice: for the largest numbers, and for
-/// the sums.
+/// Computes the partial sums of all columns of a block together. `rows` is iterated twice: first for the largest
+/// numbers, then for the sums.
 #[inline(always)]
 fn all_columns<const K: usize>(rows: impl Iterator<Item = [f64; K]> + Clone) -> Parts<K> {
     let mut largest = [0.0_f64; K];
@@ -119,7 +124,8 @@ fn all_columns<const K: usize>(rows: impl Iterator<Item = [f64; K]> + Clone) -> 
     Parts { high, low, left, largest }
 }
 
-/// Runs code with wide vector instructions, if the processor has them. The sums are equal with and without them.
+/// Calls `make` with wide vector instructions (x86-64-v3), if the processor has them. The results are equal with and
+/// without them.
 #[inline(always)]
 fn at_once<R>(make: impl FnOnce() -> R) -> R {
     #[cfg(target_arch = "x86_64")]
@@ -168,8 +174,8 @@ pub fn add_rows<const K: usize>(mut sums: [&mut ExactSum; K], rows: &[[f64; K]])
     rows.chunks(BLOCK).for_each(|block| add_block(sums.each_mut().map(|sum| &mut **sum), block));
 }
 
-/// Replaces at most [`BLOCK`] rows by two rows with equal exact sums, if two rows can represent these sums. The
-/// resulting rows are appended to `few`, and `rows` is emptied.
+/// Moves at most [`BLOCK`] rows from `rows` to `few`. If two rows can represent the exact sums of all columns, these
+/// two rows are appended to `few` instead of the rows themselves.
 pub fn condense<const K: usize>(rows: &mut Vec<[f64; K]>, few: &mut Vec<[f64; K]>) {
     if rows.len() > 2 {
         let Parts { high, low, left, largest } = at_once(
@@ -194,7 +200,7 @@ pub fn add_all(sum: &mut ExactSum, numbers: &[f64]) {
     rest.iter().for_each(|&x| sum.add(x));
 }
 
-/// The rounded value of each sum.
+/// Returns the values of K exact sums, each rounded to the nearest `f64`.
 pub fn values<const K: usize>(sums: &[ExactSum; K]) -> [f64; K] {
     from_fn(|k| sums[k].value())
 }
@@ -236,8 +242,8 @@ pub fn sum<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> ExactSum {
     sum_and_largest(items, of).0
 }
 
-/// Exact sum of the numbers that `of` returns for the items, and the largest number. The largest number is at least 0,
-/// and infinite if a number is NaN.
+/// Exact sum of the numbers that `of` returns for the items, and the largest of these numbers. The largest number is at
+/// least 0, and infinite if a number is NaN.
 pub fn sum_and_largest<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> (ExactSum, f64) {
     let piece = |items: &[T]| {
         let (mut sums, mut numbers) = (none::<LANES>(), [0.0; BLOCK * LANES]);
@@ -311,10 +317,11 @@ pub fn side_by_side<T: Copy + Default + Sync, const N: usize, const K: usize>(
 /// Number of rows that are collected for each group before they are added as one block.
 const WAITING: usize = 32;
 
-/// Sums of K columns for each of several groups, such as slices. A group without rows takes hardly any memory.
+/// Exact sums of the K columns of rows, computed for each of several groups of rows, such as slices of the box. A group
+/// without rows takes hardly any memory.
 pub struct Groups<const K: usize>(Vec<Option<Box<GroupSums<K>>>>);
 
-/// The sums of one group, and the rows that are not yet added to the sums.
+/// Exact sums of one group of rows, and the rows of the group that are not yet added to the sums.
 struct GroupSums<const K: usize> {
     sums: [ExactSum; K],
     waiting: [[f64; K]; WAITING],
@@ -335,7 +342,7 @@ impl<const K: usize> GroupSums<K> {
         }
     }
 
-    /// Adds the collected rows to the sums.
+    /// Adds the rows that are waiting to the sums of the group.
     fn take_in(&mut self) {
         add_block(self.sums.each_mut(), &self.waiting[..self.count]);
         self.count = 0;
@@ -343,18 +350,18 @@ impl<const K: usize> GroupSums<K> {
 }
 
 impl<const K: usize> Groups<K> {
-    /// Makes `groups` groups without rows.
+    /// Makes exact sums for `groups` groups without rows.
     pub fn new(groups: usize) -> Self {
         Self((0..groups).map(|_| None).collect())
     }
 
-    /// Adds a row to a group.
+    /// Adds a row to the sums of the group with the index `group`.
     #[inline]
     pub fn add(&mut self, group: usize, row: [f64; K]) {
         self.0[group].get_or_insert_with(|| Box::new(GroupSums::new())).add(row);
     }
 
-    /// Adds the sums of the groups in `others` to those of these groups, group by group.
+    /// Adds the sums of each group in `others` to the sums of the group with the same index.
     fn merge(&mut self, others: Self) {
         for (own, other) in self.0.iter_mut().zip(others.0) {
             let Some(mut other) = other else { continue };
@@ -368,7 +375,7 @@ impl<const K: usize> Groups<K> {
         }
     }
 
-    /// All sums of all groups as one list: the K sums of group 0, then those of group 1, and so on.
+    /// Exact sums of all groups as one list: the K sums of group 0, then those of group 1, and so on.
     pub fn each_mut(&mut self) -> Vec<&mut ExactSum> {
         let groups = self.0.iter_mut().map(|group| group.get_or_insert_with(|| Box::new(GroupSums::new())));
         groups
@@ -379,7 +386,7 @@ impl<const K: usize> Groups<K> {
             .collect()
     }
 
-    /// Rounded values of the sums of each group.
+    /// Values of the K sums of each group, each rounded to the nearest `f64`; 0 for a group without rows.
     pub fn values(self) -> Vec<[f64; K]> {
         let of = |group: Option<Box<GroupSums<K>>>| {
             group.map_or([0.0; K], |mut group| {
@@ -391,8 +398,8 @@ impl<const K: usize> Groups<K> {
     }
 }
 
-/// Computes sums in groups. For each index from 0 to `count - 1`, `of` returns the number of a group and a row to be
-/// added to that group.
+/// Computes exact sums of rows in groups, on all threads. For each index from 0 to `count - 1`, `of` returns the number
+/// of a group and a row to be added to that group.
 pub fn sums_in_groups<const K: usize>(
     groups: usize,
     count: usize,

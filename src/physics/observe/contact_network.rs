@@ -1,8 +1,8 @@
 //! Contact network of soft spheres: contacts per particle, fabric tensor, and the contacts with their forces.
 //!
 //! * Coordination number Z = (2 C + W)/N, with C contacts between N particles and W contacts with walls.
-//! * Mechanical coordination number Z_m = (2 C + W - N₁)/(N - N₀ - N₁) (Thornton 2000, Géotechnique 50, 43). It leaves out the
-//!   N₀ particles without contacts and the N₁ particles with one, which carry no force at rest.
+//! * Mechanical coordination number Z_m = (2 C + W - N₁)/(N - N₀ - N₁) (Thornton 2000, Géotechnique 50, 43). It leaves
+//!   out the N₀ particles without contacts and the N₁ particles with one contact, which carry no force at rest.
 //! * Fabric tensor Σ n n/C over the contacts between particles, with the unit normals n (Satake 1982). Its trace is 1.
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumber, ObservedQuantity};
@@ -20,36 +20,37 @@ use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 
-/// Largest number of samples (instants of measurement) that are used; in a longer run the used samples are further
-/// apart.
+/// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th sample
+/// is used.
 const MOST_SAMPLES: u64 = 1000;
-/// Length of the list that counts particles by their number of contacts. The last entry also counts particles with more
-/// contacts.
+/// Length of a list whose entry k is the number of particles with k contacts. The last entry also counts particles with
+/// more contacts.
 const MOST_CONTACTS: usize = 25;
-/// Names of the components of the fabric tensor, each with its two axes.
+/// Names of the six components of the fabric tensor, each with the indices of its two axes (0: x, 1: y, 2: z).
 const COMPONENTS: [(&str, [usize; 2]); 6] =
     [("xx", [0, 0]), ("yy", [1, 1]), ("zz", [2, 2]), ("xy", [0, 1]), ("xz", [0, 2]), ("yz", [1, 2])];
 
-/// Contact between two particles, or between a particle and a wall, as a line.
+/// Contact between two particles, or between a particle and a wall. It is drawn as a line between the two centres, or
+/// from the centre to the wall.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactLine {
     /// Id of the particle; of two particles the smaller id.
     pub id: u32,
     /// Id of the other particle; `None` at a wall.
     pub other: Option<u32>,
-    /// [m] centre of the particle, in the box.
+    /// [m] centre of the particle `id`, moved into the box along periodic axes.
     pub from: Vector3<f64>,
-    /// [m] centre of the nearest image of the other particle, or point of contact with a wall.
+    /// [m] centre of the other particle (of its nearest image), or point of contact with a wall.
     pub to: Vector3<f64>,
-    /// [-] unit normal, from the other body to the particle.
+    /// [-] unit normal, from the other body or the wall to the particle `id`.
     pub normal: Vector3<f64>,
-    /// [N] elastic part of the normal force.
+    /// [N] elastic part of the normal force between the two bodies.
     pub force: f64,
 }
 
 impl ContactLine {
-    /// This contact with the particle of the smaller id as the first one, and with the reversed normal if the two are
-    /// exchanged.
+    /// Returns the contact with the particle of the smaller id as the first one. If the particles are exchanged, the
+    /// normal is reversed.
     fn ordered(self, domain: &Domain) -> Self {
         let Some(other) = self.other.filter(|other| *other < self.id) else { return self };
         let (from, normal) = (domain.wrap(&self.to), -self.normal);
@@ -57,37 +58,38 @@ impl ContactLine {
         Self { id: other, other: Some(self.id), from, to, normal, ..self }
     }
 
-    /// Key by which contacts are sorted, so that their order does not depend on the order of the particles in memory. A
-    /// particle may touch several walls, so the key includes the point of contact.
+    /// Key by which contacts are sorted: ids of the bodies, and the point `to`. The order then does not depend on the
+    /// order of the particles in memory. The point is needed because a particle may touch several walls.
     fn key(&self) -> (u32, u32, [u64; 3]) {
         (self.id, self.other.unwrap_or(u32::MAX), [self.to.x, self.to.y, self.to.z].map(f64::to_bits))
     }
 }
 
-/// Numbers of contacts, and means over the contacts, at one instant.
+/// Numbers of contacts, and means over the contacts of all particles, at one instant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct NetworkSample {
     /// [s] simulated time of the sample.
     time: f64,
-    /// Number of particles with k contacts, for each k.
+    /// Number of particles with k contacts, in the entry k.
     by_contacts: Vec<u64>,
     /// Sum over all particles of the number of their contacts.
     ends: u64,
-    /// Mean, over the contacts between particles, of the products of the components of their unit normals, in the order
-    /// of [`COMPONENTS`]; `None` without such a contact.
+    /// [-] fabric tensor: mean of the products of two components of the unit normal over all contacts between
+    /// particles, in the order of [`COMPONENTS`]; `None` without such a contact.
     fabric: Option<[f64; 6]>,
-    /// [N] mean elastic part of the normal force; `None` without a contact.
+    /// [N] elastic part of the normal force, averaged over all contacts; `None` without a contact.
     force: Option<f64>,
 }
 
-/// Measurement of the contact network at samples. A run of hard spheres has no lasting contacts and no samples.
+/// Measurement of the contact network of soft spheres at several instants. A run of hard spheres has no lasting
+/// contacts, and nothing is measured.
 #[derive(Clone, Debug)]
 pub struct ContactNetwork {
-    /// [s] time between the used samples.
+    /// [s] time between two instants at which contacts are measured.
     interval: f64,
     law: Option<ContactLaw>,
     samples: Vec<NetworkSample>,
-    /// Contacts at the end of the run.
+    /// Contacts between particles and with walls at the end of the run.
     lines: Vec<ContactLine>,
 }
 
@@ -103,7 +105,7 @@ impl ContactNetwork {
     }
 }
 
-/// All present contacts of soft spheres under the contact law `law`, sorted by the ids of the particles.
+/// Returns all present contacts of soft spheres, sorted by the ids of the particles. `law` is the contact law.
 pub(super) fn contact_lines(simulation: &Simulation, law: &ContactLaw) -> Vec<ContactLine> {
     let (particles, scene) = (&simulation.particles, simulation.scene());
     let mut lines = Vec::new();
@@ -148,13 +150,13 @@ impl NetworkSample {
         }
     }
 
-    /// Number of all particles, also of those without contacts.
+    /// Number of all particles, with and without contacts.
     fn count(&self) -> f64 {
         self.by_contacts.iter().sum::<u64>() as f64
     }
 
-    /// Mechanical coordination number: contacts per particle, of particles with two contacts or more. `None` if there
-    /// is no such particle.
+    /// [-] mechanical coordination number: mean number of contacts of the particles that have two contacts or more.
+    /// `None` if there is no such particle.
     fn mechanical(&self) -> Option<f64> {
         let (none, one) = (self.by_contacts[0] as f64, self.by_contacts[1] as f64);
         let carrying = self.count() - none - one;

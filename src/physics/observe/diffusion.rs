@@ -1,14 +1,15 @@
 //! Mean squared displacement, autocorrelation of the velocities, and the coefficient of self-diffusion D.
 //!
 //! After the time t from an origin, M(t) = <|Δ|²> and C(t) = <v(0)·v(t)>/3 are means over the particles of a species.
-//! Displacements Δ and velocities v are relative to the mean of the species at the same time. Both means are multiplied by
-//! N/(N - 1), since N particles share their own mean. With the longest time t₁, D is the slope (M(t₁) - M(t₁/2))/(3 t₁) (Einstein). D
-//! is also the integral ∫ C dt from 0 to t₁ (Green and Kubo; Allen and Tildesley, Computer Simulation of Liquids, 2nd edition 2017, section 2.7).
+//! Displacements Δ and velocities v are relative to the mean of the species at the same time. Both means are multiplied
+//! by N/(N - 1), because the mean of the species is that of the same N particles. With the longest time t₁, D is the
+//! slope (M(t₁) - M(t₁/2))/(3 t₁) (Einstein). D is also the integral ∫ C dt from 0 to t₁ (Green and Kubo; Allen and
+//! Tildesley, Computer Simulation of Liquids, 2nd edition 2017, section 2.7).
 //!
 //! **Unwrapped displacements.** The displacement of a particle is the sum of its displacements between samples, each to
-//! the nearest image. This image is the right one if the particle has moved less than half a period. So no particle may be
-//! faster at a sample than a quarter of a period per interval between samples. Otherwise the results are unknown, and a
-//! remark says so.
+//! the nearest image. The nearest image is the right one if the particle has moved less than half a period between two
+//! samples. The speed of a particle must therefore not exceed a quarter of a period per interval between samples.
+//! Otherwise the displacements count as unknown, and the result has a remark.
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumber, ObservedQuantity};
 use super::{Needs, Observer, plain_data};
@@ -22,8 +23,8 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Largest number of times at which a curve has values. If there are more samples in the longest time, every n-th is
-/// used.
+/// Largest number of times t at which the curves M(t) and C(t) have values. If the longest time contains more samples,
+/// only every n-th sample is used.
 const MOST_TIMES: u64 = 1000;
 
 /// Means over the particles of a species at one time t after an origin.
@@ -31,42 +32,43 @@ const MOST_TIMES: u64 = 1000;
 struct MotionSample {
     /// [m²] mean squared displacement M(t) since the origin.
     displacement: f64,
-    /// [m²/s²] autocorrelation of the velocities C(t): the mean of v(0)·v(t)/3.
+    /// [m²/s²] autocorrelation C(t) of the velocities: the mean of v(0)·v(t)/3 over the particles.
     correlation: f64,
 }
 
-/// Particles at the origin of a block of time and at the last sample. Lists are in the order of the ids of the
+/// Particles at the origin of a block of time and at the last sample. Each list is in the order of the ids of the
 /// particles.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct TrackedParticles {
-    /// [m/s] velocities at the origin.
+    /// [m/s] velocities of the particles at the origin of the block.
     velocity: Vec<Vector3<f64>>,
-    /// [m] positions in the box at the last sample.
+    /// [m] positions of the particles in the box at the last sample.
     position: Vec<Vector3<f64>>,
-    /// [m] displacements from the origin to the last sample.
+    /// [m] displacements of the particles from the origin of the block to the last sample, across periodic sides.
     displacement: Vec<Vector3<f64>>,
 }
 
-/// Means over the particles in one block of time, from its origin up to the longest time.
+/// Means over the particles in one block of time, at each sample from the origin of the block to the longest time.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct MotionBlock {
-    /// [s] time of the origin.
+    /// [s] simulated time of the origin of the block.
     origin: f64,
-    /// Means at each time after the origin, per species.
+    /// For each species, the means at each time after the origin.
     samples: Vec<Vec<MotionSample>>,
 }
 
-/// Measurement of the motion of the particles, in blocks of time one after another.
+/// Measurement of displacements and velocity correlations of the particles. The run is divided into blocks of time of
+/// equal length.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Diffusion {
-    /// [s] time between the used samples.
+    /// [s] time between two samples that are used.
     interval: f64,
-    /// Number of intervals in a block of time.
+    /// Number of intervals between used samples in a block of time.
     intervals: usize,
     species: usize,
     tracked: TrackedParticles,
     blocks: Vec<MotionBlock>,
-    /// True if a particle was too fast for its displacement to be known.
+    /// True if a particle moved so far between two samples that its nearest image may be the wrong one.
     is_ambiguous: bool,
 }
 
@@ -85,8 +87,8 @@ impl Diffusion {
         }
     }
 
-    /// Begins a block of time, whose origin is the present instant. `by_id` holds the index of each particle in the
-    /// store, in the order of ids.
+    /// Begins a block of time, whose origin is the present instant. `by_id[k]` is the index in the store of the
+    /// particle with the id k.
     fn begin(&mut self, simulation: &Simulation, by_id: &[u32]) {
         let particles = &simulation.particles;
         let domain = &simulation.scene().domain;
@@ -99,8 +101,8 @@ impl Diffusion {
         self.blocks.push(MotionBlock { origin: simulation.time, samples: vec![Vec::new(); self.species] });
     }
 
-    /// Adds the displacement of each particle since the last sample. `by_id` holds the indices of the particles in the
-    /// order of ids.
+    /// Adds the displacement of each particle since the last sample to its displacement from the origin. `by_id[k]` is
+    /// the index in the store of the particle with the id k.
     fn track(&mut self, simulation: &Simulation, by_id: &[u32]) {
         let domain = &simulation.scene().domain;
         let TrackedParticles { position, displacement, .. } = &mut self.tracked;
@@ -111,16 +113,16 @@ impl Diffusion {
         }
     }
 
-    /// True if the present velocity would move a particle further than a quarter of a period between two samples. The
-    /// nearest image may then be the wrong one.
+    /// True if some particle, at its present velocity, would move further than a quarter of a period between two
+    /// samples. The nearest image of that particle may then be the wrong one.
     fn is_too_fast(&self, simulation: &Simulation) -> bool {
         let furthest = 0.5 * simulation.scene().domain.half;
         let reaches = |v: &Vector3<f64>| (0..3).any(|axis| (v[axis] * self.interval).abs() > furthest[axis]);
         simulation.particles.velocity.iter().any(reaches)
     }
 
-    /// Adds the means over each species at the present time to the last block. `by_id` holds the indices of the
-    /// particles in the order of ids.
+    /// Adds the means over each species at the present time to the last block. `by_id[k]` is the index in the store of
+    /// the particle with the id k.
     fn measure(&mut self, simulation: &Simulation, by_id: &[u32]) {
         let (particles, tracked) = (&simulation.particles, &self.tracked);
         let sums = sums_in_groups(self.species, by_id.len(), |id| {
@@ -143,7 +145,8 @@ impl Diffusion {
         }
     }
 
-    /// Complete blocks of time whose origin is not before `from` [s]; none if displacements are unknown.
+    /// Complete blocks of time whose origin is at `from` [s] or later. The list is empty if displacements are unknown
+    /// because particles were too fast.
     fn complete(&self, from: f64) -> Vec<&MotionBlock> {
         let is_used = |block: &&MotionBlock| {
             block.origin >= from && block.samples.iter().all(|samples| samples.len() == self.intervals + 1)
@@ -152,8 +155,8 @@ impl Diffusion {
     }
 }
 
-/// [m²/s] D of a gas of equal elastic spheres without forces by Enskog's theory, for particles with the granular
-/// temperature `temperature` [m²/s²]; `None` for other scenes.
+/// [m²/s] coefficient of self-diffusion of a gas of equal elastic spheres without forces, by Enskog's theory.
+/// `temperature` [m²/s²] is the granular temperature. `None` for other scenes.
 fn theory(experiment: &Experiment, temperature: f64) -> Option<f64> {
     let scene = &experiment.scene;
     let ([species], false) = (scene.species.as_slice(), scene.has_sizes()) else { return None };

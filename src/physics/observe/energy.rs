@@ -1,20 +1,21 @@
-//! Energy balance of a run: the change of energy minus the work and the losses in the ledger. The ledger contains the
-//! sums of all work and losses.
+//! Energy balance of a run: the change of energy minus the work and the losses in the ledger. The ledger (`Ledger`)
+//! contains the sums of all work and losses since the start.
 
 use super::{Needs, Observer, plain_data};
 use crate::simulation::Simulation;
 use crate::statistics::{Estimate, estimate};
 use serde::{Deserialize, Serialize};
 
-/// Energy at the start and the end of a run, and the unexplained energy at every sample. The unexplained energy is the
-/// change of energy minus the work and losses in the ledger.
+/// Energy of all particles at the start and the end of a run, and the unexplained energy at every sample. The
+/// unexplained energy is the change of energy minus the work and losses in the ledger. The ledger has the sums of all
+/// work and losses.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct EnergyBooks {
-    /// [J] kinetic plus elastic energy at the start.
+    /// [J] kinetic, rotational and elastic energy of all particles at the start of the run.
     pub at_start: f64,
-    /// [J] kinetic plus elastic energy at the end.
+    /// [J] kinetic, rotational and elastic energy of all particles at the end of the run.
     pub at_end: f64,
-    /// [J] unexplained energy at the end.
+    /// [J] unexplained energy at the end: change of energy since the start minus the work and losses in the ledger.
     unexplained: f64,
     /// [s] simulated time of the last recorded sample.
     seen: f64,
@@ -23,8 +24,8 @@ pub struct EnergyBooks {
 }
 
 impl EnergyBooks {
-    /// [J] unexplained energy of the whole run. Its standard error follows from the scatter of the changes between
-    /// samples.
+    /// [J] unexplained energy of the whole run: change of energy minus work and losses. Its standard error follows from
+    /// the scatter of its changes between successive samples.
     pub fn residual(&self) -> Estimate {
         let steps: Vec<f64> = self.samples.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let error = estimate(&steps).and_then(|step| step.error);

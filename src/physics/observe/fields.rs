@@ -1,15 +1,16 @@
-//! Coarse-grained fields on a grid: density, velocity, and the kinetic and the contact stress (Goldhirsch 2010, Granular
-//! Matter 12, 239, here as time averages).
+//! Coarse-grained fields on a grid: density, velocity, and the kinetic and the contact stress (Goldhirsch 2010,
+//! Granular Matter 12, 239, here as time averages).
 //!
 //! ```text
 //! ρ(x) = <Σ m φ(x - x_i)>      ρV(x) = <Σ m v φ(x - x_i)>      kinetic stress(x) = <Σ m v v φ(x - x_i)> - ρ V V
 //! contact stress(x) = <Σ_pairs r f ∫ φ(x - x_i + s r) ds>, s from 0 to 1, r = x_i - x_j, f: force of j on i
 //! ```
 //!
-//! φ is a Gaussian of the width w, cut off at 4 w. Its values at the centres of the cells are divided by their sum, so that
-//! mass, momentum and Σ r f are conserved exactly: the integral of each field over the box is the sum over the particles.
-//! Beside a wall no part of a particle is outside the box. Compression is positive. The force is the elastic part of the
-//! normal force. Hard spheres have no contact stress here.
+//! φ is a Gaussian of the width w, set to zero beyond the distance 4 w. Its values at the centres of the cells are
+//! divided by their sum. Mass, momentum and Σ r f are then conserved exactly: the integral of each field over the box
+//! is the sum over the particles. Beside a wall, no part of a particle is assigned to places outside the box.
+//! Compression is positive. The force is the elastic part of the normal force. Hard spheres have no contact stress
+//! here.
 
 use super::contact_network::{ContactLine, contact_lines};
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedGrid, ObservedNumber, ObservedQuantity};
@@ -24,62 +25,63 @@ use crate::stored::{StoreError, Stored};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Largest number of samples (instants of measurement) that are used; in a longer run the used samples are further
-/// apart.
+/// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th sample
+/// is used.
 const MOST_SAMPLES: u64 = 400;
-/// Number of blocks of time into which the run is divided. The averaging period, which is known after the run, begins
-/// with a block.
+/// Number of blocks of time into which the run is divided. The averaging period begins at the start of a block, because
+/// its start is known only after the run.
 const BLOCKS: f64 = 20.0;
-/// [-] distance, in widths of the Gaussian, beyond which the Gaussian counts as zero.
+/// [-] distance beyond which the Gaussian weight of a particle counts as zero, in widths of the Gaussian.
 const REACH: f64 = 4.0;
-/// [-] largest distance of the points along a contact at which the Gaussian is evaluated, in widths. The midpoint rule then
-/// errs by a hundredth.
+/// [-] largest distance between two points along a contact at which the Gaussian is evaluated, in widths of the
+/// Gaussian. The relative error of the midpoint rule is then a hundredth.
 const STEP: f64 = 0.5;
-/// Number of sums of a cell: mass, three of momentum, six of products of velocities, six of products of distance and
-/// force in contacts.
+/// Number of sums of a cell of the grid: mass, three of momentum, six of products of velocities, and six of products of
+/// distance and force in contacts.
 const SUMS: usize = 16;
-/// Axes of the six components of a stress: xx, yy, zz, xy, xz, yz.
+/// Indices of the two axes of each component of a stress, in the order xx, yy, zz, xy, xz, yz.
 const AXES: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]];
 
-/// Sums of all cells over the samples in one block of time.
+/// Sums of all cells of the grid over the samples in one block of time.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct FieldBlock {
-    /// [s] time of the first sample.
+    /// [s] simulated time of the first sample of the block.
     from: f64,
     /// Number of samples (instants of measurement) in the block.
     samples: u64,
-    /// Sums of each cell, cell by cell; x changes first.
+    /// Sums of each cell. The index along x changes first from cell to cell, then that along y.
     sums: Vec<[f64; SUMS]>,
 }
 
-/// Measurement of coarse-grained fields at samples.
+/// Measurement of coarse-grained fields at samples: density, velocity and stress in the cells of a grid.
 #[derive(Clone, Debug)]
 pub struct Fields {
-    /// [s] time between the used samples.
+    /// [s] time between two samples that are used.
     interval: f64,
-    /// [s] length of a block of time.
+    /// [s] duration of a block of time, over which sums are added.
     length: f64,
-    /// [m] width w of the Gaussian.
+    /// [m] width w of the Gaussian that weights the particles.
     width: f64,
     cells: [usize; 3],
     law: Option<ContactLaw>,
     blocks: Vec<FieldBlock>,
 }
 
-/// Values of all fields in one cell.
+/// Values of all coarse-grained fields in one cell of the grid.
 struct CellFields {
     /// [kg/m³] mass of the particles per volume of the cell.
     density: f64,
-    /// [m/s] velocity; 0 in an empty cell.
+    /// [m/s] momentum of the particles over their mass in the cell; 0 in an empty cell.
     velocity: Vector3<f64>,
-    /// [Pa] components of the kinetic stress, in the order of [`AXES`].
+    /// [Pa] components of the kinetic stress, positive for compression, in the order of [`AXES`].
     kinetic: [f64; 6],
-    /// [Pa] components of the contact stress.
+    /// [Pa] components of the contact stress, positive for compression, in the order of [`AXES`].
     contact: [f64; 6],
 }
 
 impl CellFields {
-    /// Fields of a cell of the volume `volume` [m³]. `sums` holds the sums of the cell, averaged over samples.
+    /// Computes the fields of a cell with the volume `volume` [m³]. `sums` holds the sums of the cell, averaged over
+    /// samples.
     fn of(sums: &[f64; SUMS], volume: f64) -> Self {
         let per_volume = sums.map(|sum| sum / volume);
         let density = per_volume[0];
@@ -107,8 +109,8 @@ impl Fields {
         }
     }
 
-    /// Indices of the cells along an axis that get a share of a particle at the coordinate `x` [m], each with its share
-    /// [-]. The shares add up to one.
+    /// Cells along an axis among which the mass of a particle at the coordinate `x` [m] is divided: index of each cell,
+    /// and its share [-]. The shares add up to one.
     fn shares(&self, domain: &Domain, axis: usize, x: f64) -> Vec<(usize, f64)> {
         let (count, size) = (self.cells[axis], domain.size[axis] / self.cells[axis] as f64);
         let own = x / size - 0.5;
@@ -132,8 +134,8 @@ impl Fields {
         shares
     }
 
-    /// Adds the numbers of `row` to the cells around a place [m], each cell by its share. The first number goes to the
-    /// sum with the index `first` in a cell, the others to the following sums.
+    /// Adds the numbers of `row` to the cells around `place` [m], multiplied by the share of each cell. In a cell, the
+    /// first number is added to the sum with the index `first`, the others to the following sums.
     fn spread(&self, sums: &mut [[f64; SUMS]], domain: &Domain, place: &Vector3<f64>, first: usize, row: &[f64]) {
         let place = domain.wrap(place);
         let [x, y, z] = [0, 1, 2].map(|axis| self.shares(domain, axis, place[axis]));
@@ -159,7 +161,7 @@ impl Fields {
         }
     }
 
-    /// Blocks of time that begin at `from` [s] or later; if all begin earlier, only the last one.
+    /// Blocks of time that begin at `from` [s] or later. If all blocks begin earlier, only the last block is returned.
     fn used(&self, from: f64) -> &[FieldBlock] {
         let first = self.blocks.iter().position(|block| block.from >= from * (1.0 - 1e-9));
         &self.blocks[first.unwrap_or(self.blocks.len().saturating_sub(1))..]
@@ -174,7 +176,8 @@ fn mean(blocks: &[FieldBlock]) -> Vec<[f64; SUMS]> {
     (0..count).map(|cell| std::array::from_fn(|k| of(cell, k))).collect()
 }
 
-/// Sums averaged over the cells of each layer across y. `cells` holds the numbers of cells along x, y and z.
+/// Sums averaged over the cells of each layer, which lies between two planes perpendicular to y. `cells` holds the
+/// numbers of cells along x, y and z.
 fn layers(sums: &[[f64; SUMS]], cells: [usize; 3]) -> Vec<[f64; SUMS]> {
     let mut layers = vec![[0.0; SUMS]; cells[1]];
     for (cell, sums) in sums.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Flow of particles through inlets and outlets, over time and averaged.
+//! Flow of particles through inlets and outlets: sums over time, and rates in the averaging period.
 
 use super::{Needs, Observer, plain_data};
 use crate::experiment::Experiment;
@@ -7,46 +7,49 @@ use crate::simulation::{FlowTotals, OpeningFlow, Simulation};
 use crate::statistics::{Estimate, estimate};
 use serde::{Deserialize, Serialize};
 
-/// Largest number of samples that are stored.
+/// Largest number of samples (instants of measurement) of the flow that are stored.
 const MOST_SAMPLES: u64 = 1000;
 
-/// Flow through one inlet or outlet, over the averaging period and over time.
+/// Flow of particles through one inlet or outlet: averages over the averaging period, and sums over time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FlowAverages {
     /// Name of the inlet or outlet.
     pub name: String,
-    /// True for an inlet.
+    /// True for an inlet, false for an outlet.
     pub is_inlet: bool,
-    /// [kg/s] mass of the particles per time over the averaging period. `None` for fewer than two samples.
+    /// [kg/s] mass of the particles that pass per time, averaged over the averaging period. `None` for fewer than two
+    /// samples.
     pub mass_rate: Option<Estimate>,
-    /// [1/s] number of particles per time over the averaging period.
+    /// [1/s] number of particles per time over the averaging period. `None` for fewer than two samples.
     pub rate: Option<Estimate>,
-    /// Sums over the particles of the whole run.
+    /// Sums over the particles that have passed this inlet or outlet in the whole run.
     pub totals: FlowTotals,
-    /// Number of particles that wait at an inlet for a place at the end, and the largest number that has waited.
+    /// Number of particles that wait at an inlet for free space at the end of the run, and the largest number that has
+    /// waited.
     pub waiting: [u64; 2],
-    /// Sums since the start at the times of samples.
+    /// Sums over the particles that have passed since the start, at each sample (instant of measurement).
     #[serde(skip)]
     pub over_time: Vec<FlowSample>,
 }
 
-/// Sums over the particles that have passed an opening until a time.
+/// Sums over the particles that have passed an inlet or outlet from the start to one instant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FlowSample {
-    /// [s] simulated time.
+    /// [s] simulated time to which the sums extend.
     pub time: f64,
-    /// Sums since the start.
+    /// Sums over the particles that have passed since the start.
     pub totals: FlowTotals,
 }
 
 /// Measurement of the flow through all inlets and outlets of a scene.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Flows {
-    /// [s] time between samples.
+    /// [s] time between two samples (instants of measurement) of the flow.
     interval: f64,
-    /// Samples of each outlet, then of each inlet; empty in a scene without any.
+    /// Samples of each outlet, then of each inlet. The list is empty in a scene without inlets and outlets.
     samples: Vec<Vec<FlowSample>>,
-    /// Numbers of particles that wait, and that waited at most, at each outlet and inlet.
+    /// For each outlet, then each inlet: number of particles that wait at present, and the largest number that has
+    /// waited.
     waiting: Vec<[u64; 2]>,
 }
 
@@ -58,7 +61,7 @@ impl Flows {
         Self { interval: schedule.spacing(MOST_SAMPLES), samples, waiting }
     }
 
-    /// Flow through each outlet and inlet of an experiment, averaged from the time `from` [s] on.
+    /// Returns the flow through each outlet and inlet of an experiment, averaged from the time `from` [s] to the end.
     pub fn averages(&self, experiment: &Experiment, from: f64) -> Vec<FlowAverages> {
         let scene = &experiment.scene;
         let outlets = scene.outlets.iter().map(|outlet| (&outlet.name, false));

@@ -13,23 +13,23 @@ use serde::{Deserialize, Serialize};
 /// enough.
 const MOST_PARTICLES: usize = 500;
 
-/// Largest number of particles for which frames are always spaced over the whole run. A viewer can follow so few
+/// Largest number of particles for which frames are always evenly spaced over the whole run. A viewer can follow so few
 /// particles even if they fly far between two frames.
 const FEW: usize = 50;
 
-/// Smallest and largest number of frames of a run.
+/// Smallest and largest number of frames (instants) that are recorded in a run.
 const FRAMES: std::ops::RangeInclusive<usize> = 40..=241;
 
 /// Largest product of recorded particles and frames, summed over all variants shown on a page. It limits the data of
 /// the page to a few megabytes.
 const BUDGET: usize = 90_000;
 
-/// [-] desired mean distance that a particle flies between two frames, in units of its radius, from velocity
-/// fluctuations alone. It is short enough to show collisions.
+/// [-] desired mean distance that a particle flies between two frames, over its radius. It counts only velocity
+/// fluctuations. It is short enough to show collisions.
 const FLIGHT: f64 = 1.0;
 
-/// [-] factor by which the distance between two frames may exceed `FLIGHT`, provided that the frames then cover the
-/// whole run.
+/// [-] largest factor by which the mean flight between two frames may exceed `FLIGHT` so that the frames cover the
+/// whole run. If it would be larger, the frames end before the run.
 const WHOLE: f64 = 5.0;
 
 /// State of the recorded particles at one instant.
@@ -37,31 +37,31 @@ const WHOLE: f64 = 5.0;
 pub struct Frame {
     /// [s] simulated time of the frame.
     pub time: f64,
-    /// [m] centres, inside the box along periodic axes.
+    /// [m] centres of the recorded particles, inside the box along periodic axes.
     pub position: Vec<Vector3<f32>>,
-    /// [m/s] velocities. In a frame between two samples with drag, these are the velocities of the window that ends at
-    /// the frame. A window is the time between two exchanges of momentum with the gas.
+    /// [m/s] velocities of the recorded particles. In a frame between two samples with drag, they are the velocities of
+    /// the window that ends at the frame. A window is the time between two exchanges of momentum with the gas.
     pub velocity: Vec<Vector3<f32>>,
-    /// [m] largest overlap of each particle; 0 for particles without contact.
+    /// [m] largest overlap of each recorded particle; 0 for particles without contact.
     pub overlap: Vec<f32>,
-    /// [rad/s] magnitude of the spin of each particle; empty where spheres do not rotate.
+    /// [rad/s] magnitude of the spin of each recorded particle; empty if spheres do not rotate.
     pub spin: Vec<f32>,
-    /// Method that moved each particle: 0 straight flight, 1 the solution of an island (a small group of particles that
-    /// may meet), 2 the engine with all particles at once.
+    /// Method that moved each particle in the last window (time between two exchanges with the gas): 0 straight flight,
+    /// 1 the solution of an island (a small group of particles that may meet), 2 the engine with all particles at once.
     pub solver: Vec<u8>,
 }
 
-/// Frames of up to 500 particles at up to 241 instants, from the start of the run. If so few frames would be too far
-/// apart to show collisions, they are closer in time and end before the run.
+/// Frames of up to 500 particles at up to 241 instants, from the start of the run. Frames spread over the whole run may
+/// be too far apart in time to show collisions. In that case, the frames are closer in time and end before the run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Frames {
     /// [s] duration of the run.
     duration: f64,
     /// Largest number of recorded particles, and largest number of frames.
     most: (usize, usize),
-    /// [s] time to the next frame.
+    /// [s] time between the last recorded frame and the next one.
     spacing: f64,
-    /// Number of particles of the scene.
+    /// Number of all particles of the scene, also of those that are not recorded.
     pub particles: usize,
     /// [m] radius of each recorded particle, in the order of ids.
     pub radius: Vec<f32>,
@@ -80,18 +80,18 @@ impl Frames {
         Self { duration: experiment.run.duration, most: (particles, frames), ..Self::default() }
     }
 
-    /// Recorded frames of particles of one species with the given radii [m].
+    /// Makes a recording of particles of one species from their radii [m] and the frames.
     pub fn recorded(radius: Vec<f32>, frames: Vec<Frame>) -> Self {
         Self { particles: radius.len(), species: vec![0; radius.len()], radius, frames, ..Self::default() }
     }
 
-    /// Step n between the ids of recorded particles: every n-th particle is recorded.
+    /// Difference n between the ids of two successive recorded particles: every n-th particle is recorded.
     fn every(&self) -> usize {
         self.particles.div_ceil(self.most.0.max(1)).max(1)
     }
 
-    /// [s] time to the next frame. Frames are evenly spaced over the whole run unless the particles fly too far between
-    /// such frames.
+    /// [s] time from this frame to the next one. Frames are evenly spaced over the whole run unless the particles would
+    /// fly too far between two such frames.
     fn space(&self, simulation: &Simulation) -> f64 {
         let even = self.duration / self.most.1.saturating_sub(1).max(1) as f64;
         // the first two frames decide: frames that are spaced over the whole run keep their spacing
@@ -105,8 +105,7 @@ impl Frames {
 }
 
 impl Frames {
-    /// True if a frame at `time` [s] is missing and the number of frames allows it. It is the last frame of a run that
-    /// the frames cover, or of a run that has stopped.
+    /// True if a last frame at `time` [s], the end of the run, is missing and the number of frames allows it.
     fn lacks(&self, time: f64) -> bool {
         self.frames.len() < self.most.1 && self.frames.last().is_some_and(|frame| frame.time < time)
     }

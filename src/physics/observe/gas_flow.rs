@@ -1,4 +1,4 @@
-//! Gas that feels the particles, over time and averaged.
+//! Channel or pipe flow of a gas on which the particles act (two-way coupling), over time and averaged.
 
 use super::{Needs, Observer, plain_data};
 use crate::fluid::{Fluid, GasBalance, GridNode};
@@ -7,43 +7,44 @@ use crate::simulation::Simulation;
 use crate::statistics::{Estimate, estimate};
 use serde::{Deserialize, Serialize};
 
-/// Largest number of samples (instants of measurement) that are stored.
+/// Largest number of samples (instants of measurement) of the gas that are stored.
 const MOST_SAMPLES: u64 = 200;
 
-/// Flow of a gas that feels the particles, over the averaging period.
+/// Flow of a gas on which the particles act (two-way coupling), averaged over the averaging period.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GasFlow {
-    /// State of the gas alone at the grid points, from the wall to the centre plane or the axis.
+    /// State of the gas without particles at the grid points, from the wall to the centre plane or the axis.
     pub alone: Vec<GridNode>,
-    /// Time averages at the same grid points.
+    /// Time averages of the gas with particles at the grid points of `alone`.
     pub mean: Vec<GridNode>,
-    /// [Pa/m] pressure drop per length, without the hydrostatic part. `None` for fewer than two samples.
+    /// [Pa/m] pressure drop per length of the gas with particles, without the hydrostatic part. `None` for fewer than
+    /// two samples.
     pub pressure_gradient: Option<Estimate>,
-    /// [Pa/m] pressure drop per length of the gas alone.
+    /// [Pa/m] pressure drop per length of the gas without particles.
     pub pressure_gradient_alone: f64,
-    /// [m/s] flow rate over the cross-section.
+    /// [m/s] flow rate of the gas with particles, divided by the area of the cross-section.
     pub bulk_velocity: Option<Estimate>,
-    /// [m/s] friction velocity; negative where the gas flows backwards at the wall.
+    /// [m/s] friction velocity; negative if the gas flows backwards at the wall.
     pub friction_velocity: Option<Estimate>,
-    /// Momentum of the gas along z over the whole run.
+    /// Momentum balance of the gas along z over the whole run.
     pub balance: GasBalance,
 }
 
-/// State of the gas at one instant.
+/// State of a gas on which the particles act, at one instant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct GasSample {
     /// [s] simulated time of the sample.
     time: f64,
-    /// [Pa s/m] pressure drop per length, integrated over time since the start.
+    /// [Pa s/m] time integral of the pressure drop per length since the start.
     pressed: f64,
-    /// [m/s] flow rate over the cross-section.
+    /// [m/s] flow rate of the gas, divided by the area of the cross-section.
     bulk_velocity: f64,
     /// [m/s] friction velocity of the gas at the wall.
     friction_velocity: f64,
     nodes: Vec<GridNode>,
 }
 
-/// Measurement of the flow of a gas that feels the particles, at samples.
+/// Measurement of the flow of a gas on which the particles act (two-way coupling), at samples.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct GasFlows {
     /// [s] time between two samples of the gas.
@@ -58,8 +59,8 @@ impl GasFlows {
         Self { interval: schedule.spacing(MOST_SAMPLES), ..Self::default() }
     }
 
-    /// Averages over the samples from the time `from` [s] on. `alone` is the gas before any particle acts on it. `None`
-    /// if it has no channel or pipe flow, or without a sample.
+    /// Averages over the samples from the time `from` [s] on. `alone` is the gas without particles. `None` if the gas
+    /// has no channel or pipe flow, or if there is no sample.
     pub fn averages(&self, alone: Option<&Fluid>, from: f64) -> Option<GasFlow> {
         let (fluid, flow) = alone.and_then(|fluid| Some((fluid, fluid.profile.channel_flow()?)))?;
         let used: Vec<&GasSample> = self.samples.iter().filter(|sample| sample.time >= from).collect();

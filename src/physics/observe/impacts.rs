@@ -1,4 +1,4 @@
-//! Impacts in each interval between two samples, and impacts of the averaging period.
+//! Impacts in each interval between two samples (instants of measurement), and impacts of the averaging period.
 
 use super::{Needs, Observer, plain_data};
 use crate::experiment::{AverageFrom, Experiment};
@@ -8,17 +8,17 @@ use crate::simulation::Simulation;
 use crate::statistics::{Batches, Estimate, FEWEST_BLOCKS, estimate};
 use serde::{Deserialize, Serialize};
 
-/// Number of equal parts of a run at whose ends the sums of the impacts are stored. A detected start of averaging is
-/// the end of such a part in the first half of the run ([`judge`](crate::statistics::judge)).
+/// Number of equal parts of a run. The sums of the impacts are stored at the ends of these parts. If the start of
+/// averaging is detected, it is one of these ends in the first half of the run ([`judge`](crate::statistics::judge)).
 const MARKS: u64 = 40;
 
 /// Sums over all impacts from the start of the run to one sample (instant of measurement).
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct ImpactSample {
     count: u64,
-    /// [m²/s²] sum of the squared normal speeds of approach.
+    /// [m²/s²] sum of the squares of the normal speeds before the impacts.
     approach: f64,
-    /// [m²/s²] sum of the squared normal speeds of rebound.
+    /// [m²/s²] sum of the squares of the normal speeds after the impacts.
     rebound: f64,
 }
 
@@ -37,7 +37,8 @@ impl ImpactSample {
     }
 }
 
-/// Sums over the impacts of particles with particles, or with walls, from the start to every sample.
+/// Sums over the impacts from the start to every sample (instant of measurement). The impacts are either those between
+/// particles or those on walls.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ImpactSeries {
     on_walls: bool,
@@ -46,8 +47,8 @@ pub struct ImpactSeries {
     duration: f64,
     schedule: Schedule,
     samples: Vec<ImpactSample>,
-    /// Time [s] and sums over all impacts up to this time. The times are those at which averaging begins, or may begin
-    /// if its start is detected.
+    /// Times [s] at which averaging begins or, if its start is detected, may begin. Each time has the sums over all
+    /// impacts from the start to this time.
     marks: Vec<(f64, Impacts)>,
 }
 
@@ -73,8 +74,8 @@ impl ImpactSeries {
         if self.on_walls { &record.walls } else { &record.pairs }
     }
 
-    /// True if averaging may begin at the present sample, which is at `time` [s]. The sums of the impacts are then
-    /// stored.
+    /// True if averaging may begin at the present sample, which is at `time` [s]. In this case the sums of the impacts
+    /// are stored.
     fn begins(&self, time: f64) -> bool {
         match self.average_from {
             // 1e-9 allows for the rounding of a sum of windows
@@ -91,34 +92,35 @@ impl ImpactSeries {
         self.samples.windows(2).map(|pair| pair[1].since(&pair[0]))
     }
 
-    /// Impacts since the first stored sums at or after `from` [s]. Sums are stored at each time at which averaging may
-    /// begin. If all these times are earlier, the last one is used. If there are none, no impacts are returned.
+    /// Impacts of the averaging period, which begins at the first time at or after `from` [s] at which sums are stored.
+    /// If all these times are earlier than `from`, the last one is used. If there are none, no impacts are returned.
     pub fn since(&self, from: f64, record: &Record) -> Impacts {
         let begun = self.marks.iter().find(|(time, _)| *time >= from * (1.0 - 1e-9)).or(self.marks.last());
         begun.map_or_else(Impacts::default, |(_, before)| self.of(record).since(before))
     }
 
-    /// [1/s] mean impact rate from the sample with the index `first` on; `None` if no sample follows.
+    /// [1/s] mean impact rate from the sample with the index `first` to the end; `None` if no sample follows.
     pub fn rate(&self, first: usize) -> Option<Estimate> {
         estimate(&self.rates(first))
     }
 
-    /// [1/s] impact rate in each interval between successive samples, from the sample with the index `first` on.
+    /// [1/s] impact rate in each interval between two successive samples, from the sample with the index `first` to the
+    /// end.
     fn rates(&self, first: usize) -> Vec<f64> {
         let interval = self.schedule.interval();
         self.intervals().skip(first).map(|totals| totals.count as f64 / interval).collect()
     }
 
-    /// Impact rate [1/s], averaged over blocks of time from sample `first` on. This sample is at `from` [s]. `None` if
-    /// no sample follows. The time of each rate is the end of its interval.
+    /// Impact rate [1/s] in blocks of time from the sample with the index `first` on, whose time is `from` [s]. `None`
+    /// if no sample follows. The time of each rate is the end of its interval.
     pub fn batches(&self, first: usize, from: f64) -> Option<Batches> {
         let interval = self.schedule.interval();
         Batches::of_series(&self.rates(first), interval, from + interval)
     }
 
-    /// [-] realised restitution: square root of the ratio of normal energies after and before the impacts, both summed
-    /// over all impacts. An interval has the excess energy Σ rebound² - e² Σ approach². The scatter of this excess
-    /// gives the standard error. `None` without an impact.
+    /// [-] realised restitution e: square root of the ratio of normal energies after and before the impacts, both
+    /// summed over all impacts. The standard error follows from the scatter of Σ rebound² - e² Σ approach² between the
+    /// intervals. `None` without an impact.
     pub fn restitution(&self) -> Option<Estimate> {
         let intervals: Vec<ImpactSample> = self.intervals().collect();
         let before: f64 = intervals.iter().map(|totals| totals.approach).sum();

@@ -18,17 +18,18 @@ struct OfSpecies {
     species: u16,
     count: usize,
     profiles: Accumulator,
-    /// [m/s] mean streamwise velocity at every sample.
+    /// [m/s] mean streamwise velocity of the species at every sample.
     velocity: Vec<f64>,
-    /// [m²/s²] granular temperature at every sample; `None` at samples with too few particles.
+    /// [m²/s²] granular temperature of the species at every sample; `None` at samples with too few particles.
     temperature: Vec<Option<f64>>,
-    /// [J] mean kinetic energy of the random motion per degree of freedom at every sample. Empty unless the masses
-    /// differ within the species.
+    /// [J] mean kinetic energy of the random motion per degree of freedom of a particle, at every sample. The list is
+    /// empty if all particles of the species have equal masses.
     energy: Vec<Option<f64>>,
 }
 
-/// Measurements of a scene with several species: means over each species, and impacts of each pair of kinds, at every
-/// sample. With one species nothing is stored, because the results for all particles are those of the species.
+/// Measurements of a scene with several species, at every sample (instant of measurement): means over each species, and
+/// impacts of each pair of kinds (species or walls). With one species nothing is stored, because its means are those
+/// over all particles.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Kinds {
     slices: usize,
@@ -51,55 +52,58 @@ pub struct SpeciesAverages {
     pub number_density: f64,
     /// [m/s] mean streamwise velocity of the species.
     pub velocity: Option<Estimate>,
-    /// [m²/s²] granular temperature, with velocities relative to the mean velocity of the species in each slice at the
-    /// same instant.
+    /// [m²/s²] granular temperature of the species. Velocities are relative to the mean velocity of the species in the
+    /// slice at the same instant.
     pub temperature: Option<Estimate>,
-    /// [J] mean kinetic energy of the random motion per degree of freedom: m T/2. If masses differ within the species:
-    /// mean of m (v - U)²/2 per degree of freedom, with U the mean velocity of the slice.
+    /// [J] mean kinetic energy of the random motion per degree of freedom of a particle: m T/2, with its mass m and the
+    /// granular temperature T. If masses differ within the species, it is the mean of m (v - U)²/2 per degree of
+    /// freedom, with the mean velocity U of the slice.
     pub random_energy: Option<Estimate>,
-    /// Time averages in slices, for this species alone.
+    /// Time averages in slices along y, over the particles of this species alone.
     #[serde(skip)]
     pub profiles: ProfileTable,
-    /// Averages over blocks of time of the velocity [m/s], the granular temperature [m²/s²] and the rate of impacts
-    /// with particles [1/s].
+    /// Averages over blocks of time, in this order: mean velocity [m/s], granular temperature [m²/s²], and rate of
+    /// impacts with particles [1/s].
     #[serde(skip)]
     pub batches: [Option<Batches>; 3],
 }
 
-/// Impacts between two kinds over the averaging period.
+/// Impacts between two kinds (species or walls) over the averaging period.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MeetingAverages {
     /// Names of the two kinds: first a species, then a second species or a wall, such as `wall 0`, with its index in
     /// the case.
     pub between: [String; 2],
-    /// Number of impacts that ended in the averaging period.
+    /// Number of impacts between the two kinds that ended in the averaging period.
     pub count: u64,
     /// [1/s] rate of the impacts between the two kinds.
     pub rate: Option<Estimate>,
-    /// [m/s] mean normal speed of approach in these impacts.
+    /// [m/s] mean normal speed of approach in the impacts between the two kinds.
     pub normal_speed: Option<f64>,
-    /// [-] restitution that the case prescribes for these impacts; that at their mean speed, if it depends on the speed.
+    /// [-] restitution that the case prescribes for these impacts. If it depends on the speed, it is the value at the
+    /// mean speed of approach.
     pub restitution_asked: f64,
-    /// [-] realised restitution: square root of the ratio of the normal energies after and before the impacts, both
-    /// summed over the impacts.
+    /// [-] realised restitution of the impacts between the two kinds: square root of the ratio of the normal energies
+    /// after and before the impacts, both summed over the impacts.
     pub restitution: Option<f64>,
 }
 
-/// Curve over time of a quantity of one kind or of a pair of kinds, for the whole run.
+/// Curve over time of a quantity of one kind (species or wall) or of a pair of kinds, for the whole run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KindCurve {
-    /// Name of the quantity, for reports.
+    /// Name of the quantity that the curve shows, for reports.
     pub name: String,
     /// Unit of the quantity; empty if it has none.
     pub unit: &'static str,
-    /// True if the quantity is a sum over particles.
+    /// True if the quantity is a sum over particles, such as a number of impacts; false if it is a mean.
     pub sum: bool,
-    /// Time [s] and value at every sample.
+    /// Points of the curve: time [s] and value at every sample.
     pub points: Vec<(f64, f64)>,
 }
 
 impl KindCurve {
-    /// Interpolated value at a time [s]; `None` before the first and after the last sample.
+    /// Value of the curve at the time `time` [s], by linear interpolation; `None` before the first and after the last
+    /// sample.
     pub fn at(&self, time: f64) -> Option<f64> {
         let rounding = 1e-9 * time.abs();
         let place = self.points.partition_point(|point| point.0 < time - rounding);
@@ -112,28 +116,29 @@ impl KindCurve {
     }
 }
 
-/// Averages of a mixture, in addition to those of all particles; empty for a single species.
+/// Averages of each species and of each pair of kinds (species or walls) in a mixture. All lists are empty for a single
+/// species.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct KindAverages {
     /// Averages of each species that has particles.
     pub species: Vec<SpeciesAverages>,
-    /// Impacts of each pair of kinds that had impacts.
+    /// Averages of the impacts of each pair of kinds that had impacts.
     pub meetings: Vec<MeetingAverages>,
-    /// Curves over the whole run: temperatures, and numbers of impacts since the start.
+    /// Curves over the whole run: granular temperature of each species, and number of its impacts since the start.
     #[serde(skip)]
     pub curves: Vec<KindCurve>,
 }
 
-/// Blocks of time of several runs of one variant together; `None` if one run has none. `by_runs` is passed to
-/// [`Batches::pool`].
+/// Joins the blocks of time of several runs of one variant; `None` if some run has no blocks. If `by_runs` is true,
+/// each run is one block, as in [`Batches::pool`].
 fn pool<'a>(runs: impl Iterator<Item = &'a Option<Batches>>, by_runs: bool) -> Option<Batches> {
     let all: Option<Vec<&Batches>> = runs.map(Option::as_ref).collect();
     Batches::pool(&all?, by_runs)
 }
 
 impl KindAverages {
-    /// Averages of several independent runs of one variant: means over the runs, and the impacts of all runs. `by_runs`
-    /// is passed to [`Batches::pool`].
+    /// Averages over several independent runs of one variant, with the impacts of all runs. If `by_runs` is true, each
+    /// run is one block for the errors, as in [`Batches::pool`].
     pub fn pool(runs: &[&Self], by_runs: bool) -> Self {
         let Some((first, others)) = runs.split_first() else { return Self::default() };
         let species = first.species.iter().enumerate().map(|(place, own)| {
@@ -164,8 +169,8 @@ impl KindAverages {
 }
 
 impl MeetingAverages {
-    /// Impacts of one pair of kinds in several runs together, with the names of `first`. An entry of `runs` is `None`
-    /// if the pair had no impact in that run.
+    /// Impacts of one pair of kinds (species or walls) in several runs together. `first` supplies the names. An entry
+    /// of `runs` is `None` if the pair had no impact in that run.
     fn pool(first: &Self, runs: &[Option<&Self>]) -> Self {
         let met = || runs.iter().flatten();
         let count: u64 = met().map(|one| one.count).sum();
@@ -204,7 +209,7 @@ impl Kinds {
         Self { slices, interval: schedule.interval(), species, impacts: Vec::new(), times: Vec::new() }
     }
 
-    /// Averages from sample `first` on. This sample is at `from` [s].
+    /// Averages from the sample with the index `first`, whose time is `from` [s], to the end of the run.
     pub fn averages(&self, scene: &Scene, first: usize, from: f64) -> KindAverages {
         let species = self.species.iter().map(|of| {
             let rate = Batches::of_series(&self.rates(of.species, first), self.interval, from + self.interval);
@@ -218,8 +223,8 @@ impl Kinds {
         KindAverages { species, meetings, curves: self.curves(scene) }
     }
 
-    /// [1/s] rate at which particles of a species collide with particles, in each interval between samples. The first
-    /// interval begins at the sample with the index `first`.
+    /// [1/s] rate of all impacts of a species with particles, in each interval between two samples. The first interval
+    /// begins at the sample with the index `first`.
     fn rates(&self, species: u16, first: usize) -> Vec<f64> {
         let counts = self.impacts.iter().skip(first).map(|sample| {
             let own = sample.met().filter(|between| takes_part(species, *between));
@@ -230,7 +235,7 @@ impl Kinds {
     }
 
     /// Mean velocity [m/s] and granular temperature [m²/s²] of each species at every sample, for the test for a steady
-    /// state. The largest temperature determines the scales of both.
+    /// state. The scales of a species follow from its largest temperature.
     pub fn series(&self, scene: &Scene) -> Vec<Followed> {
         let speed = scene.rest_speed();
         let of = |of: &OfSpecies| {
@@ -282,7 +287,7 @@ impl Kinds {
     }
 }
 
-/// Names of two kinds: a species, and a second species or a wall by its index in the case.
+/// Names of two kinds: first a species, then a second species or a wall, such as `wall 0`, with its index in the case.
 fn names(scene: &Scene, between: Between) -> [String; 2] {
     let other = match between.other {
         Kind::Species(other) => scene.species[usize::from(other)].name.clone(),
@@ -291,7 +296,8 @@ fn names(scene: &Scene, between: Between) -> [String; 2] {
     [scene.species[usize::from(between.species)].name.clone(), other]
 }
 
-/// True if the impacts `between` two kinds are impacts of the species `species` with particles, not with a wall.
+/// True if the impacts of the pair `between` are impacts of the species `species` with particles. Impacts with walls do
+/// not count.
 fn takes_part(species: u16, between: Between) -> bool {
     match between.other {
         Kind::Species(other) => species == between.species || species == other,
@@ -300,8 +306,8 @@ fn takes_part(species: u16, between: Between) -> bool {
 }
 
 impl OfSpecies {
-    /// Averages from the sample with the index `first` on, which is at `from` [s]. Samples are `interval` [s] apart.
-    /// `rate` is the rate of impacts with particles [1/s].
+    /// Averages of the species from the sample with the index `first` to the end. The time of this sample is `from`
+    /// [s], and samples are `interval` [s] apart. `rate` is the rate of impacts with particles [1/s] in blocks of time.
     fn averages(
         &self,
         scene: &Scene,
@@ -345,9 +351,9 @@ fn only(particles: &Particles, species: u16) -> Particles {
     own
 }
 
-/// [J] mean of m (v - U)²/2 per degree of freedom over the particles of one instant. U is the mean velocity of the
-/// particles in one of `slices` slices, which together have the thickness `height` [m]. Each slice loses one degree of
-/// freedom because of its mean. `None` if every slice contains at most one particle.
+/// [J] mean of m (v - U)²/2 per degree of freedom over the particles at one instant. U is the mean velocity of the
+/// particles in the same slice along y. There are `slices` slices, which together have the thickness `height` [m]. The
+/// mean velocity takes one degree of freedom from each slice. `None` if every slice contains at most one particle.
 fn energy(sample: Sample, slices: usize, height: f64) -> Option<f64> {
     let own = sample.particles;
     let slice = |x: &Vector3<f64>| ((x.y / height * slices as f64).max(0.0) as usize).min(slices.max(1) - 1);

@@ -12,10 +12,10 @@ use crate::schedule::Schedule;
 use crate::statistics::{Batches, Estimate};
 use nalgebra::Vector3;
 
-/// Quantity of a curve or of a number.
+/// Quantity whose values a curve or a number of a measurement holds: its names and its unit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObservedQuantity {
-    /// Name of the column in files, with its unit.
+    /// Name of the column of the quantity in files, with its unit.
     pub column: String,
     /// Name of the quantity in pictures and tables.
     pub symbol: String,
@@ -30,27 +30,27 @@ impl ObservedQuantity {
     }
 }
 
-/// Values at the places of a measurement.
+/// Curve of a measurement: values of a quantity at all places along the axis of the measurement, such as distances.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObservedCurve {
-    /// Quantity of which the curve holds values.
+    /// Quantity whose values the curve holds.
     pub quantity: ObservedQuantity,
-    /// Values in the unit of the quantity, one for each place; `None` where the value is unknown.
+    /// Values in the unit of the quantity, one for each place of the measurement; `None` where the value is unknown.
     pub values: Vec<Option<Estimate>>,
-    /// Name of a theory, and its values at the same places in the same unit; `None` without a theory.
+    /// Name of a theory, and the values of the theory at the same places in the same unit; `None` without a theory.
     pub theory: Option<(&'static str, Vec<f64>)>,
-    /// True if pictures have a logarithmic axis for the values.
+    /// True if pictures show the values of the curve on a logarithmic axis.
     pub is_logarithmic: bool,
 }
 
-/// Single number of a measurement.
+/// Single number that a measurement gives, such as a value at contact.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObservedNumber {
-    /// Quantity of which this is the value.
+    /// Quantity whose value is given.
     pub quantity: ObservedQuantity,
     /// Value in the unit of the quantity; `None` if it is unknown.
     pub value: Option<Estimate>,
-    /// Name of a theory, and its value in the same unit; `None` without a theory.
+    /// Name of a theory, and the value of the theory in the same unit; `None` without a theory.
     pub theory: Option<(&'static str, f64)>,
 }
 
@@ -59,38 +59,40 @@ pub struct ObservedNumber {
 pub struct ObservedGrid {
     /// Numbers of cells along x, y and z.
     pub cells: [usize; 3],
-    /// [m] edge lengths of a cell.
+    /// [m] edge lengths of a cell along x, y and z.
     pub spacing: Vector3<f64>,
-    /// Fields: the name with its unit, the number of components, and the components of each cell, with x changing first.
+    /// Fields on the grid: name with unit, number of components, and the components of each cell. The index along x
+    /// changes first from cell to cell.
     pub fields: Vec<(&'static str, usize, Vec<f64>)>,
 }
 
 /// Result of a measurement, averaged over the averaging period.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Observation {
-    /// Name of the measurement in the case. The file of the curves has this name too.
+    /// Name of the measurement in the case, and of the file with its curves.
     pub name: &'static str,
     /// Heading of the measurement in reports.
     pub title: &'static str,
-    /// Quantity along which the curves extend.
+    /// Quantity on the common axis of all curves, such as a distance.
     pub axis: ObservedQuantity,
-    /// [SI] places along the axis, in the unit of the axis.
+    /// [SI] places along the axis at which the curves have values, in the unit of the axis.
     pub places: Vec<f64>,
     /// Curves of the measurement, each with a value at every place.
     pub curves: Vec<ObservedCurve>,
     /// Single numbers that the measurement gives.
     pub numbers: Vec<ObservedNumber>,
-    /// Contacts at the end of the run, for a file of lines.
+    /// Contacts at the end of the run, which are written to a file of lines.
     pub lines: Vec<ContactLine>,
-    /// Averages on a grid, for a file of a grid; those of the first run if several are pooled.
+    /// Averages in the cells of a grid, which are written to a file. If several runs are pooled, they are those of the
+    /// first run.
     pub grid: Option<ObservedGrid>,
-    /// Reason why values are unknown, with its remedy; `None` if all are as they should be.
+    /// Reason why values are unknown, and how to avoid it; `None` if all values are known.
     pub remark: Option<&'static str>,
 }
 
 impl Observation {
-    /// Means over several independent runs of one variant. If `by_runs` is true, errors follow from the scatter between the
-    /// runs, for particles that do not mix within a run.
+    /// Means over several independent runs of one variant. If `by_runs` is true, errors follow from the scatter between
+    /// the runs. This is for particles that do not mix within a run.
     pub fn pool(runs: &[&[Self]], by_runs: bool) -> Vec<Self> {
         let Some(first) = runs.first() else { return Vec::new() };
         let mean = |values: &mut dyn Iterator<Item = Option<Estimate>>| {
@@ -117,11 +119,11 @@ impl Observation {
 
 /// Observer of a run whose result has the common form of an [`Observation`].
 pub trait Measurement: Observer {
-    /// Result of the samples (instants of measurement) from the time `from` [s] on.
+    /// Returns the result of the samples (instants of measurement) from the time `from` [s] to the end.
     fn result(&self, experiment: &Experiment, from: f64) -> Observation;
 }
 
-/// Measurements of a run that the case asks for.
+/// Measurements of a run that the case asks for. `None` means that the case does not ask for the measurement.
 #[derive(Clone, Debug, Default)]
 pub struct Measurements {
     pair_distribution: Option<PairDistribution>,

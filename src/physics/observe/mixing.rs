@@ -1,10 +1,10 @@
-//! Mixing of the particles: share of the particles that stay in one layer. Only if particles change layers are the time
-//! averages of one run valid for other runs of the same case.
+//! Mixing of the particles: share of the particles that stay in one layer. The time averages of one run are valid for
+//! other runs of the case only if particles change layers.
 //!
 //! Every particle has fixed random signs +1 or -1, computed from its id. At two instants the signs are summed in layers
 //! along y. The product of the two sums of a layer estimates the number of particles that are in this layer at both
-//! instants. The two equal signs of one particle multiply to 1, while the products of two different particles cancel on
-//! average.
+//! instants. A particle in both sums contributes the product 1 of its two equal signs. The products of the signs of two
+//! different particles cancel on average.
 
 use super::{Needs, Observer, plain_data};
 use crate::experiment::Experiment;
@@ -14,27 +14,29 @@ use rand::{Rng, SeedableRng};
 use rand_xoshiro::SplitMix64;
 use serde::{Deserialize, Serialize};
 
-/// Number of sums per layer: the number of particles, and 31 sums of random signs. With n layers, the share of the
-/// particles that stay in their layer has a statistical error of 1/sqrt(31 n).
+/// Number of sums per layer: the number of particles, and 31 sums of random signs. With n layers, the measured share of
+/// the particles that stay in their layer has a statistical error of 1/sqrt(31 n).
 const SUMS: usize = 32;
-/// Largest number of layers. With 64 layers, the share of the particles that stay in their layer has an error of 0.02.
+/// Largest number of layers along y. With 64 layers, the measured share of the particles that stay in their layer has
+/// an error of 0.02.
 const LAYERS: f64 = 64.0;
-/// Smallest number of layers. With fewer layers, too many particles are in the same layer twice by chance.
+/// Smallest number of layers along y for which mixing is measured. With fewer layers, too many particles are in the
+/// same layer twice by chance.
 const FEWEST_LAYERS: f64 = 4.0;
-/// Number of equal intervals of the run, at whose ends the sums are stored. The sums at one of these instants are
-/// compared with those at the end.
+/// Number of equal intervals of the run. The sums over the layers are stored at the ends of these intervals. The sums
+/// at one of these instants are compared with those at the end of the run.
 const MARKS: u64 = 8;
 
 /// Sums of the random signs of the particles in each layer at one instant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct LayerSample {
-    /// [s] simulated time of the sums.
+    /// [s] simulated time at which the signs were summed.
     time: f64,
-    /// Sums of each layer: the number of particles, then 31 sums of signs.
+    /// Sums of each layer along y: the number of particles, followed by 31 sums of signs.
     rows: Vec<Vec<f64>>,
 }
 
-/// Sums of signs in the layers at several instants of a run.
+/// Sums of the random signs of the particles in each layer along y, at several instants of a run.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Mixing {
     layers: usize,
@@ -59,9 +61,9 @@ impl Mixing {
         }
     }
 
-    /// [-] share of the particles that are in the same layer at `from` [s] and at the end, minus the share expected by
-    /// chance. The value is 1 for a bed at rest and 0 for a gas that mixes. `None` if there are too few layers or
-    /// particles.
+    /// [-] share of the particles that are in the same layer at `from` [s] and at the end of the run, reduced by the
+    /// share expected by chance. The value is 1 for a bed at rest and 0 for a gas that mixes. `None` if there are too
+    /// few layers or particles.
     pub fn remembered(&self, from: f64) -> Option<f64> {
         let last = self.marks.last()?;
         let mut before = self.marks.iter().filter(|mark| mark.time < last.time);
@@ -75,7 +77,8 @@ impl Mixing {
     }
 }
 
-/// Contribution of the particle `id` to the sums of its layer: the number 1, then the 31 random signs of the particle.
+/// Contribution of the particle with the id `id` to the sums of its layer: the number 1, followed by the 31 random
+/// signs of the particle.
 fn row(id: u32) -> [f64; SUMS] {
     let bits = SplitMix64::seed_from_u64(u64::from(id)).next_u32();
     std::array::from_fn(|k| if k == 0 || bits >> k & 1 == 0 { 1.0 } else { -1.0 })

@@ -66,7 +66,7 @@ use crate::simulation::Simulation;
 use crate::statistics::Accumulator;
 use crate::stored::{StoreError, Stored};
 
-/// Implements the methods `stored` and `restore` of an observer that consists of plain data: its whole value is stored.
+/// Implements the methods `stored` and `restore` of an observer by storing its whole value.
 macro_rules! plain_data {
     () => {
         fn stored(&self) -> Result<crate::stored::Stored, crate::stored::StoreError> {
@@ -86,39 +86,40 @@ use plain_data;
 pub enum Needs {
     /// The observer requires no particles.
     Nothing,
-    /// Sums over all particles, computed with [`Simulation::sample`], and the records that are documented as sums. At a
-    /// sample, every process calls its copy of the observer with the local particles. Only the simulation of the lead
-    /// process has the records of the whole run.
+    /// Sums over all particles, computed with [`Simulation::sample`], and records that are documented as sums. At a
+    /// sample (instant of measurement), every process calls its copy of the observer with its own particles. Only the
+    /// simulation of the lead process has the records of the whole run.
     Sums,
-    /// Local particles in every process if the run is shared, otherwise all particles in the lead process. Unlike with
-    /// `Sums`, the observer may be called at any time, and the records are not those of the whole run.
+    /// If several processes share the run, the particles of each process, for the copy of the observer in that process.
+    /// Otherwise all particles. Unlike with `Sums`, the observer may be called at any time, and the records are not
+    /// those of the whole run.
     Parts,
-    /// Every n-th particle by id (1: all), and the particles in contact with one of these particles.
-    /// [`Simulation::count`] and [`Simulation::agitation`] still refer to all particles.
+    /// Every n-th particle by id (1: all particles), and the particles in contact with a selected particle.
+    /// [`Simulation::count`] and [`Simulation::agitation`] refer to all particles nevertheless.
     Every(u32),
 }
 
-/// Measurement that is called with the simulation at several times of a run. An observer only reads the simulation, so
-/// that observers and their times change no bit of the results.
+/// Measurement that is called with the simulation at several times of a run. An observer only reads the simulation.
+/// Observers and their times therefore do not change the results.
 ///
-/// Every closure that takes a `&Simulation` is an observer that is called at every sample.
+/// Every closure that takes a `&Simulation` is an observer that is called at every sample (instant of measurement).
 pub trait Observer: Send {
-    /// [s] next time after `now` [s] at which the observer is to be called; `None` if it is not to be called again. The
-    /// call takes place at the end of the first window (time between two exchanges with the gas) that reaches this
-    /// time. Every observer is also called at the start. The default is the time of the next sample.
+    /// [s] next time after `now` [s] at which the observer is to be called; `None` if it is not to be called again. It
+    /// is called at the end of the first window (time between two exchanges with the gas) that reaches this time. Every
+    /// observer is also called at the start. The default is the time of the next sample.
     fn next(&self, now: f64, schedule: &Schedule) -> Option<f64> {
         Some(now + schedule.interval())
     }
 
-    /// True if the observer requires velocities of the same instant as the positions. Between two samples the
-    /// velocities lack the drag of up to half a window, the time between two exchanges with the gas. Adding it takes as
-    /// long as the drag of one window.
+    /// True if the observer requires velocities at the same instant as the positions. Between two samples, the drag of
+    /// up to half a window (time between two exchanges with the gas) is missing in the velocities. Adding this drag
+    /// takes as long as the drag of one window.
     fn needs_velocities(&self) -> bool {
         true
     }
 
     /// Particles that the observer requires if several processes share a run; by default all. The observer must also
-    /// work if it is called with all particles.
+    /// work if all particles are present.
     fn sight(&self) -> Needs {
         Needs::Every(1)
     }
@@ -127,30 +128,32 @@ pub trait Observer: Send {
     /// if [`needs_velocities`](Self::needs_velocities) returns true.
     fn see(&mut self, simulation: &Simulation);
 
-    /// Reason to stop the run, such as a full disk; called at every sample. `None` if the run may continue.
+    /// Reason to stop the run, such as a full disk; `None` if the run may continue. The method is called at every
+    /// sample (instant of measurement).
     fn stop(&self) -> Option<String> {
         None
     }
 
-    /// Particles that the observer requires at the end of the run, at the time `now` [s]. With [`Needs::Sums`], the
-    /// observer is called once more before its [`end`](Self::end). By default, none.
+    /// Particles that the observer requires at the end of the run, at the time `now` [s]. With [`Needs::Sums`],
+    /// [`see`](Self::see) is called once more before [`end`](Self::end). By default, none.
     fn sight_of_end(&self, _now: f64) -> Needs {
         Needs::Nothing
     }
 
-    /// Takes data from the last state of a run that is over or has failed.
+    /// Takes data from the state of the simulation at the end of a run, also of a run that has failed.
     fn end(&mut self, _simulation: &Simulation) {}
 
-    /// Data of the observer, stored so that the run can be resumed after the program has ended. By default there are no
-    /// data, which is correct for an observer that only displays. An observer that writes files during the run stores
-    /// its position in the files.
+    /// Returns the data of the observer with which the run can be resumed after the program has ended. By default there
+    /// are no data, which is correct for an observer that only displays. An observer that writes files during the run
+    /// stores its position in the files.
+    ///
     /// # Errors
     /// The data cannot be stored.
     fn stored(&self) -> Result<Stored, StoreError> {
         Ok(Stored::default())
     }
 
-    /// Restores the data that an observer of the same type has stored in the same run.
+    /// Restores the data that an observer of this type has stored in the run that is resumed.
     ///
     /// # Errors
     /// The bytes are not data of an observer of this type.
@@ -165,7 +168,8 @@ impl<F: FnMut(&Simulation) + Send> Observer for F {
     }
 }
 
-/// Takes the data of slice averages at every sample. In a sheared box velocities are relative to the mean flow.
+/// Adds the particles to the averages of slices at every sample. In a sheared box, velocities are relative to the mean
+/// flow.
 impl Observer for Accumulator {
     fn sight(&self) -> Needs {
         Needs::Sums

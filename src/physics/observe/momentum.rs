@@ -1,4 +1,4 @@
-//! Streamwise forces on all particles: drag, weight and wall shear.
+//! Streamwise (z) forces on all particles together: drag, weight and wall shear.
 
 use super::{Needs, Observer, plain_data};
 use crate::schedule::Schedule;
@@ -7,16 +7,16 @@ use crate::statistics::{Estimate, estimate};
 use serde::{Deserialize, Serialize};
 
 /// Mean streamwise (z) forces on all particles together [N], positive along z, over the averaging period. A force is
-/// `None` if the period contains no sample. In a steady flow the forces add up to zero.
+/// `None` if the period contains fewer than two samples. In a steady flow the forces add up to zero.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Balance {
-    /// [N] mean drag force of the gas.
+    /// [N] mean drag force of the gas on all particles along z.
     pub drag: Option<Estimate>,
-    /// [N] weight of all particles along z, less their buoyancy (negative: against the flow).
+    /// [N] weight minus buoyancy of all particles, along z; negative if it acts against the flow.
     pub weight: f64,
-    /// [N] mean shear force of the walls on the particles.
+    /// [N] mean shear force of the walls on all particles along z.
     pub wall: Option<Estimate>,
-    /// [N] sum of drag, weight and wall force.
+    /// [N] sum of drag, weight and wall force; zero on average in a steady flow.
     pub residual: Option<Estimate>,
 }
 
@@ -25,13 +25,14 @@ pub struct Balance {
 pub struct MomentumBooks {
     /// [s] time between two samples (instants of measurement).
     interval: f64,
-    /// [N] weight of all particles along z.
+    /// [N] weight minus buoyancy of all particles, along z.
     weight: f64,
-    /// [kg m/s] momentum received by drag since the start, at every sample.
+    /// [kg m/s] momentum along z that particles have received by drag since the start, at every sample.
     drag: Vec<f64>,
-    /// [kg m/s] momentum received from walls since the start, at every sample.
+    /// [kg m/s] momentum along z that particles have received from walls since the start, at every sample.
     wall: Vec<f64>,
-    /// [kg m/s] momentum of the particles that came in, less that of those that left, since the start, at each sample.
+    /// [kg m/s] momentum that particles have brought in through inlets, minus that taken out through outlets, since the
+    /// start, at every sample.
     flow: Vec<f64>,
 }
 
@@ -41,7 +42,7 @@ impl MomentumBooks {
         Self { interval: schedule.interval(), weight: 0.0, drag: Vec::new(), wall: Vec::new(), flow: Vec::new() }
     }
 
-    /// Mean forces over the time from sample `first` on.
+    /// Mean streamwise forces on all particles from the sample with the index `first` to the end.
     pub fn balance(&self, first: usize) -> Balance {
         let forces = |impulses: &[f64]| -> Vec<f64> {
             impulses.windows(2).skip(first).map(|pair| (pair[1] - pair[0]) / self.interval).collect()
@@ -59,7 +60,7 @@ impl MomentumBooks {
 }
 
 impl Balance {
-    /// True if drag, weight and wall force along z are exactly zero. An unknown force does not count as zero.
+    /// True if drag, weight and wall force along z are exactly zero. If a force is unknown, the result is false.
     pub fn is_idle(&self) -> bool {
         let none = |force: Option<Estimate>| force.is_some_and(|force| force.value == 0.0);
         none(self.drag) && self.weight == 0.0 && none(self.wall)

@@ -8,46 +8,48 @@ use crate::statistics::{Batches, Estimate, Steadiness, SteadySeries, VelocitySpr
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Means over all particles at every sample; the test for a steady state uses them.
+/// Means over all particles at every sample (instant of measurement). The test for a steady state uses these means.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Motion {
-    /// Number of slices in which the temperature is computed.
+    /// Number of slices along y relative to whose mean velocities the temperature is computed.
     slices: usize,
-    /// [s] times of the samples.
+    /// [s] simulated times of the samples.
     times: Vec<f64>,
-    /// [m/s] mean velocity at every sample.
+    /// [m/s] mean velocity of all particles at every sample.
     velocity: Vec<Vector3<f64>>,
-    /// [m²/s²] mean square of the velocity about the mean velocity, at every sample. It drifts while the agitation or
-    /// the velocity profile drifts.
+    /// [m²/s²] mean square of the velocity relative to the mean velocity of all particles, at every sample. It changes
+    /// while the agitation or the velocity profile changes.
     agitation: Vec<f64>,
-    /// [m²/s²] parts of the granular temperature along x, y and z; `None` at samples with too few particles.
+    /// [m²/s²] parts of the granular temperature along x, y and z at every sample; `None` at samples with too few
+    /// particles.
     temperature: Vec<Option<Vector3<f64>>>,
-    /// [m] mean position along x, y and z, and [m²] mean square of y, at every sample.
+    /// Mean position [m] along x, y and z, and mean square of y [m²], at every sample.
     place: Vec<[f64; 4]>,
-    /// Number of impacts since the start, first between particles, then on walls, at every sample.
+    /// Numbers of impacts since the start at every sample: first impacts between particles, then impacts on walls.
     impacts: Vec<[u64; 2]>,
-    /// Number of particles at each sample; empty if all particles stay.
+    /// Number of particles at each sample. The list is empty in a scene without inlets and outlets.
     counts: Vec<f64>,
-    /// [Pa] kinetic part of the stress against the shear of a sheared box, and [Pa s] integral of its contact part since the
-    /// start, at every sample; empty without shear.
+    /// Stress against the shear of a sheared box, at every sample: its kinetic part [Pa], and the time integral of its
+    /// contact part since the start [Pa s]. The list is empty without shear.
     stress: Vec<[f64; 2]>,
-    /// True for each axis that is not periodic. Only along such an axis is a mean position defined.
+    /// True for each axis that is not periodic. Mean positions are only computed along such axes.
     bounded: [bool; 3],
-    /// [m] edge lengths of the domain.
+    /// [m] edge lengths of the domain along x, y and z.
     size: Vector3<f64>,
-    /// [m/s] rest speed, see [`Scene::rest_speed`](crate::scene::Scene::rest_speed).
+    /// [m/s] rest speed: particles that are slower on average count as at rest
+    /// ([`Scene::rest_speed`](crate::scene::Scene::rest_speed)).
     rest_speed: f64,
     /// [m] diameter of the smallest particles.
     diameter: f64,
 }
 
-/// Quantity at every sample that is tested for being steady, in SI units.
+/// Quantity at every sample that is tested for a steady state, in SI units.
 pub struct Followed {
     /// Value at every sample.
     pub values: Vec<f64>,
-    /// Scale of the quantity, as in [`SteadySeries`].
+    /// Scale of the quantity, in its unit, as in [`SteadySeries`].
     pub scale: f64,
-    /// Smallest drift of the quantity that counts as a drift, as in [`SteadySeries`].
+    /// Largest change over time that does not count as a drift, in the unit of the quantity, as in [`SteadySeries`].
     pub step: f64,
 }
 
@@ -57,8 +59,8 @@ impl Followed {
     }
 }
 
-/// [-] largest drift of a mean position that counts as rest, in diameters of the smallest particles. In the same way,
-/// speeds below a hundredth of sqrt(g d) count as rest.
+/// [-] largest change of a mean position that counts as rest, in diameters of the smallest particles. Similarly, speeds
+/// below a hundredth of sqrt(g d) count as rest.
 const PLACE: f64 = 0.01;
 
 impl Motion {
@@ -82,9 +84,9 @@ impl Motion {
         }
     }
 
-    /// Given or detected start of averaging, and the result of the test for a steady state from this start on. The test
-    /// covers all quantities that are compared between steady runs: velocity, temperature, positions and impact rates.
-    /// `more` contains further quantities, measured by other observers at the same samples.
+    /// Start of averaging, which is given or detected, and the result of the test for a steady state from this start
+    /// on. The test covers all quantities that are compared between steady runs: velocity, temperature, positions and
+    /// impact rates. `more` contains further quantities, measured by other observers at the same samples.
     pub fn steadiness(&self, asked: AverageFrom, more: Vec<Followed>) -> Steadiness {
         let from = match asked {
             AverageFrom::Time(from) => Some(from),
@@ -94,8 +96,8 @@ impl Motion {
         judge(&self.times, &all.iter().map(Followed::series).collect::<Vec<_>>(), from)
     }
 
-    /// All quantities over time that are tested for being steady: agitation, and along each axis velocity, temperature
-    /// and position; impact rates.
+    /// All quantities that are tested for a steady state, at every sample: agitation; velocity, temperature and
+    /// position along each axis; number of particles; impact rates.
     fn series(&self) -> Vec<Followed> {
         // if momentum is conserved, the mean velocity changes only by rounding errors, which are small compared with
         // the agitation
@@ -127,13 +129,13 @@ impl Motion {
         all
     }
 
-    /// Index of the first sample at `from` [s] or later; the number of samples if all samples are earlier.
+    /// Index of the first sample at `from` [s] or later. If all samples are earlier, the number of samples.
     pub fn first(&self, from: f64) -> usize {
         self.times.iter().position(|time| *time >= from).unwrap_or(self.times.len())
     }
 
-    /// [m²/s²] mean granular temperature from sample `first` on; `None` if the temperature is unknown at one of the
-    /// samples.
+    /// [m²/s²] granular temperature, averaged from the sample with the index `first` to the end. `None` if the
+    /// temperature is unknown at one of these samples.
     pub fn temperature(&self, first: usize) -> Option<Estimate> {
         estimate(&self.temperatures(first)?)
     }
@@ -142,8 +144,8 @@ impl Motion {
         self.temperature.iter().skip(first).map(|parts| parts.map(|parts| parts.sum() / 3.0)).collect()
     }
 
-    /// Stress against the shear of a sheared box averaged over blocks of time from sample `first` on; `None` without shear.
-    /// The kinetic part of an interval is the mean of the values at its ends.
+    /// Stress [Pa] against the shear of a sheared box, averaged over blocks of time from the sample with the index
+    /// `first` on. `None` without shear. The kinetic part of an interval is the mean of the values at its ends.
     pub fn stress_batches(&self, first: usize) -> Option<Batches> {
         let interval = self.times.get(1)? - self.times.first()?;
         let total = |pair: &[[f64; 2]]| 0.5 * (pair[0][0] + pair[1][0]) + (pair[1][1] - pair[0][1]) / interval;
@@ -151,8 +153,8 @@ impl Motion {
         Batches::of_series(&totals, interval, *self.times.get(first)? + interval)
     }
 
-    /// Granular temperature [m²/s²], averaged over blocks of time from sample `first` on; `None` if the temperature is
-    /// unknown at one of the samples.
+    /// Granular temperature [m²/s²], averaged over blocks of time from the sample with the index `first` on. `None` if
+    /// the temperature is unknown at one of these samples.
     pub fn batches(&self, first: usize) -> Option<Batches> {
         let interval = self.times.get(1)? - self.times.first()?;
         Batches::of_series(&self.temperatures(first)?, interval, *self.times.get(first)?)

@@ -7,13 +7,13 @@ use crate::particles::Particles;
 use crate::work_sharing;
 use nalgebra::Vector3;
 
-/// Number of particles whose pairs one thread visits at a time.
+/// Number of particles in one piece of work, whose pairs one thread visits.
 const PIECE: usize = 512;
 
-/// Calls `visit` once for each pair of particles whose centres are less than `reach` [m] apart. Arguments are the indices
-/// of the two particles and the vector [m] from the first to the nearest image of the second. Along periodic axes, `reach` may
-/// be at most half the edge of the box. The pairs are divided into parts that do not depend on the number of threads;
-/// each part begins with a value of `none`, and the values of all parts are returned in order.
+/// Calls `visit` once for each pair of particles whose centres are less than `reach` [m] apart. Its arguments are the
+/// indices of the two particles, and the vector [m] from the first particle to the nearest image of the second. Along
+/// periodic axes, `reach` is at most half the edge of the box. The pairs are divided into parts, which do not depend on
+/// the number of threads. Each part begins with a value of `none`. The values of all parts are returned in order.
 pub(super) fn near_pairs<A: Send>(
     particles: &Particles,
     domain: &Domain,

@@ -1,9 +1,9 @@
 //! Pair distribution g(r) of the centres, and its value at contact.
 //!
 //! g_ab(r) is the number of pairs of the species a and b at the distance r, over the number in an ideal gas of equal
-//! density: g = n(r, Δr) V/(P 4π/3 ((r + Δr)³ - r³)). n counts the pairs between r and r + Δr, P all pairs, and V is the
-//! volume of the box (Allen and Tildesley, Computer Simulation of Liquids, 2nd edition 2017, section 2.6). Here P is N(N-1)/2 and not N²/2, so that an ideal gas of any size has g = 1. The box must be
-//! periodic along all axes.
+//! density: g = n(r, Δr) V/(P 4π/3 ((r + Δr)³ - r³)). n counts the pairs between r and r + Δr, P all pairs, and V is
+//! the volume of the box (Allen and Tildesley, Computer Simulation of Liquids, 2nd edition 2017, section 2.6). Here P
+//! is N(N-1)/2 and not N²/2, so that an ideal gas of any size has g = 1. The box must be periodic along all axes.
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumber, ObservedQuantity};
 use super::near_pairs::near_pairs;
@@ -17,26 +17,28 @@ use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Largest number of samples (instants of measurement) that are used; in a longer run the used samples are further
-/// apart.
+/// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th sample
+/// is used.
 const MOST_SAMPLES: u64 = 1000;
-/// Number of bins beyond contact from which the value at contact is extrapolated.
+/// Number of bins of the distance, beginning at contact, from whose counts the value of g(r) at contact is
+/// extrapolated.
 const NEAR: usize = 12;
-/// [-] width of a bin beyond contact, over the distance of the two centres at contact. A parabola over 0.12 diameters
+/// [-] width of a bin near contact, over the distance of the two centres at contact. A parabola over 0.12 diameters
 /// extrapolates g of a hard-sphere fluid to contact with an error of 0.2 % at a volume fraction of 0.45, where g falls
 /// like exp(-5 r/d).
 const NEAR_WIDTH: f64 = 0.01;
-/// [-] distance of the end of the last bin beyond contact, over the distance of the two centres at contact.
+/// [-] outer end of the last bin near contact: distance of the two centres over their distance at contact.
 const FURTHEST: f64 = 1.0 + NEAR as f64 * NEAR_WIDTH;
 
-/// Numbers of pairs at one instant, for each pair of species.
+/// Numbers of pairs of particles in bins of their distance at one instant, for each pair of species.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct PairSample {
     /// [s] simulated time of the sample.
     time: f64,
-    /// Number of pairs in each bin of the distance, for each pair of species in the order of [`index`].
+    /// Number of pairs of particles in each bin of the distance, for each pair of species in the order of [`index`].
     bins: Vec<Vec<u64>>,
-    /// Number of pairs in each of the narrow bins beyond contact, for each pair of species.
+    /// Number of pairs of particles in each narrow bin near contact, for each pair of species in the order of
+    /// [`index`].
     near: Vec<[u64; NEAR]>,
 }
 
@@ -52,27 +54,27 @@ impl PairSample {
     }
 }
 
-/// Measurement of the pair distribution at samples.
+/// Measurement of the pair distribution g(r) of the centres at samples (instants of measurement).
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct PairDistribution {
-    /// [s] time between the used samples.
+    /// [s] time between two samples that are used.
     interval: f64,
-    /// [m] largest distance of two centres that is counted in the histogram.
+    /// [m] largest distance of two centres that is counted in the bins of the histogram.
     reach: f64,
     bins: usize,
-    /// [m] distance at contact of each pair of species; `None` if the diameters vary within one of them, or in a box of
-    /// two diameters.
+    /// [m] distance of the centres at contact for each pair of species. `None` if diameters vary within a species, or
+    /// if half the box is too small for the bins near contact.
     contact: Vec<Option<f64>>,
     samples: Vec<PairSample>,
 }
 
-/// Index of a pair of species in lists of pairs: (0, 0), (0, 1), (1, 1), (0, 2) and so on.
+/// Index of the pair of the species a and b in lists of pairs: (0, 0), (0, 1), (1, 1), (0, 2) and so on.
 fn index(a: u16, b: u16) -> usize {
     let (low, high) = (usize::from(a.min(b)), usize::from(a.max(b)));
     high * (high + 1) / 2 + low
 }
 
-/// All pairs of species, in the order of [`index`].
+/// All pairs of indices of `count` species, in the order of [`index`].
 fn species_pairs(count: usize) -> impl Iterator<Item = [usize; 2]> {
     (0..count).flat_map(|high| (0..=high).map(move |low| [low, high]))
 }
@@ -101,8 +103,8 @@ impl PairDistribution {
         }
     }
 
-    /// Values of g in each bin of the distance, averaged over `samples`. `counts` returns the number of pairs in a bin
-    /// of one sample. `share` [m³] is the volume of the box over the number of all pairs.
+    /// Pair distribution g [-] in each bin of the distance, averaged over `samples`. `counts` returns the number of
+    /// pairs in a bin of one sample. `share` [m³] is the volume of the box divided by the number of all pairs.
     fn curve(
         &self,
         samples: &[&PairSample],
@@ -118,8 +120,9 @@ impl PairDistribution {
         (0..self.bins).map(bin).collect()
     }
 
-    /// Value of g extrapolated to contact at the distance `contact` [m]. `pair` is the index of the pair of species,
-    /// and `share` [m³] the volume of the box over the number of its pairs.
+    /// Pair distribution g [-] extrapolated to contact, where the centres have the distance `contact` [m]. `pair` is
+    /// the index of the pair of species. `share` [m³] is the volume of the box divided by the number of pairs of this
+    /// kind.
     fn at_contact(&self, samples: &[&PairSample], pair: usize, contact: f64, share: f64) -> Option<Estimate> {
         let weights = weights_at_contact()?;
         let edge = |k: usize| contact * (1.0 + k as f64 * NEAR_WIDTH);
@@ -131,8 +134,8 @@ impl PairDistribution {
     }
 }
 
-/// Weights of the bins beyond contact, whose weighted sum is the value at contact of a parabola fitted by least squares.
-/// `None` if the fit has no unique solution, which is not the case for three bins or more.
+/// Weights of the values of g in the bins near contact. The weighted sum is the value at contact of a parabola fitted
+/// by least squares. `None` if the fit has no unique solution, which happens for fewer than three bins.
 fn weights_at_contact() -> Option<[f64; NEAR]> {
     let powers = SMatrix::<f64, NEAR, 3>::from_fn(|bin, power| (bin as f64 + 0.5).powi(power as i32));
     let fit = (powers.transpose() * powers).try_inverse()? * powers.transpose();

@@ -7,7 +7,7 @@ use crate::simulation::Simulation;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Number of instants at which the particles are recorded, for runs of any length.
+/// Number of instants at which positions and velocities are recorded, for runs of any duration.
 const INSTANTS: u64 = 1000;
 
 /// State of one particle at one instant.
@@ -17,13 +17,13 @@ pub struct PathSample {
     pub time: f64,
     /// Id of the particle, which it keeps during the whole run.
     pub id: u32,
-    /// [m] centre, inside the box along periodic axes.
+    /// [m] centre of the particle, inside the box along periodic axes.
     pub position: Vector3<f64>,
     /// [m/s] velocity of the particle.
     pub velocity: Vector3<f64>,
-    /// [rad/s] spin; `None` if spheres do not rotate.
+    /// [rad/s] spin of the particle; `None` if spheres do not rotate.
     pub spin: Option<Vector3<f64>>,
-    /// [m] largest overlap of the particle at that time; 0 without contact.
+    /// [m] largest overlap of the particle with another body at this time; 0 without contact.
     pub overlap: f64,
 }
 
@@ -31,9 +31,9 @@ pub struct PathSample {
 /// variants of the scene.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Paths {
-    /// [s] time between two recorded instants.
+    /// [s] time between two instants at which the particles are recorded.
     interval: f64,
-    /// States of all particles in the order of time, then of id.
+    /// Recorded states of all particles, sorted by time, then by id.
     pub points: Vec<PathSample>,
 }
 

@@ -1,4 +1,4 @@
-//! Averages in rings about the axis of a pipe with gas flow.
+//! Averages over the particles in rings about the axis of a pipe with gas flow.
 
 use super::{Needs, Observer, plain_data};
 use crate::experiment::Experiment;
@@ -10,15 +10,15 @@ use crate::statistics::{Accumulator, ProfileTable};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Sums over the particles in rings of equal area about the axis of a pipe with gas flow. Empty if the gas flow is not
-/// that of a pipe.
+/// Sums over the particles in rings of equal area about the axis of a pipe with gas flow. Without pipe flow nothing is
+/// summed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Rings {
     profiles: Option<Accumulator>,
     count: usize,
 }
 
-/// One ring about the axis of a pipe, and the gas in it.
+/// Ring about the axis of a pipe, between two radii, with the gas velocity in it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Ring {
     /// [m] inner radius of the ring.
@@ -29,14 +29,14 @@ pub struct Ring {
     pub gas: f64,
 }
 
-/// Averages in rings, from the axis to the wall.
+/// Averages over the particles in rings about the axis of a pipe, from the axis to the wall.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct RingAverages {
     /// Rings about the axis; none if the gas flow is not that of a pipe.
     pub rings: Vec<Ring>,
     /// Time averages in the order of the rings. `y` is the radius [m] that divides the area of a ring into two equal
-    /// parts. V is the mean velocity away from the axis and W the mean velocity around the axis; the moments use the
-    /// same components. Densities are relative to the mean density in the pipe.
+    /// parts. V is the mean velocity away from the axis, W that around the axis, and the moments use the same
+    /// components. Densities are relative to the mean density in the pipe.
     #[serde(skip)]
     pub profiles: ProfileTable,
 }
@@ -50,8 +50,8 @@ fn pipe(scene: &Scene) -> Option<&Pipe> {
 }
 
 impl Rings {
-    /// Creates an observer for an experiment, before any sample. The number of rings is the number of slices in the
-    /// case.
+    /// Creates an observer for an experiment, before any sample. The case gives the number of rings as its number of
+    /// slices.
     pub fn new(experiment: &Experiment) -> Self {
         let count = experiment.statistics.slices;
         // with the square of the radius as coordinate, rings of equal area are slices of equal height
@@ -59,9 +59,9 @@ impl Rings {
         Self { profiles, count }
     }
 
-    /// Time averages in rings from the time `from` [s] on.
+    /// Averages in rings about the axis of a pipe over the samples from the time `from` [s] on.
     pub fn averages(&self, scene: &Scene, from: f64) -> RingAverages {
-        /// Number of circles per ring at which the gas velocity is taken.
+        /// Number of circles about the axis in each ring on which the gas velocity is evaluated.
         const CIRCLES: usize = 16;
         let (Some(profiles), Some(pipe)) = (&self.profiles, pipe(scene)) else { return RingAverages::default() };
         let radius = |share: f64| pipe.radius() * (share / self.count as f64).sqrt();

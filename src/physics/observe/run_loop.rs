@@ -9,7 +9,7 @@ use crate::simulation::{Simulation, Snapshot};
 use crate::stored::{StoreError, Stored};
 use serde::{Deserialize, Serialize};
 
-/// Progress of a run, and the next times of the observers.
+/// Loop over a run: its position in the schedule, and the next times of the observers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunLoop {
     schedule_position: SchedulePosition,
@@ -18,7 +18,7 @@ pub struct RunLoop {
 }
 
 /// Stored state of a run that was stopped at the end of a window (time between two exchanges with the gas). The resumed
-/// run has the same results, bit by bit.
+/// run has the results of an uninterrupted run, bit by bit.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Pause {
     /// State of the simulation at the pause.
@@ -33,8 +33,8 @@ impl RunLoop {
         Self { schedule_position: SchedulePosition::new(*schedule), due: vec![Some(0.0); observers] }
     }
 
-    /// Advances the run and calls the observers at their times. At the end of every window the run stops if `pause`
-    /// returns true. Returns true if the run is over.
+    /// Advances the run and calls the observers at their times. The run stops at the end of a window (time between two
+    /// exchanges with the gas) if `pause` returns true. Returns true if the run is over.
     ///
     /// A stopped run continues at the next call of this method, also after it was restored from a [`Pause`]. A caller
     /// that does not continue the run calls [`settle`](Self::settle).
@@ -91,8 +91,8 @@ impl RunLoop {
         }
     }
 
-    /// Calls the observers that are due at `now` [s], between two samples (instants of measurement). The velocities
-    /// lack the drag of the time `kick` [s], half of a step of drag. This drag is added for observers that require
+    /// Calls the observers whose time is `now` [s], between two samples (instants of measurement). The drag of the time
+    /// `kick` [s], half of a drag step, is missing in the velocities. It is added for observers that require
     /// velocities.
     fn see_between(
         &mut self,
@@ -118,14 +118,14 @@ impl RunLoop {
         }
     }
 
-    /// Adds the missing half step of drag to the velocities of a run stopped between two samples. A caller that
-    /// does not continue the run must call this function.
+    /// Adds the missing half step of drag to the velocities of a run that was stopped between two samples. A caller
+    /// that does not continue the run must call this function.
     pub fn settle(&self, simulation: &mut Simulation) {
         simulation.settle(self.schedule_position.window());
     }
 
-    /// Calls the observers that are due at a sample (instant of measurement). If several processes share the run,
-    /// observers that require sums or parts are called in every process, with the particles of this process.
+    /// Calls the observers whose time has come, at a sample (instant of measurement). If several processes share the
+    /// run, observers that require sums or parts are called in every process, with the particles of this process.
     fn sample(&mut self, simulation: &mut Simulation, observers: &mut [&mut dyn Observer]) {
         let by_parts = |place: &usize| {
             matches!(observers[*place].sight(), Needs::Sums | Needs::Parts) && simulation.is_seen_by_all(*place)
@@ -139,7 +139,8 @@ impl RunLoop {
     }
 
     /// Calls the observers at the end of a run. After a failure of the engine they are called with all particles. If
-    /// the run was stopped on request, observers that require parts are first called with the local particles.
+    /// the run was stopped on request, observers that require [`Needs::Parts`] are first called with the particles of
+    /// their process.
     pub fn end(&mut self, simulation: &mut Simulation, observers: &mut [&mut dyn Observer], failure: Option<&Failure>) {
         let sight: Vec<Needs> = observers.iter().map(|observer| observer.sight_of_end(simulation.time)).collect();
         let by_parts = |place: &usize| match sight[*place] {
@@ -160,8 +161,7 @@ impl RunLoop {
         observers.iter_mut().for_each(|observer| observer.end(simulation));
     }
 
-    /// Calls the observers with the indices `places` at `now` [s], and stores the times at which they are to be called
-    /// next.
+    /// Calls the observers with the indices `places` at `now` [s], and stores the next time of each.
     fn see(&mut self, simulation: &Simulation, now: f64, observers: &mut [&mut dyn Observer], places: &[usize]) {
         for &place in places {
             observers[place].see(simulation);
@@ -171,14 +171,14 @@ impl RunLoop {
         }
     }
 
-    /// Indices of the observers that are to be called at `now` [s].
+    /// Indices of the observers whose next time is `now` [s] or earlier.
     fn due(&self, now: f64) -> Vec<usize> {
         let reached = now + self.schedule_position.schedule().rounding();
         let is_due = |(place, due): (usize, &Option<f64>)| due.filter(|due| *due <= reached).map(|_| place);
         self.due.iter().enumerate().filter_map(is_due).collect()
     }
 
-    /// Stores all data with which the run can continue from its present state.
+    /// Returns all data with which the run can continue from its present state.
     ///
     /// # Errors
     /// The engine or one of the observers cannot be stored.
@@ -224,7 +224,8 @@ impl Pause {
         self.resume_as(fresh, experiment, observers)
     }
 
-    /// Resumes the run with `fresh`, a simulation of the experiment in its initial state, instead of a newly made one.
+    /// Resumes the run. `fresh` is a simulation of the experiment in its initial state, which receives the stored
+    /// state.
     pub fn resume_as(
         self,
         fresh: Simulation,

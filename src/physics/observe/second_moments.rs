@@ -25,26 +25,28 @@ use crate::statistics::{Estimate, estimate};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Names of the four moments, each with its two components of (u, v, w) = (streamwise, wall-normal, spanwise).
+/// Names of the four second moments, each with the indices of its two components in (u, v, w) = (streamwise,
+/// wall-normal, spanwise).
 pub const MOMENTS: [(&str, usize, usize); 4] = [("uu", 0, 0), ("vv", 1, 1), ("ww", 2, 2), ("uv", 0, 1)];
-/// Number of parts of a run whose sums are stored separately, so that the averaging period can begin at the start of
-/// any part.
+/// Number of equal parts of a run. The sums of each part are stored separately, so that the averaging period can begin
+/// at the start of any part.
 const PARTS: u64 = 200;
-/// Number of blocks of time from which the standard errors are computed.
+/// Number of blocks of time from which the standard errors of the budgets are computed.
 const BLOCKS: usize = 20;
 
-/// Rates of change of one second moment [m²/s³].
+/// Rates of change of one second moment of the velocities [m²/s³], by each process.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Terms<T> {
-    /// [m²/s³] production by the gradient of the mean velocity.
+    /// [m²/s³] production of the moment by the gradient of the mean velocity along y.
     pub production: T,
-    /// [m²/s³] transport by velocity fluctuations from other slices.
+    /// [m²/s³] transport from other slices by velocity fluctuations along y.
     pub transport: T,
-    /// [m²/s³] rate of change by the drag of the gas.
+    /// [m²/s³] rate of change of the moment by the drag of the gas.
     pub drag: T,
-    /// [m²/s³] change by impacts between particles and on walls.
+    /// [m²/s³] rate of change of the moment by impacts between particles and on walls.
     pub impacts: T,
-    /// [m²/s³] sum of the other terms, which is zero except for chance and the width of slices.
+    /// [m²/s³] sum of the other terms. In a steady flow it is zero except for chance and the finite width of the
+    /// slices.
     pub rest: T,
 }
 
@@ -60,18 +62,20 @@ impl<T> From<[T; 5]> for Terms<T> {
     }
 }
 
-/// Budgets of the four moments of a run, in the order of [`MOMENTS`].
+/// Budgets of the four second moments of a run, each in the order of [`MOMENTS`].
 #[derive(Clone, Debug, Serialize)]
 pub struct Budgets {
-    /// Centre y [m] of each slice, and the terms for the four moments in this slice.
+    /// Centre y [m] of each slice, and the terms of the budgets of the four moments in this slice.
     pub slices: Vec<(f64, [Terms<Estimate>; 4])>,
-    /// Terms of the budgets, averaged over all particles.
+    /// Terms of the budgets of the four moments, averaged over all particles.
     pub whole: [Terms<Estimate>; 4],
-    /// [m²/s³] change of uu + ww by friction at walls, as a mean over all particles. It is part of the impact terms.
+    /// [m²/s³] rate of change of uu + ww by friction at walls, averaged over all particles. It is a part of the impact
+    /// terms of uu and ww.
     pub wall_friction: Estimate,
-    /// [m²/s³] change of vv by the restitution of walls, as a mean over all particles. It is part of the impact term.
+    /// [m²/s³] rate of change of vv by the restitution of walls, averaged over all particles. It is a part of the
+    /// impact term of vv.
     pub wall_restitution: Estimate,
-    /// [s] start of the averaging period.
+    /// [s] simulated time at which the averaging period begins.
     pub from: f64,
 }
 
@@ -81,23 +85,24 @@ pub struct Budgets {
 struct MomentSums {
     count: f64,
     velocity: Vector3<f64>,
-    /// Sum of the products v_i v_j, where i is the row.
+    /// [m²/s²] sums of the products v_i v_j of velocity components; i is the row.
     square: [[f64; 3]; 3],
-    /// Sum of v_i v_j v for the four moments, where v is the wall-normal component.
+    /// [m³/s³] sums of v_i v_j v for the four moments, with the wall-normal velocity v.
     carried: [f64; 4],
     acceleration: Vector3<f64>,
-    /// Sum of a_i v_j + a_j v_i for the four moments, where a is the acceleration by drag.
+    /// [m²/s³] sums of a_i v_j + a_j v_i for the four moments, with the acceleration a by drag.
     drag: [f64; 4],
     jump: Vector3<f64>,
-    /// Sum of the changes of v_i v_j by impacts, for the four moments.
+    /// [m²/s²] sums of the changes of v_i v_j by impacts, for the four moments.
     jumps: [f64; 4],
 }
 
-/// Number of sums of a slice as an array. The last one is unused and makes the total a multiple of four.
+/// Length of the array that holds the sums of a slice. The last entry is unused and makes the length a multiple of
+/// four.
 const TERMS: usize = 32;
 
 impl From<[f64; TERMS]> for MomentSums {
-    /// Makes the sums from an array in the order that `row` uses.
+    /// Makes the sums from an array in the order of the function `row`.
     fn from(all: [f64; TERMS]) -> Self {
         let vector = |first: usize| Vector3::new(all[first], all[first + 1], all[first + 2]);
         let four = |first: usize| std::array::from_fn(|k| all[first + k]);
@@ -114,9 +119,9 @@ impl From<[f64; TERMS]> for MomentSums {
     }
 }
 
-/// Contribution of one particle to the sums at the end of a window, the time between two exchanges with the gas. The
-/// argument contains its velocity, its acceleration by drag, and its velocities before and after the engine has moved
-/// it.
+/// Contribution of one particle to the sums at the end of a window (time between two exchanges with the gas). Arguments
+/// are the velocity [m/s] of the particle, its acceleration by drag [m/s²], and its velocities [m/s] before and after
+/// the motion and the impacts in the window.
 fn row([velocity, acceleration, before, after]: [&Vector3<f64>; 4]) -> [f64; TERMS] {
     let mut row = [1.0; TERMS];
     row[1..4].copy_from_slice(velocity.as_slice());
@@ -159,8 +164,8 @@ impl MomentSums {
         self.square[i][j] / self.count - mean[i] * mean[j]
     }
 
-    /// Third moment <v_i″ v_j″ v″> [m³/s³], with the components i and j of the moment number `moment` and the
-    /// wall-normal fluctuation v″.
+    /// Third moment <v_i″ v_j″ v″> [m³/s³] of velocity fluctuations, with the wall-normal fluctuation v″. i and j are
+    /// the components of the moment with the index `moment`.
     fn third(&self, moment: usize) -> f64 {
         let (_, i, j) = MOMENTS[moment];
         let (m, raw) = (self.mean(), |a: usize, b: usize| self.square[a][b] / self.count);
@@ -168,8 +173,9 @@ impl MomentSums {
             + 2.0 * m[i] * m[j] * m[1]
     }
 
-    /// Change of the moment <v_i″ v_j″> number `moment` by one process. It is the sum `products` of the changes of v_i
-    /// v_j without the part due to the changes `single` of v, per particle.
+    /// Change of the moment <v_i″ v_j″> with the index `moment` by one process, per particle. `products` is the sum of
+    /// the changes of v_i v_j by this process, and `single` the sum of the changes of v. The changes of the mean
+    /// velocity do not contribute.
     fn about(&self, moment: usize, products: f64, single: &Vector3<f64>) -> f64 {
         let (_, i, j) = MOMENTS[moment];
         let mean = self.mean();
@@ -177,35 +183,37 @@ impl MomentSums {
     }
 }
 
-/// Sums over one part of the run.
+/// Sums over the particles of each slice in one part of the run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct MomentBlock {
-    /// [s] start of the part.
+    /// [s] simulated time at which the part begins.
     start: f64,
     windows: u64,
     slices: Vec<MomentSums>,
-    /// [J] energy lost to friction and to restitution at walls, and [kg m/s] streamwise momentum given by walls.
+    /// Energy lost to friction at walls [J], energy lost to restitution at walls [J], and streamwise momentum given by
+    /// walls [kg m/s], in this part.
     walls: [f64; 3],
 }
 
-/// Observer that sums the terms of the budgets. It is called at the end of every window, the time between two exchanges
-/// with the gas.
+/// Observer that sums the terms of the budgets of second moments. It is called at the end of every window, the time
+/// between two exchanges with the gas.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SecondMoments {
     slices: usize,
     schedule: Schedule,
     mass: f64,
     height: f64,
-    /// [m/s] velocity (u, v, w) that is subtracted from all velocities.
+    /// [m/s] velocity (u, v, w) that is subtracted from all velocities: mean velocity of the particles at the first
+    /// call.
     reference: Vector3<f64>,
-    /// [m/s] velocities (u, v, w), by particle id, with which the engine begins the next window (time between two
-    /// exchanges with the gas).
+    /// [m/s] velocities (u, v, w) of the particles at the start of the next window (time between two exchanges with the
+    /// gas), indexed by the ids of the particles.
     given: Vec<Vector3<f64>>,
     walls: [f64; 3],
     parts: Vec<MomentBlock>,
 }
 
-/// Components (u, v, w) of a vector given along x, y, z.
+/// Components (u, v, w) (streamwise, wall-normal, spanwise) of a vector with the components x, y, z.
 fn components(vector: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(vector.z, vector.y, vector.x)
 }
@@ -233,7 +241,7 @@ impl SecondMoments {
         }
     }
 
-    /// Budgets averaged over the parts of the run that begin at `from` [s] or later; `None` if there are none.
+    /// Budgets averaged over the parts of the run that begin at `from` [s] or later; `None` if there are no such parts.
     pub fn budgets(&self, from: f64) -> Option<Budgets> {
         let used: Vec<&MomentBlock> = self.parts.iter().filter(|part| part.start >= from * (1.0 - 1e-9)).collect();
         let from = used.first()?.start;
@@ -260,7 +268,7 @@ impl SecondMoments {
         })
     }
 
-    /// Budgets of one period, from the sums of several parts of the run; `None` if a slice contained no particle.
+    /// Computes the budgets from the sums of several parts of the run; `None` if a slice contained no particle.
     fn terms(&self, parts: &[&MomentBlock]) -> Option<Derived> {
         let mut sums = vec![MomentSums::default(); self.slices];
         let (mut windows, mut walls) = (0, [0.0; 3]);
@@ -309,8 +317,8 @@ impl SecondMoments {
         })
     }
 
-    /// Sums of the part of the run that contains the window (time between two exchanges with the gas) ending at `time`
-    /// [s]. A new part begins if the last one is complete.
+    /// Sums of the part of the run in which a window (time between two exchanges with the gas) ends at `time` [s]. A
+    /// new part begins if the last part is complete.
     fn part(&mut self, time: f64) -> &mut MomentBlock {
         let length = (self.schedule.length() as f64 / PARTS as f64).max(1.0) * self.schedule.window;
         let begins = |part: &MomentBlock| time - part.start > length * (1.0 + 1e-9);
@@ -324,7 +332,7 @@ impl SecondMoments {
     }
 }
 
-/// Budgets computed from the sums of some parts of the run: rates of change [m²/s³].
+/// Budgets of the second moments computed from the sums of some parts of the run: rates of change [m²/s³].
 struct Derived {
     slices: Vec<[Terms<f64>; 4]>,
     whole: [Terms<f64>; 4],
@@ -332,8 +340,8 @@ struct Derived {
     restitution: f64,
 }
 
-/// Gradient of the mean velocity along y times the thickness of a slice [m/s]: central differences, and one-sided
-/// differences of second order at the walls.
+/// Difference of the mean velocity [m/s] along y over the thickness of a slice: the gradient times this thickness. It
+/// is a central difference, and a one-sided difference of second order at the walls.
 fn gradient(sums: &[MomentSums], slice: usize) -> Vector3<f64> {
     let (last, mean) = (sums.len() - 1, |k: usize| sums[k].mean());
     match slice {

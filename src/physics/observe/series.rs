@@ -1,4 +1,4 @@
-//! Time series of averages over all particles.
+//! Time series of averages over all particles of a run.
 
 use super::velocity_distribution::Sonine;
 use super::{Needs, Observer, plain_data};
@@ -12,18 +12,18 @@ use crate::statistics::VelocitySpread;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Largest number of rows (instants) of a series, for runs of any duration. A picture cannot show more rows.
+/// Largest number of rows (instants) of a time series, for runs of any duration. A picture cannot show more rows.
 const MOST: u64 = 1000;
 
-/// Smallest number of rows that is sufficient for a curve. A scene with few particles and fewer samples gets so many
-/// rows.
+/// Smallest number of rows (instants) that is sufficient for a curve over time. A scene with few particles and fewer
+/// samples gets this number of rows.
 const CURVE: u64 = 200;
 
-/// Largest number of particles for which rows may be more frequent than samples. A row of so few particles takes little
-/// time.
+/// Largest number of particles for which the rows of a time series may be more frequent than samples. A row of so few
+/// particles takes little time.
 const FEW: usize = 10_000;
 
-/// Averages over all particles at one instant.
+/// Averages over all particles at one instant: a row of the time series.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// [s] simulated time of the row.
@@ -31,27 +31,28 @@ pub struct Row {
     /// [m²/s²] parts of the granular temperature T along x, y and z, relative to the mean velocities of slices; T is
     /// the mean of the three. `None` if every slice contains at most one particle.
     pub temperature: Option<Vector3<f64>>,
-    /// [m/s] mean velocity of the particles.
+    /// [m/s] mean velocity of all particles; relative to the mean flow in a sheared box.
     pub velocity: Vector3<f64>,
     /// [J] kinetic energy of the translation of all particles.
     pub kinetic_energy: f64,
-    /// [J] elastic energy stored in contacts.
+    /// [J] elastic energy stored in the springs of all contacts.
     pub elastic_energy: f64,
     /// Rotation of the particles; `None` if spheres do not rotate.
     pub rotation: Option<RotationSums>,
-    /// Energies of friction in the contacts; `None` if spheres do not rotate.
+    /// Losses by friction, and energies of springs in contacts; `None` if spheres do not rotate.
     pub friction: Option<FrictionSums>,
-    /// Turbulence along the paths of the particles; `None` if only the mean velocity of the gas acts on them.
+    /// Turbulence at the positions of the particles; `None` if only the mean velocity of the gas acts on them.
     pub turbulence: Option<TurbulenceMeans>,
-    /// Gas that feels the particles; `None` in a frozen gas.
+    /// Means over a gas on which the particles act; `None` if the particles do not change the gas flow.
     pub gas: Option<GasMeans>,
     /// Stress in a sheared box; `None` without shear.
     pub shear: Option<ShearStress>,
-    /// [J] energy given by a thermostat and thermal walls since the start; `None` without any.
+    /// [J] energy that a thermostat and thermal walls have given to the particles since the start; `None` without any
+    /// of them.
     pub thermostat_work: Option<f64>,
-    /// Number of particles; `None` if all particles stay.
+    /// Number of particles at this instant; `None` in a scene without inlets and outlets.
     pub particles: Option<u64>,
-    /// Coefficients of the velocity distribution, if the case asks for this distribution.
+    /// Sonine coefficients a₂ and a₃ of the velocity distribution; `None` unless the case asks for this distribution.
     pub sonine: Option<Sonine>,
     /// [kg m/s] momentum of all particles.
     pub momentum: Vector3<f64>,
@@ -59,32 +60,36 @@ pub struct Row {
     pub pair_impacts: u64,
     /// Number of impacts on walls that have ended since the start.
     pub wall_impacts: u64,
-    /// [-] number of present contacts per particle, with other particles and with walls; 0 if contacts have no
-    /// duration.
+    /// [-] coordination number: number of present contacts per particle, with other particles and with walls. It is 0
+    /// if contacts have no duration.
     pub coordination: f64,
-    /// [-] largest overlap of the present contacts, over the diameter of the smaller particle.
+    /// [-] largest overlap of all present contacts, divided by the diameter of the smaller particle.
     pub largest_overlap: f64,
     /// [m] centre of mass along x, y and z. `None` without particles, and along a periodic axis, where no centre of
     /// mass is defined.
     pub centre: [Option<f64>; 3],
 }
 
-/// Component yz of the stress in a sheared box, which is negative for a positive rate: particles carry momentum along z
-/// down. The work of this stress is -rate times stress times volume.
+/// Component yz of the stress in a sheared box, and the work of shear. For a positive shear rate the stress is
+/// negative, because the particles carry momentum along z downwards. The power of this stress on the particles is -rate
+/// times stress times volume.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ShearStress {
-    /// [J] work of shear on the particles in the box since the start.
+    /// [J] work of the shear on the particles since the start.
     pub work: f64,
-    /// [Pa] kinetic part: Σ m c_y c_z over the volume of the box, with velocities c relative to the mean flow.
+    /// [Pa] kinetic part of the stress: Σ m c_y c_z divided by the volume of the box, with velocities c relative to the
+    /// mean flow.
     pub kinetic: f64,
-    /// [Pa] contact part, as its mean since the row before; `None` in the first row.
+    /// [Pa] contact part of the stress, averaged over the time since the previous row; `None` in the first row.
     pub contact: Option<f64>,
-    /// [J s] integral of Σ r_y f_z over pairs in contact since the start.
+    /// [J s] time integral of Σ r_y f_z since the start, over the pairs in contact with the vector r between their
+    /// centres and the force f.
     pub(super) virial: f64,
 }
 
 impl ShearStress {
-    /// Stress at the present instant; `before` is the row of the series before this one. `None` without shear.
+    /// Returns the stress in a sheared box at the present instant; `None` without shear. `before` is the previous row
+    /// of the series.
     pub(super) fn of(simulation: &Simulation, before: Option<&Row>) -> Option<Self> {
         let domain = &simulation.scene().domain;
         domain.shear?;
@@ -106,9 +111,9 @@ impl ShearStress {
 pub struct FrictionSums {
     /// [J] energy lost to sliding friction since the start.
     pub sliding: f64,
-    /// [J] other losses by friction.
+    /// [J] energies lost since the start to tangential restitution, springs, rolling and twisting.
     pub losses: FrictionLosses,
-    /// [J] energies of tangential, rolling and twisting springs.
+    /// [J] energies stored in the tangential, the rolling and the twisting springs of contacts.
     pub springs: [f64; 3],
 }
 
@@ -127,10 +132,10 @@ pub struct RotationSums {
     /// [J] rotational energy of all particles.
     pub energy: f64,
     /// [m²/s²] parts of the rotational temperature T_r along x, y and z: Σ I (ω - Ω)²/Σ m per component, with the mean
-    /// spin Ω = Σ I ω/Σ I. T_r is the mean of the three parts. It equals T if rotation and translation have equal
-    /// energies.
+    /// spin Ω = Σ I ω/Σ I. T_r is the mean of the three parts. It equals the granular temperature if rotation and
+    /// translation have equal energies.
     pub temperature: Vector3<f64>,
-    /// [rad/s] mean spin Ω of the particles.
+    /// [rad/s] mean spin Ω = Σ I ω/Σ I of the particles, weighted by their moments of inertia I.
     pub spin: Vector3<f64>,
 }
 
@@ -152,16 +157,16 @@ impl RotationSums {
     }
 }
 
-/// Turbulence along the paths of the particles, as means over all particles and the three components. u is the
-/// fluctuation of the gas velocity at the position of a particle.
+/// Turbulence of the gas at the positions of the particles, averaged over all particles and the three components. u is
+/// the fluctuation of the gas velocity at the position of a particle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TurbulenceMeans {
     /// [m²/s²] variance of a component of the gas velocity at the positions of the particles, 2/3 k.
     pub of_gas: f64,
-    /// [m²/s²] mean square of u.
+    /// [m²/s²] mean square of the fluctuation u of the gas velocity at the positions of the particles.
     pub seen: f64,
-    /// [m²/s²] mean product of u and the particle velocity relative to the mean velocity of the gas. It is a third of
-    /// the covariance q_fp of Simonin (1996).
+    /// [m²/s²] mean product of the fluctuation u of the gas velocity and the particle velocity relative to the mean gas
+    /// velocity. It is a third of the covariance q_fp of Simonin (1996).
     pub covariance: f64,
 }
 
@@ -186,16 +191,16 @@ impl TurbulenceMeans {
     }
 }
 
-/// Gas that feels the particles, at one instant.
+/// Flow of a gas on which the particles act (two-way coupling), at one instant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GasMeans {
-    /// [Pa/m] pressure drop per length in the last step of the gas, without the hydrostatic part.
+    /// [Pa/m] pressure drop of the gas per length in its last time step, without the hydrostatic part.
     pub pressure_gradient: f64,
-    /// [m/s] flow rate over the cross-section.
+    /// [m/s] flow rate of the gas divided by the area of the cross-section.
     pub bulk_velocity: f64,
-    /// [m/s] friction velocity; negative where the gas flows backwards at the wall.
+    /// [m/s] friction velocity of the gas; negative if the gas flows backwards at the wall.
     pub friction_velocity: f64,
-    /// [kg m/s] momentum of the gas along z.
+    /// [kg m/s] momentum of the gas in the box along z.
     pub momentum: f64,
 }
 
@@ -212,7 +217,7 @@ impl GasMeans {
 }
 
 impl Row {
-    /// [J] sum of the kinetic, rotational and elastic energy.
+    /// [J] sum of the kinetic, rotational and elastic energy of all particles.
     pub fn energy(&self) -> f64 {
         self.kinetic_energy + self.elastic_energy + self.rotation.map_or(0.0, |rotation| rotation.energy)
     }
@@ -222,8 +227,9 @@ impl Row {
         self.rotation.map(|rotation| rotation.temperature.sum() / 3.0)
     }
 
-    /// Averages at the present instant; `before` is the row of the series before this one. `slices` is the number of
-    /// slices along y with whose mean velocities the granular temperature is computed.
+    /// Returns the averages over all particles at the present instant. `before` is the previous row of the series.
+    /// `slices` is the number of slices along y. The granular temperature is relative to the mean velocities of these
+    /// slices.
     fn of(simulation: &Simulation, slices: usize, before: Option<&Self>) -> Self {
         let (time, sample) = (simulation.time, simulation.sample());
         let touching = simulation.touching();
@@ -243,9 +249,9 @@ impl Row {
         }
     }
 
-    /// Averages over particles at `time` [s], with 0 for contacts and impacts. The granular temperature is relative to
-    /// the mean velocities of equal slices along y; `slices` is their number. `reference` [m/s] is a velocity near the
-    /// mean. In a sheared box, temperature and mean velocity are relative to the mean flow.
+    /// Returns the averages over the particles of a sample at `time` [s], with 0 for contacts and impacts. The granular
+    /// temperature is relative to the mean velocities of `slices` equal slices along y. `reference` [m/s] is a velocity
+    /// near the mean. In a sheared box, temperature and mean velocity are relative to the mean flow.
     pub fn of_sample(time: f64, sample: Sample, reference: Vector3<f64>, (domain, slices): (&Domain, usize)) -> Self {
         let relative = sample.particles.relative_to_flow(domain);
         let spread = VelocitySpread::about(reference, sample.with(&relative), slices, domain.size.y);
@@ -274,7 +280,7 @@ impl Row {
         }
     }
 
-    /// [m²/s²] granular temperature T of all particles.
+    /// [m²/s²] granular temperature T of all particles; `None` if every slice contains at most one particle.
     pub fn granular_temperature(&self) -> Option<f64> {
         self.temperature.map(|parts| parts.sum() / 3.0)
     }
@@ -284,7 +290,7 @@ impl Row {
 struct MassSums {
     /// [kg] mass of all particles.
     mass: f64,
-    /// [kg m] sum of mass times position.
+    /// [kg m] sum of mass times position over all particles.
     moment: Vector3<f64>,
     /// [kg m/s] momentum of all particles.
     momentum: Vector3<f64>,
@@ -306,9 +312,9 @@ impl MassSums {
     }
 }
 
-/// [s] time between rows, for at most `most` rows. It is a whole number of sample intervals, or of windows (times
-/// between two exchanges with the gas) if there are fewer than `least` samples. The case may set other instants, which
-/// are equal in all variants. They are used if they are closer in time or sufficient for a curve.
+/// [s] time between two rows of a series with at most `most` rows. It is a whole number of sample intervals. If there
+/// are fewer than `least` samples, it is a whole number of windows (times between two exchanges with the gas). The case
+/// may set instants that are equal in all variants. They are used if they are closer in time or sufficient for a curve.
 pub(super) fn interval(schedule: &Schedule, least: u64, most: u64) -> f64 {
     let between = |all: u64, rows: u64| all.div_ceil(rows.max(1)).max(1) as f64;
     let own = if schedule.samples >= least {
@@ -322,16 +328,16 @@ pub(super) fn interval(schedule: &Schedule, least: u64, most: u64) -> f64 {
 }
 
 /// Averages over all particles at times that are equal in every variant of a scene. The series has at most a thousand
-/// rows, and one more row at the end of the run.
+/// rows (instants), and one more row at the end of the run.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Series {
-    /// Number of slices in which the temperature is computed.
+    /// Number of slices along y relative to whose mean velocities the temperature is computed.
     slices: usize,
     /// [s] time between two rows of the series.
     interval: f64,
-    /// True if rows contain the coefficients of the velocity distribution.
+    /// True if rows contain the Sonine coefficients of the velocity distribution.
     has_sonine: bool,
-    /// Rows in the order of time.
+    /// Rows of the series in the order of time.
     pub rows: Vec<Row>,
 }
 

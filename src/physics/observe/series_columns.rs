@@ -1,4 +1,4 @@
-//! Columns of the averages over time. The file `series.csv`, verdicts and pictures all use the table in this file.
+//! Columns of the averages over time. The file `series.csv`, verdicts and pictures use these columns.
 
 use super::series::{FrictionSums, Row};
 use nalgebra::Vector3;
@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 /// Quantity of all particles over time, which is a column of `series.csv`.
 #[derive(Clone, Copy)]
 pub struct SeriesColumn {
-    /// Name of the column in the file, with its unit.
+    /// Name of the column in `series.csv`, with its unit.
     pub key: &'static str,
     /// Name of the quantity in a sentence.
     pub name: &'static str,
@@ -14,8 +14,8 @@ pub struct SeriesColumn {
     pub unit: &'static str,
     /// True if the quantity is a sum over all particles, false if it is a mean.
     pub is_sum: bool,
-    /// Scale of the differences of the quantity in a verdict on curves over time; `None` if verdicts do not compare the
-    /// quantity.
+    /// Scale by which a verdict on curves over time divides differences of the quantity; `None` if verdicts do not
+    /// compare the quantity.
     pub scale: Option<CurveScale>,
     /// Function that returns the quantity of a row; `None` if the scene does not have it.
     pub of: fn(&Row) -> Option<f64>,
@@ -24,10 +24,10 @@ pub struct SeriesColumn {
 /// Scale by which a verdict on curves over time divides differences of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CurveScale {
-    /// Largest value of the quantity.
+    /// Largest magnitude of the quantity over time.
     LargestValue,
-    /// Largest change of the quantity, or the agitation if this is larger. It is used for velocities, whose values
-    /// depend on the frame of reference.
+    /// Largest change of the quantity over time, or the agitation if it is larger. This scale is used for velocities,
+    /// whose values depend on the frame of reference.
     LargestChange,
 }
 
@@ -38,7 +38,7 @@ impl SeriesColumn {
     }
 }
 
-/// One component of a vector; `None` if the scene does not have this vector.
+/// Component of a vector along the axis `axis` (0: x, 1: y, 2: z); `None` if the scene does not have the vector.
 fn part(of: Option<Vector3<f64>>, axis: usize) -> Option<f64> {
     of.map(|vector| vector[axis])
 }
@@ -89,12 +89,13 @@ pub const SERIES_COLUMNS: [SeriesColumn; 28] = [
     sum("energy_J", "energy", "J", |row| Some(row.energy())).compared(CurveScale::LargestValue),
 ];
 
-/// Number that `energy` takes from the friction energies of a row; `None` if spheres do not rotate.
+/// Value that the function `energy` takes from the friction energies of a row; `None` if spheres do not rotate.
 fn friction(row: &Row, energy: impl FnOnce(FrictionSums) -> f64) -> Option<f64> {
     row.friction.map(energy)
 }
 
-/// Further columns for scenes whose spheres rotate: losses by friction since the start, and energies of springs.
+/// Further columns of `series.csv` for spheres that rotate: losses by friction since the start, and energies of
+/// springs.
 pub const FRICTION_COLUMNS: [SeriesColumn; 9] = [
     sum("sliding_loss_J", "loss by sliding", "J", |row| friction(row, |of| of.sliding)),
     sum("tangential_restitution_loss_J", "loss by tangential restitution", "J", |row| {
@@ -109,7 +110,7 @@ pub const FRICTION_COLUMNS: [SeriesColumn; 9] = [
     sum("twisting_spring_energy_J", "energy of twisting springs", "J", |row| friction(row, |of| of.springs[2])),
 ];
 
-/// Further columns for scenes with turbulence: means over all particles and the three components.
+/// Further columns of `series.csv` for scenes with turbulence: means over all particles and the three components.
 pub const TURBULENCE_COLUMNS: [SeriesColumn; 3] = [
     mean("gas_variance_m2_s2", "variance of the gas", "m²/s²", |row| row.turbulence.map(|of| of.of_gas)),
     mean("gas_variance_seen_m2_s2", "variance of the gas seen", "m²/s²", |row| row.turbulence.map(|of| of.seen)),
@@ -118,7 +119,7 @@ pub const TURBULENCE_COLUMNS: [SeriesColumn; 3] = [
     }),
 ];
 
-/// Further columns of scenes whose gas feels the particles.
+/// Further columns of `series.csv` for scenes with two-way coupling: flow of the gas on which the particles act.
 pub const GAS_COLUMNS: [SeriesColumn; 4] = [
     mean("gas_pressure_gradient_Pa_m", "pressure drop of the gas", "Pa/m", |row| {
         row.gas.map(|gas| gas.pressure_gradient)
@@ -130,23 +131,24 @@ pub const GAS_COLUMNS: [SeriesColumn; 4] = [
     sum("gas_momentum_z_kg_m_s", "momentum of the gas along z", "kg m/s", |row| row.gas.map(|gas| gas.momentum)),
 ];
 
-/// Further columns of sheared boxes: the work of shear since the start and the stress yz.
+/// Further columns of `series.csv` for sheared boxes: the work of shear since the start, and the stress yz.
 pub const SHEAR_COLUMNS: [SeriesColumn; 3] = [
     sum("shear_work_J", "work of shear", "J", |row| row.shear.map(|of| of.work)),
     mean("kinetic_stress_yz_Pa", "kinetic stress yz", "Pa", |row| row.shear.map(|of| of.kinetic)),
     mean("contact_stress_yz_Pa", "contact stress yz", "Pa", |row| row.shear.and_then(|of| of.contact)),
 ];
 
-/// Further column of scenes with a thermostat or thermal walls.
+/// Further column of `series.csv` for scenes with a thermostat or thermal walls: the energy given to the particles
+/// since the start.
 pub const THERMOSTAT_COLUMNS: [SeriesColumn; 1] =
     [sum("thermostat_work_J", "work of the thermostat", "J", |row| row.thermostat_work)];
 
-/// Further column of scenes with inlets or outlets.
+/// Further column of `series.csv` for scenes with inlets or outlets: the number of particles.
 pub const OPENING_COLUMNS: [SeriesColumn; 1] =
     [sum("particles", "number of particles", "", |row| row.particles.map(|count| count as f64))
         .compared(CurveScale::LargestValue)];
 
-/// Further columns of runs that measure the distribution of the velocities: its Sonine coefficients.
+/// Further columns of `series.csv` for runs that measure the velocity distribution: its Sonine coefficients.
 pub const SONINE_COLUMNS: [SeriesColumn; 2] = [
     mean("a2", "a₂ of the velocities", "", |row| row.sonine.map(|of| of.a2)),
     mean("a3", "a₃ of the velocities", "", |row| row.sonine.map(|of| of.a3)),

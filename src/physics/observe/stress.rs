@@ -1,4 +1,4 @@
-//! Stress in the particles, number of contacts per particle, and volume fraction of each slice.
+//! Stress in the particles, mean number of contacts per particle, and volume fraction of particles in each slice.
 
 use super::{Needs, Observer, plain_data};
 use crate::domain::Domain;
@@ -14,7 +14,8 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// Largest number of samples (instants of measurement) that are used; more would improve neither averages nor errors.
+/// Largest number of samples (instants of measurement) that are used. More samples would improve neither averages nor
+/// errors.
 const MOST_SAMPLES: u64 = 400;
 
 /// Time averages of the stress in the particles, with components in the order xx, yy, zz, xy, xz, yz. Compression is
@@ -25,14 +26,14 @@ pub struct Stress {
     /// the slice at the same instant.
     pub kinetic: [Option<Estimate>; 6],
     /// [Pa] contact part: time average of Σ r f divided by the volume of the box. r is the vector between the centres
-    /// of two particles in contact, and f is the force between them. For a collision of hard spheres, the impulse is
-    /// the integral of f over time.
+    /// of two particles in contact, and f is the force between them. For hard spheres, the time integral of f is the
+    /// impulse of a collision.
     pub contact: [Option<Estimate>; 6],
-    /// [Pa] sum of the kinetic and the contact part.
+    /// [Pa] sum of the kinetic and the contact part, component by component.
     pub total: [Option<Estimate>; 6],
     /// [Pa] pressure: a third of the trace of the total stress, kinetic part plus contact part.
     pub pressure: Option<Estimate>,
-    /// [-] ratio of the pressure to its kinetic part; for a gas at rest this is the compressibility factor Z.
+    /// [-] ratio of the pressure to its kinetic part. For a gas without mean flow it is the compressibility factor Z.
     pub compressibility: Option<Estimate>,
     /// [-] mean number of bodies in contact with a particle at an instant, including walls. `None` for hard spheres,
     /// which have no lasting contacts.
@@ -41,29 +42,30 @@ pub struct Stress {
     pub volume_fraction: Vec<Option<Estimate>>,
 }
 
-/// Sums over all particles at one instant.
+/// Sums over all particles from which the stress at one instant is computed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct StressSample {
-    /// [J] kinetic sum Σ m c c, where c is the velocity relative to the mean velocity of the slice.
+    /// [J] kinetic sum Σ m c c over all particles, with the velocity c relative to the mean velocity of the slice. The
+    /// order of the components is xx, yy, zz, xy, xz, yz.
     kinetic: [f64; 6],
-    /// [J s] contact sum Σ r f integrated over time since the start, where r is the vector between the centres and f
-    /// the force.
+    /// [J s] time integral of the contact sum Σ r f since the start, with the vector r between two centres and the
+    /// force f. The order of the components is xx, yy, zz, xy, xz, yz.
     contact: [f64; 6],
     /// [-] mean number of bodies in contact with a particle at this instant.
     touched: f64,
-    /// [m³] volume of particles within each slice.
+    /// [m³] volume of the parts of particles that lie within each slice.
     filled: Vec<f64>,
 }
 
 /// Measurement of the stress and the volume fraction at every sample.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Stresses {
-    /// Number n: every n-th sample of the run is used.
+    /// Number n, if every n-th sample of the run is used.
     every: u64,
-    /// [s] time between the used samples.
+    /// [s] time between two samples that are used.
     interval: f64,
     slices: usize,
-    /// [m³] volume of the box.
+    /// [m³] volume of the box, by which the sums are divided.
     volume: f64,
     lasts: bool,
     samples: Vec<StressSample>,
@@ -83,7 +85,7 @@ impl Stresses {
         }
     }
 
-    /// Time averages over the samples of the run from sample `first` on.
+    /// Time averages of the stress from the sample of the run with the index `first` to the end.
     pub fn averages(&self, first: usize) -> Stress {
         let samples = self.samples.get(first.div_ceil(self.every as usize)..).unwrap_or_default();
         let kinetic = |k: usize| samples.iter().map(|sample| sample.kinetic[k] / self.volume).collect::<Vec<_>>();
@@ -146,14 +148,16 @@ impl Observer for Stresses {
     plain_data!();
 }
 
-/// Six components of the symmetric part of a tensor: xx, yy, zz, and the means of xy and yx, xz and zx, yz and zy.
+/// Six components of the symmetric part of a tensor, in the order xx, yy, zz, xy, xz, yz. For example, xy is the mean
+/// of the elements xy and yx.
 fn six(m: &Matrix3<f64>) -> [f64; 6] {
     let mean = |i: usize, j: usize| 0.5 * (m[(i, j)] + m[(j, i)]);
     [mean(0, 0), mean(1, 1), mean(2, 2), mean(0, 1), mean(0, 2), mean(1, 2)]
 }
 
-/// Kinetic sums Σ m c c [J] with velocities c relative to the mean velocity of each slice, and volume of the particles
-/// [m³] in each slice. The result depends neither on the number of threads nor on the order of the particles.
+/// Kinetic sums Σ m c c [J] in the order xx, yy, zz, xy, xz, yz, and the volume of the particles [m³] in each slice.
+/// Velocities c are relative to the mean velocity of the slice. The results depend neither on the number of threads nor
+/// on the order of the particles.
 fn sums(all: Sample, domain: &Domain, slices: usize) -> ([f64; 6], Vec<f64>) {
     let particles = all.particles;
     let thickness = domain.size.y / slices as f64;
@@ -199,8 +203,8 @@ fn sums(all: Sample, domain: &Domain, slices: usize) -> ([f64; 6], Vec<f64>) {
     (kinetic, filled.iter().map(|layers| layers.value() * thickness.powi(3)).collect())
 }
 
-/// Adds the volume of a sphere to each layer by the part of the sphere in this layer. Lengths are in units of the
-/// thickness of a layer; layer k extends from k to k + 1.
+/// Adds to each layer the volume of the part of a sphere that lies in this layer. `y` is the coordinate of the centre.
+/// Lengths are in units of the thickness of a layer; layer k extends from k to k + 1.
 fn fill(filled: &mut [ExactSum], y: f64, radius: f64, periodic: bool) {
     let whole = 4.0 / 3.0 * PI * (radius * radius * radius);
     // most spheres are within one layer; the cast turns negative numbers into 0

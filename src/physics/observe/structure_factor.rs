@@ -1,6 +1,6 @@
 //! Static structure factor S(k) = <|Σ exp(-i k·x)|²>/N of the centres, for wave vectors that fit into the periodic box:
-//! k = 2π (n_x/L_x, n_y/L_y, n_z/L_z) with whole numbers n (Hansen and McDonald, Theory of Simple Liquids, 4th edition 2013,
-//! section 4.1). S of an ideal gas is 1.
+//! k = 2π (n_x/L_x, n_y/L_y, n_z/L_z) with whole numbers n (Hansen and McDonald, Theory of Simple Liquids, 4th edition
+//! 2013, section 4.1). S of an ideal gas is 1.
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumber, ObservedQuantity};
 use super::{Needs, Observer, plain_data};
@@ -15,11 +15,11 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Largest number of samples (instants of measurement) that are used; in a longer run the used samples are further
-/// apart.
+/// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th sample
+/// is used.
 const MOST_SAMPLES: u64 = 400;
-/// Largest number of wave vectors that are used in a bin of the wave number. More vectors of one sample are hardly
-/// independent.
+/// Largest number of wave vectors that are used in a bin of the wave number. More vectors of one sample would hardly be
+/// statistically independent.
 const MOST_VECTORS: usize = 24;
 
 /// Structure factor S at one instant, averaged over the wave vectors of each bin of the wave number.
@@ -30,19 +30,20 @@ struct StructureSample {
     bins: Vec<f64>,
 }
 
-/// Measurement of the structure factor at samples.
+/// Measurement of the static structure factor S(k) at samples (instants of measurement).
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct StructureFactor {
-    /// [s] time between the used samples.
+    /// [s] time between two samples that are used.
     interval: f64,
-    /// [1/m] wave vectors of each bin of the wave number; bins without a vector are left out.
+    /// [1/m] wave vectors of each bin of the wave number, in increasing order of the bins. Bins without a vector are
+    /// left out.
     vectors: Vec<Vec<Vector3<f64>>>,
     samples: Vec<StructureSample>,
 }
 
 /// Wave vectors [1/m] of each of `bins` bins of equal width up to the wave number `largest` [1/m]. Vectors k and -k
-/// have equal S, so only one of them is listed. From a bin with many vectors, some are taken at equal distances in the
-/// list.
+/// have equal S, so the list contains one of them. If a bin has many vectors, some of them are selected at equal
+/// distances in its list.
 fn wave_vectors(domain: &Domain, largest: f64, bins: usize) -> Vec<Vec<Vector3<f64>>> {
     let unit = domain.size.map(|edge| 2.0 * PI / edge);
     let most = unit.map(|unit| (largest / unit).floor() as i32);

@@ -1,15 +1,16 @@
 //! Distribution of the velocities, and its coefficients a₂ and a₃ in Sonine polynomials.
 //!
-//! Velocities are relative to the mean velocity of their slice at the same instant, and in units of sqrt(2T): c = v/sqrt(2T),
-//! with the granular temperature T of the species. The distribution of a nearly Maxwellian gas is
-//! f(c) = π^(-3/2) exp(-c²) (1 + a₂ S₂(c²) + a₃ S₃(c²) + ...). Its moments are <c⁴> = 15/4 (1 + a₂) and
-//! <c⁶> = 105/8 (1 + 3 a₂ - a₃) (Brilliantov and Pöschel 2004, Kinetic Theory of Granular Gases, chapter 8).
+//! Velocities are relative to the mean velocity of their slice at the same instant, and in units of sqrt(2T): c =
+//! v/sqrt(2T), with the granular temperature T of the species. The distribution of a nearly Maxwellian gas is f(c) =
+//! π^(-3/2) exp(-c²) (1 + a₂ S₂(c²) + a₃ S₃(c²) + ...). Its moments are <c⁴> = 15/4 (1 + a₂) and <c⁶> = 105/8 (1 + 3 a₂
+//! - a₃) (Brilliantov and Pöschel 2004, Kinetic Theory of Granular Gases, chapter 8).
 //!
-//! **Few particles.** The n velocities of a slice are enlarged by sqrt(n/(n - 1)), since the mean of the slice follows
-//! them. T of the same particles is in the denominator: the N velocities are then a point on a sphere in ν = 3(N - S)
-//! dimensions, S being the number of slices. The mean of <c⁴> of a Maxwellian gas is then 15/4 ν/(ν + 2), and that of <c⁶> is
-//! 105/8 ν²/((ν + 2)(ν + 4)). The moments are divided by these factors, so that a₂ and a₃ of a Maxwellian gas are zero on
-//! average for any N. With n particles in a slice, a₂ of another gas is still too small by about 2 a₂/n.
+//! **Few particles.** The n velocities of a slice are multiplied by sqrt(n/(n - 1)), because the mean of the slice is
+//! the mean of the same velocities. T of the same particles is in the denominator. The N velocities are then a point on
+//! a sphere in ν = 3(N - S) dimensions, S being the number of slices. The mean of <c⁴> of a Maxwellian gas is then 15/4
+//! ν/(ν + 2), and that of <c⁶> is 105/8 ν²/((ν + 2)(ν + 4)). The moments are divided by ν/(ν + 2) and ν²/((ν + 2)(ν +
+//! 4)), so that a₂ and a₃ of a Maxwellian gas are zero on average for any N. With n particles in a slice, a₂ of another
+//! gas remains too small by about 2 a₂/n.
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumber, ObservedQuantity};
 use super::{Needs, Observer, plain_data};
@@ -25,31 +26,32 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Largest number of samples (instants of measurement) that are used; in a longer run the used samples are further
-/// apart.
+/// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th sample
+/// is used.
 const MOST_SAMPLES: u64 = 1000;
 
-/// Coefficients of the distribution of the velocities at one instant.
+/// Coefficients of the Sonine polynomials in the velocity distribution at one instant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sonine {
-    /// [-] coefficient a₂; 0 for a Maxwellian gas.
+    /// [-] coefficient a₂ of the second Sonine polynomial; 0 for a Maxwellian gas.
     pub a2: f64,
-    /// [-] coefficient a₃; 0 for a Maxwellian gas.
+    /// [-] coefficient a₃ of the third Sonine polynomial; 0 for a Maxwellian gas.
     pub a3: f64,
 }
 
 /// Velocities of all particles at one instant, relative to the mean velocities of slices.
 struct PeculiarVelocities<'a> {
     sample: Sample<'a>,
-    /// Number of slices per length along y [1/m], and index of the last slice.
+    /// Number of slices per length along y [1/m], and the index of the last slice.
     slices: (f64, f64),
-    /// [m/s] mean velocity of each slice, and [-] factor that makes up for the motion of that mean. The factor is 0 for
-    /// slices with at most one particle, whose velocities are not used.
+    /// Mean velocity [m/s] of each slice, and the factor sqrt(n/(n - 1)) [-] for its n particles. The factor corrects
+    /// the velocities relative to the mean, because the mean is that of the same particles. It is 0 for slices with at
+    /// most one particle, whose velocities are not used.
     means: Vec<(Vector3<f64>, f64)>,
-    /// [m²/s²] granular temperature of each species; 0 if none of its particles moves.
+    /// [m²/s²] granular temperature of each species; 0 if no particle of the species moves relative to its slice.
     temperatures: Vec<f64>,
     /// Sonine coefficients, averaged over all species with the numbers of their particles as weights; `None` if no
-    /// particle moves.
+    /// particle moves relative to its slice.
     sonine: Option<Sonine>,
 }
 
@@ -101,8 +103,8 @@ impl<'a> PeculiarVelocities<'a> {
         own
     }
 
-    /// [m/s] velocity of the particle with the index `place` relative to its slice, enlarged to make up for the motion
-    /// of the mean of the slice. `None` if it is alone in its slice.
+    /// [m/s] velocity of a particle relative to the mean of the n particles of its slice, times sqrt(n/(n - 1)).
+    /// `place` is the index of the particle. `None` if it is alone in its slice.
     fn velocity(&self, place: usize) -> Option<Vector3<f64>> {
         let particles = self.sample.particles;
         let (per_length, last) = self.slices;
@@ -111,8 +113,8 @@ impl<'a> PeculiarVelocities<'a> {
         (factor > 0.0).then(|| (particles.velocity[place] - mean) * factor)
     }
 
-    /// Numbers of particles whose speed c and whose component |c_x| are in each of `bins` bins from 0 to `largest` [-].
-    /// One more entry counts all other particles.
+    /// Numbers of particles in each of `bins` bins from 0 to `largest` [-]: first by their speed c, then by their
+    /// component |c_x|, both in units of sqrt(2T). One more entry counts all other particles.
     fn histogram(&self, bins: usize, largest: f64) -> Vec<[f64; 2]> {
         let per_width = bins as f64 / largest;
         let species = &self.sample.particles.species;
@@ -131,8 +133,8 @@ impl<'a> PeculiarVelocities<'a> {
 }
 
 impl Sonine {
-    /// Coefficients at the present instant; `None` if no particle moves. `slices` is the number of slices along y whose
-    /// mean velocities are subtracted.
+    /// Sonine coefficients at the present instant; `None` if no particle moves relative to its slice. `slices` is the
+    /// number of slices along y whose mean velocities are subtracted.
     pub(super) fn of(simulation: &Simulation, slices: usize) -> Option<Self> {
         let (scene, relative) = (simulation.scene(), simulation.relative_to_flow());
         let sample = simulation.sample();
@@ -140,24 +142,25 @@ impl Sonine {
     }
 }
 
-/// Histograms of the velocities at one instant, relative to the mean velocities of slices.
+/// Histograms of the velocities at one instant. Velocities are relative to the mean velocities of slices, in units of
+/// sqrt(2T).
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct VelocitySample {
     /// [s] simulated time of the sample.
     time: f64,
     sonine: Option<Sonine>,
-    /// Share of the particles in each bin of the speed c, and of the component c_x.
+    /// Share of the particles [-] in each bin: first of the speed c, then of the component |c_x|.
     bins: Vec<[f64; 2]>,
 }
 
-/// Measurement of the distribution of the velocities at samples.
+/// Measurement of the velocity distribution at samples (instants of measurement).
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct VelocityDistribution {
-    /// [s] time between the used samples.
+    /// [s] time between two samples that are used.
     interval: f64,
-    /// Number of slices whose mean velocities are subtracted.
+    /// Number of slices along y whose mean velocities are subtracted.
     slices: usize,
-    /// [-] end of the last bin of the histograms, in units of sqrt(2T).
+    /// [-] largest speed in the histograms, in units of sqrt(2T) with the granular temperature T.
     largest: f64,
     bins: usize,
     samples: Vec<VelocitySample>,
@@ -176,8 +179,9 @@ impl VelocityDistribution {
     }
 }
 
-/// [-] coefficient a₂ that theory gives for a homogeneous gas that cools, or that random accelerations heat. It is `None` if a side of the box is not
-/// periodic, or with gas, shear, friction, rotation, several sizes, or a restitution that depends on the speed.
+/// [-] coefficient a₂ of a homogeneous gas by theory, for a gas that cools or that random accelerations heat. `None` if
+/// a side of the box is not periodic. `None` also with gas, shear, friction, rotation, several sizes, or a restitution
+/// that depends on the speed.
 fn theory(experiment: &Experiment) -> Option<f64> {
     let scene = &experiment.scene;
     let surface = &scene.contact;

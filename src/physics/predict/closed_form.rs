@@ -8,26 +8,26 @@ use crate::fluid::Profile;
 use crate::scene::{Kind, Scene, Surface};
 use nalgebra::Vector3;
 
-/// Smallest number of particles for which a periodic scene is treated as a cooling gas.
+/// Smallest number of particles with which the gas in a periodic box is treated as a cooling gas.
 const FEWEST: usize = 100;
 
-/// A cooling gas of equal spheres. Inelastic collisions remove its energy, and nothing replaces it.
+/// Cooling gas of equal spheres. Inelastic collisions remove its energy, and nothing replaces the energy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cooling {
-    /// [m²/s²] granular temperature T at the start.
+    /// [m²/s²] granular temperature T of the gas at the start.
     temperature: f64,
-    /// [1/s] number of collisions of a particle per time at the start, by Enskog's theory.
+    /// [1/s] number of collisions per particle and time at the start, by Enskog's theory.
     rate: f64,
-    /// [1/s] number of collisions of all pairs per time at the start.
+    /// [1/s] number of collisions of all pairs per time at the start of the run.
     pair_rate: f64,
-    /// [-] square of the restitution.
+    /// [-] square of the restitution e of the collisions.
     square: f64,
 }
 
 impl Cooling {
     /// Makes a cooling gas of `count` particles that start with the granular temperature `temperature` [m²/s²]. `None`
-    /// unless the scene is a periodic box of many equal spheres with constant restitution below 1, without friction, drag and
-    /// walls.
+    /// unless the scene is a periodic box of many equal spheres with constant restitution below 1, without friction,
+    /// drag and walls.
     pub fn of(scene: &Scene, count: usize, temperature: f64) -> Option<Self> {
         let [species] = scene.species.as_slice() else { return None };
         if scene.has_sizes() {
@@ -53,20 +53,21 @@ impl Cooling {
         (1.0 + (1.0 - self.square) * self.rate * time / 6.0).powi(-2)
     }
 
-    /// [m²/s²] granular temperature at `time` [s]. The formula is valid as long as the gas stays homogeneous.
+    /// [m²/s²] granular temperature of the cooling gas at `time` [s]. The formula is valid as long as the gas stays
+    /// homogeneous.
     pub fn temperature(&self, time: f64) -> f64 {
         self.temperature * self.left(time)
     }
 
-    /// [1/s] number of collisions of all pairs per time at `time` [s]. The rate is proportional to the root of the
-    /// temperature.
+    /// [1/s] number of collisions of all pairs per time, at `time` [s]. The rate is proportional to the root of the
+    /// granular temperature.
     pub fn pair_rate(&self, time: f64) -> f64 {
         self.pair_rate * self.left(time).sqrt()
     }
 }
 
 /// [m/s] settling velocity of a single sphere: the gas velocity plus the slip velocity at which drag balances the
-/// weight. `None` without gravity or drag, if the gas velocity is not uniform, or for several species of spheres.
+/// weight. `None` without gravity or drag, for a gas velocity that depends on the position, or for several species.
 pub fn settling_velocity(scene: &Scene) -> Option<Vector3<f64>> {
     let fluid = scene.fluid.as_ref()?;
     let (drag, [species], Profile::Uniform(gas)) = (fluid.drag.as_ref()?, scene.species.as_slice(), &fluid.profile)
@@ -80,7 +81,7 @@ pub fn settling_velocity(scene: &Scene) -> Option<Vector3<f64>> {
 /// Free flight of a sphere between two bounces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct BounceFlight {
-    /// [s] start of the flight.
+    /// [s] simulated time at which the flight begins.
     begin: f64,
     /// [m] height of the centre at the start of the flight, measured upwards.
     height: f64,
@@ -88,12 +89,12 @@ struct BounceFlight {
     velocity: f64,
 }
 
-/// One sphere that bounces between a floor and a ceiling perpendicular to gravity, in a vacuum.
+/// Sphere that bounces between a floor and a ceiling perpendicular to gravity, in a vacuum.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bouncing {
     /// [m/s²] magnitude of the acceleration by gravity.
     gravity: f64,
-    /// [-] unit vector upwards, against gravity.
+    /// [-] unit vector upwards, opposite to gravity.
     up: Vector3<f64>,
     flights: Vec<BounceFlight>,
 }
@@ -103,8 +104,8 @@ impl Bouncing {
     /// becomes shorter than `SHORTEST`. `None` with drag, without gravity, or if a wall is not a plane perpendicular to
     /// gravity.
     pub fn of(scene: &Scene, [position, velocity]: [Vector3<f64>; 2], duration: f64) -> Option<Self> {
-        /// [-] shortest flight that is computed, over `duration`. Shorter flights could not be distinguished in a
-        /// picture.
+        /// [-] duration of the shortest flight that is computed, over `duration`. Shorter flights could not be
+        /// distinguished in a picture.
         const SHORTEST: f64 = 1e-5;
         let dragged = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
         let ([species], false) = (scene.species.as_slice(), dragged || scene.has_sizes()) else { return None };
@@ -146,12 +147,12 @@ impl Bouncing {
         Some(Self { gravity, up, flights })
     }
 
-    /// [s] times of the bounces.
+    /// [s] times of the bounces from the floor and the ceiling, from the start on.
     pub fn bounces(&self) -> impl Iterator<Item = f64> {
         self.flights.iter().skip(1).map(|flight| flight.begin)
     }
 
-    /// Position [m] and velocity [m/s] of the sphere at `time` [s], both as vectors along gravity. `None` after the
+    /// Position [m] and velocity [m/s] of the sphere at `time` [s], as vectors parallel to gravity. `None` after the
     /// last bounce that was computed.
     pub fn at(&self, time: f64) -> Option<[Vector3<f64>; 2]> {
         let next = self.flights.partition_point(|flight| flight.begin <= time);
@@ -165,19 +166,19 @@ impl Bouncing {
     }
 }
 
-/// Equal elastic spheres in a row that collide head on. In a collision two spheres exchange their velocities. So each
-/// straight flight continues through the row, while the sphere on it changes with every collision (Jepsen 1965, J.
-/// Math. Phys. 6, 405). Touching spheres transmit an impulse at once.
+/// Equal elastic spheres in a row that collide head on. In a collision two spheres exchange their velocities. Each
+/// straight flight therefore continues through the row, from sphere to sphere (Jepsen 1965, J. Math. Phys. 6, 405).
+/// Touching spheres transmit an impulse in an instant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chain {
-    /// [-] unit vector along the row.
+    /// [-] unit vector along the row of spheres.
     along: Vector3<f64>,
-    /// [m] diameter of the spheres.
+    /// [m] diameter of the equal spheres.
     diameter: f64,
-    /// Position of each sphere in the order along the row; 0 is the first.
+    /// Rank of each sphere in the order along the row, from 0 for the first sphere.
     rank: Vec<usize>,
-    /// Coordinate [m] at the start and velocity [m/s] along the row of each straight flight, in the order along the
-    /// row. The diameters of the preceding spheres are subtracted from the coordinate.
+    /// Coordinate [m] at the start and velocity [m/s] of each straight flight along the row, in the order along the
+    /// row. The diameters of all spheres before the flight are subtracted from the coordinate.
     free: Vec<[f64; 2]>,
 }
 
@@ -210,8 +211,8 @@ impl Chain {
         Some(Self { along, diameter, rank, free })
     }
 
-    /// Position [m] and velocity [m/s] along the row of the sphere with the index `sphere` at `time` [s], both as
-    /// vectors. `None` if there is no such sphere.
+    /// Position [m] and velocity [m/s] of the sphere with the index `sphere` at `time` [s], as vectors parallel to the
+    /// row. `None` if there is no such sphere.
     pub fn at(&self, sphere: usize, time: f64) -> Option<[Vector3<f64>; 2]> {
         let rank = *self.rank.get(sphere)?;
         let mut now: Vec<[f64; 2]> = self.free.iter().map(|[x, v]| [x + v * time, *v]).collect();

@@ -16,8 +16,8 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
-/// Number of intervals of Simpson's rule along the path of a sphere from the turning point to the end of the contact.
-/// The integrand varies only by a factor of two.
+/// Number of intervals of Simpson's rule along the path of two spheres in contact, from their smallest distance to the
+/// end of the contact. The integrand varies only by a factor of two.
 const PATH: usize = 16;
 /// Number of intervals of Simpson's rule over the impact parameter. The finest detail is due to grazing contacts, whose
 /// impact parameter differs from the diameter by less than an overlap.
@@ -42,9 +42,9 @@ fn simpson(end: f64, intervals: usize, of: impl Fn(f64) -> f64) -> f64 {
 /// [rad] angle χ by which an impact turns the relative velocity of two soft spheres: π for a head-on impact, 0 for a
 /// miss.
 ///
-/// `impact` is the impact parameter b [-]. `depth` is the largest overlap a = u sqrt(M/k)/d [-] of a head-on impact.
-/// Both are divided by the diameter d. The angle is χ = π - 2 asin b - 2 φ. Here φ is half the angle by which the
-/// spheres turn about each other during contact,
+/// `impact` is the impact parameter b [-], and `depth` the largest overlap a = u sqrt(M/k)/d [-] of a head-on impact at
+/// the same speed. Both are divided by the diameter d. The angle is χ = π - 2 asin b - 2 φ, where φ is half the angle
+/// by which the spheres turn about each other during contact,
 ///
 /// ```text
 /// φ = ∫ b dr/(r² sqrt(1 - b²/r² - (1-r)²/a²))   from the turning point to r = 1.
@@ -74,8 +74,9 @@ pub fn deflection(impact: f64, depth: f64) -> f64 {
     PI - 2.0 * impact.asin() - 2.0 * simpson(1.0, PATH, path)
 }
 
-/// [-] effective cross-section Q at one speed, over that of hard spheres: 3 ∫ sin²χ b db with b in diameters. `depth`
-/// is the largest overlap of a head-on impact at this speed, over the diameter [-].
+/// [-] effective cross-section Q at one speed of soft spheres, over that of hard spheres: 3 ∫ sin²χ b db, with the
+/// impact parameter b in diameters. `depth` is the largest overlap of a head-on impact at this speed, over the diameter
+/// [-].
 fn turned(depth: f64) -> f64 {
     // the substitution b = sin θ resolves grazing impacts
     let of = |theta: f64| {
@@ -86,13 +87,13 @@ fn turned(depth: f64) -> f64 {
 }
 
 /// [-] collision integral Ω^(2,2) of soft spheres over that of hard spheres. It is proportional to the rate at which
-/// collisions make the agitation of different directions equal. It is 1 without softness, and 1 - π sqrt(2π)/4 s to
-/// first order in the softness s.
+/// collisions make the agitation of different directions equal. It is 1 for infinitely stiff spheres, and 1 - π
+/// sqrt(2π)/4 s to first order in the softness s.
 ///
 /// `softness` is s = sqrt(m T/k)/d [-], with the granular temperature T; the overlap number is κ_n = sqrt(2/π) s. Hard
 /// spheres with Barker and Henderson's diameter d_eff would have a cross-section smaller by 2 (1 - d_eff/d) = sqrt(2π)
-/// s. To first order the decrease of Ω^(2,2) is π/4 times this. The result is valid for a dilute gas and s up to 0.15.
-/// Beyond it, impacts with γ = 4.7 would pass through the centre.
+/// s. To first order, Ω^(2,2) decreases by π/4 times this fraction. The result is valid for a dilute gas and s up to
+/// 0.15. At larger s, spheres with the reduced speed γ = 4.7 would pass through each other's centre.
 pub fn viscosity_integral(softness: f64) -> f64 {
     // the integral ∫ γ⁷ exp(-γ²) dγ from 0 to infinity is Γ(4)/2
     const NORM: f64 = 3.0;
@@ -114,8 +115,9 @@ mod tests {
         assert!((viscosity_integral(0.0) - 1.0).abs() < 1e-6, "{}", viscosity_integral(0.0));
     }
 
-    /// Checks that a head-on impact is reflected at any stiffness. Off the axis, the spheres turn about each other
-    /// during the contact, whose duration is π d a/u. To first order the angle is π a b, as follows from the integral.
+    /// Checks that a head-on impact is reflected at any stiffness. In an oblique impact, the spheres turn about each
+    /// other during the contact, whose duration is π d a/u. To first order the angle of this turn is π a b, as follows
+    /// from the integral.
     #[test]
     fn contacts_that_last_turn_less() {
         assert!((deflection(0.0, 0.2) - PI).abs() < 1e-12);
@@ -126,8 +128,8 @@ mod tests {
         }
     }
 
-    /// Compares with the path of two spheres on a spring, computed by time steps independently of the quadrature
-    /// (Störmer and Verlet, 2000 steps per contact).
+    /// Compares the deflection with the path of two spheres on a spring, computed by time steps independently of the
+    /// quadrature (Störmer and Verlet, 2000 steps per contact).
     #[test]
     fn the_angle_is_that_of_a_path() {
         for (impact, depth) in [(0.3f64, 0.05f64), (0.7, 0.2), (0.95, 0.1)] {
@@ -150,8 +152,8 @@ mod tests {
         }
     }
 
-    /// Checks the decrease 1 - Ω, which is π sqrt(2π)/4 s to first order (docs/theory/softness.md). Halving s removes
-    /// the second order.
+    /// Checks the decrease 1 - Ω^(2,2), which is π sqrt(2π)/4 s to first order (docs/theory/softness.md). Two values of
+    /// s, one half of the other, remove the second order.
     #[test]
     fn first_order_in_the_softness() {
         let lost = |s: f64| (viscosity_integral(0.0) - viscosity_integral(s)) / s;

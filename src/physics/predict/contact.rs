@@ -1,4 +1,4 @@
-//! Duration of contacts and depth of overlaps, and the limits that these set for the time step.
+//! Duration of contacts and largest overlaps, and the longest time steps that they allow.
 
 use super::integrator::{Realised, Scheme, realised_restitution};
 use crate::contact_law::{Bodies, ContactLaw, Spring};
@@ -11,24 +11,25 @@ use rustc_hash::FxHashSet;
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// [-] largest displacement of a particle in one step over the diameter, CFL_p^col: the lowest value in the paper
-/// (Table 1, cases B and E).
+/// [-] largest allowed displacement of a particle in one time step, over its diameter, CFL_p^col: the lowest value in
+/// the paper (Table 1, cases B and E).
 const CFL_COLLISION: f64 = 0.01;
 
-/// [-] largest displacement of a particle in one step over the cell size of the gas's grid, CFL_p: the paper's Table 1.
+/// [-] largest allowed displacement of a particle in one time step, over the cell size of the grid of the gas, CFL_p:
+/// the paper's Table 1.
 const CFL_PARTICLE: f64 = 1.5;
 
-/// One kind of contact: between particles of two species, or between a species and walls with equal surfaces.
+/// Kind of contact: between particles of two species, or between a species and walls with equal surfaces.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ContactKind {
     /// Names of the two touching bodies.
     pub name: String,
-    /// True if the other body is a wall.
+    /// True if one of the two touching bodies is a wall.
     pub wall: bool,
     /// Properties of the two bodies on which a contact law depends.
     #[serde(flatten)]
     pub bodies: Bodies,
-    /// [m] smaller diameter of the two bodies, by which overlaps are divided.
+    /// [m] diameter of the smaller body, by which overlaps are divided.
     pub diameter: f64,
     /// Distribution of the normal speeds of impact.
     pub speeds: ImpactSpeeds,
@@ -39,16 +40,18 @@ pub struct ContactKind {
 #[serde(rename_all = "snake_case")]
 pub enum ImpactSpeeds {
     /// Speeds in a Maxwellian gas. The normal speed u of impacts between particles or at walls has the density u/s²
-    /// exp(-u²/(2s²)). If the velocity variance depends on position or direction, s² does too.
+    /// exp(-u²/(2s²)), with the variance s² of the relative normal velocity. If the velocity variance depends on
+    /// position or direction, s² does too.
     Gas {
         /// [m²/s²] mean variance s² of the relative normal velocity. Between species p and q it is the sum T_p + T_q of
         /// their granular temperatures; at a wall it is T_p.
         variance: f64,
-        /// [-] groups of impacts: for each, its share of all impacts, and the ratio of its s to the mean s.
+        /// [-] groups of impacts. A group is given by its share of all impacts, and by its s over the root of
+        /// `variance`.
         #[serde(skip)]
         parts: Vec<[f64; 2]>,
     },
-    /// Speeds counted in a short run of few particles, whose distribution is not Maxwellian.
+    /// Speeds counted in a short run with few particles, if their distribution is not Maxwellian.
     Measured {
         /// [m²/s²] variance s² of the relative normal velocity.
         variance: f64,
@@ -58,7 +61,7 @@ pub enum ImpactSpeeds {
     },
     /// Speed of the fastest impact that the energy of a few bodies allows.
     Bodies {
-        /// [m/s] normal speed of the fastest impact.
+        /// [m/s] normal speed of the fastest impact that is possible.
         speed: f64,
     },
 }
@@ -69,7 +72,7 @@ impl ImpactSpeeds {
         Self::Gas { variance, parts: vec![[1.0, 1.0]] }
     }
 
-    /// [m/s] quantile: speed below which the fraction `q` [-] of the impacts lies.
+    /// [m/s] quantile of the normal speeds of impact: the speed below which the fraction `q` [-] of the impacts lies.
     pub fn quantile(&self, q: f64) -> f64 {
         match self {
             Self::Gas { variance, parts } => {
@@ -92,7 +95,8 @@ impl ImpactSpeeds {
         }
     }
 
-    /// [m/s] mean speed of impact: s sqrt(π/2) in a gas; between equal spheres sqrt(πT).
+    /// [m/s] mean normal speed of impact. In a gas it is s sqrt(π/2), with the variance s² of the relative normal
+    /// velocity; between equal spheres it is sqrt(πT).
     pub fn mean(&self) -> f64 {
         match self {
             Self::Gas { variance, parts } => {
@@ -103,9 +107,10 @@ impl ImpactSpeeds {
         }
     }
 
-    /// Mean of the speed of impact to the power `p` [(m/s)^p]: s^p 2^(p/2) Γ(1 + p/2) in a gas.
+    /// Mean of the normal speed of impact to the power `p` [(m/s)^p]. In a gas it is s^p 2^(p/2) Γ(1 + p/2), with the
+    /// variance s² of the relative normal velocity.
     pub fn mean_power(&self, p: f64) -> f64 {
-        /// Number of quantiles that represent a measured distribution.
+        /// Number of quantiles by which a measured distribution of speeds is represented.
         const QUANTILES: u32 = 256;
         match self {
             // a linear spring requires p = 1, since its overlaps are proportional to the speed
@@ -123,7 +128,8 @@ impl ImpactSpeeds {
     }
 
     /// [m/s] mean relative speed u_r of the paper's Eq. 8, corrected: the mean of the normal relative speed over random
-    /// pairs, s sqrt(2/π). Between equal spheres it is sqrt(4T/π).
+    /// pairs. It is s sqrt(2/π), with the variance s² of the relative normal velocity; between equal spheres it is
+    /// sqrt(4T/π).
     pub fn of_random_pairs(&self) -> f64 {
         match self {
             Self::Gas { variance, .. } | Self::Measured { variance, .. } => (2.0 / PI * variance).sqrt(),
@@ -141,29 +147,31 @@ pub struct ContactPrediction {
     pub contact: ContactKind,
     /// [N/m] stiffness of a linear spring; for Hertz's law the constant k_H [N/m^1.5].
     pub stiffness: f64,
-    /// [s] contact time T_c (Eq. 7). If it depends on the speed, it is the contact time at the mean speed of impact.
+    /// [s] contact time T_c (the paper's Eq. 7). If it depends on the speed, it is the contact time at the mean speed
+    /// of impact.
     pub contact_time: f64,
-    /// [-] overlap number κ_n: largest overlap of an elastic impact at the speed u_r, over the diameter d. For a linear
-    /// spring it is u_r/d sqrt(M/k_n), with u_r = sqrt(4T/π) by Eq. 8, corrected.
+    /// [-] overlap number κ_n: largest overlap of an elastic impact at the mean relative speed u_r, over the diameter
+    /// d. For a linear spring it is u_r/d sqrt(M/k_n), with u_r = sqrt(4T/π) by the paper's Eq. 8, corrected.
     pub kappa: f64,
-    /// [m/s] mean normal speed of impacts.
+    /// [m/s] mean normal speed of the impacts of this kind.
     pub impact_speed: f64,
-    /// [-] mean, over the impacts, of the largest overlap divided by the diameter.
+    /// [-] largest overlap of an impact divided by the diameter, averaged over the impacts.
     pub mean_overlap: f64,
-    /// [-] 99 % quantile, over the impacts, of the largest overlap divided by the diameter.
+    /// [-] largest overlap of an impact divided by the diameter, as the 99 % quantile over the impacts.
     pub overlap_99: f64,
     /// [-] number of time steps per contact N_c, at the chosen time step.
     pub steps: f64,
-    /// [-] mean restitution in time steps of the chosen integrator; `None` if the contact does not end.
+    /// [-] mean restitution that time steps of the chosen integrator give; `None` if the contact does not end.
     pub realised_restitution: Option<f64>,
-    /// [-] mean square of the restitution in time steps; `None` if the contact does not end.
+    /// [-] mean square of the restitution that time steps of the chosen integrator give; `None` if the contact does not
+    /// end.
     pub realised_mean_square: Option<f64>,
 }
 
-/// Lists all possible kinds of contact of a scene whose species have `counts` particles. `pair` returns the
-/// distribution of speeds for two species, and `at_wall` that for a species at a wall, by their indices. Walls with
-/// equal surfaces are one kind. A species with one particle has no contact with itself. A restitution that depends on
-/// the speed is taken at the mean speed of the impacts.
+/// Lists all possible kinds of contact of a scene. `counts` holds the number of particles of each species. `pair`
+/// returns the distribution of impact speeds for the indices of two species, and `at_wall` that for a species at a
+/// wall. Walls with equal surfaces are one kind. A species with one particle has no contact with itself. A restitution
+/// that depends on the speed is taken at the mean speed of the impacts.
 pub fn contacts(
     scene: &Scene,
     counts: &[usize],
@@ -214,19 +222,20 @@ impl ContactKind {
         law.between(&self.bodies)
     }
 
-    /// [m] largest overlap of an impact at normal speed `speed` [m/s].
+    /// [m] largest overlap of an impact of this kind of contact at the normal speed `speed` [m/s].
     pub fn largest_overlap(&self, law: &ContactLaw, speed: f64) -> f64 {
         law.greatest_overlap(&self.spring(law), speed)
     }
 
-    /// [-] overlap number κ_n of this kind of contact: largest overlap of an elastic impact at u_r, over the diameter.
+    /// [-] overlap number κ_n of this kind of contact: largest overlap of an elastic impact at the mean relative speed
+    /// u_r, over the diameter.
     pub fn kappa(&self, law: &ContactLaw) -> f64 {
         let elastic = law.between(&self.bodies.elastic());
         law.greatest_overlap(&elastic, self.speeds.of_random_pairs()) / self.diameter
     }
 
-    /// [-] factor by which a law must become stiffer so that 99 % of the impacts have overlaps below `overlap`. The
-    /// overlap [-] is divided by the diameter.
+    /// [-] factor by which the elastic constant of the law must increase so that 99 % of the impacts have overlaps
+    /// below `overlap`. This overlap [-] is divided by the diameter.
     pub fn stiffening_for(&self, law: &ContactLaw, overlap: f64) -> f64 {
         let now = self.largest_overlap(law, self.speeds.quantile(0.99)) / self.diameter;
         law.stiffening(now / overlap)
@@ -237,7 +246,7 @@ impl ContactKind {
         law.static_overlap(&self.spring(law), force) / self.diameter
     }
 
-    /// [s] contact time of an impact at the mean speed of impact.
+    /// [s] contact time of an impact at the mean normal speed of this kind of contact.
     pub fn contact_time(&self, law: &ContactLaw) -> f64 {
         law.contact_time(&self.spring(law), self.speeds.mean())
     }
@@ -271,13 +280,13 @@ pub fn at_fastest_impacts(experiment: &Experiment) -> Vec<ContactKind> {
     contacts(&experiment.scene, &experiment.counts(), |_, _| speeds(), |_| speeds())
 }
 
-/// Shortest possible contact times of a scene [s], which the time step must resolve. Those of pairs and at walls
-/// differ, because the effective masses differ.
+/// Shortest possible contact times of a scene [s], which the time step must resolve. They differ between pairs and
+/// walls, because the effective masses differ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactTimes {
-    /// [s] shortest contact between two particles; `None` if there are fewer than two.
+    /// [s] shortest contact time of two particles; `None` if there are fewer than two particles.
     pub pair: Option<f64>,
-    /// [s] shortest contact at any wall; `None` without walls or particles.
+    /// [s] shortest contact time of a particle at any wall; `None` without walls or particles.
     pub wall: Option<f64>,
 }
 
@@ -295,17 +304,17 @@ impl ContactTimes {
         Self { pair: pairs.min_by(f64::total_cmp), wall: walls.min_by(f64::total_cmp) }
     }
 
-    /// [s] the shorter of the two contact times, for pairs and for walls; `None` if no contact is possible.
+    /// [s] shortest contact time of pairs and walls; `None` if no contact is possible.
     pub fn governing(&self) -> Option<f64> {
         self.pair.into_iter().chain(self.wall).min_by(f64::total_cmp)
     }
 }
 
-/// [-] agitation of particles that a channel flow maintains, divided by the gas velocity on the centre plane. The ratio
+/// [-] velocity fluctuation of particles in a channel flow, divided by the gas velocity on the centre plane. The ratio
 /// was measured in the channel cases of this project (0.4 m/s at 17.7 m/s).
 pub const AGITATION: f64 = 0.025;
 
-/// [m/s] speed used for bodies that do not move at all: the speed after a fall from 1 µm.
+/// [m/s] speed of impact that is assumed for bodies that do not move at all: the speed after a fall from 1 µm.
 const AT_REST: f64 = 5e-3;
 
 /// [m/s] normal speed that hardly any impact of an experiment exceeds; always positive. It is estimated from the
@@ -314,8 +323,8 @@ const AT_REST: f64 = 5e-3;
 /// For laws whose contacts last longer at lower speed, the time step is computed from this speed. The duration of a
 /// Hertzian contact is proportional to u^(-1/5), so an error of a factor of two in the speed changes the step by 13 %.
 pub fn fastest_impact(experiment: &Experiment) -> f64 {
-    /// Ratio u/σ that one in a million collisions in a Maxwellian gas exceeds: exp(-u²/(4σ²)). Here u is the relative
-    /// normal velocity, and σ the standard deviation of a velocity component of a particle.
+    /// [-] ratio u/σ that one in a million collisions in a Maxwellian gas exceeds: exp(-u²/(4σ²)) is 1e-6. Here u is
+    /// the relative normal velocity, and σ the standard deviation of a velocity component of a particle.
     const FASTEST: f64 = 7.5;
     let scene = &experiment.scene;
     let frame = along_walls(scene, mean_velocity(&experiment.start));
@@ -328,13 +337,13 @@ pub fn fastest_impact(experiment: &Experiment) -> f64 {
     (start * start + 2.0 * fall(scene) + (FASTEST * AGITATION * gas).powi(2)).sqrt()
 }
 
-/// [m/s] normal speed of a usual impact of an experiment, at which predictions evaluate a restitution that depends on the
-/// speed; always positive. It is the root of the sum of three squares:
+/// [m/s] normal speed of a usual impact of an experiment; always positive. Predictions evaluate a restitution that
+/// depends on the speed at this value. It is the root of the sum of the squares of three speeds:
 ///
-/// * of the mean speed of impact in a gas with the velocity fluctuation σ of the start, sqrt(π) σ; of listed particles,
-///   the largest speed; the speed of walls that move is added,
-/// * of the speed after a fall through half of the box,
-/// * of the mean speed of impact at the agitation that a channel flow maintains.
+/// * the mean speed of impact in a gas with the velocity fluctuation σ of the start, sqrt(π) σ (for listed particles,
+///   the largest speed), plus the speed of walls that move;
+/// * the speed after a fall through half of the box;
+/// * the mean speed of impact at the agitation that a channel flow maintains.
 pub fn usual_impact(scene: &Scene, start: &[Population]) -> f64 {
     let frame = along_walls(scene, mean_velocity(start));
     let drawn = start.iter().map(|population| match &population.amount {
@@ -352,8 +361,8 @@ fn fall(scene: &Scene) -> f64 {
     axes.map(|axis| scene.gravity[axis].abs() * scene.domain.size[axis]).sum()
 }
 
-/// [m/s] mean velocity of all particles at the start. Callers subtract it from velocities, because a common motion
-/// along walls causes no impacts.
+/// [m/s] mean velocity of all particles at the start. It is subtracted from velocities, because a common motion along
+/// walls causes no impacts.
 fn mean_velocity(start: &[Population]) -> Vector3<f64> {
     let sum = |population: &Population| match &population.amount {
         Amount::Placed(placed) => placed.velocity.iter().sum(),
@@ -363,30 +372,30 @@ fn mean_velocity(start: &[Population]) -> Vector3<f64> {
     start.iter().map(sum).sum::<Vector3<f64>>() / count.max(1) as f64
 }
 
-/// One of the limits on the soft time step (the paper's section 3.4).
+/// Limit on the time step of soft spheres (the paper's section 3.4).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StepLimit {
-    /// Name of the process that the step must resolve.
+    /// Name of the process that the time step must resolve.
     pub name: String,
-    /// [s] longest time step with which the process is resolved.
+    /// [s] longest time step with which the process `name` is resolved.
     pub longest: f64,
 }
 
-/// Quantities from which the limits of the time step are computed.
+/// Quantities of a run from which the limits on the time step of soft spheres are computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepScales {
-    /// [-] time steps per contact N_c.
+    /// [-] number of time steps per contact, N_c.
     pub steps_per_contact: f64,
-    /// [m/s] largest speed of a particle.
+    /// [m/s] largest speed of any particle.
     pub speed: f64,
-    /// [s] window: the time between two exchanges of momentum with the gas, which is the fluid step.
+    /// [s] window h: time between two exchanges of momentum with the gas. It is the time step of the gas.
     pub window: f64,
-    /// [m] smallest cell of the gas's grid; `None` if the gas has no grid.
+    /// [m] smallest edge of a cell of the grid of the gas; `None` if the gas has no grid.
     pub fluid_cell: Option<f64>,
 }
 
-/// All limits on the soft time step, the shortest first. The first one determines the time step. `springs` are the
-/// limits due to tangential, rolling and twisting springs.
+/// All limits on the time step of soft spheres, the shortest first. The first one determines the time step. `springs`
+/// are the limits due to tangential, rolling and twisting springs.
 pub fn step_limits(contacts: &[ContactPrediction], springs: Vec<StepLimit>, motion: &StepScales) -> Vec<StepLimit> {
     let mut limits = Vec::new();
     for row in contacts {
@@ -416,7 +425,8 @@ pub fn step_limits(contacts: &[ContactPrediction], springs: Vec<StepLimit>, moti
 mod tests {
     use super::*;
 
-    /// A pair of the paper's small spheres (406 µm, 1038 kg/m³), with the temperature T of case D from u_r = 0.79 m/s.
+    /// Pair of the paper's small spheres (406 µm, 1038 kg/m³), at the granular temperature T of case D, from u_r = 0.79
+    /// m/s.
     fn pair() -> ContactKind {
         ContactKind {
             name: "S pair".into(),
@@ -434,8 +444,8 @@ mod tests {
         }
     }
 
-    /// Compares predicted overlaps with a Rayleigh distribution, computed independently for three stiffnesses. T is
-    /// given with four digits.
+    /// Compares predicted overlaps with a Rayleigh distribution, computed independently for three stiffnesses. The
+    /// granular temperature T is given with four digits.
     #[test]
     fn overlaps_in_a_gas() {
         for (stiffness, mean, most) in

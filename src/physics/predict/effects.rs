@@ -1,32 +1,32 @@
-//! Physical effects that may matter in a scene, with their sizes, and the effects that can be neglected.
+//! Physical effects that may matter in a scene, with their sizes, and the sizes below which they can be neglected.
 
 use super::RunPrediction;
 use crate::fluid::Fluid;
 use crate::scene::Scene;
 use serde::Serialize;
 
-/// [-] mass loading (mass of particles over mass of gas) above which the particles change the gas noticeably. This is a
-/// rule of thumb: at a mass loading of a tenth the particles carry about a tenth of the momentum of the gas.
+/// [-] mass loading (mass of particles over mass of gas) above which the particles change the gas flow noticeably. This
+/// is a rule of thumb: at a mass loading of a tenth the particles carry about a tenth of the momentum of the gas.
 const TWO_WAY: f64 = 0.1;
 
-/// [-] mass loading above which a gas that the particles do not change is a wrong model, since the particles then carry
-/// more momentum than the gas.
+/// [-] mass loading (mass of particles over mass of gas) above which a gas flow that the particles do not change is a
+/// wrong model. The particles then carry more momentum than the gas.
 pub const FROZEN: f64 = 1.0;
 
-/// A physical effect, with its size in the scene.
+/// Physical effect in a scene, with its size and the size below which it can be neglected.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Effect {
     /// Name of the physical effect.
     pub name: &'static str,
-    /// Description, in words, of the ratio `number` that measures the effect.
+    /// Definition, in words, of the ratio `number` that measures the size of the effect.
     pub measure: &'static str,
-    /// [-] size of the effect; `None` if it cannot be computed from the scene.
+    /// [-] size of the effect, the ratio defined by `measure`; `None` if it cannot be computed from the scene.
     pub number: Option<f64>,
-    /// [-] value of `number` below which the effect can be neglected.
+    /// [-] value of `number` (size of the effect) below which the effect can be neglected.
     pub threshold: f64,
-    /// Source of the threshold, such as a reference.
+    /// Source of `threshold`, such as a reference.
     pub source: &'static str,
-    /// True if this program models the effect.
+    /// True if this program models the effect in the scene.
     pub modelled: bool,
 }
 
@@ -37,8 +37,8 @@ impl Effect {
     }
 }
 
-/// Lists all effects that are considered, with their sizes. Most sizes are compared with the relative error that the
-/// plan allows.
+/// Lists all physical effects that are considered, with their sizes in the scene. Most sizes are compared with the
+/// relative error that `plan` allows.
 pub fn effects(scene: &Scene, plan: &RunPrediction) -> Vec<Effect> {
     if plan.particles == 0 {
         return Vec::new();
@@ -80,7 +80,8 @@ pub fn effects(scene: &Scene, plan: &RunPrediction) -> Vec<Effect> {
         ));
     }
     if let Some(gas) = &plan.gas {
-        // the pressure of a dense gas is n T (1 + 2 (1 + e) φ g): Jenkins and Richman 1985, Arch. Ration. Mech. Anal. 87, 355
+        // the pressure of a dense gas is n T (1 + 2 (1 + e) φ g): Jenkins and Richman 1985, Arch. Ration. Mech. Anal.
+        // 87, 355
         let restitution = surfaces.iter().map(|surface| surface.restitution).fold(0.0, f64::max);
         let share = 2.0 * (1.0 + restitution) * gas.volume_fraction * gas.contact_value;
         let measure = "momentum that collisions carry from centre to centre over that which flights carry, 2 (1+e) φ g; below the threshold, collisions by chance (--model dsmc) suffice";
@@ -90,7 +91,7 @@ pub fn effects(scene: &Scene, plan: &RunPrediction) -> Vec<Effect> {
     list
 }
 
-/// Makes an effect that can be neglected if its size is below the relative error that the plan allows.
+/// Makes an effect that can be neglected if its size `number` is below the relative error that `plan` allows.
 fn against_target(
     plan: &RunPrediction,
     name: &'static str,

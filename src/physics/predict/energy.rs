@@ -1,4 +1,4 @@
-//! Largest energy growth that can be due to the error of soft time steps, and the longest stable step.
+//! Largest energy growth that can be due to the error of the time steps of soft spheres, and the longest stable step.
 
 use super::contact::fastest_impact;
 use super::integrator::{Method, Scheme, realised_restitution, stability_limit};
@@ -15,20 +15,20 @@ use crate::scene::{Scene, Species};
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 
-/// [-] growth of energy that counts as rounding, as a fraction of the energy that has passed through the ledger (energy
-/// balance). It corresponds to a million additions, each rounded at 1e-16 of the sum.
+/// [-] growth of energy that counts as rounding, divided by the sum of all energies in the ledger (energy balance). It
+/// corresponds to a million additions, each rounded at 1e-16 of the sum.
 const ROUNDING: f64 = 1e-10;
 
-/// [-] number of rounded coordinates on which an overlap depends: three of each body.
+/// [-] number of rounded coordinates on which an overlap depends: three coordinates of each of two bodies.
 const ROUNDED: f64 = 6.0;
 
 /// [-] smallest number of steps per contact N_c with which a contact is resolved. Fewer steps are refused, unless a
 /// case allows them.
 const FEWEST_STEPS: f64 = 5.0;
 
-/// One kind of contact of a scene: between two species, or between a species and a wall.
+/// Kind of contact of a scene: between two species, or between a species and a wall.
 struct PossibleContact {
-    /// Index of the wall; `None` for two particles.
+    /// Index of the wall in the scene; `None` for a contact of two particles.
     wall: Option<usize>,
     /// Properties of the two bodies on which a contact law depends.
     bodies: Bodies,
@@ -38,7 +38,7 @@ fn contacts(scene: &Scene, particles: usize) -> Vec<PossibleContact> {
     scene.at_extremes().iter().flat_map(|scene| contacts_of(scene, particles)).collect()
 }
 
-/// All kinds of contact that `particles` particles may have in a scene in which every species has one size.
+/// Lists all kinds of contact in a scene with `particles` particles. Every species has one size.
 fn contacts_of(scene: &Scene, particles: usize) -> Vec<PossibleContact> {
     let pairs = scene.meetings().filter(|_| particles > 1);
     let pairs = pairs.map(|(one, other, _)| PossibleContact { wall: None, bodies: Bodies::between(scene, one, other) });
@@ -49,9 +49,9 @@ fn contacts_of(scene: &Scene, particles: usize) -> Vec<PossibleContact> {
     pairs.chain(walls).collect()
 }
 
-/// Integration schemes that a run with the settings of `experiment` may use. If groups of particles that may meet
-/// become too large, local stepping (steps only for particles in contact) is replaced by uniform stepping (steps for
-/// all particles).
+/// Integration schemes that a run with the settings of `experiment` may use. Local stepping (steps only for particles
+/// in contact) is replaced by uniform stepping (steps for all particles) if groups of particles that may meet become
+/// too large.
 fn schemes(experiment: &Experiment) -> Vec<Scheme> {
     let of = |stepping| Scheme::of(experiment.soft.integrator, stepping);
     match experiment.soft.stepping {
@@ -61,8 +61,8 @@ fn schemes(experiment: &Experiment) -> Vec<Scheme> {
 }
 
 /// Error for a time step `step` [s] beyond the stability limit of its scheme, with the contact that exceeds the limit
-/// most. `None` if the step is stable. Heun's method has no stable step at e = 1. It is included to show this, so the
-/// error is then only a warning.
+/// most. `None` if the step is stable. Heun's method has no stable step for elastic contacts (e = 1); the error is then
+/// only a warning.
 pub fn too_long(experiment: &Experiment, particles: usize, step: f64) -> Option<Failure> {
     let (law, schemes, speed) = (experiment.law()?, schemes(experiment), fastest_impact(experiment));
     // stability limits require a search, so the result is stored for each restitution
@@ -86,15 +86,15 @@ pub fn too_long(experiment: &Experiment, particles: usize, step: f64) -> Option<
     unstable.then_some(Failure::StepTooLong { time: 0.0, wall, step, reduced, limit })
 }
 
-/// Frequency times time step `step` [s] of the fastest spring with a slider (sliding, rolling or twisting), and its
-/// damping ratio, both [-]. `None` if the two bodies have no such spring.
+/// Largest product of frequency and time step `step` [s] over the tangential, rolling and twisting springs of two
+/// bodies, and the damping ratio of that spring; both [-]. `None` without such springs.
 fn sliders(experiment: &Experiment, law: &ContactLaw, bodies: &Bodies, step: f64) -> Option<(f64, f64)> {
     let springs = side_springs(experiment, law, bodies).into_iter();
     springs.map(|spring| (spring.frequency * step, spring.damping_ratio)).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// Error for a contact law of the calling program that violates its contract between two bodies of the scene; `None` if
-/// it keeps the contract, or if the law is one of this program.
+/// Error for a contact law of the calling program that violates the contract of contact laws between two bodies of the
+/// scene. `None` if the law fulfils the contract, or if it is a law of this program.
 pub fn broken_contract(experiment: &Experiment, particles: usize) -> Option<Failure> {
     let law = experiment.law().filter(|law| matches!(law, ContactLaw::Other(_)))?;
     let (speed, contacts) = (fastest_impact(experiment), contacts(&experiment.scene, particles));
@@ -129,34 +129,35 @@ pub fn broken_contract(experiment: &Experiment, particles: usize) -> Option<Fail
 ///   0.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Bound {
-    /// [-] largest relative energy gain g of any contact in local stepping, in which time steps move only particles in
-    /// contact.
+    /// [-] largest relative energy gain g of any contact (see [`Bound`]) in local stepping, in which time steps move
+    /// only particles in contact.
     local: f64,
-    /// [-] largest relative energy gain g of any contact if time steps have moved all particles.
+    /// [-] largest relative energy gain g of any contact (see [`Bound`]) in uniform stepping, in which time steps move
+    /// all particles.
     uniform: f64,
-    /// [-] relative energy error s at the wall whose normal jumps most (defined at [`Bound`]).
+    /// [-] largest relative energy error s of an impact at a wall whose normal jumps, such as a mesh (see [`Bound`]).
     seams: f64,
-    /// [kg] half the effective mass M/2 of the heaviest pair.
+    /// [kg] half of the largest effective mass M of two particles.
     pair: f64,
-    /// [kg] half the effective mass M/2 of the heaviest particle at a wall.
+    /// [kg] half of the largest effective mass M of a particle at a wall.
     wall: f64,
-    /// [m/s] factor by which a contact impulse [kg m/s] is multiplied to give the energy [J] that rounding of
-    /// coordinates may add, with one rounding per step.
+    /// [m/s] factor that multiplies the impulse of all contacts [kg m/s] to give the energy [J] that rounding of
+    /// coordinates may add. Coordinates are rounded once per step.
     rounding: f64,
     /// [m] diameter of the smallest particles of the scene.
     smallest: f64,
-    /// [J] kinetic and elastic energy at the start.
+    /// [J] kinetic, rotational and elastic energy of all particles at the start.
     start: f64,
-    /// [J] elastic energy at the start.
+    /// [J] elastic energy of all contacts at the start.
     elastic_at_start: f64,
-    /// Text of the error message: settings that shorten the time step.
+    /// Text for the error message, which names settings that shorten the time step.
     remedy: String,
 }
 
 impl Bound {
-    /// Computes the bound for an experiment with the particles `start`, of which up to `count` touch. `step` [s] is the
-    /// longest time step with which contacts are resolved. `start` may be the part of one process only if no particles
-    /// overlap. `None` without a contact law.
+    /// Computes the largest energy growth for an experiment with the particles `start`, of which up to `count` touch.
+    /// `step` [s] is the longest time step with which contacts are resolved. If no particles overlap, `start` may
+    /// contain only the particles of one process. `None` without a contact law.
     pub fn new(experiment: &Experiment, (start, count): (&Sample, usize), step: f64) -> Option<Self> {
         let (law, speed) = (experiment.law()?, fastest_impact(experiment));
         let contacts = contacts(&experiment.scene, count);
@@ -199,9 +200,9 @@ impl Bound {
         self.elastic_at_start
     }
 
-    /// Checks that the energy has not grown beyond the bound. `energy` is kinetic plus elastic energy and `elastic` its
-    /// elastic part, both in J at the simulated time `time` [s]. `uniform` is true if all particles have been moved in
-    /// steps. Other checks find an energy that is not a number.
+    /// Checks that the energy has not grown by more than the bound. `energy` is kinetic, rotational and elastic energy
+    /// together, and `elastic` its elastic part, both in J at the simulated time `time` [s]. `uniform` is true if time
+    /// steps have moved all particles. An energy that is not a number passes this check, because other checks find it.
     ///
     /// # Errors
     /// [`Failure::EnergyGrew`].
@@ -224,8 +225,8 @@ impl Bound {
     }
 }
 
-/// Text for an error message: settings that at least halve the time step `step` [s], with an integrator that does not
-/// increase the energy.
+/// Text for an error message. It names settings that at least halve the time step `step` [s], and an integrator that
+/// does not increase the energy.
 fn remedy(experiment: &Experiment, contacts: &[PossibleContact], law: &ContactLaw, step: f64) -> String {
     let speed = fastest_impact(experiment);
     let times = contacts.iter().map(|contact| law.contact_time(&law.between(&contact.bodies), speed));
@@ -241,10 +242,10 @@ fn remedy(experiment: &Experiment, contacts: &[PossibleContact], law: &ContactLa
 /// [-] largest relative energy gain g (see [`Bound`]) of a scheme, for impacts at the normal speed `speed` [m/s] with
 /// the time step `step` [s]. It is 0 for steps that do not resolve the contact.
 fn gain(scheme: Scheme, law: &ContactLaw, spring: &Spring, [speed, step]: [f64; 2]) -> f64 {
-    /// Number of intervals of step lengths tried between N_c and N_c + 1.
+    /// Number of intervals into which the range from N_c to N_c + 1 steps per contact is divided.
     const LENGTHS: u32 = 8;
-    /// Largest number of steps per contact N_c that is simulated. Finer steps gain less energy, and would take long to
-    /// simulate.
+    /// Largest number of steps per contact N_c that is simulated. Shorter steps would gain less energy, and take long
+    /// to simulate.
     const FINEST: f64 = 500.0;
     let steps = law.contact_time(spring, speed) / step;
     let reduced = law.frequency(spring, speed) * step;

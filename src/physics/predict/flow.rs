@@ -6,8 +6,8 @@ use crate::scene::{Scene, Species};
 use serde::Serialize;
 
 /// [-] factor in the lifetime of eddies by Simonin's closure, T_L = 3/2 C_μ k/ε with C_μ = 0.09, as in the program MFIX
-/// (`Tau_1` in its drag_gs.f). Particles with a slip velocity leave eddies sooner. So a variance computed with this
-/// factor is an upper limit.
+/// (`Tau_1` in its drag_gs.f). Particles with a slip velocity leave eddies sooner. A variance computed with this factor
+/// is therefore an upper limit.
 const EDDY_TIME: f64 = 1.5 * 0.09;
 
 /// Response of one species of particles to the gas.
@@ -15,22 +15,24 @@ const EDDY_TIME: f64 = 1.5 * 0.09;
 pub struct Flow {
     /// Name of the species of particles.
     pub species: String,
-    /// [s] Stokes response time: time in which drag changes the velocity of a slow particle.
+    /// [s] Stokes response time: time in which drag reduces a small slip velocity to 1/e of its value.
     pub stokes_time: f64,
     /// [m/s] terminal slip speed, at which drag balances the weight; 0 without gravity.
     pub terminal_slip: f64,
-    /// [-] Reynolds number at the terminal slip speed.
+    /// [-] particle Reynolds number at the terminal slip speed.
     pub slip_reynolds: f64,
-    /// [s] response time at the terminal slip speed.
+    /// [s] response time of a particle at the terminal slip speed.
     pub response_time: f64,
-    /// [-] Stokes number with the bulk velocity, τ_p U_b/L_y, where L_y is the width of the channel.
+    /// [-] Stokes number with the bulk velocity, τ_S U_b/L_y, with the Stokes response time τ_S and the width L_y of
+    /// the channel.
     pub stokes_bulk: f64,
-    /// [-] Stokes number with the friction velocity, τ_p u_τ/L_y; `None` if the gas profile has no walls.
+    /// [-] Stokes number with the friction velocity, τ_S u_τ/L_y, with the Stokes response time τ_S and the width L_y
+    /// of the channel. `None` if the gas profile has no walls.
     pub stokes_friction: Option<f64>,
     /// [-] mass of this species divided by the mass of the gas in the box.
     pub mass_loading: f64,
-    /// [m²/s²] variance of a velocity component of the particles due to the turbulence of the gas. If the particles do
-    /// not see the turbulence, it is the variance that they would have. `None` without a turbulence model.
+    /// [m²/s²] variance of a velocity component of the particles due to the turbulence of the gas. If the turbulence
+    /// does not act on the particles, it is the variance that it would cause. `None` without a turbulence model.
     pub turbulent_variance: Option<f64>,
 }
 
@@ -48,8 +50,8 @@ pub fn flows(scene: &Scene, counts: &[usize]) -> Vec<Flow> {
         .collect()
 }
 
-/// [m/s] component of the gas velocity against gravity, minus the slip speed at which drag balances the weight. If the
-/// difference is positive, the gas lifts the particles. `None` without drag or gravity. The gas flows along z.
+/// [m/s] component of the gas velocity against gravity, minus the largest terminal slip speed of any species. If the
+/// difference is positive, the gas lifts all particles. `None` without drag or gravity. The gas flows along z.
 pub fn lift(scene: &Scene, flows: &[Flow]) -> Option<f64> {
     scene.fluid.as_ref().filter(|_| !flows.is_empty() && scene.gravity.norm() > 0.0).map(|fluid| {
         let against = -scene.gravity.z / scene.gravity.norm() * bulk_velocity(fluid, scene.domain.size.y);
@@ -88,8 +90,8 @@ pub fn flow(
     })
 }
 
-/// [m²/s²] variance of a velocity component that particles with a response time [s] would get from the turbulence of a
-/// flow, as a mean over the cross-section.
+/// [m²/s²] variance of a velocity component that the turbulence of a flow would cause in particles with the response
+/// time `response` [s], averaged over the cross-section.
 fn unseen_variance(flow: &ChannelFlow, response: f64) -> f64 {
     // mean over the cross-section, over which particles are spread, with trapezoids between nodes; rings of a pipe
     // are narrower towards the axis
@@ -112,8 +114,8 @@ fn unseen_variance(flow: &ChannelFlow, response: f64) -> f64 {
     if area > 0.0 { sum / area } else { 0.0 }
 }
 
-/// [m/s] terminal slip speed w of a sphere, at which drag balances the weight: w = g τ(w). The acceleration g,
-/// `gravity` [m/s²], is reduced by buoyancy, if any.
+/// [m/s] terminal slip speed w of a sphere, at which drag balances the weight: w = g τ(w). `gravity` is the
+/// acceleration g [m/s²], reduced by buoyancy if there is any.
 pub fn terminal_slip(drag: &Drag, sphere: &Sphere, gravity: f64) -> f64 {
     // w increases along the interval and g τ(w) does not: bisection between 0 and the slip speed of Stokes drag
     let (mut low, mut high) = (0.0, gravity * sphere.stokes_time);
@@ -124,7 +126,7 @@ pub fn terminal_slip(drag: &Drag, sphere: &Sphere, gravity: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// [m/s] mean of the gas velocity over the width `height` [m], or over the cross-section of a pipe.
+/// [m/s] mean gas velocity over the width `height` [m] of a channel, or over the cross-section of a pipe.
 pub fn bulk_velocity(fluid: &Fluid, height: f64) -> f64 {
     const STRIPS: usize = 2000;
     if let (Profile::Pipe(_), Some(bulk)) = (&fluid.profile, fluid.profile.bulk_velocity()) {
@@ -161,7 +163,8 @@ mod tests {
         }
     }
 
-    /// Tracers have the variance 2/3 k of the gas, as a mean over the area of the pipe and not over its diameter.
+    /// Checks that tracers have the variance 2/3 k of the gas, averaged over the area of the pipe and not over its
+    /// diameter.
     #[test]
     fn tracers_in_a_pipe_have_the_mean_variance_over_its_area() {
         let (diameter, viscosity) = (0.04, 1.515e-5);

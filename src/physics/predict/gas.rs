@@ -14,39 +14,40 @@ use std::f64::consts::PI;
 /// 3609). The formula for the contact value is valid up to this volume fraction.
 pub const FREEZING: f64 = 0.494;
 
-/// Predictions of kinetic theory for the particles. Rates per particle are means over all species.
+/// Predictions of kinetic theory for all particles. Rates per particle are means over all species.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Gas {
     /// [-] volume fraction of the particles in the whole box.
     pub volume_fraction: f64,
-    /// [-] contact value of the pair distribution: the factor by which density exceeds its mean at contact. It is the
-    /// mean over pairs, weighted by their collision rates.
+    /// [-] contact value of the pair distribution: number density of other centres at contact with a particle, over the
+    /// mean number density. It is a mean over pairs, weighted by their collision rates.
     pub contact_value: f64,
-    /// [1/s] number of collisions of all pairs per time.
+    /// [1/s] number of collisions between all particles per time.
     pub pair_rate: f64,
-    /// [1/s] number of impacts on all walls per time.
+    /// [1/s] number of impacts of all particles on all walls per time.
     pub wall_rate: f64,
-    /// [1/s] number of collisions of a particle with other particles per time.
+    /// [1/s] number of collisions per particle and time with other particles.
     pub collision_rate: f64,
-    /// [m] mean free path between collisions with other particles.
+    /// [m] mean free path of a particle between collisions with other particles.
     pub mean_free_path: f64,
 }
 
-/// One component of the gas: all particles of a species or, if their sizes differ, those of nearly one size.
+/// Component of the gas: all particles of a species or, if the sizes within the species differ, those of nearly one
+/// size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Component {
-    /// Number of particles of the component.
+    /// Number of particles of this component of the gas.
     pub count: usize,
-    /// [m] diameter of the particles.
+    /// [m] diameter of the particles of this component.
     pub diameter: f64,
-    /// [m²/s²] variance of a velocity component, which is the granular temperature T.
+    /// [m²/s²] granular temperature T of the component: variance of a velocity component.
     pub variance: f64,
 }
 
 impl Component {
-    /// Makes the components of `count` particles of a species, with one variance of the velocity components [m²/s²]. If
-    /// the sizes differ, there are sixteen components with equal numbers of particles. The particles of each have the
-    /// median diameter of a sixteenth of the size distribution.
+    /// Makes the components of `count` particles of a species, whose velocity components have the variance `variance`
+    /// [m²/s²]. If the sizes differ, there are sixteen components with equal numbers of particles. The particles of
+    /// each component have the median diameter of a sixteenth of the size distribution.
     pub fn of(species: &Species, count: usize, variance: f64) -> Vec<Self> {
         const PARTS: usize = 16;
         let Some(sizes) = &species.sizes else { return vec![Self { count, diameter: species.diameter, variance }] };
@@ -59,14 +60,14 @@ impl Component {
     }
 }
 
-/// Measurements in a slice of the scene, the space between two distances from a wall.
+/// Measurements in a slice of the scene, which is the space between two planes parallel to a wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slice {
-    /// [-] fraction of all particles that is in the slice.
+    /// [-] fraction of all particles whose centres are in the slice.
     pub particles: f64,
-    /// [-] volume of the slice that is available to centres, over that of the whole scene.
+    /// [-] volume of the slice that is available to centres, over the available volume of the whole scene.
     pub room: f64,
-    /// [m²/s²] variances of the velocity components along x, y, z.
+    /// [m²/s²] variances of the velocity components along x, y and z of the particles in the slice.
     pub variance: [f64; 3],
 }
 
@@ -74,13 +75,15 @@ pub struct Slice {
 /// numbers are ratios [-]; s is the standard deviation of the normal relative velocity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AgitationSpread {
-    /// Rate of pair collisions over that of the uniform gas.
+    /// Rate of pair collisions over that of a uniform gas with equal mean agitation.
     pub pair_rate: f64,
-    /// Rate of wall impacts over that of the uniform gas, for walls perpendicular to y.
+    /// Rate of wall impacts over that of a uniform gas with equal mean agitation, for walls perpendicular to y.
     pub wall_rate: f64,
-    /// Groups of pair collisions: for each, its share of all pair collisions, and the ratio of its s to the mean s.
+    /// Groups of pair collisions. A group is given by its share of all pair collisions, and by its s over the mean s,
+    /// with the standard deviation s of the normal relative velocity.
     pub pairs: Vec<[f64; 2]>,
-    /// Groups of wall impacts: for each, its share of all wall impacts, and the ratio of its s to the mean s.
+    /// Groups of wall impacts. A group is given by its share of all wall impacts, and by its s over the mean s, with
+    /// the standard deviation s of the normal relative velocity.
     pub walls: Vec<[f64; 2]>,
 }
 
@@ -94,7 +97,7 @@ impl AgitationSpread {
     /// Velocities are taken as Gaussian, with independent components that have the variances of the slice. Collisions
     /// with the normal n then occur at a rate proportional to s(n) = sqrt(Σ n_i² σ_i²).
     pub fn of(slices: &[Slice]) -> Self {
-        /// Number of values of each angle in the quadrature; the integrand is smooth.
+        /// Number of values of each of two angles in the quadrature over directions. The integrand is smooth.
         const ANGLES: usize = 12;
         let slices: Vec<&Slice> = slices.iter().filter(|slice| slice.particles > 0.0 && slice.room > 0.0).collect();
         let mean = slices.iter().map(|slice| slice.particles * slice.variance.iter().sum::<f64>() / 3.0).sum::<f64>();
@@ -123,20 +126,21 @@ impl AgitationSpread {
     }
 }
 
-/// Divides the weights of a list by their sum, and returns the sum.
+/// Divides the weights, the first number of each entry of a list, by their sum. Returns this sum.
 fn normalise(parts: &mut [[f64; 2]]) -> f64 {
     let sum: f64 = parts.iter().map(|[weight, _]| weight).sum();
     parts.iter_mut().for_each(|[weight, _]| *weight /= sum);
     sum
 }
 
-/// Predicts collision rates and mean free path by kinetic theory, for these components in the box of the scene.
+/// Predicts collision rates and mean free path by kinetic theory, for the given components in the box of the scene.
 ///
-/// The rate of pair collisions per volume is n_i n_j σ² g sqrt(8π (T_i + T_j)), and half of it for equal species, less
-/// 1/N for a finite number N. Here n is the number density, σ the collision distance and g the contact value. Flat
-/// walls keep centres half a diameter away. Within a distance σ of a wall, a quarter of the collision directions is
-/// impossible on average. The density is otherwise taken as uniform, unless `spread` was measured. The rate of wall
-/// impacts per area is n Z sqrt(T/2π), with Z = 1 + 4 φ g (the contact theorem).
+/// The rate of pair collisions per volume is n_i n_j σ² g sqrt(8π (T_i + T_j)) for different components i and j. Here n
+/// is the number density, σ the collision distance and g the contact value. The rate within one component of N
+/// particles is half of this expression times 1 - 1/N. Flat walls keep centres half a diameter away. Within a distance
+/// σ of a wall, a quarter of the collision directions is impossible on average. The density is otherwise taken as
+/// uniform, unless `spread` was measured. The rate of wall impacts per area is n Z sqrt(T/2π), with Z = 1 + 4 φ g (the
+/// contact theorem).
 pub fn gas(scene: &Scene, components: &[Component], spread: &AgitationSpread) -> Gas {
     let volume = scene.domain.volume();
     let total: f64 = components.iter().map(|c| c.count as f64).sum();
@@ -187,9 +191,9 @@ pub fn gas(scene: &Scene, components: &[Component], spread: &AgitationSpread) ->
 
 /// Volume available to the centres of spheres of one diameter.
 struct CentreVolume {
-    /// [m³] volume available to the centres.
+    /// [m³] volume of the box that is available to the centres of the spheres.
     volume: f64,
-    /// [m²] area of the flat walls.
+    /// [m²] area of all flat walls perpendicular to an axis.
     wall_area: f64,
 }
 
@@ -210,8 +214,8 @@ impl CentreVolume {
         Self { volume: size.product(), wall_area: area }
     }
 
-    /// [-] fraction of the collision directions that walls make impossible. Within `reach` [m] of a wall it is 1/4 on
-    /// average.
+    /// [-] fraction of the collision directions that walls make impossible, averaged over the available volume. Within
+    /// `reach` [m] of a wall the fraction is 1/4 on average.
     fn hidden(&self, reach: f64) -> f64 {
         (0.25 * reach * self.wall_area / self.volume).min(1.0)
     }
@@ -228,15 +232,16 @@ pub fn softness(law: &ContactLaw, species: &Species, temperature: f64) -> f64 {
     law.thermal_overlap(&spring, species.mass() * temperature) / species.diameter
 }
 
-/// [-] factor by which a law must become stiffer, so that the relative decrease of the cross-section is at most `error`
-/// [-]. The decrease is that of spheres of `species` at the granular temperature `temperature` [m²/s²].
+/// [-] factor by which the elastic constant of the law must increase so that the relative decrease of the cross-section
+/// is at most `error` [-]. The decrease is that of spheres of `species` at the granular temperature `temperature`
+/// [m²/s²].
 pub fn stiffening_for(law: &ContactLaw, species: &Species, temperature: f64, error: f64) -> f64 {
     law.stiffening(2.0 * softness(law, species, temperature) / error)
 }
 
-/// Size of the largest cluster of particles that collisions connect within a certain time, in which each particle has
-/// `collisions` [-] collisions. Among `count` particles, fewer than one larger cluster is expected. `None` if clusters
-/// grow without bound (one collision per particle or more).
+/// Expected size of the largest cluster of particles that are connected by collisions within a certain time. Each
+/// particle has on average `collisions` [-] collisions in this time. Fewer than one larger cluster is expected among
+/// `count` particles. `None` if clusters grow without bound (one collision per particle or more).
 ///
 /// The clusters are those of a random graph with the mean degree c. The probability that a particle is in a cluster of
 /// size s is that of Borel's distribution, P(s) = (cs)^(s-1) e^(-cs)/s! (Borel 1942). The number of clusters of size s
@@ -301,9 +306,9 @@ mod tests {
         }
     }
 
-    /// Compares with event-driven runs of another code in a slit 12 diameters wide. The pair rates are 0.996 and 2.365,
-    /// and the wall pressures 0.1633 and 0.4262 (both walls, P = 2 m u n u per impact). The tolerance allows for their
-    /// error of 1 %, and for a density that is not uniform.
+    /// Compares collision rates with event-driven runs of another code in a slit 12 diameters wide. The pair rates are
+    /// 0.996 and 2.365, and the wall pressures 0.1633 and 0.4262 (both walls, P = 2 m u n u per impact). The tolerance
+    /// allows for an error of 1 % of the runs, and for a density that is not uniform.
     #[test]
     fn a_slit() {
         for (count, rate, pressure) in [(200, 0.996, 0.1633), (400, 2.365, 0.4262)] {

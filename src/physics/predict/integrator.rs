@@ -2,19 +2,19 @@
 //!
 //! A time step maps overlap and approach speed (x, v) of a contact to their values after Δt. In the units of a contact
 //! law (mass and elastic constant 1, see [`unit_spring`]) this map depends only on the restitution and the number of
-//! steps per contact N_c. So the results of this file do not depend on the size of the particles, and depend on the
-//! speed of impact only through N_c. The motion is along the normal only. In an oblique impact the normal also turns
-//! during the contact, by about the overlap over the diameter.
+//! steps per contact N_c. Therefore the results of this file do not depend on the size of the particles. They depend on
+//! the speed of impact only through N_c. The motion is along the normal only. In an oblique impact the normal also
+//! turns during the contact, by about the overlap over the diameter.
 
 use crate::contact_law::{ContactLaw, Spring, damping_ratio};
 use crate::experiment::{Integrator, SoftStepping};
 use std::f64::consts::PI;
 
-/// Number of impacts over which results are averaged. The impacts differ in phase, which is the time from the last step
-/// to the touch.
+/// Number of impacts over which results are averaged. The impacts differ in phase, which is the time from the last time
+/// step to the first touch.
 const PHASES: usize = 200;
 
-/// [-] time since the touch over the contact time, after which a contact counts as one that never ends.
+/// [-] time since the first touch, over the contact time, after which a contact counts as endless.
 const ENDLESS: f64 = 20.0;
 
 /// Method that advances a contact by one time step.
@@ -22,7 +22,7 @@ const ENDLESS: f64 = 20.0;
 pub enum Method {
     /// Velocity Verlet with the dashpot at the half-step velocity.
     VelocityVerlet,
-    /// Heun's second-order Runge-Kutta method; both stages test for an overlap.
+    /// Heun's second-order Runge-Kutta method. Both of its stages test for an overlap.
     Heun,
     /// The classical Runge-Kutta method of fourth order.
     FourthOrder,
@@ -31,16 +31,16 @@ pub enum Method {
 /// Method of the time step, together with the way in which the beginning and the end of a contact are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scheme {
-    /// Method of one time step.
+    /// Numerical method of one time step.
     pub method: Method,
-    /// True if contacts begin and end at their exact instants (local stepping). False if they begin and end at the next
-    /// step (uniform stepping).
+    /// True if contacts begin and end at their exact instants, as in local stepping. False if they begin and end at the
+    /// next time step, as in uniform stepping.
     pub exact_instants: bool,
 }
 
 impl Scheme {
-    /// Returns the scheme that the soft engine uses with these settings. `Auto` is treated as local stepping, which it
-    /// uses unless the scene is crowded.
+    /// Returns the scheme that the soft engine uses with these settings. `Auto` is treated as local stepping, because
+    /// this is used unless the scene is crowded.
     pub fn of(integrator: Integrator, stepping: SoftStepping) -> Self {
         let exact_instants = stepping != SoftStepping::Uniform;
         let method = match (integrator, exact_instants) {
@@ -52,39 +52,40 @@ impl Scheme {
     }
 }
 
-/// Restitution that results from a scheme, if the law is set to the restitution `restitution`. All values are ratios of
+/// Restitution that results from time steps, if the restitution of the contact law is e. All values are ratios of
 /// speeds [-].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Realised {
-    /// Mean of the restitution over the phases, which are the times from the last step to the touch.
+    /// [-] mean of the restitution over the phases, which are the times from the last time step to the first touch.
     pub mean: f64,
-    /// Smallest restitution over all phases.
+    /// [-] smallest restitution over all phases (times from the last time step to the first touch).
     pub least: f64,
-    /// Largest restitution over all phases.
+    /// [-] largest restitution over all phases (times from the last time step to the first touch).
     pub largest: f64,
-    /// Mean square of the restitution over the phases. It determines the energy that a gas loses in collisions.
+    /// [-] mean square of the restitution over the phases (times from the last time step to the first touch). It
+    /// determines the energy that a gas loses in collisions.
     pub mean_square: f64,
 }
 
-/// [-] reduced step ω_0 Δt, if Δt is 1/N_c of the contact time of a linear spring and dashpot: π / (N_c sqrt(1 - ζ²))
-/// (Eqs. 7 and 9), with ζ the damping ratio.
+/// [-] reduced time step ω_0 Δt = π/(N_c sqrt(1 - ζ²)), with the damping ratio ζ (the paper's Eqs. 7 and 9). Δt is
+/// 1/N_c of the contact time of a linear spring and dashpot with this restitution.
 pub fn reduced_step(restitution: f64, steps_per_contact: f64) -> f64 {
     let ratio = damping_ratio(restitution);
     PI / (steps_per_contact * (1.0 - ratio * ratio).sqrt())
 }
 
-/// State of one contact in the units of its law: x is the gap (negative for an overlap), v the rate of the gap.
+/// State of one contact in the units of its law: x is the gap (negative for an overlap), v its time derivative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct GapState {
     x: f64,
     v: f64,
 }
 
-/// Contact force that accelerates the gap.
+/// Contact force that changes the gap between two bodies.
 struct GapForce<'a> {
     law: &'a ContactLaw,
     spring: Spring,
-    /// True if the force acts only while there is an overlap. False if it acts always, as during the middle of a
+    /// True if the force acts only while the bodies overlap. False if it acts at any gap, as in the middle of a
     /// contact.
     one_sided: bool,
 }
@@ -98,7 +99,7 @@ impl GapForce<'_> {
         (elastic + viscous) / self.spring.effective_mass
     }
 
-    /// Gap and its rate after a time step of length `dt`, from the state `from` before it.
+    /// Gap and its time derivative after a time step of length `dt`. `from` is the state before the step.
     fn step(&self, method: Method, from: GapState, dt: f64) -> GapState {
         let GapState { x, v } = from;
         match method {
@@ -129,8 +130,8 @@ impl GapForce<'_> {
     }
 }
 
-/// [-] spectral radius of the map of one step, for the linear oscillator with the damping ratio `damping` ζ [-]. If it
-/// exceeds 1, oscillations grow. `step` is ω_0 Δt [-].
+/// [-] spectral radius of the map of one time step, for a linear oscillator with the damping ratio ζ = `damping`.
+/// `step` is ω_0 Δt [-]. If the radius exceeds 1, the amplitude of oscillations grows.
 pub fn growth(method: Method, damping: f64, step: f64) -> f64 {
     let law = ContactLaw::linear(1.0);
     let spring = Spring { effective_mass: 1.0, restitution: 0.0, stiffness: 1.0, dashpot: 2.0 * damping };
@@ -144,14 +145,15 @@ pub fn growth(method: Method, damping: f64, step: f64) -> f64 {
     if discriminant < 0.0 { determinant.sqrt() } else { half_trace.abs() + discriminant.sqrt() }
 }
 
-/// [-] largest ω_0 Δt for which no oscillation with the damping ratio `damping` ζ [-] grows. It is 0 if there is no
-/// such step above 0.01.
+/// [-] stability limit: largest ω_0 Δt for which no oscillation with the damping ratio ζ = `damping` grows. It is 0 if
+/// there is no such step above 0.01.
 ///
 /// For velocity Verlet it is 2 (sqrt(1+ζ²) - ζ). For Heun's method it is the root θ = ω_0 Δt of θ³/4 - ζ θ² + 2 ζ² θ -
-/// 2 ζ. Without damping Heun's method has no such step, because each step increases the amplitude by the fraction θ⁴/8.
+/// 2 ζ. Without damping Heun's method has no stable step, because each step increases the amplitude by the fraction
+/// θ⁴/8.
 pub fn stability_limit(method: Method, damping: f64) -> f64 {
-    /// Bound on the rounding of the trace and the determinant of the map. It is far below the gain of Heun's method at
-    /// the smallest step (1.25e-9).
+    /// [-] bound on the rounding error of the spectral radius. It is far below the gain of Heun's method at the
+    /// smallest step (1.25e-9).
     const ROUNDING: f64 = 1e-12;
     const SMALLEST: f64 = 0.01;
     let grows = |step: f64| growth(method, damping, step) > 1.0 + ROUNDING;
@@ -169,11 +171,12 @@ pub fn stability_limit(method: Method, damping: f64) -> f64 {
     low
 }
 
-/// Restitution of one isolated impact of two bodies under the law, at a normal speed [m/s], with `steps` steps per
-/// contact N_c. `None` if the contact does not end, because the step is unstable or the restitution is 0.
+/// Restitution that time steps give in one isolated impact of two bodies under the law, at a normal speed [m/s], with
+/// `steps` steps per contact N_c. `None` if the contact does not end, because the step is unstable or the restitution
+/// is 0.
 ///
-/// In uniform steps the touch may occur at any time within a step, so 200 equally spaced phases are computed. With
-/// exact instants there is only one phase.
+/// In uniform steps the first touch may occur at any time within a step, so 200 equally spaced phases are computed.
+/// With exact instants all phases are equal.
 pub fn realised_restitution(
     scheme: Scheme,
     law: &ContactLaw,
@@ -203,9 +206,9 @@ pub fn realised_restitution(
     Some(realised)
 }
 
-/// [-] rebound speed over approach speed in uniform steps. The approach is at `speed` [m/s]. The touch occurs at the
-/// fraction `before` of a step `step` [s] after the end of the previous step. `None` if the contact lasts longer than
-/// `longest` steps.
+/// [-] rebound speed over approach speed in uniform steps of `step` [s]. The approach is at `speed` [m/s]. At the last
+/// step before the touch, the gap is the fraction `before` of the distance covered in a step. `None` if the contact
+/// lasts longer than `longest` steps.
 fn on_the_grid(force: &GapForce, speed: f64, method: Method, (step, before): (f64, f64), longest: u64) -> Option<f64> {
     let mut state = GapState { x: before * (speed * step), v: -speed };
     for _ in 0..longest {
@@ -217,8 +220,8 @@ fn on_the_grid(force: &GapForce, speed: f64, method: Method, (step, before): (f6
     None
 }
 
-/// [-] rebound speed over approach speed, with exact instants. The contact begins at the instant of touch, at `speed`
-/// [m/s], and ends at the instant at which the overlap is zero again. `None` if it lasts longer than `longest` steps of
+/// [-] rebound speed over approach speed, if contacts begin and end at exact instants. The contact begins at the first
+/// touch, at `speed` [m/s], and ends when the overlap is zero again. `None` if it lasts longer than `longest` steps of
 /// `step` [s].
 fn with_exact_instants(force: &GapForce, speed: f64, method: Method, step: f64, longest: u64) -> Option<f64> {
     let mut state = GapState { x: 0.0, v: -speed };
@@ -239,7 +242,7 @@ fn with_exact_instants(force: &GapForce, speed: f64, method: Method, step: f64, 
 }
 
 /// [-] relative change of the granular temperature of a homogeneous gas per collision of a particle: (<e²> - 1)/3, with
-/// <e²> the mean square of the restitution that results from the scheme. If the change is positive, the scheme heats
+/// the mean square <e²> of the restitution that results from time steps. If the change is positive, the time steps heat
 /// the gas.
 ///
 /// A collision removes the energy (1 - e²)/4 m u_n², and the mean of u_n² over collisions is 4T (Maxwellian). The loss
@@ -249,8 +252,8 @@ pub fn heating_per_collision(realised: &Realised) -> f64 {
     (realised.mean_square - 1.0) / 3.0
 }
 
-/// Linear spring and dashpot with a given restitution, in units of mass and stiffness. In these units all linear
-/// impacts with equal restitution are equal.
+/// Linear spring and dashpot with a given restitution [-], in units in which mass and stiffness are 1. In these units
+/// all linear impacts with equal restitution are equal.
 pub fn unit_spring(restitution: f64) -> Spring {
     let dashpot = 2.0 * damping_ratio(restitution);
     Spring { effective_mass: 1.0, restitution, stiffness: 1.0, dashpot }
@@ -310,9 +313,9 @@ mod tests {
         assert!((growth(Method::Heun, 0.0, step).powf(7.7) - 1.02694).abs() < 1e-5);
     }
 
-    /// Compares with an independent computation: rows "Heun" and "Verlet (half)" for steps of Tc/5 to Tc/50, with mean,
-    /// least and largest value over 200 phases. The tolerance is 0.002 from Nc = 10 on, and 0.01 below, where the
-    /// phases differ. It is 0.01 for the extremes of which few digits are known.
+    /// Compares restitutions with an independent computation: rows "Heun" and "Verlet (half)" for steps of T_c/5 to
+    /// T_c/50, with mean, least and largest value over 200 phases. The tolerance is 0.002 for N_c >= 10. It is 0.01 for
+    /// smaller N_c, because the phases differ, and for extremes that are known to few digits.
     #[test]
     fn realised_restitution_on_the_grid() {
         for (scheme, e, steps, mean, least, largest) in [
@@ -349,8 +352,8 @@ mod tests {
         assert!((of(ON_GRID_VERLET, 0.1, 10.0).mean - 0.0596).abs() < 0.01);
     }
 
-    /// Compares with linear maps computed independently. For e = 1 the energy gained per contact with Heun's method is
-    /// compared, at the step ratios of the channel cases. For e < 1, it is the fraction of the dissipation that
+    /// Compares energies with linear maps computed independently. For e = 1 it is the energy gained per contact with
+    /// Heun's method, at the step ratios of the channel cases. For e < 1 it is the fraction of the dissipation that
     /// remains.
     #[test]
     fn heating() {
@@ -366,8 +369,9 @@ mod tests {
         assert!(heating_per_collision(&of(ON_GRID_VERLET, 1.0, 7.735)).abs() < 5e-4);
     }
 
-    /// Checks the order of the error with exact instants, which is that of the integrator, the fourth. Without damping
-    /// it is the fifth: a step reduces the amplitude by the fraction θ⁶/144, and a contact has π/θ steps.
+    /// Checks the order of the error with exact instants. It is the fourth order of the integrator, and the fifth
+    /// without damping. The reason is that a step reduces the amplitude by the fraction θ⁶/144, and a contact has π/θ
+    /// steps.
     #[test]
     fn local_stepping_converges_with_its_order() {
         let miss = |e: f64, steps: f64| (of(LOCAL, e, steps).mean - e).abs();

@@ -25,71 +25,72 @@ pub use transient::Transient;
 
 use serde::Serialize;
 
-/// Strength of the random motion of the particles, and the source of this number.
+/// Granular temperature of the particles, and its source.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Agitation {
-    /// [m²/s²] granular temperature: variance of a velocity component, averaged over all particles.
+    /// [m²/s²] granular temperature: variance of a velocity component, averaged over components and particles.
     pub variance: f64,
     /// Source of the variance, in words: an estimate or a measurement.
     pub source: String,
 }
 
-/// Short run of the case, with all its physics, in a smaller periodic box, and the results of this run.
+/// Short run of the case, with all its physics, in a smaller periodic box (calibration run), and its results.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Calibration {
     /// Number of particles in the short run of the case.
     pub particles: usize,
     /// [s] simulated time of the short run.
     pub simulated: f64,
-    /// True if the state of the short run was steady during the averaging time.
+    /// True if the short run was in a steady state during the averaging time.
     pub steady: bool,
-    /// [1/s] number of collisions of a particle with other particles per time, and its standard error; each is `None`
-    /// if unknown.
+    /// [1/s] number of collisions per particle and time with other particles, and its standard error; each is `None` if
+    /// unknown.
     pub collision_rate: [Option<f64>; 2],
-    /// [1/s] number of wall impacts of a particle per time, and its standard error; each is `None` if unknown.
+    /// [1/s] number of impacts on walls per particle and time, and its standard error; each is `None` if unknown.
     pub wall_rate: [Option<f64>; 2],
-    /// [-] relative standard error of the granular temperature of a slice (median over slices).
+    /// [-] relative standard error of the granular temperature of a slice along y (median over slices).
     pub temperature_error: Option<f64>,
-    /// [s] time over which the results were averaged.
+    /// [s] simulated time over which the results of the short run were averaged.
     pub averaged: f64,
-    /// [m] edges of the smaller box.
+    /// [m] edges of the box of the short run, along x, y and z.
     pub size: [f64; 3],
-    /// Reason why the engine stopped the short run early; `None` if it did not stop early.
+    /// Reason why the engine stopped the short run early; `None` if the run ended regularly.
     pub failure: Option<String>,
 }
 
-/// Computing time and memory of a model on this machine.
+/// Computing time and memory that a run of one model takes on this machine.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PredictedCost {
-    /// The model: kind of engine and stepping.
+    /// Model: kind of engine, and its way of time stepping.
     pub model: EngineChoice,
-    /// [s] wall-clock time of the whole run; `None` if the model fails.
+    /// [s] predicted wall-clock time of the whole run; `None` if the model fails.
     pub wall_seconds: Option<f64>,
-    /// Number of windows (times between two exchanges with the gas) that were timed.
+    /// Number of windows (times between two exchanges with the gas) whose computing time was measured.
     pub windows_timed: u64,
-    /// [byte] largest memory of the process; `None` if the system does not report it.
+    /// [byte] largest memory that the process used; `None` if the system does not report it.
     pub memory: Option<f64>,
-    /// Reason why the model cannot run; `None` if it can.
+    /// Reason why no run of the model is possible; `None` if it is possible.
     pub failure: Option<String>,
 }
 
-/// Size and length of a run in which averages reach the desired error.
+/// Box and duration of a run in which averages reach the desired error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Averaging {
-    /// [m] smallest edges along periodic axes; the other edges are those of the case.
+    /// [m] edges of the smallest box in which averages can reach the desired error. Only edges along periodic axes
+    /// differ from those of the case.
     pub size: [f64; 3],
-    /// Number of particles in the box of this size.
+    /// Number of particles in the box of the size `size`.
     pub particles: usize,
-    /// [s] averaging time in the box of this size.
+    /// [s] averaging time with which averages in the box of the size `size` reach the desired error.
     pub duration: f64,
-    /// [s] averaging time with which the box of the case gives an equal error.
+    /// [s] averaging time with which averages in the box of the case reach the desired error.
     pub duration_as_given: f64,
 }
 
 /// All predictions for a run, made before the run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunPrediction {
-    /// [-] relative error desired for averages.
+    /// [-] relative error that is desired for averages over the run.
     pub target_error: f64,
     /// Number of particles in the run.
     pub particles: usize,
@@ -97,52 +98,52 @@ pub struct RunPrediction {
     pub duration: f64,
     /// [s] window h: time between two exchanges of momentum with the gas.
     pub window: f64,
-    /// Strength of the random motion of the particles.
+    /// Granular temperature of the particles, and its source.
     pub agitation: Agitation,
-    /// Contact law, in words, for which contacts are predicted.
+    /// Contact law, in words, under which contacts are predicted.
     pub contact_law: String,
     /// Integrator of the soft time steps for which contacts are predicted.
     pub integrator: String,
-    /// Predicted contacts under the contact law of the case. If the case has no contact law, they are under the
-    /// recommended law.
+    /// Predictions for each kind of contact under the contact law of the case. If the case has no contact law, they are
+    /// under the recommended law.
     pub contacts: Vec<contact::ContactPrediction>,
-    /// Limits on the soft time step, the shortest first; the first one determines the step.
+    /// Limits on the time step of soft spheres, the shortest first. The first one determines the step.
     pub step_limits: Vec<contact::StepLimit>,
-    /// Predictions of kinetic theory; `None` for a few bodies.
+    /// Predictions of kinetic theory; `None` for scenes with few bodies.
     pub gas: Option<gas::Gas>,
-    /// [-] mean fraction of the time in which a particle is in contact.
+    /// [-] mean fraction of the time that a particle is in contact with other bodies.
     pub time_in_contact: Option<f64>,
-    /// Number of particles expected in the largest island of a window: a group of particles that may meet between two
-    /// exchanges with the gas. `None` if islands unite without bound, or if the theory is not valid.
+    /// Number of particles in the largest island (group of particles that may meet within a window, the time between
+    /// two exchanges with the gas). `None` if islands would grow without bound, or if the theory is not valid.
     pub largest_island: Option<usize>,
-    /// [-] apparent decrease of the diameter of soft spheres, divided by the diameter.
+    /// [-] apparent decrease of the diameter of soft spheres in collisions, divided by the diameter.
     pub softness: Option<f64>,
-    /// Floor on which particles gather under gravity; `None` if there is none.
+    /// Floor on which particles gather under gravity; `None` if there is no such floor.
     pub rest: Option<rest::Rest>,
-    /// [-] overlap of the lowest contact due to the weight of the particles above it, divided by the diameter.
+    /// [-] overlap of a contact at the floor due to the weight of all particles above it, divided by the diameter.
     pub static_overlap: Option<f64>,
-    /// True if particles overlap at the start.
+    /// True if particles overlap each other or a wall at the start.
     pub starts_overlapping: bool,
-    /// True if the start has rows of touching particles.
+    /// True if the start has rows of particles that touch or nearly touch.
     pub in_a_row: bool,
     /// Number of particles that lie on a wall or on other particles at the start.
     pub lying: usize,
-    /// Response of each species to the gas.
+    /// Response of each species to the gas; empty without gas or drag.
     pub flow: Vec<flow::Flow>,
     /// Physical effects in the scene, with their sizes.
     pub effects: Vec<effects::Effect>,
     /// Results of the short calibration run; `None` if there was none.
     pub calibration: Option<Calibration>,
-    /// Computing cost of each model.
+    /// Predicted computing time and memory of each model.
     pub costs: Vec<PredictedCost>,
-    /// Size and length of a run for the desired error; `None` if the scene has no steady state.
+    /// Box and duration of a run with the desired error; `None` if the scene has no steady state.
     pub averaging: Option<Averaging>,
-    /// Predictions that replace averages if the scene has no steady state.
+    /// Predictions for a scene without a steady state, in place of averages; otherwise `None`.
     pub transient: Option<Transient>,
 }
 
 impl RunPrediction {
-    /// Obstacles to each model that are visible at the start. The command `check` also reports them.
+    /// Obstacles to each model that are visible in the scene and the start. The command `check` reports them too.
     pub fn obstacles(&self) -> Obstacles {
         Obstacles {
             rest: self.rest.clone(),
@@ -152,7 +153,7 @@ impl RunPrediction {
         }
     }
 
-    /// [-] fraction of the run in which particles lie at rest on a floor.
+    /// [-] fraction of the duration of the run in which particles lie at rest on a floor.
     pub fn share_at_rest(&self) -> f64 {
         self.rest.as_ref().map_or(0.0, |rest| (1.0 - rest.time / self.duration).max(0.0))
     }

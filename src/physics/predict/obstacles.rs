@@ -1,4 +1,5 @@
-//! Obstacles to each model that are visible in scene and start before a run. The commands `plan` and `check` use them.
+//! Obstacles to each model that are visible in the scene and in the start, before a run. The commands `plan` and
+//! `check` use them.
 
 use super::contact::{ContactKind, ImpactSpeeds, contacts};
 use super::flow::{flows, lift};
@@ -10,19 +11,19 @@ use nalgebra::Vector3;
 /// Properties of the start of a run that may exclude an engine.
 #[derive(Clone, Debug)]
 pub struct Obstacles {
-    /// Floor on which particles gather under gravity; `None` if there is none.
+    /// Floor on which particles gather under gravity; `None` if there is no such floor.
     pub rest: Option<Rest>,
-    /// True if particles overlap at the start.
+    /// True if particles overlap each other or a wall at the start.
     pub overlapping: bool,
-    /// True if the start has rows of touching particles.
+    /// True if the start has rows of particles that touch or nearly touch.
     pub in_a_row: bool,
     /// Number of particles that lie on a wall or on other particles at the start.
     pub lying: usize,
 }
 
 impl Obstacles {
-    /// Finds the obstacles at the start of an experiment. If the case has a contact law, neighbours in a row are near
-    /// if their gap is less than twice the overlap of an impact under this law.
+    /// Finds the obstacles to hard spheres at the start of an experiment. Neighbours in a row count as touching if
+    /// their gap is less than twice the overlap of an impact under the contact law of the case.
     pub fn of(experiment: &Experiment, start: &Particles) -> Self {
         let scene = &experiment.scene;
         let given = experiment.start.iter().flat_map(|population| match &population.amount {
@@ -51,7 +52,7 @@ impl Obstacles {
         }
     }
 
-    /// Reasons why hard spheres cannot be used.
+    /// Reasons why hard spheres cannot be used for the experiment; empty if there are none.
     pub fn against_hard(&self, experiment: &Experiment) -> Vec<String> {
         let duration = experiment.run.duration;
         let mut list = Vec::new();
@@ -85,7 +86,7 @@ impl Obstacles {
     }
 }
 
-/// Reasons why soft spheres cannot be used, whatever their stiffness.
+/// Reasons why soft spheres of any stiffness cannot be used for the experiment; empty if there are none.
 pub fn against_soft(experiment: &Experiment) -> Vec<String> {
     let scene = &experiment.scene;
     let mut list = Vec::new();
@@ -102,15 +103,15 @@ pub fn named(hard: &[String], soft: &[String]) -> Vec<String> {
     [of("hard spheres", hard), of("soft spheres", soft)].concat()
 }
 
-/// All kinds of contact of a few bodies. Their speed is that of the fastest impact that the start allows, or `fall`
-/// [m/s] if this is faster.
+/// Kinds of contact of a few bodies, each with the normal speed of its fastest impact. It is the largest speed that the
+/// velocities at the start allow, but at least `fall` [m/s].
 pub fn bodies(experiment: &Experiment, start: &Particles, fall: f64) -> Vec<ContactKind> {
     let (apart, fastest) = speeds(start);
     let pair = |_: usize, _: usize| ImpactSpeeds::Bodies { speed: apart.max(fall) };
     contacts(&experiment.scene, &experiment.counts(), pair, |_| ImpactSpeeds::Bodies { speed: fastest.max(fall) })
 }
 
-/// [m/s] upper limit of the relative speed of any two particles, and largest speed of any particle.
+/// [m/s] upper limit of the relative speed of any two particles, followed by the largest speed of any particle.
 fn speeds(particles: &Particles) -> (f64, f64) {
     /// Largest number of particles for which the relative velocities of all pairs are computed.
     const ALL_PAIRS: usize = 2000;

@@ -15,19 +15,22 @@ use std::f64::consts::{PI, SQRT_2};
 /// Distribution of the overlaps of one kind of contact, divided by the diameter [-].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Overlaps {
-    /// [-] largest overlap, over the diameter, of an impact at the normal speed s.
+    /// [-] largest overlap of an impact at the normal speed s, over the diameter. s² is the variance of the relative
+    /// normal velocity.
     maximum: f64,
-    /// [-] distance covered in one time step at the speed s, over the diameter.
+    /// [-] distance covered in one time step at the normal speed s, over the diameter.
     first: f64,
-    /// [-] exponent p in speed ∝ overlap^p: it is (n+1)/2 for an elastic force ∝ overlap^n.
+    /// [-] exponent p in the relation speed ∝ overlap^p for the largest overlap. It is (n+1)/2 for an elastic force ∝
+    /// overlap^n.
     power: f64,
-    /// [-] overlap number κ_n = u_r/(ω_0 d) of the paper's Eq. 9, with u_r = s sqrt(2/π).
+    /// [-] overlap number κ_n = u_r/(ω_0 d) of the paper's Eq. 9, with the mean relative speed u_r = s sqrt(2/π).
     pub kappa: f64,
 }
 
 impl Overlaps {
-    /// Computes the distribution for one kind of contact under a contact law, if contacts are tested every `time_step`
-    /// [s]. `None` unless the speeds are those of a Maxwellian gas that is equal everywhere and in all directions.
+    /// Computes the distribution of overlaps of one kind of contact under a contact law. An engine tests for contacts
+    /// every `time_step` [s]. `None` unless the speeds are those of a Maxwellian gas that is equal everywhere and in
+    /// all directions.
     pub fn of(contact: &ContactKind, law: &ContactLaw, time_step: f64) -> Option<Self> {
         let ImpactSpeeds::Gas { variance, parts } = &contact.speeds else { return None };
         let even = parts.iter().all(|[_, s]| *s == 1.0);
@@ -40,24 +43,26 @@ impl Overlaps {
         })
     }
 
-    /// [-] probability density of the largest overlap over the diameter at the value `x` [-].
+    /// [-] probability density, at the value `x` [-], of the largest overlap of an impact over the diameter.
     pub fn maximum_density(&self, x: f64) -> f64 {
         let z = x / self.maximum;
         let speed = z.powf(self.power);
         self.power * z.powf(self.power - 1.0) * speed / self.maximum * (-0.5 * speed * speed).exp()
     }
 
-    /// [-] fraction of the impacts whose largest overlap over the diameter is below `x` [-].
+    /// [-] fraction of the impacts whose largest overlap, divided by the diameter, is below `x` [-].
     pub fn maximum_share(&self, x: f64) -> f64 {
         -(-0.5 * (x / self.maximum).powf(2.0 * self.power)).exp_m1()
     }
 
-    /// [-] probability density of the first detected overlap over the diameter at the value `x` [-].
+    /// [-] probability density, at the value `x` [-], of the overlap over the diameter when an engine first detects the
+    /// contact.
     pub fn first_density(&self, x: f64) -> f64 {
         (0.5 * PI).sqrt() / self.first * erfc(x / (SQRT_2 * self.first))
     }
 
-    /// [-] fraction of the impacts whose first detected overlap over the diameter is below `x` [-].
+    /// [-] fraction of the impacts for which the overlap over the diameter is below `x` [-] when an engine first
+    /// detects the contact.
     pub fn first_share(&self, x: f64) -> f64 {
         let z = x / (SQRT_2 * self.first);
         PI.sqrt() * z * erfc(z) - (-z * z).exp_m1()
@@ -69,7 +74,8 @@ mod tests {
     use super::*;
     use crate::contact_law::Bodies;
 
-    /// Overlaps in case D of the paper: 406 µm, 1038 kg/m³, u_r = 0.79 m/s, T = π/4 u_r².
+    /// Overlaps in case D of the paper (406 µm, 1038 kg/m³, u_r = 0.79 m/s, T = π/4 u_r²) with the stiffness
+    /// `stiffness` [N/m].
     fn case_d(stiffness: f64) -> Overlaps {
         let (d, temperature) = (406e-6_f64, 0.25 * PI * 0.79 * 0.79);
         let mass = 1038.0 * PI / 6.0 * d.powi(3);
@@ -90,7 +96,8 @@ mod tests {
         Overlaps::of(&contact, &ContactLaw::linear(stiffness), 1e-6).expect("a gas")
     }
 
-    /// Mean of a distribution, computed from the fraction F below x as the integral ∫ (1 - F) dx.
+    /// Mean of a distribution up to the value `until`, computed as the integral ∫ (1 - F) dx. F(x) is the fraction
+    /// below x.
     fn mean(share: impl Fn(f64) -> f64, until: f64) -> f64 {
         let h = until / 20_000.0;
         (0..20_000).map(|k| h * (1.0 - share((f64::from(k) + 0.5) * h))).sum()

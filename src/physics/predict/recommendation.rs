@@ -13,28 +13,28 @@ use crate::contact_law::ContactLaw;
 use crate::experiment::Experiment;
 use serde::Serialize;
 
-/// [-] ratio λ* of mean overlap to diameter up to which the flow in the paper did not change (Eq. 13). The
-/// recommendation keeps 99 % of the overlaps below it.
+/// [-] ratio λ* of mean overlap to diameter up to which the flow in the paper did not change (Eq. 13). With the
+/// recommended stiffness, 99 % of the overlaps are below this value.
 const DEEPEST: f64 = 0.05;
 
 /// Numbers of steps per contact from which the recommendation chooses one. The paper's range is T_c/50 to T_c/15
 /// (section 3.4).
 const STEPS: [f64; 6] = [15.0, 20.0, 30.0, 50.0, 100.0, 200.0];
 
-/// [-] fraction of the time in contact above which local stepping costs more than uniform stepping. Costs of local over
-/// uniform stepping were measured with `diptych plan cases/dense-gas.toml` at lower stiffnesses (medians of four on a
-/// busy machine). They were 0.9 at a fraction of 0.04, 1.0 at 0.06 and 1.6 at 0.12. At a volume fraction of 0.4 they
-/// were 0.7 at 0.02, 0.8 at 0.04 and 5.7 at 0.12.
+/// [-] mean fraction of the time that a particle is in contact, above which local stepping costs more than uniform
+/// stepping. Costs of local over uniform stepping were measured with `diptych plan cases/dense-gas.toml` at lower
+/// stiffnesses (medians of four on a busy machine). They were 0.9 at a fraction of 0.04, 1.0 at 0.06 and 1.6 at 0.12.
+/// At a volume fraction of 0.4 they were 0.7 at 0.02, 0.8 at 0.04 and 5.7 at 0.12.
 const CROWDED: f64 = 0.06;
 
-/// [-] cost per particle of a search for particles that may touch in a window, over the cost of one time step of a
-/// particle. Local stepping searches at least once per window (time between two exchanges with the gas). A search costs
+/// [-] cost per particle of a search for particles that may touch in a window (time between two exchanges with the
+/// gas), over the cost of one time step of a particle. Local stepping searches at least once per window. A search costs
 /// about as much as 60 pair checks, like building the neighbour list (see `neighbours`).
 const SEARCH: f64 = 60.0;
 
-/// [-] largest fraction of particles that lie at the start for which hybrid spheres are recommended. The window (time
-/// between two exchanges with the gas) must also have at least `LONG_WINDOW` time steps. Otherwise hybrid spheres may
-/// cost more than uniform steps of all particles. Ratios of these costs were measured. In
+/// [-] largest fraction of particles that lie on others at the start for which hybrid spheres are recommended. In
+/// addition, the window (time between two exchanges with the gas) must have at least `LONG_WINDOW` time steps.
+/// Otherwise hybrid spheres may cost more than uniform steps of all particles. Ratios of these costs were measured. In
 /// `cases/hybrid/rain-on-a-bed.toml` (fraction 0.024) they were 0.36 at 4300 steps per window and 0.8 at 480. In
 /// gas-above-bed.toml (fraction 0.11) the ratio was 1.2 at 200.
 const FEW_LIE: f64 = 0.05;
@@ -76,17 +76,17 @@ impl std::fmt::Display for EngineChoice {
     }
 }
 
-/// The recommended engine, law and time step, with reasons.
+/// Recommendation for a case: engine, contact law and time step, with reasons.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Recommendation {
     /// Recommended engine; `None` if no engine of this program is suitable for the case.
     pub engine: Option<EngineChoice>,
-    /// Contact law for the soft engine, or for a comparison with hard spheres. `None` if no stiffness can be
-    /// recommended.
+    /// Contact law for soft spheres, which are recommended or serve as a comparison with hard spheres. `None` if no
+    /// stiffness can be recommended.
     pub law: Option<ContactLaw>,
     /// [-] number of time steps per contact, N_c.
     pub steps_per_contact: f64,
-    /// [s] time step computed from N_c; `None` without a contact law.
+    /// [s] time step: shortest contact time over N_c; `None` without a contact law.
     pub time_step: Option<f64>,
     /// [s] window h: time between two exchanges of momentum with the gas.
     pub window: f64,
@@ -94,9 +94,9 @@ pub struct Recommendation {
     pub adequate: bool,
     /// Reasons for the recommended engine.
     pub reasons: Vec<String>,
-    /// Engines that cannot be used, with reasons.
+    /// Engines that cannot be used for the case, with reasons.
     pub refused: Vec<String>,
-    /// Assumptions that are doubtful for this scene.
+    /// Assumptions of the predictions that are doubtful for this scene, one sentence each.
     pub doubts: Vec<String>,
 }
 
@@ -117,8 +117,8 @@ impl Recommendation {
     }
 }
 
-/// Makes the recommendation. `contacts` contains all kinds of contact of the scene, and `temperatures` the granular
-/// temperature T [m²/s²] of each species.
+/// Makes the recommendation for an experiment from its predictions `plan`. `contacts` contains all kinds of contact of
+/// the scene, and `temperatures` the granular temperature T [m²/s²] of each species.
 pub fn recommend(
     experiment: &Experiment,
     plan: &RunPrediction,
@@ -176,8 +176,8 @@ pub fn recommend(
     }
 }
 
-/// Chooses the engine, and returns it with the reason for this choice; `None` if no engine is suitable. `against`
-/// contains the reasons against hard spheres and those against soft spheres.
+/// Chooses the engine, and returns it with the reason for the choice; `None` if no engine is suitable. `against`
+/// contains the reasons against hard spheres, and those against soft spheres.
 fn engine(
     plan: &RunPrediction,
     contacts: &[ContactKind],
@@ -236,7 +236,8 @@ fn why_hard(plan: &RunPrediction) -> String {
     }
 }
 
-/// Reasons against hard spheres. If the start shows none, the failure of the short run is the reason, if it failed.
+/// Reasons against hard spheres for the experiment. If the start has no obstacle, but the short calibration run has
+/// failed, its failure is the reason.
 fn against_hard(experiment: &Experiment, plan: &RunPrediction) -> Vec<String> {
     let mut list = plan.obstacles().against_hard(experiment);
     if list.is_empty()
@@ -247,12 +248,12 @@ fn against_hard(experiment: &Experiment, plan: &RunPrediction) -> Vec<String> {
     list
 }
 
-/// Law that is stiffened if a case contains no contact law. Its stiffness is 1 N/m, so that a stiffening factor is a
-/// stiffness in N/m.
+/// Linear contact law from which the recommended stiffness is computed if the case has no contact law. It has 1 N/m, so
+/// that a stiffening factor is a stiffness in N/m.
 const UNNAMED: ContactLaw = ContactLaw::linear(1.0);
 
-/// Softest adequate law of the type in the case, and the requirement that determines its stiffness, in words. `None` if
-/// no particle moves.
+/// Softest adequate contact law of the type in the case, and the requirement that determines its stiffness, in words.
+/// `None` if no particle moves.
 pub fn softest(
     experiment: &Experiment,
     plan: &RunPrediction,
@@ -285,9 +286,9 @@ pub fn softest(
     Some((law.stiffened(factor), why))
 }
 
-/// Number of steps per contact at which collisions change the energy of a particle by less than the desired error, a
-/// fraction. The changes are summed over the collisions within half a response time of drag, or over the whole run if
-/// this is shorter. The reason is added to `reasons`.
+/// Number of steps per contact N_c at which the errors of the time steps in collisions change the energy of a particle
+/// by less than the desired relative error. The changes are summed over the collisions within half a response time of
+/// drag, or over the whole run if it is shorter. The reason for the choice is added to `reasons`.
 fn steps(
     plan: &RunPrediction,
     contacts: &[ContactKind],
@@ -322,8 +323,8 @@ fn steps(
     chosen
 }
 
-/// Smallest number of steps per contact, at least `steps`, for which half a period of the fastest tangential, rolling
-/// or twisting spring also has `steps` steps. If this is more than `steps`, the reason is added to `reasons`.
+/// Smallest number of steps per contact N_c with which half a period of the fastest tangential, rolling or twisting
+/// spring has `steps` time steps. It is at least `steps`. If it is larger, the reason is added to `reasons`.
 fn for_springs(
     experiment: &Experiment,
     contacts: &[ContactKind],
@@ -331,7 +332,7 @@ fn for_springs(
     steps: f64,
     reasons: &mut Vec<String>,
 ) -> f64 {
-    /// [-] fraction of a step that counts as rounding, so that no step is added for it.
+    /// [-] fraction of a time step that counts as rounding when the number of steps is rounded up.
     const SMALL: f64 = 0.01;
     let (Some(law), Some(shortest)) = (law, shortest(contacts, law)) else { return steps };
     let Some((spring, contact)) = fastest_spring(experiment, &law, contacts) else { return steps };
@@ -383,14 +384,14 @@ pub fn rounded_up(law: &ContactLaw) -> ContactLaw {
     law.stiffened(round_up(value) / value)
 }
 
-/// Rounds up to 1, 2 or 5 times a power of ten.
+/// Rounds a positive number up to 1, 2 or 5 times a power of ten.
 pub fn round_up(value: f64) -> f64 {
     let power = 10f64.powf(value.log10().floor());
     let digits = [1.0, 2.0, 5.0, 10.0].into_iter().find(|digit| digit * power >= value * (1.0 - 1e-12));
     digits.unwrap_or(10.0) * power
 }
 
-/// A number in decimal notation with `digits` significant digits, without an exponent.
+/// Writes a number in decimal notation with `digits` significant digits, without an exponent.
 fn plain(value: f64, digits: usize) -> String {
     format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value).to_string()
 }

@@ -7,13 +7,13 @@ use crate::scene::{Kind, Scene, Surface};
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// [-] ratio of the gap between two neighbours at the start to the overlap of an impact. Below this ratio, contacts
+/// [-] gap between two neighbours at the start, over the overlap of an impact, below which the contacts of a sphere
 /// with both neighbours overlap in time. The number follows from solutions of the three-sphere equations. Three spheres
 /// in a row with gaps of twice u sqrt(m/k) agree with a sequence of two impacts to 1e-6. With half of these gaps they
-/// do not agree to 1e-2.
+/// differ by more than 1e-2.
 const SEPARATE: f64 = 2.0;
 
-/// Largest number of particles for which all pairs are examined at the start.
+/// Largest number of particles for which all pairs of particles are examined at the start.
 const ALL_PAIRS: usize = 2000;
 
 /// Floor on which particles gather under gravity, with the time until they are at rest.
@@ -21,24 +21,27 @@ const ALL_PAIRS: usize = 2000;
 pub struct Rest {
     /// [m/s²] component of gravity normal to the floor, towards it.
     pub gravity: f64,
-    /// [m] longest fall at the start: down to the floor, or to the particles that lie on the floor.
+    /// [m] longest fall of a particle from the start: down to the floor, or to the particles that lie on the floor.
     pub height: f64,
     /// [m/s] largest speed with which a particle can reach the floor.
     pub speed: f64,
-    /// [s] time at which the bounces end; infinite if impacts lose no energy.
+    /// [s] time from the start to the end of all bounces; infinite if impacts lose no energy.
     pub time: f64,
-    /// [-] restitution at `speed` of the contact that loses least; 0 if impacts lose no energy.
+    /// [-] restitution, at the impact speed `speed`, of the contact that loses the smallest part of its energy; 0 if
+    /// impacts lose no energy.
     pub restitution: f64,
-    /// [N] weight that one contact of a particle with the floor carries at rest.
+    /// [N] force between the floor and one particle at rest, if the weight of all particles is divided equally among
+    /// the particles on the floor.
     pub weight: f64,
 }
 
 /// Finds the floor of a scene: the flat wall against which gravity presses most. `None` if there is no such wall, if
-/// the gas lifts the particles off it, or if a wall moves. `lift` [m/s] is the component of the gas velocity against
-/// gravity, minus the terminal slip speed.
+/// the gas lifts the particles, or if a wall moves. `lift` [m/s] is the component of the gas velocity against gravity,
+/// minus the terminal slip speed.
 ///
 /// The time until rest is that of a sphere dropped from the height h. Its bounces last (1+e)/(1-e) sqrt(2h/g) in total
-/// (a geometric series); where e depends on the speed, they are added one by one. A bed of N spheres needs less time.
+/// (a geometric series). If e depends on the speed, the bounces are added one by one. A bed of N spheres needs less
+/// time.
 pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<Rest> {
     // walls that move may throw the particles up again
     if lift.is_some_and(|lift| lift > 0.0) || particles.is_empty() || scene.has_moving_walls() {
@@ -82,13 +85,14 @@ pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<R
     Some(Rest { gravity, height, speed, time, weight, restitution: lossy })
 }
 
-/// [-] time of all bounces on a surface that is first met at `speed` [m/s], over the time of the fall before: (1+e)/(1-e)
-/// for a constant restitution. Otherwise it is 1 + 2 Σ u_k/u_0 with the speeds u_k of the rebounds, until they are slow;
-/// infinite if they never are, since slow impacts are elastic.
+/// [-] duration of all bounces of a sphere that first meets a surface at `speed` [m/s], over the time of the fall
+/// before. It is (1+e)/(1-e) for a constant restitution. Otherwise it is 1 + 2 Σ u_k/u_0 with the speeds u_k of the
+/// rebounds. The sum ends at slow rebounds. It is infinite if rebounds never become slow, because slow impacts are
+/// elastic.
 fn falls(surface: &Surface, speed: f64) -> f64 {
-    /// [-] speed of a rebound over the first speed, from which on bounces do not count.
+    /// [-] speed of a rebound over the speed of the first impact, below which bounces are neglected.
     const SLOW: f64 = 1e-6;
-    /// Largest number of bounces that are computed.
+    /// Largest number of bounces that are added one by one.
     const MOST: u32 = 100_000;
     if surface.by_speed.is_none() {
         return (1.0 + surface.restitution) / (1.0 - surface.restitution);
@@ -104,8 +108,9 @@ fn falls(surface: &Surface, speed: f64) -> f64 {
     f64::INFINITY
 }
 
-/// [m] part of the height of a sphere at `x` above the floor that other spheres below it occupy: the sum of their
-/// diameters. `up` is the unit normal of the floor. It is 0 for scenes with many particles.
+/// [m] part of the height of a sphere above the floor that is occupied by spheres between it and the floor: the sum of
+/// their diameters. `x` [m] is the centre and `radius` [m] the radius of the sphere, and `up` the unit normal of the
+/// floor. The result is 0 for scenes with many particles.
 fn stacked(scene: &Scene, particles: &Particles, up: &Vector3<f64>, x: &Vector3<f64>, radius: f64) -> f64 {
     if particles.len() > ALL_PAIRS {
         return 0.0;
@@ -119,8 +124,8 @@ fn stacked(scene: &Scene, particles: &Particles, up: &Vector3<f64>, x: &Vector3<
 }
 
 impl Rest {
-    /// Number of bounces, within `duration` [s], of the sphere that falls farthest. Flight number k lasts 2 e^k times
-    /// as long as the first fall.
+    /// Number of bounces, within `duration` [s], of the sphere that falls farthest. The flight after bounce k lasts 2
+    /// e^k times as long as the first fall, with the restitution e.
     pub fn bounces(&self, duration: f64) -> f64 {
         let (e, fall) = (self.restitution, self.speed / self.gravity);
         if fall <= 0.0 || duration <= fall {
@@ -132,9 +137,9 @@ impl Rest {
     }
 }
 
-/// True if any spheres overlap each other or a wall by more than rounding.
+/// True if spheres overlap each other or a wall by more than the rounding of positions.
 pub fn overlapping(scene: &Scene, particles: &Particles) -> bool {
-    /// [-] rounding of typed positions, divided by the diameter.
+    /// [-] largest overlap that counts as rounding of typed positions, divided by the diameter.
     const ROUNDING: f64 = 1e-9;
     let mut list = NeighbourList::default();
     let mut sorted = particles.clone();
@@ -149,11 +154,11 @@ pub fn overlapping(scene: &Scene, particles: &Particles) -> bool {
 
 /// Number of particles that lie on a wall or on another particle. The gap below such a particle is less than a
 /// thousandth of its diameter. Neither body may be faster than after a fall through this gap. `given` contains, for
-/// each id, true if the position was given in the case. Particles at random positions are not counted, because they may
-/// be as near by chance.
+/// each id, true if the case gives the position. Particles at random positions are not counted, because they may be
+/// this close by chance.
 pub fn lying(scene: &Scene, particles: &Particles, given: &[bool]) -> usize {
-    /// [-] largest gap below a particle that lies, over its diameter. Overlaps of glass beads of 1 mm at 10 kN/m are
-    /// 1e-6 of a diameter under their weight, and 1e-3 under a thousand layers.
+    /// [-] largest gap below a particle that counts as lying, over its diameter. Overlaps of glass beads of 1 mm at 10
+    /// kN/m are 1e-6 of a diameter under their weight, and 1e-3 under a thousand layers.
     const NEAR: f64 = 1e-3;
     let mut list = NeighbourList::default();
     let mut sorted = particles.clone();
@@ -181,8 +186,8 @@ pub fn lying(scene: &Scene, particles: &Particles, given: &[bool]) -> usize {
     lies.into_iter().filter(|lies| *lies).count()
 }
 
-/// True if some particle at the start has two neighbours (or a neighbour and a wall) so near that the contacts of one
-/// impact with both overlap in time. `overlap` [m] is the overlap of such an impact. Hard spheres would transmit the
+/// True if some particle at the start has two neighbours (or a neighbour and a wall) so close that an impact has
+/// contacts with both at the same time. `overlap` [m] is the overlap of such an impact. Hard spheres would transmit the
 /// impulse in successive collisions. The test is for starts with given positions, since particles at random positions
 /// have larger distances.
 pub fn in_a_row(scene: &Scene, particles: &Particles, overlap: f64) -> bool {

@@ -7,28 +7,28 @@ use crate::rotation::{RollingBodies, SpringDashpotSlider};
 use crate::scene::Species;
 use std::f64::consts::PI;
 
-/// A tangential, rolling or twisting spring between two bodies, at the largest overlap of the fastest impacts.
+/// Tangential, rolling or twisting spring between two bodies, at the largest overlap of the fastest impacts.
 #[derive(Clone, Copy, Debug)]
 pub struct SideSpring {
-    /// Name of the spring in a sentence.
+    /// Name of the spring in a sentence, such as "tangential".
     pub name: &'static str,
-    /// [1/s] angular frequency without damping.
+    /// [1/s] undamped angular frequency of the spring.
     pub frequency: f64,
-    /// [-] damping ratio: damping over critical damping.
+    /// [-] damping ratio of the spring: damping over critical damping.
     pub damping_ratio: f64,
 }
 
 impl SideSpring {
-    /// [s] half the period of the damped spring, in which it swings out and back. For an overdamped spring: half the
-    /// period without damping.
+    /// [s] half the period of the damped spring, in which it is stretched and returns. For an overdamped spring it is
+    /// half the period without damping.
     pub fn half_period(&self) -> f64 {
         let swing = (1.0 - self.damping_ratio * self.damping_ratio).max(0.0).sqrt();
         PI / (self.frequency * if swing > 0.0 { swing } else { 1.0 })
     }
 }
 
-/// All springs of a contact between two bodies except the normal one, each at the largest overlap. Springs without
-/// stiffness are left out. Empty for spheres without rotation.
+/// Tangential, rolling and twisting springs of a contact between two bodies, each at the largest overlap of the fastest
+/// impacts. Springs without stiffness are left out. The list is empty if spheres do not rotate.
 pub fn side_springs(experiment: &Experiment, law: &ContactLaw, bodies: &Bodies) -> Vec<SideSpring> {
     let scene = &experiment.scene;
     let inertia = scene.species.iter().map(Species::factor_with_added_mass).reduce(f64::min);
@@ -54,8 +54,8 @@ pub fn side_springs(experiment: &Experiment, law: &ContactLaw, bodies: &Bodies) 
     springs.filter(|(_, spring)| spring.stiffness > 0.0).map(of).collect()
 }
 
-/// Limits on the time step, in which each tangential, rolling or twisting spring makes half a period in `steps` steps.
-/// `steps` is the number of steps per contact N_c.
+/// Limits on the time step due to tangential, rolling and twisting springs. With the longest allowed step, half a
+/// period of the spring has `steps` steps, the number of steps per contact N_c.
 pub fn spring_limits(
     experiment: &Experiment,
     law: &ContactLaw,
@@ -72,7 +72,8 @@ pub fn spring_limits(
     contacts.iter().flat_map(of).collect()
 }
 
-/// The spring with the shortest half period, and the contact to which it belongs; `None` without such springs.
+/// Tangential, rolling or twisting spring with the shortest half period, and the contact to which it belongs. `None`
+/// without such springs.
 pub fn fastest_spring<'a>(
     experiment: &Experiment,
     law: &ContactLaw,

@@ -1,5 +1,5 @@
-//! Scenes that have no steady state, and quantities that can be predicted for them. Averages over time have no meaning
-//! for such scenes.
+//! Scenes that have no steady state, and quantities that can be predicted for them. In such scenes averages over time
+//! have no meaning.
 
 use super::gas::Gas;
 use super::rest::Rest;
@@ -10,11 +10,11 @@ use crate::walls::Wall;
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// [-] fractions of the energy of agitation for whose loss a time is predicted.
+/// [-] fractions of the initial energy of agitation. For each one, the time at which it is lost is predicted.
 const SHARES: [f64; 3] = [0.5, 0.9, 0.99];
 
-/// Predictions for a scene in which nothing keeps the particles moving. A time average would be that of a quantity that
-/// keeps changing.
+/// Predictions for a scene in which nothing keeps the particles moving. In such a scene a time average has no meaning,
+/// because the quantities keep changing.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Transient {
     /// Description of the course of the motion, in one sentence.
@@ -24,18 +24,19 @@ pub struct Transient {
     /// [s] upper limit of the time until all particles lie on the floor; `None` without a floor, or without energy
     /// losses on it.
     pub at_rest: Option<f64>,
-    /// [-] relative standard deviation of the granular temperature at one instant of one run, due to random starts.
+    /// [-] relative standard deviation of the granular temperature at one instant between single runs, due to random
+    /// starts.
     pub scatter: f64,
-    /// Number of runs with different seeds whose mean has the desired error at every instant.
+    /// Number of runs with different seeds that are needed so that their mean has the desired error at every instant.
     pub replicas: u64,
 }
 
-/// A fraction of the energy of agitation, and the time at which it is lost.
+/// Fraction of the energy of agitation, and the time at which it is lost.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Loss {
     /// [-] fraction of the initial kinetic energy of agitation that is lost.
     pub share: f64,
-    /// [s] time from the start until this fraction is lost.
+    /// [s] time from the start until the fraction `share` is lost.
     pub time: f64,
 }
 
@@ -49,15 +50,15 @@ pub struct Loss {
 /// neglected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Decay {
-    /// [1/s] rate 1/τ at which drag reduces the root of T, with τ the response time.
+    /// [1/s] relative rate 1/τ at which drag reduces the root of the granular temperature T, with the response time τ.
     drag: f64,
-    /// [1/s] relative rate at which impacts reduce the root of T at the start.
+    /// [1/s] relative rate at which impacts reduce the root of T at the start, with the granular temperature T.
     impacts: f64,
 }
 
 impl Decay {
-    /// [s] time until the fraction `share` of the energy is lost. With y = sqrt(T/T_0) the equation is y' = -a y - b
-    /// y², where a is `drag` and b is `impacts`.
+    /// [s] time until the fraction `share` [-] of the energy of agitation is lost. With y = sqrt(T/T_0) the equation is
+    /// y' = -a y - b y², where a is `drag` and b is `impacts`.
     fn time(&self, share: f64) -> f64 {
         let (a, b, left) = (self.drag, self.impacts, (1.0 - share).sqrt());
         if a == 0.0 {
@@ -67,8 +68,8 @@ impl Decay {
     }
 }
 
-/// True if energy is removed from the particles and nothing keeps them moving, so that averages over time are those of
-/// changing quantities. This is a first estimate, for which no rates are needed.
+/// True if the particles lose energy and nothing keeps them moving, so that averages over time have no meaning. This is
+/// a first estimate, for which no collision rates are needed.
 pub fn fades(experiment: &Experiment) -> bool {
     let scene = &experiment.scene;
     let drag = scene.fluid.as_ref().and_then(|fluid| fluid.drag.as_ref());
@@ -79,7 +80,8 @@ pub fn fades(experiment: &Experiment) -> bool {
     !driven && (drag.is_some() || lossy)
 }
 
-/// True if moving walls, the shear of the box, eddies of the gas, a thermostat or thermal walls give energy to the particles.
+/// True if moving walls, the shear of the box, eddies of the gas, a thermostat or thermal walls give energy to the
+/// particles.
 fn is_stirred(scene: &Scene) -> bool {
     let turbulent = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some() && fluid.turbulence.is_some());
     let slides = |wall: &Wall| wall.turning.is_some() || wall.velocity != Vector3::zeros();
@@ -89,7 +91,7 @@ fn is_stirred(scene: &Scene) -> bool {
         || scene.walls.iter().any(|wall| slides(wall) && wall.surface.friction > 0.0)
 }
 
-/// Weighted mean of numbers, given as pairs [weight, number]; 0 for an empty list.
+/// Weighted mean of numbers, given as pairs [weight, number]; 0 if the list is empty.
 fn mean(numbers: impl Iterator<Item = [f64; 2]>) -> f64 {
     let [weights, sum] =
         numbers.fold([0.0; 2], |[weights, sum], [weight, number]| [weights + weight, sum + weight * number]);
@@ -97,8 +99,8 @@ fn mean(numbers: impl Iterator<Item = [f64; 2]>) -> f64 {
 }
 
 /// Makes predictions for a scene without a steady state. `None` if something keeps the particles moving, if no energy
-/// is lost, or for a few bodies. `at_start` is the granular temperature T [m²/s²] at the start, and `of_the_rates` is
-/// the T at which the rates of `gas` are valid. `target` [-] is the desired relative error.
+/// is lost, or for a few bodies. `at_start` is the granular temperature T [m²/s²] at the start, and `of_the_rates` the
+/// T to which the collision rates in `gas` belong. `target` [-] is the desired relative error.
 pub fn transient(
     experiment: &Experiment,
     gas: &Gas,
@@ -165,7 +167,8 @@ pub fn transient(
     })
 }
 
-/// [s] shortest response time of drag, over all species, at the agitation of the start.
+/// [s] shortest response time of drag over all species, at the slip speed of the velocity fluctuations at the start.
+/// `None` without drag.
 fn response(experiment: &Experiment) -> Option<f64> {
     let fluid = experiment.scene.fluid.as_ref()?;
     let law = fluid.drag.as_ref()?.law();
@@ -177,7 +180,8 @@ fn response(experiment: &Experiment) -> Option<f64> {
     of.reduce(f64::min)
 }
 
-/// [m²/s²] variance of a velocity component of random starts, averaged over all particles; listed particles count as 0.
+/// [m²/s²] variance of a velocity component at the start, averaged over all particles. Particles with listed velocities
+/// count as 0.
 pub fn variance_at_start(experiment: &Experiment) -> f64 {
     let random = |population: &&crate::experiment::Population| matches!(population.amount, Amount::Count(_));
     let of = experiment.start.iter().filter(random);
@@ -189,7 +193,7 @@ pub fn variance_at_start(experiment: &Experiment) -> f64 {
 mod tests {
     use super::*;
 
-    /// Compares the closed form with the equation, which is integrated in steps.
+    /// Compares the closed form of the decay with a numerical integration of its equation.
     #[test]
     fn the_closed_form_solves_its_equation() {
         for decay in

@@ -9,13 +9,13 @@ use std::sync::Arc;
 /// Rule of the tangential impulse of an instantaneous impact.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ImpactRule {
-    /// Rule of Walton. Impacts that stick change the slip s to -β_0 s, and all others slide. The tangential impulse is
-    /// J_t = min(μ J_n, M_t (1 + β_0) |s|) (Walton 1993; Foerster et al. 1994, Phys. Fluids 6, 1108).
+    /// Rule of Walton. An impact that sticks changes the slip s to -β_0 s; all other impacts slide. The tangential
+    /// impulse is J_t = min(μ J_n, M_t (1 + β_0) |s|) (Walton 1993; Foerster et al. 1994, Phys. Fluids 6, 1108).
     Walton {
-        /// [-] tangential restitution β_0, -1 ..= 1: -1 leaves the slip unchanged, 1 reverses it.
+        /// [-] tangential restitution β_0, from -1 to 1. The value -1 leaves the slip unchanged, and 1 reverses it.
         tangential_restitution: f64,
     },
-    /// Impact of stiff soft spheres: the slip becomes s' = μ u_n Φ(s/(μ u_n)), with the function Φ of their tangential
+    /// Rule of stiff soft spheres: the slip s becomes s' = μ u_n Φ(s/(μ u_n)), with the function Φ of their tangential
     /// law. There is one table of Φ for each restitution and mass ratio of the scene.
     OfSpring(Arc<[ReboundTable]>),
 }
@@ -23,11 +23,11 @@ pub enum ImpactRule {
 /// Properties of impacts between two kinds of bodies. Impacts with equal properties follow one rule.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImpactKind {
-    /// [-] normal restitution e.
+    /// [-] normal restitution e of impacts between the two kinds of bodies.
     pub restitution: f64,
     /// [-] effective mass M_t of the slip over the effective mass M.
     pub mass_ratio: f64,
-    /// [-] Mindlin's tangential stiffness over Hertz's elastic constant; 0 for other laws.
+    /// [-] Mindlin's tangential stiffness over Hertz's elastic constant; 0 for other contact laws.
     pub shear_ratio: f64,
 }
 
@@ -47,27 +47,28 @@ impl ImpactKind {
 /// Data of an oblique impact from which its tangential impulse is computed.
 #[derive(Clone, Copy, Debug)]
 pub struct ObliqueApproach {
-    /// [-] friction coefficient μ.
+    /// [-] friction coefficient μ of the two surfaces.
     pub friction: f64,
     /// [-] normal restitution e of the surfaces.
     pub restitution: f64,
     /// [m/s] normal speed of approach u_n > 0.
     pub normal_speed: f64,
-    /// [kg m/s] normal impulse J_n.
+    /// [kg m/s] magnitude of the normal impulse J_n of the impact.
     pub normal_impulse: f64,
     /// [m/s] magnitude |s| of the slip before the impact.
     pub slip: f64,
-    /// [kg] effective mass M_t of the slip.
+    /// [kg] effective mass M_t of the slip of the two bodies.
     pub mass: f64,
     /// [-] effective mass M_t of the slip over the effective mass M.
     pub mass_ratio: f64,
 }
 
 impl ImpactRule {
-    /// Coulomb's limit alone: an impact stops the slip if its friction suffices, without tangential restitution.
+    /// Coulomb's rule: an impact stops the slip if the friction suffices. There is no tangential restitution.
     pub const COULOMB: Self = Self::Walton { tangential_restitution: 0.0 };
 
-    /// Makes the rule of stiff soft spheres with a tangential law that has memory, for these kinds of impacts.
+    /// Makes the rule of stiff soft spheres from a tangential law with memory. `impacts` are the kinds of impacts
+    /// between the bodies of a scene; each gets a table.
     pub fn of_spring(law: &TangentialLaw, impacts: &[ImpactKind]) -> Self {
         let table = |&ImpactKind { restitution, mass_ratio, shear_ratio }: &ImpactKind| {
             ReboundTable::new(restitution, ObliqueImpact::of_law(law, restitution, mass_ratio, shear_ratio))
@@ -108,8 +109,8 @@ impl std::fmt::Display for ImpactRule {
 }
 
 impl Serialize for ImpactRule {
-    /// Serializes the rule under its key of the case. The rule of a spring has no parameters beyond those of the
-    /// tangential law.
+    /// Serializes the rule as in a case. The rule of stiff soft spheres is a word, since it has no parameters beyond
+    /// those of the tangential law.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Walton { tangential_restitution } => {

@@ -32,12 +32,12 @@ pub const SOLID_SPHERE: f64 = 0.4;
 /// sphere can have.
 pub const THIN_SHELL: f64 = 2.0 / 3.0;
 
-/// Tangential laws of spheres that rotate.
+/// Laws of spheres that rotate: tangential force, tangential impulse, and resistance to rolling and twisting.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Rotation {
-    /// Tangential law of soft contacts (soft and hybrid models).
+    /// Law of the tangential force in soft contacts (soft and hybrid models).
     pub tangential: TangentialLaw,
-    /// Rule of hard impacts (hard and hybrid models).
+    /// Rule of the tangential impulse in hard impacts (hard and hybrid models).
     pub impact: ImpactRule,
     /// Law of rolling resistance in soft contacts; `None`: no rolling resistance.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -48,7 +48,7 @@ pub struct Rotation {
 }
 
 impl Rotation {
-    /// Rotation without rolling and twisting resistance.
+    /// Makes the laws of rotation without rolling and twisting resistance.
     pub fn new(tangential: TangentialLaw, impact: ImpactRule) -> Self {
         Self { tangential, impact, rolling: None, twisting: None }
     }

@@ -1,51 +1,56 @@
 //! Oblique impact of elastic spheres whose contact circle sticks in the middle and slips at its edge, after Maw, Barber
-//! and Fawcett (1976, Wear 38, 101). Springs know one force per contact; here the traction has a value at each radius.
+//! and Fawcett (1976, Wear 38, 101). A spring model has one tangential force per contact; in this model the traction
+//! (tangential force per area) depends on the radius.
 //!
 //! The normal motion is Hertz's. The contact circle is divided into rings, and time into as many steps per half of the
-//! contact, so that the edge of the contact is always the edge of a ring. The traction is a sum of the distributions
-//! q sqrt(1 - r²/c²), one per radius c. Its tangential displacement, averaged around the ring at r, is that of an equal
-//! normal pressure, times the ratio of the tangential to the normal compliance (Johnson 1985, Contact Mechanics, Eqs.
-//! 3.42 and 3.91). This holds because the mean of cos² over all directions is 1/2. A ring sticks, and its displacement then
-//! changes as that of the bodies, or it slides, and its traction is μ times the pressure.
+//! contact, so that the edge of the contact is always the edge of a ring. The traction is a sum of the distributions q
+//! sqrt(1 - r²/c²), one per radius c. The tangential displacement by one distribution is averaged around the ring at r.
+//! This mean is the normal displacement by an equal pressure, times the ratio of the tangential to the normal
+//! compliance (Johnson 1985, Contact Mechanics, Eqs. 3.42 and 3.91), since the mean of cos² over all directions is 1/2.
+//! The displacement of a ring that sticks changes as that of the bodies. The traction of a ring that slides is μ times
+//! the pressure.
 //!
 //! Units: largest overlap, effective radius, effective mass and normal speed are 1. The slip is divided by μ.
 
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Number of rings of the contact circle. The slip after an impact is exact to 0.02 in units of μ u_n (10, 20, 40 and
-/// 80 rings: docs/rotation.md).
+/// Number of rings into which the contact circle is divided. The slip after an impact is then exact to 0.02 in units of
+/// μ u_n (10, 20, 40 and 80 rings: docs/rotation.md).
 const RINGS: usize = 40;
 
-/// Effective Young's modulus E* in these units: the energy 1/2 of the normal motion is that of the largest overlap,
-/// 2/5 · 4/3 E*.
+/// [-] effective Young's modulus E*, if largest overlap, effective radius, effective mass and normal speed are 1. The
+/// energy 1/2 of the normal motion before the impact equals the elastic energy at the largest overlap, 2/5 · 4/3 E*.
 const MODULUS: f64 = 15.0 / 16.0;
 
-/// State of a ring of the contact circle.
+/// State of a ring of the contact circle: the surfaces stick together or slide.
 #[derive(Clone, Copy, PartialEq)]
 enum RingState {
     Sticks,
-    /// The number is the sign of the traction, which is that of the slip.
+    /// The surfaces slide. The number, 1 or -1, is the sign of the traction and of the slip.
     Slides(f64),
 }
 
-/// Oblique impact of elastic spheres with partial slip.
+/// Oblique impact of elastic spheres whose contact circle sticks in the middle and slips at its edge. The largest
+/// overlap, effective radius, effective mass and normal speed are 1.
 pub struct PartialSlip {
     /// [-] effective mass M_t of the slip over the effective mass M of the normal motion.
     mass: f64,
-    /// Outer radii of the rings, from the inside out. The last one is the largest radius of the contact.
+    /// [-] outer radii of the rings, from the inside out. The last one is the largest radius of the contact, 1.
     radii: Vec<f64>,
-    /// Time in which the edge of the contact crosses each ring.
+    /// [-] time in which the edge of the growing contact crosses each ring, from the inside out.
     steps: Vec<f64>,
-    /// Row: middle of a ring; column: outer radius of a distribution with q = 1. Mean tangential displacement.
+    /// [-] mean tangential displacements. Row i, column j: at the middle of ring i, by the traction sqrt(1 - r²/c²) on
+    /// a circle of radius c, the outer radius of ring j.
     displacement: DMatrix<f64>,
-    /// Rows and columns as above. Traction.
+    /// [-] tractions. Row i, column j: at the middle of ring i, of the distribution sqrt(1 - r²/c²) on a circle of
+    /// radius c, the outer radius of ring j.
     traction: DMatrix<f64>,
 }
 
 impl PartialSlip {
-    /// Impact with Mindlin's ratio `stiffness` k_t/k_n = 4 G*/E* (0.82 at Poisson's ratio 0.3), and the ratio `mass`
-    /// M_t/M (2/7 for solid spheres) [-].
+    /// Makes an impact. `stiffness` [-] is Mindlin's ratio k_t/k_n = 4 G*/E* (0.82 at Poisson's ratio 0.3), and `mass`
+    /// [-] the ratio M_t/M of the effective masses (2/7 for solid spheres).
     pub fn new(stiffness: f64, mass: f64) -> Self {
         // with a phase from 0 to π/2, overlap and speed are sin^(4/5) and cos, and a step of time goes as sin^(-1/5)
         let phase = |k: usize| FRAC_PI_2 * k as f64 / RINGS as f64;
@@ -60,8 +65,8 @@ impl PartialSlip {
         Self { mass, steps: steps.collect(), displacement, traction, radii }
     }
 
-    /// [-] reduced slip σ' = s'/(μ u_n) after an impact without spin resistance, for the reduced slip σ_0 >= 0 before it.
-    /// Negative: the surfaces slip backwards.
+    /// [-] reduced slip σ' = s'/(μ u_n) after an impact. `slip` is the reduced slip σ_0 >= 0 before the impact. A
+    /// negative result means that the surfaces slip backwards. Spins are not resisted.
     pub fn rebound(&self, slip: f64) -> f64 {
         let mut slip = slip;
         let mut displaced = DVector::zeros(RINGS);
@@ -82,9 +87,10 @@ impl PartialSlip {
         slip - 0.5 * self.steps[0] * force / self.mass
     }
 
-    /// Amplitudes q of the distributions after the bodies have moved by `moved` along each other. `displaced` are the
-    /// displacements of the rings before. `state` has the rings in contact, at least one. It is changed until each ring
-    /// that sticks has less traction than the limit, and each ring that slides does so along its traction.
+    /// Amplitudes q of the tractions q sqrt(1 - r²/c²), one per radius c of a ring in contact, after the bodies have
+    /// moved by `moved` relative to each other. `displaced` holds the displacements of the rings before this motion.
+    /// `state` has the states of the rings in contact, at least one. The states are changed until each ring that sticks
+    /// has less traction than the limit, and each ring that slides does so along its traction.
     fn tractions(&self, state: &mut [RingState], displaced: &DVector<f64>, moved: f64) -> DVector<f64> {
         let rings = state.len();
         let displacement = self.displacement.view((0, 0), (rings, rings));
@@ -120,13 +126,13 @@ impl PartialSlip {
     }
 }
 
-/// sqrt(1 - x²) within the circle, 0 outside of it.
+/// sqrt(1 - x²) for |x| <= 1, and 0 for larger |x|.
 fn ellipse(x: f64) -> f64 {
     (1.0 - x * x).max(0.0).sqrt()
 }
 
-/// Normal displacement at the radius r by the pressure sqrt(1 - r²/c²) on a circle of radius c (Johnson 1985,
-/// Eqs. 3.42a and b).
+/// [-] normal displacement at the radius r by the pressure sqrt(1 - r²/c²) on a circle of radius c (Johnson 1985, Eqs.
+/// 3.42a and b). The effective Young's modulus is [`MODULUS`].
 fn normal_displacement(r: f64, c: f64) -> f64 {
     let scale = 1.0 / (2.0 * MODULUS * c);
     if r <= c {
@@ -140,13 +146,13 @@ fn normal_displacement(r: f64, c: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// [-] k_t/k_n at Poisson's ratio 0.3.
+    /// [-] Mindlin's ratio k_t/k_n of the stiffnesses at Poisson's ratio 0.3.
     const STEEL: f64 = 2.0 * 0.7 / 1.7;
     const SOLID: f64 = 2.0 / 7.0;
 
-    /// Spin R ω'/(μ u_n) of steel on a rigid plane over the slip before the impact, by finite elements (Chung and Ooi
-    /// 2011, test 5; digits in `study/validate`). In gross sliding, where the value is 5, their points are up to 0.06
-    /// off.
+    /// Compares the spin R ω'/(μ u_n) after an impact, as a function of the slip before it, with finite elements (steel
+    /// on a rigid plane; Chung and Ooi 2011, test 5; digits in `study/validate`). In gross sliding, where the value is
+    /// 5, the points of the finite elements are up to 0.06 off.
     #[test]
     fn spins_are_those_of_finite_elements() {
         let impact = PartialSlip::new(STEEL, SOLID);
@@ -165,8 +171,8 @@ mod tests {
         assert!((impact.rebound(12.0) - (12.0 - 7.0)).abs() < 0.01);
     }
 
-    /// With a very stiff tangential motion the rings stick as long as the pressure allows it; the slip then ends small
-    /// compared with the slip before.
+    /// If the tangential stiffness is large, the rings stick as long as the pressure allows it. The slip after the
+    /// impact is then small compared with the slip before.
     #[test]
     fn stiff_surfaces_end_the_slip() {
         let impact = PartialSlip::new(100.0, SOLID);

@@ -3,31 +3,33 @@
 //! The units are the effective mass M, the normal speed u_n and the normal stiffness. In these units, the overlap δ(t)
 //! and the normal force f are fixed functions for a given restitution. The reduced slip is σ = s/(μ u_n), and the shear
 //! ξ has the unit of length times μ. The tangential motion is ξ' = σ, (M_t/M) σ' = -F, F = k ξ + c σ with |F| at most
-//! max(f, 0). Neither μ nor sizes nor speeds appear, so σ after the impact is Φ(σ_0) (Becker et al. 2008, Phys. Rev. E
-//! 77, 011304, propose such a map).
+//! max(f, 0). These equations contain no μ, size or speed, so σ after the impact is a function Φ(σ_0) (Becker et al.
+//! 2008, Phys. Rev. E 77, 011304, propose such a map).
 //!
-//! The linear law has δ = exp(-ζt) sin(ω_d t)/ω_d, with time in units of 1/ω_0. For Hertz's law, w = δ^(5/4) is the
-//! same function of the oscillator's time (Antypov and Elliott 2011, EPL 94, 50004).
+//! The linear law has δ = exp(-ζt) sin(ω_d t)/ω_d, with time in units of 1/ω_0. For Hertz's law, w = δ^(5/4) is this
+//! function of the oscillator's time (Antypov and Elliott 2011, EPL 94, 50004).
 
 use super::{NormalSpring, SpringDashpotSlider, TangentialLaw};
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
-/// Number of steps of the classical Runge-Kutta method in an impact. The error is about 1e-8 (linear law) and 1e-6
-/// (Hertz's law).
+/// Number of steps of the classical Runge-Kutta method in one impact. The error of the slip is about 1e-8 (linear law)
+/// and 1e-6 (Hertz's law).
 const STEPS: u32 = 120;
 
-/// Number of points of a table up to the slip beyond which all impacts slide to their end, and number of points beyond
-/// this slip. The error of linear interpolation is 1e-6, and at most 1e-5 near the slips at which the sequence of
-/// phases changes.
+/// Number of intervals in each of the two parts of a table of Φ. One part ends at the slip beyond which all impacts
+/// slide to their end; the other part covers larger slips. The error of linear interpolation is 1e-6, and at most 1e-5
+/// near the slips at which the sequence of phases changes.
 const POINTS: usize = 4096;
 
-/// Oblique impact of two bodies with a normal and a tangential law, in units of M, u_n and the normal stiffness.
+/// Oblique impact of two bodies with a normal and a tangential law. The units are the effective mass M, the normal
+/// speed u_n and the normal stiffness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObliqueImpact {
     /// [-] normal damping ratio ζ of the linear oscillator, 0 <= ζ < 1.
     pub damping_ratio: f64,
-    /// [-] tangential stiffness k_t and dashpot c_t in these units; for Mindlin's law k_t/sqrt(δ) and c_t/δ^(1/4).
+    /// [-] tangential stiffness k_t and dashpot c_t in units of M, u_n and the normal stiffness. For Mindlin's law they
+    /// are k_t/sqrt(δ) and c_t/δ^(1/4).
     pub tangential: SpringDashpotSlider,
     /// [-] effective mass M_t of the slip over the effective mass M.
     pub mass: f64,
@@ -37,13 +39,14 @@ pub struct ObliqueImpact {
 /// of [`ObliqueImpact`].
 #[derive(Clone, Copy, Debug)]
 struct ImpactInstant {
-    /// Largest tangential force max(f, 0). The next field is its time derivative.
+    /// Largest tangential force over μ: max(f, 0), with the normal force f. `limit_rate` is its time derivative.
     limit: f64,
     limit_rate: f64,
     spring: SpringDashpotSlider,
-    /// Relative rate δ'/δ of the overlap, by which the spring changes.
+    /// Relative rate δ'/δ of the overlap δ, which changes the spring; 0 for a linear law, whose spring is constant.
     rate: f64,
-    /// Time per unit of the variable over which the impact is integrated.
+    /// Derivative of the time with respect to the integration variable; 1 for a linear law, which is integrated over
+    /// time.
     pace: f64,
 }
 
@@ -60,12 +63,13 @@ struct State {
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum SlipPhase {
     Stick,
-    /// The surfaces slide. The number is the sign of the tangential force.
+    /// The surfaces slide. The number, 1 or -1, is the sign of the tangential force.
     Slide(f64),
 }
 
 impl ObliqueImpact {
-    /// Impact with linear laws, from the ratio κ = k_t/k_n, the dashpot c_t/(M ω_0) and the mass ratio M_t/M [-].
+    /// Impact with linear laws, from the normal damping ratio ζ, the stiffness ratio κ = k_t/k_n, the dashpot c_t/(M
+    /// ω_0) and the mass ratio M_t/M [-].
     pub fn linear(damping_ratio: f64, stiffness: f64, dashpot: f64, mass: f64) -> Self {
         let tangential = SpringDashpotSlider { stiffness, dashpot, ..SpringDashpotSlider::without_memory(mass) };
         Self { damping_ratio, tangential, mass }
@@ -92,15 +96,15 @@ impl ObliqueImpact {
         (1.0 - self.damping_ratio * self.damping_ratio).sqrt()
     }
 
-    /// [1/ω_0] contact time of the linear oscillator.
+    /// [1/ω_0] contact time of the linear oscillator with the undamped angular frequency ω_0: π/sqrt(1 - ζ²).
     pub fn duration(&self) -> f64 {
         PI / self.damped()
     }
 
     /// Values of the integration variable that no step may cross, because the equations change there. For Hertz's law
-    /// the first is at the largest overlap (phase arccos ζ), from which on the spring may be rescaled. At twice this
-    /// phase damping makes the normal force attractive, so that the limit of friction is 0 from then on. The third
-    /// value is the end of the contact.
+    /// the first one is at the largest overlap (phase arccos ζ), after which the spring may be rescaled. The second one
+    /// is at twice this phase. From there on, damping makes the normal force attractive, so the limit of friction is 0.
+    /// The third one is the end of the contact.
     fn stops(&self) -> [f64; 3] {
         let phase = self.damping_ratio.acos();
         if self.is_hertzian() {
@@ -111,7 +115,7 @@ impl ObliqueImpact {
         }
     }
 
-    /// Integration variable (0 to 1) of an impact with Hertz's law at which the normal oscillation has the phase
+    /// Integration variable, from 0 to 1, at which the normal oscillation of an impact with Hertz's law has the phase
     /// `phase` [rad].
     fn share_of(&self, phase: f64) -> f64 {
         let (mut low, mut high) = (0.0, 1.0);
@@ -138,8 +142,9 @@ impl ObliqueImpact {
         ImpactInstant { limit, limit_rate, spring: self.tangential, rate: 0.0, pace: 1.0 }
     }
 
-    /// Quantities of an impact with Hertz's law at one instant, in units of M, u_n and k_H. `share` is the integration
-    /// variable, 0 to 1. Equal steps of this variable are short in time at both ends of the contact.
+    /// Quantities of an impact with Hertz's law at one instant, in units of the effective mass M, the normal speed u_n
+    /// and Hertz's constant k_H. `share` is the integration variable, from 0 to 1. Equal steps of this variable are
+    /// short in time at both ends of the contact.
     fn hertzian(&self, share: f64) -> ImpactInstant {
         let (ratio, frequency) = (self.damping_ratio, 0.8f64.sqrt()); // ω_0² = 4 k_H/(5 M), Antypov and Elliott
         let damped = frequency * self.damped();
@@ -189,9 +194,9 @@ impl ObliqueImpact {
         State { at, slip, shear }
     }
 
-    /// Number that is positive as long as a phase lasts, and 0 when the next one begins. For sticking it is the limit
-    /// minus the force. For sliding it is the rate at which the force of a sticking contact would grow beyond the
-    /// limit.
+    /// Number that is positive as long as a phase of the tangential motion lasts, and 0 when the next phase begins. For
+    /// sticking it is the limit minus the force. For sliding it is the rate at which the force of a sticking contact
+    /// would grow beyond the limit.
     fn goes_on(&self, phase: SlipPhase, state: &State) -> f64 {
         let ImpactInstant { limit, limit_rate, spring, rate, .. } = self.instant(state.at);
         match phase {
@@ -263,34 +268,37 @@ impl ObliqueImpact {
     }
 }
 
-/// [-] dashpot of Hertz's law in units of M and k_H (Antypov and Elliott 2011).
+/// [-] dashpot constant of Hertz's law at a damping ratio ζ, in units of the effective mass M and Hertz's constant k_H
+/// (Antypov and Elliott 2011).
 fn hertz_dashpot(damping_ratio: f64) -> f64 {
     5.0f64.sqrt() * damping_ratio
 }
 
-/// Function from 0 to 1 whose slope vanishes at both ends, and its slope (the polynomial "smootherstep").
+/// Value and slope of the polynomial "smootherstep" at `share`, from 0 to 1. It rises from 0 to 1, and its slope is 0
+/// at both ends.
 fn crowded(share: f64) -> (f64, f64) {
     let at = share * share * share * (10.0 - 15.0 * share + 6.0 * share * share);
     (at, 30.0 * (share * (1.0 - share)).powi(2))
 }
 
-/// Table of the function Φ of an [`ObliqueImpact`]. It is computed at the first use, because soft runs do not need it.
+/// Table of the function Φ of an [`ObliqueImpact`]: reduced slip after an impact over that before. It is computed at
+/// the first use, because soft runs do not need it.
 #[derive(Clone, Debug)]
 pub struct ReboundTable {
-    /// [-] restitution of the surfaces.
+    /// [-] normal restitution of the surfaces to which the table belongs.
     restitution: f64,
     impact: ObliqueImpact,
     points: OnceLock<ReboundPoints>,
 }
 
-/// Points of a table of Φ.
+/// Points of a table of Φ(σ_0), the reduced slip after an impact as a function of that before.
 #[derive(Clone, Debug)]
 struct ReboundPoints {
-    /// [-] largest reduced slip σ_0 in `near`.
+    /// [-] largest reduced slip σ_0 covered by `near`. Larger slips are covered by `far`.
     most: f64,
-    /// [-] Φ at equal intervals of σ_0 from 0 to `most`.
+    /// [-] Φ(σ_0) at equal intervals of σ_0 from 0 to `most`.
     near: Vec<f64>,
-    /// [-] σ_0 - Φ at equal intervals of 1/σ_0 from 0 to 1/`most`.
+    /// [-] σ_0 - Φ(σ_0) at equal intervals of 1/σ_0 from 0 to 1/`most`.
     far: Vec<f64>,
 }
 
@@ -322,7 +330,7 @@ impl PartialEq for ReboundTable {
 }
 
 impl ReboundTable {
-    /// Makes a table of Φ for surfaces with the given restitution [-].
+    /// Makes a table of Φ for an impact of surfaces with the given restitution [-].
     pub fn new(restitution: f64, impact: ObliqueImpact) -> Self {
         Self { restitution, impact, points: OnceLock::new() }
     }
@@ -352,7 +360,8 @@ mod tests {
 
     const MASS: f64 = 2.0 / 7.0;
 
-    /// Sphere at a wall, in units of its speed, for the reference values W1 to W4: (angle [°], R ω_0/V, v_t'/V).
+    /// Tangential velocity v_t'/V after the impact of a sphere of speed V at a wall. The pair is the angle [°] and the
+    /// spin R ω_0/V before the impact.
     fn rebound(impact: ObliqueImpact, restitution: f64, friction: f64, (angle, spin): (f64, f64), table: bool) -> f64 {
         let (sin, cos) = f64::to_radians(angle).sin_cos();
         let (slip, unit) = (sin - spin, friction * cos);
@@ -369,7 +378,7 @@ mod tests {
         ObliqueImpact::linear(-ln / (PI * PI + ln * ln).sqrt(), stiffness, dashpot, MASS)
     }
 
-    /// Reference values were computed independently (RA), with the limit μ max(f_n, 0).
+    /// Compares rebounds with independently computed reference values. The tangential force is at most μ max(f_n, 0).
     #[test]
     fn rebounds_are_those_of_the_reference() {
         let w1 = (impact(1.0, 0.8604651163, 0.0), 1.0, 0.092);
@@ -412,7 +421,7 @@ mod tests {
         }
     }
 
-    /// Section 4 of the reference: an impact without sliding has β_0 = -cos(ω_t T_c).
+    /// Compares small slips with the closed form: an impact without sliding has β_0 = -cos(ω_t T_c).
     #[test]
     fn small_slips_rebound_by_the_closed_form_where_nothing_slides() {
         // as the limit falls to zero, the contact slides at the end unless the spring is unstretched then: κ = 2/7 at e
@@ -423,8 +432,8 @@ mod tests {
         assert!((smooth.rebound(1.0) - 1.0).abs() < 1e-9);
     }
 
-    /// Reference values were computed independently (RD, Chung and Ooi's test 5): e = 1, ν = 0.3, for the three
-    /// histories. They are the slip after the impact over μ u_n.
+    /// Compares the slip after an impact over μ u_n with independently computed reference values for the three
+    /// histories of the spring (e = 1, ν = 0.3; test 5 of Chung and Ooi 2011).
     #[test]
     fn rebounds_of_hertz_and_mindlin_are_those_of_the_reference() {
         // steel on a rigid plane, ν 0.3: k_t/k_H = 6 G*/E*

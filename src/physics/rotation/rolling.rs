@@ -4,35 +4,37 @@
 //! R_eff is the effective radius, and the normal n points to particle i. The surfaces roll on one another with the
 //! velocity v = R_eff (ω_i - ω_j) × n (Luding 2008, Granular Matter 10, 235). They twist with the velocity R_eff (ω_i -
 //! ω_j)·n along n. A resistance f [N] against this motion gives a couple, the torque R_eff f. Hard impacts have no such
-//! resistance: it acts in contacts that last longer than an impact.
+//! resistance, because an impact takes no time.
 
 use super::slider::SpringDashpotSlider;
 use super::tangential::NormalSpring;
 use serde::{Deserialize, Serialize};
 
-/// Law of rolling resistance, of the types A to C of Ai et al. (2011, Powder Technol. 206, 269). Torques are at most
-/// μ_r R_eff max(f_n, 0), for type B times the rolling speed.
+/// Law of rolling resistance, of the types A to C of Ai et al. (2011, Powder Technol. 206, 269). The torque of types A
+/// and C is at most μ_r R_eff max(f_n, 0). The torque of type B is proportional to R_eff max(f_n, 0) and to the rolling
+/// speed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RollingLaw {
     /// Type C: a spring and a dashpot whose force is limited. Spheres can rest on a slope.
     Spring {
-        /// [-] rolling friction μ_r.
+        /// [-] coefficient μ_r of rolling friction.
         friction: f64,
         /// [-] stiffness of the spring over k_n R_eff². `None`: 2.25 μ_r² (Iwashita and Oda 1998, cited by Ai et al.).
         stiffness: Option<f64>,
-        /// [-] fraction η_r of critical damping, which acts below the limit.
+        /// [-] dashpot constant as a fraction η_r of critical damping. The dashpot acts as long as the torque is below
+        /// its limit.
         damping: f64,
     },
-    /// Type A: a constant torque against the rolling motion, at most the torque that stops it in a step. Spheres cannot
-    /// rest on a slope.
+    /// Type A: a constant torque against the rolling motion, but at most the torque that stops this motion in one time
+    /// step. Spheres cannot rest on a slope.
     Constant {
-        /// [-] rolling friction μ_r.
+        /// [-] coefficient μ_r of rolling friction.
         friction: f64,
     },
     /// Type B: a torque proportional to the rolling speed (Zhou et al. 1999, Physica A 269, 536).
     Viscous {
-        /// [s/m] torque divided by R_eff f_n and by the rolling speed.
+        /// [s/m] torque divided by R_eff f_n and by the rolling speed [m/s].
         coefficient: f64,
     },
 }
@@ -41,14 +43,15 @@ pub enum RollingLaw {
 /// radius of the contact (Marshall 2009, J. Comput. Phys. 228, 1541).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TwistingLaw {
-    /// [-] fraction of critical damping, which acts below the limit.
+    /// [-] dashpot constant as a fraction of critical damping. The dashpot acts as long as the torque is below its
+    /// limit.
     pub damping: f64,
 }
 
-/// Coefficients of rolling and twisting friction of a surface; `None`: the coefficient of the law.
+/// Coefficients of rolling and twisting friction of a surface. `None` means the coefficient of the law of the case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ResistanceFriction {
-    /// [-] rolling friction μ_r.
+    /// [-] coefficient μ_r of rolling friction; `None`: that of the law.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rolling: Option<f64>,
     /// [-] twisting friction, which replaces the sliding friction μ in the limit of twisting.
@@ -57,12 +60,12 @@ pub struct ResistanceFriction {
 }
 
 impl ResistanceFriction {
-    /// True if the surface has no coefficients of its own, so that both are those of the law.
+    /// True if the surface has neither coefficient, so that both are taken from the law.
     pub fn is_of_law(&self) -> bool {
         *self == Self::default()
     }
 
-    /// Returns these coefficients, with those of `usual` in place of missing ones.
+    /// Returns these coefficients. A missing coefficient is replaced by that of `usual`.
     pub fn or(self, usual: Self) -> Self {
         Self { rolling: self.rolling.or(usual.rolling), twisting: self.twisting.or(usual.twisting) }
     }
@@ -71,12 +74,13 @@ impl ResistanceFriction {
 /// Resistance of a contact to rolling or twisting.
 #[derive(Clone, Copy, Debug)]
 pub struct Resistance {
-    /// Spring [N/m] and dashpot [N s/m] against the motion of the surfaces; the stiffness is 0 for a law without
-    /// memory.
+    /// Spring [N/m] and dashpot [N s/m] against the rolling or twisting of the surfaces. The stiffness is 0 for a law
+    /// without memory.
     pub spring: SpringDashpotSlider,
-    /// [-] ratio of the largest force of the resistance to max(f_n, 0).
+    /// [-] largest force of the resistance, divided by max(f_n, 0) with the normal force f_n.
     pub friction: f64,
-    /// [s/m] friction divided by the speed, for a viscous law; otherwise 0.
+    /// [s/m] for a viscous law, the force of the resistance divided by max(f_n, 0) and by the rolling speed; otherwise
+    /// 0.
     pub viscosity: f64,
 }
 
@@ -88,7 +92,8 @@ pub struct RollingBodies {
     /// [kg] effective mass of rolling or twisting by a couple: 1/(R_eff² (1/I_i + 1/I_j)), with the moments of inertia
     /// I.
     pub mass: f64,
-    /// [kg m²] I_r = 1/(1/(I_i + m_i r_i²) + 1/(I_j + m_j r_j²)), for bodies that roll about their contact point.
+    /// [kg m²] moment of inertia of bodies that roll about their contact point, I_r = 1/(1/(I_i + m_i r_i²) + 1/(I_j +
+    /// m_j r_j²)).
     pub rolling_inertia: f64,
 }
 
@@ -104,15 +109,16 @@ impl RollingBodies {
     }
 }
 
-/// Constants of a spring with the given stiffness [N/m] and a fraction `damping` [-] of critical damping. `mass` [kg]
-/// is the effective mass of the motion. The critical damping is that of the mass `own_mass` [kg].
+/// Constants of a spring with the given stiffness [N/m] at an overlap of 1 m. The stiffness is proportional to the
+/// overlap to the power `half_powers`/2. The dashpot has the fraction `damping` [-] of the critical damping of the mass
+/// `own_mass` [kg]. `mass` [kg] is the effective mass of the motion.
 fn damped(stiffness: f64, half_powers: u8, damping: f64, mass: f64, own_mass: f64) -> SpringDashpotSlider {
     let dashpot = 2.0 * damping * (stiffness * own_mass).sqrt();
     SpringDashpotSlider { stiffness, dashpot, half_powers, ..SpringDashpotSlider::without_memory(mass) }
 }
 
 impl RollingLaw {
-    /// Rolling resistance between two bodies whose normal contact has the spring `normal`.
+    /// Rolling resistance between two bodies. `normal` holds the constants of their normal contact.
     pub fn between(&self, normal: &NormalSpring, bodies: &RollingBodies) -> Resistance {
         let without = SpringDashpotSlider::without_memory(bodies.mass);
         match *self {
@@ -137,7 +143,7 @@ impl RollingLaw {
         }
     }
 
-    /// [-] rolling friction μ_r; `None` for a viscous law.
+    /// [-] coefficient μ_r of rolling friction; `None` for a viscous law.
     pub fn friction(&self) -> Option<f64> {
         match self {
             Self::Spring { friction, .. } | Self::Constant { friction } => Some(*friction),

@@ -12,25 +12,25 @@ pub enum SpringHistory {
     /// to k (Elata and Berryman 1996, Mech. Mater. 24, 229; Thornton et al. 2013, Powder Technol. 233, 30).
     #[default]
     Rescaled,
-    /// The force F at all times: dF = k(δ) dξ.
+    /// The force F at all times: dF = k(δ) dξ, with the stiffness k, overlap δ and shear ξ.
     Force,
-    /// The displacement ξ at all times: F = k(δ) ξ.
+    /// The displacement (shear) ξ at all times: F = k(δ) ξ, with the force F, stiffness k and overlap δ.
     Displacement,
 }
 
 /// Constants of a spring parallel to a dashpot, with a slider that limits their total force, between two given bodies.
-/// It models friction with memory; a stiffness of 0 means friction without memory.
+/// They describe friction with memory. A stiffness of 0 means friction without memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SpringDashpotSlider {
     /// [kg] effective mass of the relative motion that stretches the spring; M_t for a slip, 0 for spheres that do not
     /// rotate.
     pub mass: f64,
-    /// [N/m] stiffness k at an overlap δ of 1 m.
+    /// [N/m] stiffness k of the spring at an overlap δ of 1 m.
     pub stiffness: f64,
-    /// [N s/m] dashpot constant c at an overlap of 1 m.
+    /// [N s/m] constant c of the dashpot at an overlap of 1 m.
     pub dashpot: f64,
-    /// [-] 2n, where the stiffness k is proportional to δ^n, with the overlap δ, and c to the square root of k. It is 0
-    /// if k and c do not depend on the overlap.
+    /// [-] 2n, if the stiffness k is proportional to δ^n, with the overlap δ, and the dashpot constant c to δ^(n/2). It
+    /// is 0 if k and c do not depend on the overlap.
     pub half_powers: u8,
     /// Quantity that the contact stores while the stiffness changes.
     pub history: SpringHistory,
@@ -42,14 +42,15 @@ pub struct SpringDashpotSlider {
 pub struct SpringRates {
     /// [1/s] -ξ'/ξ: relative rate at which the shear decreases so that the force stays constant.
     pub forgotten: f64,
-    /// [1/s] F'/F: relative rate of the force F = k ξ.
+    /// [1/s] F'/F: relative rate of change of the force F = k ξ of the spring.
     pub force: f64,
-    /// [1/s] c'/c: relative rate of the dashpot constant.
+    /// [1/s] c'/c: relative rate of change of the dashpot constant c.
     pub dashpot: f64,
 }
 
 impl SpringDashpotSlider {
-    /// [N] largest tangential force μ max(f_n, 0), from the `friction` μ [-] and the normal force f_n [N].
+    /// [N] largest tangential force μ max(f_n, 0) of a contact, from the friction coefficient μ [-] and the normal
+    /// force f_n [N].
     #[inline(always)]
     pub fn limit(friction: f64, normal_force: f64) -> f64 {
         friction * normal_force.max(0.0)
@@ -91,8 +92,8 @@ impl SpringDashpotSlider {
         (ratio.powi(powers), 2.0 * sum / (f64::from(powers + 2) * (1.0 + ratio)))
     }
 
-    /// Relative rates of the spring and the dashpot, while the overlap δ changes at the relative rate `rate` = δ'/δ
-    /// [1/s].
+    /// Relative rates [1/s] of the spring and the dashpot, while the overlap δ changes at the relative rate `rate` =
+    /// δ'/δ [1/s].
     #[inline(always)]
     pub fn rates(&self, rate: f64) -> SpringRates {
         if self.half_powers == 0 {
@@ -113,23 +114,24 @@ impl SpringDashpotSlider {
         0.5 * self.stiffness * shear.norm_squared()
     }
 
-    /// [N] force F of spring and dashpot with the shear ξ [m] and the slip s [m/s]. The force on particle i is -F.
+    /// [N] force F = k ξ + c s of spring and dashpot with the shear ξ [m] and the slip s [m/s]. The force on particle i
+    /// is -F.
     #[inline(always)]
     pub fn force(&self, shear: &Vector3<f64>, slip: &Vector3<f64>) -> Vector3<f64> {
         shear * self.stiffness + slip * self.dashpot
     }
 
-    /// [m] length of the spring of a contact that slides in the direction of the unit vector e. `limit` [N] is the
-    /// largest total force, and `along` [m/s] the component s·e of the slip. Spring and dashpot together then have this
-    /// force. The spring is never stretched against it (Luding 2008, Granular Matter 10, 235).
+    /// [m] length of the spring of a contact that slides. `limit` [N] is the largest total force. `along` [m/s] is the
+    /// component of the slip along the direction of sliding. At this length, the forces of spring and dashpot add up to
+    /// the limit. The spring does not pull against the direction of sliding (Luding 2008, Granular Matter 10, 235).
     #[inline(always)]
     pub fn sliding_length(&self, limit: f64, along: f64) -> f64 {
         let force = (limit - self.dashpot * along).max(0.0);
         if force > 0.0 { force / self.stiffness } else { 0.0 }
     }
 
-    /// Force F [N] of spring and dashpot at the end of a step, at most `limit` [N], and the shear [m] that remains in
-    /// the spring. `shear` [m] is the shear before the limit is applied, and `slip` [m/s] the slip.
+    /// Force F [N] of spring and dashpot at the end of a step, at most `limit` [N], and the shear [m] of the spring
+    /// after the limit is applied. `shear` [m] is the shear before, and `slip` [m/s] the slip.
     #[inline(always)]
     pub fn limited(&self, shear: Vector3<f64>, slip: &Vector3<f64>, limit: f64) -> (Vector3<f64>, Vector3<f64>) {
         let force = self.force(&shear, slip);
@@ -142,8 +144,9 @@ impl SpringDashpotSlider {
     }
 }
 
-/// [m] shear of a spring after a contact has turned. The shear is first turned into the plane perpendicular to
-/// `normal`, with its length unchanged, and then about the normal by the small `angle` [rad] of a step.
+/// [m] shear of a spring after the normal of its contact has turned. The shear is first turned into the plane
+/// perpendicular to `normal`, with its length unchanged. It is then turned about the normal by the small `angle` [rad]
+/// of a step.
 #[inline(always)]
 pub fn turned(shear: &Vector3<f64>, normal: &Vector3<f64>, angle: f64) -> Vector3<f64> {
     let square = shear.norm_squared();

@@ -20,20 +20,21 @@ pub enum TangentialLaw {
     Mindlin {
         /// Quantity that the contact stores while its stiffness changes.
         history: SpringHistory,
-        /// [-] ratio c_t/c_n of the dashpot constants, which are both proportional to δ^(1/4).
+        /// [-] ratio c_t/c_n of the tangential to the normal dashpot constant. Both constants are proportional to
+        /// δ^(1/4), with the overlap δ.
         dashpot: f64,
     },
 }
 
-/// Constants of the linear tangential law.
+/// Constants of the linear tangential law, given relative to the normal law or by a restitution.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LinearTangential {
-    /// Constants of spring and dashpot over those of the normal law.
+    /// Tangential spring and dashpot, given as multiples of the normal spring and dashpot.
     Ratios {
-        /// [-] ratio of the stiffnesses, κ = k_t/k_n.
+        /// [-] ratio of the tangential to the normal stiffness, κ = k_t/k_n.
         stiffness: f64,
-        /// [-] ratio of the dashpot constants, c_t/c_n.
+        /// [-] ratio of the tangential to the normal dashpot constant, c_t/c_n.
         dashpot: f64,
     },
     /// [-] tangential restitution β_0 of impacts that stick, 0 < β_0 <= 1. Spring and dashpot make half an oscillation
@@ -44,13 +45,13 @@ pub enum LinearTangential {
 /// Constants of the normal contact of two bodies, from which a tangential law derives its own.
 #[derive(Clone, Copy, Debug)]
 pub struct NormalSpring {
-    /// [N/m] normal stiffness k_n.
+    /// [N/m] stiffness k_n of the normal spring.
     pub stiffness: f64,
-    /// [N s/m] normal dashpot constant c_n.
+    /// [N s/m] dashpot constant c_n of the normal contact.
     pub dashpot: f64,
     /// [s] contact time T_c of a linear law; infinite for other laws, whose contact time depends on the speed.
     pub contact_time: f64,
-    /// [N/m] derivative of the elastic force with respect to the overlap, at an overlap of 1 m.
+    /// [N/m] derivative of the elastic normal force with respect to the overlap, at an overlap of 1 m.
     pub tangent: f64,
     /// [-] twice the power of the overlap to which `tangent` is proportional; 0 for a linear law.
     pub half_powers: u8,
@@ -59,7 +60,8 @@ pub struct NormalSpring {
 }
 
 impl NormalSpring {
-    /// Linear spring [N/m] and dashpot [N s/m] of two bodies with the contact time `contact_time` [s].
+    /// Makes the constants of a linear spring [N/m] and dashpot [N s/m] between two bodies, with the contact time
+    /// `contact_time` [s].
     pub fn linear(stiffness: f64, dashpot: f64, contact_time: f64) -> Self {
         Self { stiffness, dashpot, contact_time, tangent: stiffness, half_powers: 0, shear_stiffness: 0.0 }
     }
@@ -90,7 +92,7 @@ impl TangentialLaw {
         }
     }
 
-    /// True if contacts store the shear of a tangential spring from step to step.
+    /// True if contacts store the shear of a tangential spring from one time step to the next.
     pub fn has_memory(&self) -> bool {
         !matches!(self, Self::Coulomb)
     }

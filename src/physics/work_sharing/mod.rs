@@ -14,15 +14,15 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-/// Number of searches for work after which an idle thread rests. They take about 2 ms if no other program uses the
-/// processor. This is longer than the pause between two shared loops of an engine, but short compared with the times
-/// for which one thread works alone. The searches are counted, because engines do not read the time.
+/// Number of searches for work after which an idle thread rests. The searches take about 2 ms if no other program uses
+/// the processor. This time is longer than the pause between two shared loops of an engine, but short compared with the
+/// times in which one thread works alone. The searches are counted, because engines do not read the time.
 const LOOKS: u32 = 5000;
 
-/// Length of a rest between two searches after [`LOOKS`] searches without work.
+/// Pause of an idle thread before each further search for work, once [`LOOKS`] searches have found none.
 const RESTS: Duration = Duration::from_micros(200);
 
-/// Calls `work` on every piece, on several threads of the pool.
+/// Calls `work` on every piece, on several threads of the pool, and returns when all pieces are done.
 pub fn for_each<T: Send>(
     pieces: impl DoubleEndedIterator<Item = T> + ExactSizeIterator + Send,
     work: impl Fn(T) + Sync,
@@ -89,7 +89,8 @@ pub fn map_with<T: Send, R: Send, M>(
     results.into_iter().flatten().collect()
 }
 
-/// Reports on drop that a thread has finished its work, even after a panic.
+/// Guard of a thread that works on a shared loop. When it is dropped, also after a panic, the number of busy threads
+/// decreases by one.
 struct CompletionSignal<'a>(&'a AtomicUsize);
 
 impl Drop for CompletionSignal<'_> {
@@ -98,8 +99,8 @@ impl Drop for CompletionSignal<'_> {
     }
 }
 
-/// Waits until no other thread works on pieces of the loop. Meanwhile this thread does other available work of the
-/// pool.
+/// Waits until `busy`, the number of other threads that work on the loop, is zero. Meanwhile this thread does other
+/// available work of the pool.
 fn wait_for(busy: &AtomicUsize) {
     let mut idle = IdleThread::default();
     while busy.load(Ordering::Acquire) > 0 {

@@ -10,7 +10,7 @@ use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 thread_local! {
-    /// True if this thread runs the work of [`keep_workers_spinning`], or searches for pieces of this work.
+    /// True if this thread runs the work given to [`keep_workers_spinning`], or searches for pieces of this work.
     static TAKES_PART: Cell<bool> = const { Cell::new(false) };
 }
 
@@ -27,7 +27,7 @@ pub fn keep_workers_spinning<R: Send>(work: impl FnOnce() -> R + Send) -> R {
     })
 }
 
-/// Sets a flag on drop, which ends the search of the other threads.
+/// Guard that sets a flag when it is dropped. The flag ends the search of the other threads for pieces of work.
 struct Over<'a>(&'a AtomicBool);
 
 impl Drop for Over<'_> {
@@ -36,11 +36,12 @@ impl Drop for Over<'_> {
     }
 }
 
-/// Marks the current thread as part of the work, as long as this value exists.
+/// Guard that marks the current thread as taking part in the work of [`keep_workers_spinning`]. The mark is removed
+/// when the guard is dropped.
 struct SpinningGuard;
 
 impl SpinningGuard {
-    /// Marks the current thread as part of the work. `None` if it is marked already.
+    /// Marks the current thread as taking part in the work. Returns `None` if the thread was marked before.
     fn taken() -> Option<Self> {
         (!TAKES_PART.replace(true)).then_some(Self)
     }
