@@ -210,7 +210,8 @@ fn engines_do_not_know_each_other_and_one_file_knows_each_foreign_library() {
 /// The code of engines, islands and uniform steps is that for one process.
 #[test]
 fn one_folder_of_the_engines_knows_other_processes() {
-    let is_elsewhere = |path: &str| path.starts_with("src/physics/engine/") && !path.starts_with("src/physics/engine/distributed/");
+    let is_elsewhere =
+        |path: &str| path.starts_with("src/physics/engine/") && !path.starts_with("src/physics/engine/distributed/");
     for (path, text) in sources().into_iter().filter(|(path, _)| is_elsewhere(path)) {
         assert!(!code(&text).to_lowercase().contains("communicator"), "{path} names the communicator");
     }
