@@ -56,7 +56,7 @@ impl Shift {
 pub struct Factor {
     /// Name of the factor on the command line.
     pub name: String,
-    /// Description of the factor in a sentence, for the report.
+    /// Description of the factor (an input that the study changes) in a sentence, for the report.
     pub title: String,
     /// Old and new value of the changed factor, in words.
     pub change: String,

@@ -24,7 +24,8 @@ impl<'a> From<&'a Particles> for Sample<'a> {
 }
 
 impl<'a> Sample<'a> {
-    /// Makes a sample from the particles of this process and the connection to the other processes.
+    /// Makes a sample (particles over which sums are taken) of the particles of this process. Sums include the particles
+    /// of the other processes, if `communicator` connects them.
     pub fn part(particles: &'a Particles, communicator: Option<&'a dyn Communicator>) -> Self {
         Self { particles, communicator }
     }

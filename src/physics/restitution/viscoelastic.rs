@@ -96,7 +96,8 @@ fn smooth(damping: f64) -> [f64; 3] {
     [restitution.powf(0.2) * stretched, duration, depth * stretched.powf(0.4)]
 }
 
-/// Table of the values of `smooth` at equal intervals of β/(1 + β) from 0 to `LARGEST`, made at first use.
+/// Table of the three functions of β that `smooth` returns, at equal intervals of β/(1 + β) from 0 to `LARGEST`. It is
+/// made at first use.
 static TABLE: LazyLock<Vec<[f64; 3]>> = LazyLock::new(|| {
     let share = |k: usize| LARGEST * k as f64 / INTERVALS as f64;
     let mut table: Vec<[f64; 3]> = (0..=INTERVALS).map(|k| smooth(share(k) / (1.0 - share(k)))).collect();

@@ -38,7 +38,8 @@ impl ImpactKind {
         self.has_table_of(other) && near(self.shear_ratio, other.shear_ratio)
     }
 
-    /// True if one rebound table serves both kinds: their restitution and, up to rounding, their mass ratio are equal.
+    /// True if one rebound table serves both kinds of impacts: their restitution and, up to rounding, their ratio of
+    /// normal to tangential effective mass are equal.
     pub fn has_table_of(&self, other: &Self) -> bool {
         self.restitution == other.restitution && (self.mass_ratio - other.mass_ratio).abs() <= 1e-9 * self.mass_ratio
     }

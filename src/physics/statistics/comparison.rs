@@ -77,7 +77,7 @@ pub struct Judged {
     /// would be "equivalent".
     pub reached: f64,
     /// [-] smallest margin (largest accepted difference), divided by the scale of the observable, with which the answer
-    /// would be "equivalent" if the difference were smooth across the profile.
+    /// would be "equivalent" if the difference changed smoothly from slice to slice.
     pub reached_smooth: f64,
     /// [-] interval that contains the differences at all positions, divided by the scale of the observable. If both
     /// ends are smaller than the margin (the largest accepted difference) in magnitude, the observable is equivalent.

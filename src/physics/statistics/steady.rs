@@ -32,7 +32,7 @@ pub struct Steadiness {
     pub drift: Option<f64>,
 }
 
-/// Values of one observable over time, with the scales of its changes.
+/// Values of one observable at equal intervals of time, with the sizes of the changes that count as steady.
 #[derive(Clone, Copy, Debug)]
 pub struct SteadySeries<'a> {
     /// Values of all samples, in the unit of the observable.

@@ -98,8 +98,8 @@ pub struct Solved {
     pub pair_checks: u64,
     /// Number of contact forces that were computed in contact steps of the island.
     pub force_evaluations: u64,
-    /// Number of particles moved by stages of contact steps, plus the number of gaps checked after steps. It measures
-    /// the work.
+    /// Work: the number of moved particles, summed over all stages of the time integrator, plus the number of gaps
+    /// checked after steps.
     pub updates: u64,
 }
 

@@ -168,8 +168,8 @@ impl<'a> Clusters<'a> {
         }
     }
 
-    /// Velocity [m/s] of the frame in which the speed of a particle, given by index, is limited. In a sheared box it
-    /// contains the mean flow at the particle's position at the start of the part.
+    /// Velocity [m/s] relative to which the speed bound of a particle, given by index, holds. In a sheared box it
+    /// contains the mean flow at the position of the particle at the start of the solved time.
     #[inline]
     fn frame_of(&self, place: usize) -> Vector3<f64> {
         self.frame + self.domain.mean_flow(&self.particles.position[place])
