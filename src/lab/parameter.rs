@@ -216,7 +216,7 @@ impl ParameterRange {
         }
     }
 
-    /// Checks a value that the page sent. Returns the value, with a number rounded to [`DIGITS`] significant digits or
+    /// Checks a value that the page sent. Returns the value, with a number rounded to `DIGITS` significant digits or
     /// to a whole number.
     ///
     /// # Errors
