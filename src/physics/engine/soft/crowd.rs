@@ -1,9 +1,9 @@
 //! Crowd: an island that is too large for local stepping. Its particles are moved by uniform steps, as if there were no
 //! others.
 
-use super::backoff::Rival;
+use super::backoff::{Rival, stages};
 use super::contacts::StepRecord;
-use super::{Contact, Soft, SoftSolver, stages};
+use super::{Contact, Soft, SoftSolver};
 use crate::contact_law::ContactLaw;
 use crate::engine::distributed::SingleProcess;
 use crate::engine::driver::Solver;
