@@ -35,6 +35,11 @@ impl Scene {
         self.walls.iter().any(|wall| wall.moving.is_some())
     }
 
+    /// True if particles see fluctuations of the gas velocity.
+    pub fn has_turbulence(&self) -> bool {
+        self.fluid.as_ref().is_some_and(|fluid| fluid.turbulence.is_some())
+    }
+
     /// True if any wall is rough.
     pub fn has_rough_walls(&self) -> bool {
         self.walls.iter().any(|wall| wall.roughness.is_some())

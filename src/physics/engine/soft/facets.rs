@@ -18,17 +18,18 @@ use crate::walls::WallApproach;
 use nalgebra::{Rotation3, Vector3};
 
 /// [rad] rotation vector (axis times angle) that turns the normal of a randomly inclined facet to the normal of the
-/// smooth wall. `met` is the encounter at first touch. `None` if the other body of `couple` is no rough wall, or if the
+/// smooth wall. `met` is the encounter at first touch, and `id` the id of the particle. `None` if the other body of `couple` is no rough wall, or if the
 /// facet is not inclined.
 pub(super) fn facet_turn(
     couple: &Couple,
     met: &Encounter,
     (particles, scene): (&Particles, &Scene),
+    id: u32,
 ) -> Option<Vector3<f64>> {
     let Other::Wall(AtWall { wall, .. }) = couple.other else { return None };
     let roughness = scene.walls[wall as usize].roughness?;
     let surface = couple.surface(particles, scene);
-    let (velocity, normal, id) = (met.velocity, met.normal, particles.id[couple.i as usize]);
+    let (velocity, normal) = (met.velocity, met.normal);
     let facet = roughness.facet(&WallApproach { velocity, normal, id, wall }, |speed| surface.restitution_at(speed));
     let axis = facet.cross(&normal);
     let sine = axis.norm();
@@ -65,7 +66,10 @@ impl SoftSolver {
         for slot in self.contacts.begun_at_rough_walls(view) {
             let couple = self.list.couple(slot as usize);
             let met = couple.meet(particles, scene, at.moment());
-            let Some(turn) = facet_turn(&couple, &met, (particles, scene)) else { continue };
+            let name = particles.id[couple.i as usize];
+            // in a crowd the ids are numbers in the crowd
+            let id = self.ids.get(name as usize).copied().unwrap_or(name);
+            let Some(turn) = facet_turn(&couple, &met, (particles, scene), id) else { continue };
             self.contacts.meet_facet(slot, turn, &self.list);
             let impulse = turn_motion(particles, couple.i as usize, &turn, &(scene.gravity * at.fall));
             self.count_turn((&couple, &impulse), (particles, scene), at, at.elapsed - at.fall);

@@ -85,6 +85,8 @@ pub struct SoftSolver {
     smallest: Option<f64>,
     /// True if the scene has rough walls, whose contacts turn velocities.
     has_rough_walls: bool,
+    /// Ids of the particles of a crowd, which are numbered from 0 while it is solved; empty outside crowds.
+    ids: Vec<u32>,
     /// True if `pushes` contains the forces of the present state (Verlet).
     pub(in crate::engine) has_forces: bool,
     /// True if uniform steps, not islands, moved the particles last.
@@ -136,6 +138,7 @@ impl Soft {
             speed: Fastest::default(),
             smallest: None,
             has_rough_walls: false,
+            ids: Vec::new(),
             has_forces: false,
             ran_last: false,
             alike: None,

@@ -99,7 +99,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     fn meet_facet(&mut self, slot: usize) -> Option<Vector3<f64>> {
         let couple = self.scratch.touches[slot].couple;
         let met = self.encounter(slot, &couple, self.moment());
-        let turn = facet_turn(&couple, &met, (self.particles, self.scene))?;
+        let turn = facet_turn(&couple, &met, (self.particles, self.scene), self.particles.id[couple.i as usize])?;
         self.turn_motion(&couple, &turn);
         let (_, rate) = self.scratch.gaps[slot];
         self.scratch.touches[slot].begin_at(-rate, (self.particles, self.scene), &self.engine.law);
