@@ -312,6 +312,10 @@ pub struct Check {
 pub struct FluidArguments {
     /// The case file, or the name of a built-in case.
     pub case: PathBuf,
+    /// Also draws the gas among the particles, which a finished run of this case with [fluid.coupling] has written to
+    /// the folder RUN.
+    #[arg(long, value_name = "RUN")]
+    pub after: Option<PathBuf>,
     #[command(flatten)]
     pub input: Input,
     #[command(flatten)]

@@ -90,6 +90,50 @@ fn a_gas_without_particles_stays_as_it_is() {
     }
 }
 
+/// Crowe's modulation leaves a gas without particles as it is. If slip produces much more turbulence than shear does, and
+/// particles are close, k is that of a balance in each place: r s² = k^(3/2)/l, so k = (r s² l)^(2/3). The length l is
+/// between λ l_0/(λ + l_0) for the greatest and the least l_0 of the cells, within 1 % here. Shear produces some k too.
+#[test]
+fn slip_produces_the_turbulence_of_crowe() {
+    for model in [TurbulenceModel::WallFunctions, TurbulenceModel::LaunderSharma] {
+        let alone = flow(model);
+        let coupling = Coupling { slices: 7, held: HeldFlow::FlowRate, modulation: Modulation::Crowe };
+        let mut loaded = LoadedFlow::new(coupling, &alone, 1.2, 1.0);
+        (0..100).for_each(|_| loaded.advance(1e-3, &[SliceSums::default(); 7]));
+        for (now, before) in loaded.flow().unwrap().nodes.iter().zip(&alone.nodes) {
+            close("k", now.k, before.k, 1e-8 * before.k);
+            close("ε", now.epsilon, before.epsilon, 1e-8 * before.epsilon);
+        }
+    }
+    let alone = flow(TurbulenceModel::WallFunctions);
+    let coupling = Coupling { slices: 7, held: HeldFlow::FlowRate, modulation: Modulation::Crowe };
+    let mut loaded = LoadedFlow::new(coupling, &alone, 1.2, 1.0);
+    let (duration, slip, rate, share, diameter) = (1e-4, 8.0, 40.0, 0.02, 1e-4_f64);
+    let volume = loaded.box_volume() / 7.0;
+    let exchange = rate * 1.2 * volume;
+    let one = std::f64::consts::PI / 6.0 * diameter.powi(3);
+    let sums = SliceSums {
+        impulse: slip * exchange * duration,
+        volume: share * volume,
+        mass: 1.0,
+        exchange,
+        count: share * volume / one,
+    };
+    let spacing = (one / share).cbrt() - diameter;
+    close("spacing", sums.spacing(volume), spacing, 1e-12);
+    (0..20_000).for_each(|_| loaded.advance(duration, &[sums; 7]));
+    let produced = rate / (1.0 - share) * slip * slip;
+    let present = loaded.flow().unwrap();
+    let middle = alone.nodes.len() - 1;
+    let length = alone.nodes[middle].k.powf(1.5) / alone.nodes[middle].epsilon;
+    let wanted = (produced / (1.0 / spacing + 1.0 / length)).powf(2.0 / 3.0);
+    let (k, epsilon) = (present.nodes[middle].k, present.nodes[middle].epsilon);
+    println!("k {k} wanted {wanted}; gas alone {}", alone.nodes[middle].k);
+    // diffusion from places with other lengths, and production by shear
+    close("k in the middle", k, wanted, 0.02 * wanted);
+    close("ε in the middle", epsilon, k.powf(1.5) * (1.0 / spacing + 1.0 / length), 1e-9 * epsilon);
+}
+
 /// A force that is uniform across a channel or a pipe changes the pressure drop by itself, and nothing else: the shear
 /// stress is as before. The gas answers within L_y/u_τ = 0.05 s, and 2 s are simulated.
 #[test]
@@ -238,6 +282,116 @@ fn a_report_says_that_the_gas_has_left_the_range_of_its_model() {
         let report = std::fs::read_to_string(out.join("report.html")).unwrap();
         assert_eq!(report.contains(sentence), wanted, "{sentence}");
     }
+}
+
+/// Sums over uneven slices of a channel or a pipe: all momentum that particles take is taken from the gas.
+#[test]
+fn uneven_slices_of_a_pipe_lose_no_momentum() {
+    let pipe = ChannelFlow::solve_pipe(15.75, 0.04, 1.5e-5, None).unwrap();
+    for alone in [flow(TurbulenceModel::WallFunctions), pipe] {
+        let coupling = Coupling { slices: 7, held: HeldFlow::FlowRate, modulation: Modulation::Simonin };
+        let mut loaded = LoadedFlow::new(coupling, &alone, 1.2, 1.0);
+        let volume = loaded.box_volume() / 7.0;
+        let slices = |step: usize| -> Vec<SliceSums> {
+            let sums = |slice: usize| SliceSums {
+                impulse: 1e-3 * volume * ((slice + step) % 7) as f64,
+                volume: 0.01 * volume * ((3 * slice + step) % 5) as f64,
+                ..SliceSums::default()
+            };
+            (0..7).map(sums).collect()
+        };
+        (0..300).for_each(|step| loaded.advance(1e-4, &slices(step)));
+        let balance = loaded.balance;
+        let wanted: f64 = (0..300).flat_map(slices).map(|sums| sums.impulse).sum();
+        close("to particles", balance.to_particles, wanted, 1e-12 * wanted);
+        close("gas", balance.unexplained_share(), 0.0, 1e-10);
+    }
+}
+
+/// Where particles leave a slice, gas enters with the velocity of the slice from which it comes. So in a step that is too
+/// short for friction, no velocity leaves the range of its neighbours.
+#[test]
+fn gas_that_makes_room_keeps_its_velocity() {
+    let alone = flow(TurbulenceModel::WallFunctions);
+    let coupling = Coupling { slices: 7, held: HeldFlow::PressureGradient(0.0), modulation: Modulation::None };
+    let mut loaded = LoadedFlow::new(coupling, &alone, 1.2, 1.0);
+    let volume = loaded.box_volume() / 7.0;
+    let full = |odd: usize| -> Vec<SliceSums> {
+        let share = |slice: usize| if slice % 2 == odd { 0.3 * volume } else { 0.0 };
+        (0..7).map(|slice| SliceSums { volume: share(slice), ..SliceSums::default() }).collect()
+    };
+    loaded.advance(1e-12, &full(0));
+    for odd in [1, 0] {
+        let before: Vec<f64> = loaded.flow().unwrap().nodes.iter().map(|node| node.u).collect();
+        loaded.advance(1e-12, &full(odd));
+        let after = loaded.flow().unwrap();
+        for (cell, node) in after.nodes.iter().enumerate() {
+            let near = &before[cell.saturating_sub(1)..(cell + 2).min(before.len())];
+            let [low, high] = [f64::min, f64::max].map(|of| near.iter().copied().reduce(of).unwrap());
+            assert!(node.u > low - 1e-6 && node.u < high + 1e-6, "{cell}: {} in {low} .. {high}", node.u);
+        }
+    }
+}
+
+/// Particles of the response time of eddies damp ε 1.2 times as fast as k: in a short step the logarithms of both change in
+/// this ratio, beside a gas that is not damped.
+#[test]
+fn dissipation_is_damped_faster_than_turbulence() {
+    let alone = flow(TurbulenceModel::WallFunctions);
+    let middle = |modulation: Modulation, slip: f64| {
+        let coupling = Coupling { slices: 7, held: HeldFlow::FlowRate, modulation };
+        let mut loaded = LoadedFlow::new(coupling, &alone, 1.2, 1.0);
+        let volume = loaded.box_volume() / 7.0;
+        let (exchange, duration) = (20.0 * 1.2 * volume, 1e-5);
+        let (impulse, mass) = (slip * exchange * duration, 0.05 * exchange);
+        let sums = SliceSums { impulse, mass, exchange, ..SliceSums::default() };
+        loaded.advance(duration, &[sums; 7]);
+        let node = *loaded.flow().unwrap().nodes.last().unwrap();
+        [node.k.ln(), node.epsilon.ln()]
+    };
+    let [k, epsilon] = middle(Modulation::None, 0.0);
+    let [damped_k, damped_epsilon] = middle(Modulation::Simonin, 0.0);
+    assert!(damped_k < k);
+    // the step changes k by 2e-4, so that the ratio of the logarithms errs by about as much
+    close("ratio", (epsilon - damped_epsilon) / (k - damped_k), 1.2, 1e-3);
+    // a slip shortens the eddies that particles see, and so the Stokes number and the damping grow
+    let [crossing_k, _] = middle(Modulation::Simonin, 5.0);
+    assert!(crossing_k < damped_k - 0.01 * (k - damped_k), "{crossing_k} {damped_k} {k}");
+}
+
+/// `fluid --after` draws the gas of a finished run beside the gas alone, and refuses the run of another gas and a folder
+/// without a table of the gas.
+#[test]
+fn the_gas_is_drawn_before_and_after() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (file, done) = (path("case.toml"), path("run"));
+    std::fs::write(&file, CHANNEL.replace("duration = \"0.5 s\"", "duration = \"0.05 s\"")).unwrap();
+    let output = diptych(&["run", &file, "--out", &done]).output().unwrap();
+    assert!(output.status.success(), "{}", words(&output.stderr));
+    let fluid = |name: &str, more: &[&str]| {
+        let out = path(name);
+        let output = diptych(&[&["fluid", &file, "--out", &out][..], more].concat()).output().unwrap();
+        (output.status.code(), words(&output.stdout) + &words(&output.stderr), std::path::PathBuf::from(out))
+    };
+    let (code, said, out) = fluid("after", &["--after", &done]);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("among the particles the gas in the middle has"), "{said}");
+    let figure = std::fs::read_to_string(out.join("figures/gas.svg")).unwrap();
+    assert!(figure.contains("gas alone"), "the figure shows the gas alone");
+    let (code, _, out) = fluid("before", &[]);
+    assert!(code == Some(0) && !out.join("figures/gas.svg").exists());
+    let other = "fluid.profile.k_epsilon_channel.reynolds_number=40000";
+    for (more, wanted) in [
+        (&["--after", &done, "--set", other][..], "is not the gas of this case"),
+        (&["--after", folder.path().to_str().unwrap()], "a frozen gas is the same before and after"),
+    ] {
+        let (code, said, _) = fluid("refused", more);
+        assert!(code == Some(2) && said.contains(wanted), "{code:?} {said}");
+    }
+    std::fs::write(folder.path().join("gas.csv"), "variant,y_m\nhard,zero\n").unwrap();
+    let (code, said, _) = fluid("refused", &["--after", folder.path().to_str().unwrap()]);
+    assert!(code == Some(2) && said.contains("is no table of the gas"), "{code:?} {said}");
 }
 
 #[test]

@@ -333,6 +333,7 @@ fn measurements_change_nothing() {
     let (none, without, series) = end(&gas);
     assert!(none.is_empty() && series.rows.iter().all(|row| row.sonine.is_none()));
     gas.observe = ObserveSettings {
+        seen_gas: false,
         pair_distribution: Some(PairDistributionSettings { reach: 2.0, bins: 10 }),
         velocity_distribution: Some(SETTINGS),
         diffusion: Some(DiffusionSettings { duration: 0.1 }),

@@ -73,6 +73,10 @@ fn buoyancy_and_added_mass_are_needed_in_water_and_not_in_air() {
         let first = said.lines().find(|line| line.contains("this scene can do without")).unwrap_or(&said);
         assert!(first.contains("contacts that last") || first.contains("places of collisions"), "{said}");
         assert_eq!(first.contains("buoyancy and added mass"), !needed, "{said}");
+        // several models that are left out together get a run of their own
+        if !needed {
+            assert_eq!(factor(&summary, "cheapest")["verdict"], "equivalent", "{said}");
+        }
     }
 }
 
@@ -84,12 +88,46 @@ fn models_that_a_scene_cannot_have_are_named_with_the_reason() {
         "left out: turbulence, as the gas has no k and ε",
         "left out: two-way, as the gas flow is not computed",
         "left out: friction, as the case gives none",
+        "left out: facets, as the case gives none",
         "left out: rotation, as no friction turns a particle",
         "left out: lift, as the gas is not sheared",
         "added: half the displaced gas as added mass",
     ] {
         assert!(said.contains(words), "{words} in {said}");
     }
+}
+
+/// A ball that falls once onto a rough floor leaves it along another direction than from a smooth one.
+#[test]
+fn inclined_facets_are_needed() {
+    let (_, rest) = FALL.split_once("[contact]").unwrap();
+    let (first, _) = FALL.split_once("[fluid]").unwrap();
+    let bead = "[[particles]]\nname = \"bead\"\ndiameter = \"1 mm\"\ndensity = \"2500 kg/m^3\"\n\
+                at = [{ position = [\"200 mm\", \"500 mm\", \"2 mm\"] }]\n";
+    let floor = "[[walls]]\nplane = { point = [0, 0, 0], normal = [0, 0, 1] }\nrestitution = 0.9\n\
+                 roughness = { deviation = \"10 deg\" }\n";
+    let first = first.replace("periodic = [\"x\", \"y\", \"z\"]", "periodic = [\"x\", \"y\"]");
+    let (code, said, summary) = needs(&format!("{first}{bead}{floor}[contact]{rest}"), &[]);
+    assert_eq!(code, Some(0), "{said}");
+    assert_eq!(factor(&summary, "facets")["verdict"], "different", "{said}");
+    assert!(said.contains("something shifts beyond the margin: inclined facets of walls ("), "{said}");
+}
+
+/// Gravity across the flow forbids a gas that feels the particles.
+#[test]
+fn a_gas_under_gravity_across_its_flow_does_not_feel_the_particles() {
+    let across = FALL
+        .replace('@', AIR)
+        .replace(
+            "[fluid.profile.uniform]\nvelocity = \"0 m/s\"",
+            "[fluid.profile.k_epsilon_channel]\nreynolds_number = 600000",
+        )
+        .replace("periodic = [\"x\", \"y\", \"z\"]", "periodic = [\"x\", \"z\"]")
+        .replace("\"0 m/s^2\", \"0 m/s^2\", \"-9.81 m/s^2\"", "\"0 m/s^2\", \"-9.81 m/s^2\", \"0 m/s^2\"");
+    let (code, said, _) = needs(&across, &["--plan"]);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("left out: two-way, as gravity acts across the flow"), "{said}");
+    assert!(said.contains("added: k and ε of the k-ε model"), "{said}");
 }
 
 /// Hard spheres and collisions by chance stop where a ball slides on a floor. That is an answer and no error.

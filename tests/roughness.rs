@@ -1,13 +1,17 @@
 //! Rough walls: inclinations of the facets against an independent quadrature of their density, energy, bits, messages.
 
 use crate::support::*;
+use diptych::contact_law::ContactLaw;
 use diptych::engine::Engine;
 use diptych::engine::distributed::Distributed;
 use diptych::engine::dsmc::Dsmc;
 use diptych::engine::hard::Hard;
-use diptych::experiment::{DsmcSettings, HardStepping, Model, Spheres};
+use diptych::engine::hybrid::Hybrid;
+use diptych::engine::soft::Soft;
+use diptych::experiment::{DsmcSettings, HardStepping, Integrator, Model, SoftStepping, Spheres};
 use diptych::particles::Particles;
 use diptych::placement::initial_state;
+use diptych::rotation::{ImpactRule, Rotation, TangentialLaw};
 use diptych::scene::{Scene, Surface};
 use diptych::simulation::{Simulation, Snapshot};
 use diptych::walls::WallRoughness;
@@ -22,13 +26,18 @@ fn rough(deviation: f64) -> Option<WallRoughness> {
 
 /// The spheres, at a place from which they touch the floor after 1 µm of fall.
 fn rain(deviation: f64, surface: Surface, angle: f64) -> (Scene, Particles) {
+    rain_of(COUNT, deviation, surface, angle)
+}
+
+/// A number of spheres as those of [`rain`].
+fn rain_of(count: usize, deviation: f64, surface: Surface, angle: f64) -> (Scene, Particles) {
     let mut scene = empty([0.2, 0.2, 0.2], [true, false, true], small(), surface);
     scene.walls = vec![plane([0.0; 3], [0.0, 1.0, 0.0], surface)];
     scene.walls[0].roughness = rough(deviation);
-    let side = (COUNT as f64).sqrt().ceil() as usize;
+    let side = (count as f64).sqrt().ceil() as usize;
     let velocity = [angle.cos(), -angle.sin(), 0.0];
     let place = |k: usize| (k as f64 + 0.5) * 0.2 / side as f64;
-    let all: Vec<_> = (0..COUNT).map(|k| ([place(k % side), 203e-6 + 1e-6, place(k / side)], velocity)).collect();
+    let all: Vec<_> = (0..count).map(|k| ([place(k % side), 203e-6 + 1e-6, place(k / side)], velocity)).collect();
     let start = placed(&scene, &all);
     (scene, start)
 }
@@ -36,9 +45,20 @@ fn rain(deviation: f64, surface: Surface, angle: f64) -> (Scene, Particles) {
 /// Tilts (along the flight, across it) [rad] of the facets that impacts met, from the change of velocity, which is along
 /// the normal of the facet where there is no friction.
 fn tilts(scene: &Scene, start: &Particles, engine: Box<dyn Engine>, angle: f64) -> Vec<[f64; 2]> {
+    tilts_after((scene, start), engine, 2.2e-6 / angle.sin(), 0)
+}
+
+/// Tilts as those of [`tilts`], for a run of `duration` [s]. At its end up to `again` spheres may move into the wall.
+fn tilts_after(
+    (scene, start): (&Scene, &Particles),
+    engine: Box<dyn Engine>,
+    duration: f64,
+    again: usize,
+) -> Vec<[f64; 2]> {
     // so long that every sphere has touched, and none comes back
-    let end = run(scene, start.clone(), engine, 2.2e-6 / angle.sin(), 1);
-    assert!(end.particles.velocity.iter().all(|v| v.y > 0.0), "a sphere moves into the wall");
+    let end = run(scene, start.clone(), engine, duration, 1);
+    let inward = end.particles.velocity.iter().filter(|v| v.y <= 0.0).count();
+    assert!(inward <= again, "{inward} spheres move into the wall");
     let tilt = |(v, u): (&Vector3<f64>, &Vector3<f64>)| {
         let facet = (v - u).normalize();
         let sine = facet.x.hypot(facet.z);
@@ -112,6 +132,149 @@ fn facets_have_the_density_of_sommerfeld_and_huber() {
     }
 }
 
+/// [s] time that a contact of a small sphere with a wall of stiffness k [N/m] lasts, without a dashpot.
+fn contact_time(k: f64) -> f64 {
+    std::f64::consts::PI * (small().mass() / k).sqrt()
+}
+
+/// Engines with soft contacts of stiffness k [N/m], and the relative error of a rebound by their steps.
+fn with_contacts(k: f64) -> [(&'static str, Box<dyn Engine>, f64); 4] {
+    let lasts = contact_time(k);
+    let hybrid = Hybrid::new(ContactLaw::linear(k), Integrator::VelocityVerlet, lasts / 50.0, 5.0);
+    [
+        ("uniform", soft(k, lasts / 200.0, Integrator::VelocityVerlet), 4e-3),
+        ("heun", soft(k, lasts / 200.0, Integrator::Rk2), 4e-3),
+        ("islands", local(k, lasts / 50.0, Integrator::VelocityVerlet), 1e-5),
+        ("hybrid", Box::new(hybrid), 1e-12),
+    ]
+}
+
+/// A soft or hybrid sphere meets the facet that a hard sphere of the same velocity meets, and leaves it with the same
+/// velocity and spin, to the error of its steps. One sphere in a hundred may be farther off: it leaves nearly along the
+/// wall, and the error decides if it meets a second facet. Heun's method is left out: its predicted state changes the
+/// velocity, and so the draw, before the turn.
+#[test]
+fn soft_contacts_end_as_hard_impacts_do() {
+    const SOME: usize = 2000;
+    let k = 1e5;
+    for (degrees, e, friction, rotates) in [
+        (3.0_f64, 1.0, 0.0, false),
+        (20.0, 0.6, 0.0, false),
+        (90.0, 0.6, 0.0, false),
+        (20.0, 0.9, 0.2, false),
+        (40.0, 0.9, 0.2, true),
+    ] {
+        let (mut scene, mut start) = rain_of(SOME, 0.2, surface(e, friction), degrees.to_radians());
+        if rotates {
+            scene.rotation = Some(Rotation::new(TangentialLaw::Coulomb, ImpactRule::COULOMB));
+            scene.let_rotate(&mut start);
+            start.spin.as_mut().unwrap().iter_mut().for_each(|spin| *spin = Vector3::new(900.0, -300.0, 500.0));
+        }
+        let end = |engine, more: f64| {
+            run(&scene, start.clone(), engine, 1.2e-6 / degrees.to_radians().sin() + more, 1).particles
+        };
+        let lasts = 1.5 * contact_time(k);
+        let expected = end(hard(), lasts);
+        for (name, engine, tolerance) in with_contacts(k) {
+            if name == "heun" {
+                continue;
+            }
+            let found = end(engine, lasts);
+            let radius = small().diameter / 2.0;
+            let spins =
+                |particles: &Particles, i: usize| particles.spins().get(i).copied().unwrap_or_default() * radius;
+            let off = |i: usize| {
+                let velocity = (found.velocity[i] - expected.velocity[i]).norm();
+                velocity.max((spins(&found, i) - spins(&expected, i)).norm())
+            };
+            let mut all: Vec<f64> = (0..SOME).map(off).collect();
+            all.sort_by(f64::total_cmp);
+            let worst = all[SOME - 1 - SOME / 100];
+            println!("{name} {degrees} {e} {friction} {rotates}: 99 % {worst:e}, all {:e}", all[SOME - 1]);
+            // at the end of a contact the dashpot pulls, and friction acts with the magnitude of that force too
+            let tolerance = if friction > 0.0 { 2e-3_f64.max(tolerance) } else { tolerance };
+            assert!(worst <= tolerance, "{name} {degrees} {e} {friction} {rotates}: {worst}");
+        }
+    }
+}
+
+/// Mean tilts of soft contacts lie within five standard errors of the quadrature, as those of impacts do.
+#[test]
+fn soft_contacts_meet_facets_of_that_density() {
+    let (k, e, deviation) = (1e5, 0.6, 0.3);
+    for degrees in [20.0_f64, 90.0] {
+        let angle = degrees.to_radians();
+        let (scene, start) = rain(deviation, surface(e, 0.0), angle);
+        let expected = quadrature(deviation, e, angle);
+        for (name, engine, _) in with_contacts(k) {
+            let found =
+                tilts_after((&scene, &start), engine, 1.2e-6 / angle.sin() + 1.5 * contact_time(k), COUNT / 200);
+            for (k, expected) in expected.iter().enumerate() {
+                let values: Vec<f64> = found.iter().map(|[a, b]| [*a, a * a, b * b, a.powi(4)][k]).collect();
+                let mean = values.iter().sum::<f64>() / COUNT as f64;
+                let square = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / COUNT as f64;
+                close(&format!("{name} {degrees} moment {k}"), mean, *expected, 5.0 * (square / COUNT as f64).sqrt());
+            }
+        }
+    }
+}
+
+/// Turned velocities do no work: the books of a gas with weight between rough walls close as well as those of the same
+/// gas between smooth walls, and momentum closes to rounding.
+#[test]
+fn facets_do_no_work_on_soft_contacts() {
+    for (e, friction) in [(1.0, 0.0), (0.9, 0.3)] {
+        for k in 0..4 {
+            let residuals = [0.0, 0.2].map(|deviation| {
+                let (mut scene, start) = gas(400, surface(e, friction), deviation);
+                scene.walls.iter_mut().filter(|_| deviation == 0.0).for_each(|wall| wall.roughness = None);
+                let (before, momentum) = (start.kinetic_energy(), start.momentum());
+                // a contact begins up to a step late: each impact errs by up to (π/200)²/3 of its energy in uniform steps
+                let tolerance = if k < 2 { 1e-5 } else { 1e-6 };
+                let (name, engine, _) = with_contacts(1e3).into_iter().nth(k).unwrap();
+                let end = run(&scene, start, engine, 5e-3, 10);
+                assert!(end.record.walls.count > 50, "{}", end.record.walls.count);
+                let ledger = &end.record.ledger;
+                let given = ledger.gravity_impulse + ledger.wall_impulse;
+                let missing = (end.particles.momentum() - momentum - given).norm();
+                close(&format!("{name} momentum"), missing, 0.0, 1e-11 * ledger.wall_normal_impulse.abs());
+                (name, ledger.residual(before, end.energy()) / before, tolerance)
+            });
+            let [(name, smooth, tolerance), (_, rough, _)] = residuals;
+            println!("{name} e={e} friction={friction}: smooth {smooth:e} rough {rough:e}");
+            assert!(rough.abs() < 3.0 * smooth.abs() + tolerance, "{name} {e} {friction}: {smooth} {rough}");
+        }
+    }
+}
+
+/// A sphere that falls onto a rough floor comes to rest on it: the turn of its last impact stays, the floor is smooth from
+/// then on, and so the speed along the floor does not grow.
+#[test]
+fn a_sphere_at_rest_on_a_rough_floor_is_not_driven() {
+    for local_steps in [false, true] {
+        let (mut scene, _) = rain(0.2, surface(0.5, 0.0), 1.0);
+        scene.gravity = Vector3::new(0.0, -9.81, 0.0);
+        let start = placed(&scene, &[([0.1, 203e-6 + 20e-6, 0.1], [0.01, 0.0, 0.0])]);
+        let (before, k) = (start.kinetic_energy(), 1e3);
+        let step = contact_time(k) / 50.0;
+        let engine = match local_steps {
+            true => local(k, step, Integrator::VelocityVerlet),
+            false => soft(k, step, Integrator::VelocityVerlet),
+        };
+        let mut simulation = Simulation::with_engine(scene.clone(), start, engine);
+        simulation.run(50, 1e-3).unwrap();
+        let along =
+            |simulation: &Simulation| simulation.particles.velocity[0].x.hypot(simulation.particles.velocity[0].z);
+        let then = along(&simulation);
+        simulation.run(100, 1e-3).unwrap();
+        let velocity = simulation.particles.velocity[0];
+        assert!(velocity.y.abs() < 1e-6, "{velocity}");
+        close("speed along the floor", along(&simulation), then, 1e-12);
+        let ledger = &simulation.record.ledger;
+        close("energy", ledger.residual(before, simulation.energy()), 0.0, 1e-2 * ledger.through(before));
+    }
+}
+
 /// A gas between a rough floor and a rough lid.
 fn gas(count: usize, of: Surface, deviation: f64) -> (Scene, Particles) {
     let size = edge(count, small().diameter, 0.03);
@@ -166,7 +329,16 @@ fn the_same_bits_on_any_number_of_threads_and_processes_and_after_a_snapshot() {
     let of = gas(1500, surface(0.9, 0.2), 0.15);
     let islands = || Box::new(Hard::with_islands()) as Box<dyn Distributed>;
     let queue = || Box::new(Hard::new()) as Box<dyn Distributed>;
-    let engines: [&(dyn Fn() -> Box<dyn Distributed> + Sync); 2] = [&islands, &queue];
+    let law = ContactLaw::linear(1e3);
+    let steps = |stepping| {
+        Box::new(Soft::new(law, Integrator::VelocityVerlet, contact_time(1e3) / 20.0, stepping)) as Box<dyn Distributed>
+    };
+    let (uniform, local) = (|| steps(SoftStepping::Uniform), || steps(SoftStepping::Local));
+    let hybrid = || {
+        let step = contact_time(1e3) / 20.0;
+        Box::new(Hybrid::new(law, Integrator::VelocityVerlet, step, 2.0)) as Box<dyn Distributed>
+    };
+    let engines: [&(dyn Fn() -> Box<dyn Distributed> + Sync); 5] = [&islands, &queue, &uniform, &local, &hybrid];
     for engine in engines {
         let on = |size| shared(size, &of, engine, (2e-3, 10), |end| (end.fingerprint(), end.record.ledger.to_array()));
         let alone = on(1);
@@ -182,6 +354,8 @@ fn the_same_bits_on_any_number_of_threads_and_processes_and_after_a_snapshot() {
         (Spheres::Hard, HardStepping::Events),
         (Spheres::Hard, HardStepping::Steps { theta: 0.05 }),
         (Spheres::Dsmc, HardStepping::Events),
+        (Spheres::Soft(law), HardStepping::Events),
+        (Spheres::Hybrid(law), HardStepping::Events),
     ];
     for (spheres, stepping) in ways {
         let mut way = experiment(gas(300, surface(0.9, 0.2), 0.15).0, 300, [0.0; 3], 0.5, Model::Hard, 3);
@@ -238,10 +412,10 @@ fn a_case_tells_what_rough_walls_need() {
     let roughness = of.scene.walls[0].roughness.unwrap();
     close("deviation", roughness.deviation, 5f64.to_radians(), 1e-15);
     assert!(of.scene.walls[1].roughness.is_none());
-    assert!(case(CASE, Model::Dsmc, &[]).is_ok());
+    for model in [Model::Soft, Model::Hybrid, Model::Dsmc] {
+        assert!(case(CASE, model, &[]).is_ok());
+    }
     for (model, set, says) in [
-        (Model::Soft, "run.seed=1", "`walls[0].roughness` is for impacts without duration"),
-        (Model::Hybrid, "run.seed=1", "use the hard or the dsmc model"),
         (Model::Hard, "walls[0].velocity=[\"1 m/s\", 0, 0]", "needs a surface that does not move"),
         (Model::Hard, "walls[0].restitution=0", "needs a rebound"),
         (Model::Hard, "walls[0].roughness.deviation=40 deg", "allowed: 0 ..= 0.6"),

@@ -318,6 +318,7 @@ fn measurements_of_several_processes_are_those_of_one() {
         let mut gas = gas(600, 0.05, 0.9, model);
         (gas.run.duration, gas.statistics.sample_interval) = (1.0, Some(0.05));
         gas.observe = ObserveSettings {
+            seen_gas: false,
             pair_distribution: Some(PairDistributionSettings { reach: 4.0, bins: 20 }),
             velocity_distribution: Some(VelocityDistributionSettings { largest_speed: 4.0, bins: 20 }),
             diffusion: Some(DiffusionSettings { duration: 0.1 }),

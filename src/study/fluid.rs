@@ -1,5 +1,7 @@
 //! `diptych fluid`: writes the velocity profile of the gas as a table and a figure, without moving any particle.
 
+mod among;
+
 use crate::case::Case;
 use crate::cli::FluidArguments as Args;
 use crate::fluid::{Fluid, Profile};
@@ -82,10 +84,17 @@ pub fn fluid(args: &Args) -> Result<(), StudyError> {
             "error: the case `{case}` has no gas\nhelp: give it a [fluid] table; `cases/quick.toml` has one"
         )));
     };
+    let among = match &args.after {
+        Some(run) => among::gases(run, &fluid.profile)?,
+        None => Vec::new(),
+    };
     let folder = folder(&args.output, &args.case, "fluid")?;
     let summary = write_profile(fluid, scene.domain.size.y, &folder)?;
     let gases = gases(&case);
-    for figure in figures::gases(&gases, scene.domain.size.y).into_iter().chain([figures::geometry(scene)]) {
+    let flows = among.iter().map(|gas| (gas.name.as_str(), [gas.alone.as_slice(), gas.mean.as_slice()]));
+    let before_and_after = figures::loaded_flows(&flows.collect::<Vec<_>>());
+    let others = figures::gases(&gases, scene.domain.size.y).into_iter().chain(before_and_after);
+    for figure in others.chain([figures::geometry(scene)]) {
         folder.write(&format!("{FIGURES}/{}.svg", figure.name), figure.svg.as_bytes())?;
     }
     if !args.output.quiet {
@@ -108,6 +117,7 @@ pub fn fluid(args: &Args) -> Result<(), StudyError> {
             let bulk = bulk_velocity(profile, scene.domain.size.y);
             format!("\"{name}\": bulk velocity {bulk:.4} m/s, greatest velocity {:.4} m/s.", profile.maximum())
         }));
+        sentences.extend(among.iter().filter_map(among::GasAmongParticles::sentence));
         sentences.extend(folder.pictures().iter().map(|picture| format!("Picture: {}", picture.display())));
         conclude(&sentences, "Profile", &folder.path().join("profile.csv"));
     }

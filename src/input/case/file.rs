@@ -36,7 +36,7 @@ pub use gas::{
 };
 pub use motion::{KnotFile, MotionFile, ShapeTurningFile, VibrationFile};
 pub use observe::{
-    ContactNetworkFile, DiffusionFile, FieldsFile, ObserveFile, PairDistributionFile, StructureFactorFile,
+    ContactNetworkFile, DiffusionFile, FieldsFile, ObserveFile, PairDistributionFile, SeenGasFile, StructureFactorFile,
     VelocityDistributionFile,
 };
 pub use openings::{InletFile, OutletFile, OutletSideFile};

@@ -4,7 +4,6 @@
 use super::chart;
 use super::profiles;
 use crate::fluid::{ChannelFlow, GridNode, Profile, Section, TurbulenceModel};
-use crate::observe::GasFlow;
 use crate::outcome::Outcome;
 use crate::output::numbers::Prefix;
 use crate::output::panel::Figure;
@@ -80,19 +79,27 @@ pub fn gases(profiles: &[(String, Profile)], height: f64) -> Option<Figure> {
 /// Figure of a gas on which the particles act, together with the gas without particles. It shows velocity and turbulent
 /// kinetic energy from the wall to the middle. `None` if the particles do not change the gas in any variant.
 pub fn loaded(outcomes: &[Outcome]) -> Option<Figure> {
-    let flows: Vec<(&str, &GasFlow)> =
-        outcomes.iter().filter_map(|outcome| Some((outcome.experiment.name.as_str(), outcome.gas.as_ref()?))).collect();
-    let (_, first) = flows.first()?;
-    let prefix = Prefix::of(first.alone.last()?.y);
+    let flows = outcomes.iter().filter_map(|outcome| {
+        let gas = outcome.gas.as_ref()?;
+        Some((outcome.experiment.name.as_str(), [gas.alone.as_slice(), gas.mean.as_slice()]))
+    });
+    loaded_flows(&flows.collect::<Vec<_>>())
+}
+
+/// Picture of gases that feel particles, beside the gas alone. Each has a name, and the nodes of the gas alone and of the
+/// gas among particles, from the wall to the middle. The gas alone is that of the first. `None` for no gases.
+pub fn loaded_flows(flows: &[(&str, [&[GridNode]; 2])]) -> Option<Figure> {
+    let (_, [first, _]) = flows.first()?;
+    let prefix = Prefix::of(first.last()?.y);
     let panel = |label: &str, of: fn(&GridNode) -> f64| {
         let points = |nodes: &[GridNode]| -> Vec<SeriesPoint> {
             nodes.iter().map(|node| SeriesPoint::at(node.y * prefix.factor, of(node))).collect()
         };
-        let alone = PanelSeries::new("gas alone", SeriesStyle::Reference, points(&first.alone));
+        let alone = PanelSeries::new("gas alone", SeriesStyle::Reference, points(first));
         let among = flows
             .iter()
             .enumerate()
-            .map(|(style, (name, flow))| PanelSeries::new(*name, SeriesStyle::Line(style), points(&flow.mean)));
+            .map(|(style, (name, [_, mean]))| PanelSeries::new(*name, SeriesStyle::Line(style), points(mean)));
         Panel {
             x_label: format!("distance from the wall  [{}m]", prefix.symbol),
             y_label: label.into(),

@@ -26,7 +26,7 @@ mod work_precision;
 pub use bounces::{normal_velocity, overlap_in_time, slip_after};
 pub use budgets::budgets;
 pub use files_study::files_study;
-pub use gas::{CHANNEL_DNS, gas, gases};
+pub use gas::{CHANNEL_DNS, gas, gases, loaded_flows};
 pub use geometry::geometry;
 pub(super) use impacts::ROUNDING;
 pub use impacts::{first_overlap, impact_speed, mean_overlap, overlap};

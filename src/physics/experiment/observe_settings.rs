@@ -25,12 +25,22 @@ pub struct ObserveSettings {
     /// Settings of the fields of density, velocity and stress on a grid; `None` if they are not measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fields: Option<FieldsSettings>,
+    /// True if the gas velocity that particles see is measured.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub seen_gas: bool,
 }
 
 impl ObserveSettings {
     /// Names of all measurements, as in the case. Files of curves have these names.
-    pub const NAMES: [&str; 6] =
-        ["pair_distribution", "velocity_distribution", "diffusion", "structure_factor", "contact_network", "fields"];
+    pub const NAMES: [&str; 7] = [
+        "pair_distribution",
+        "velocity_distribution",
+        "diffusion",
+        "structure_factor",
+        "contact_network",
+        "fields",
+        "seen_gas",
+    ];
 
     /// True if the case asks for none of the measurements.
     pub fn is_empty(&self) -> bool {
@@ -46,6 +56,7 @@ impl ObserveSettings {
             self.structure_factor.is_some(),
             self.contact_network,
             self.fields.is_some(),
+            self.seen_gas,
         ];
         Self::NAMES.into_iter().zip(asked).filter_map(|(name, asked)| asked.then_some(name)).collect()
     }

@@ -46,6 +46,15 @@ pub(super) struct SweepStep<'a> {
     /// Rate at which particles damp k, one value per cell in wall units, followed by the factor by which this rate is
     /// multiplied in the equation of ε.
     pub damping: (&'a [f64], f64),
+    /// Production of k by particles, one value per cell in wall units; empty without such a production.
+    pub produced: &'a [f64],
+}
+
+impl SweepStep<'_> {
+    /// Production of k by particles in a cell, in wall units.
+    pub fn produced_in(&self, cell: usize) -> f64 {
+        self.produced.get(cell).copied().unwrap_or(0.0)
+    }
 }
 
 /// Steady diffusion-reaction equation of one quantity φ: -(D φ')' + sink φ = source in every cell, with D = 1 + ν_t/σ.

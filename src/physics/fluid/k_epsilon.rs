@@ -68,6 +68,14 @@ impl TurbulenceModel {
         }
     }
 
+    /// Computes the eddy viscosity ν_t of every cell from k and ε.
+    pub(super) fn renew_viscosity(self, channel: &mut HalfChannel) {
+        match self {
+            Self::WallFunctions => wall_functions::renew_viscosity(channel),
+            Self::LaunderSharma => launder_sharma::renew_viscosity(channel, 1.0),
+        }
+    }
+
     /// Velocity U of the first cell divided by the stress τ_w at the wall, in wall units. It connects the flow to the
     /// wall.
     pub(super) fn first_velocity_per_stress(self, channel: &HalfChannel) -> f64 {

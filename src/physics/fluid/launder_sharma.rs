@@ -64,7 +64,7 @@ pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
     // distance from the wall
     channel.integrate_momentum(channel.y[0]);
     let none = vec![0.0; channel.k.len()];
-    sweep_turbulence(channel, &SweepStep { relaxation: RELAXATION, rate: 0.0, damping: (&none, 0.0) })
+    sweep_turbulence(channel, &SweepStep { relaxation: RELAXATION, rate: 0.0, damping: (&none, 0.0), produced: &[] })
 }
 
 /// Updates k, ε̃ and ν_t once, by one iteration or one time step. Returns the largest relative change [-] of k and ε̃.
@@ -76,7 +76,7 @@ pub(super) fn sweep_turbulence(channel: &mut HalfChannel, step: &SweepStep) -> f
     let sink: Vec<f64> = (0..count)
         .map(|i| frequency[i] + wall_dissipation(channel, i) / channel.k[i] + step.rate + damping[i])
         .collect();
-    let source: Vec<f64> = (0..count).map(|i| p[i] + step.rate * channel.k[i]).collect();
+    let source: Vec<f64> = (0..count).map(|i| p[i] + step.produced_in(i) + step.rate * channel.k[i]).collect();
     let mut k = channel.k.clone();
     let equation = Equation { prandtl: SIGMA_K, sink: &sink, source: &source, wall: WallCondition::Zero };
     let mut change = channel.solve(&equation, step.relaxation, &mut k);
@@ -93,14 +93,19 @@ pub(super) fn sweep_turbulence(channel: &mut HalfChannel, step: &SweepStep) -> f
 
     channel.k = k;
     channel.epsilon = epsilon;
-    for i in 0..count {
+    renew_viscosity(channel, step.relaxation);
+    change
+}
+
+/// Computes ν_t from k and ε̃; new values have the weight `relaxation` [-].
+pub(super) fn renew_viscosity(channel: &mut HalfChannel, relaxation: f64) {
+    for i in 0..channel.k.len() {
         let reynolds = reynolds_t(channel, i);
         // factor f_μ = exp(-3.4/(1 + Re_t/50)²) of the eddy viscosity: Launder and Sharma 1974
         let damping = (-3.4 / (1.0 + reynolds / 50.0).powi(2)).exp();
         let nu_t = C_MU * damping * reynolds;
-        channel.nu_t[i] += step.relaxation * (nu_t - channel.nu_t[i]);
+        channel.nu_t[i] += relaxation * (nu_t - channel.nu_t[i]);
     }
-    change
 }
 
 /// Velocity profile U(y) in wall units as points (y, U): the wall, the cell centres and the centre plane.

@@ -5,6 +5,7 @@ use super::half_channel::{HalfChannel, SweepStep};
 use super::k_epsilon::{ChannelFlow, TurbulenceModel};
 use super::turbulence::Langevin;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
 
 /// [-] factor C_ε3 of the damping of k by particles in the equation of ε: Elghobashi and Abou-Arab 1983, Phys. Fluids 26,
 /// 931, and Simonin (1996).
@@ -44,6 +45,10 @@ pub enum Modulation {
     /// Particles damp k at the rate 2 r k St/(1 + St), with the exchange rate r = Σ(m/τ)/(ρ_f V_g) and St = τ/T_seen, and ε
     /// at 1.2 times this rate ε/k (Simonin 1996). The covariance of gas and particles is that of Tchen (1947), 2k/(1 + St).
     Simonin,
+    /// Particles produce k at the rate r s² by their mean slip s, with the exchange rate r as above, and ε = k^(3/2)/l with
+    /// 1/l = 1/l_0 + 1/λ. Here l_0 = k^(3/2)/ε is the length of the gas alone, and λ the mean distance between the surfaces
+    /// of neighbouring particles (Crowe 2000, Int. J. Multiphase Flow 26, 719; Kenning and Crowe 1997, ibid. 23, 403).
+    Crowe,
 }
 
 /// Sums over the particles of one slice in a kick of drag.
@@ -57,6 +62,23 @@ pub struct SliceSums {
     pub mass: f64,
     /// [kg/s] Σ m/τ, with the response time τ of each particle.
     pub exchange: f64,
+    /// Number of particles.
+    pub count: f64,
+}
+
+impl SliceSums {
+    /// [m] mean distance between the surfaces of neighbouring particles in the volume `volume` [m³] of a slice: the edge
+    /// of the cube that one particle has, less the diameter of the mean volume. It is at least a hundredth of this
+    /// diameter, so that dissipation stays finite in a packing. It is infinite without particles.
+    pub fn spacing(&self, volume: f64) -> f64 {
+        /// [-] least distance between surfaces over the diameter; chosen for this program.
+        const LEAST_SPACING: f64 = 0.01;
+        if self.count == 0.0 {
+            return f64::INFINITY;
+        }
+        let diameter = (6.0 / PI * self.volume / self.count).cbrt();
+        ((volume / self.count).cbrt() - diameter).max(LEAST_SPACING * diameter)
+    }
 }
 
 /// Gas flow that particles change: velocity, k and ε from the wall to the centre plane, at one instant.
@@ -86,6 +108,8 @@ pub struct LoadedFlow {
     /// [kg m/s] momentum along z that lift has given to the particles of each slice since the last step. The gas loses
     /// it in the next step.
     owed: Vec<f64>,
+    /// Lengths k^(3/2)/ε of the gas alone, one per cell in wall units. They are used with Crowe's modulation only.
+    alone_length: Vec<f64>,
     /// [kg m/s] momentum of the gas along z at the start, and what it has gained since.
     pub balance: GasBalance,
 }
@@ -136,6 +160,7 @@ impl LoadedFlow {
             bulk_per_flow: 0.0,
             pressure_gradient: 1.0 / channel.reynolds_tau,
             owed: vec![0.0; coupling.slices],
+            alone_length: channel.k.iter().zip(&channel.epsilon).map(|(k, epsilon)| k.powf(1.5) / epsilon).collect(),
             balance: GasBalance::default(),
             channel,
         };
@@ -243,10 +268,17 @@ impl LoadedFlow {
         let step = duration / self.unit_time();
         self.advance_velocity(step, &taken, fraction);
         self.renew_stress();
-        let factor = C_EPSILON_3;
-        let turbulence = SweepStep { relaxation: 1.0, rate: 1.0 / step, damping: (&damping, factor) };
+        let lengths = self.hybrid_lengths(slices);
+        self.set_dissipation(&lengths);
+        let produced = self.production(duration, slices);
+        let damping = (damping.as_slice(), C_EPSILON_3);
+        let turbulence = SweepStep { relaxation: 1.0, rate: 1.0 / step, damping, produced: &produced };
         self.model.sweep_turbulence(&mut self.channel, &turbulence);
         self.channel.k.iter_mut().chain(&mut self.channel.epsilon).for_each(|value| *value = value.max(LEAST));
+        if !lengths.is_empty() {
+            self.set_dissipation(&lengths);
+            self.model.renew_viscosity(&mut self.channel);
+        }
         let to_particles: f64 = slices.iter().zip(&self.owed).map(|(sums, owed)| sums.impulse + owed).sum();
         let pressed = self.pressure_gradient * self.volume() * step;
         let braked = self.channel.wall_stress() * self.gas_fraction[0] * step;
@@ -336,18 +368,14 @@ impl LoadedFlow {
     /// Rate at which particles damp k in each cell, in wall units, in a step of `duration` [s].
     fn damping(&self, duration: f64, slices: &[SliceSums]) -> Vec<f64> {
         let count = self.channel.u.len();
-        if self.coupling.modulation == Modulation::None {
-            return vec![0.0; count];
+        match self.coupling.modulation {
+            Modulation::None | Modulation::Crowe => return vec![0.0; count],
+            Modulation::Simonin => {}
         }
         let slice = |of: fn(&SliceSums, f64) -> f64| -> Vec<f64> {
             self.on_cells(&slices.iter().map(|sums| of(sums, duration)).collect::<Vec<_>>())
         };
-        let rates: Vec<f64> = slices
-            .iter()
-            .enumerate()
-            .map(|(slice, sums)| sums.exchange / (self.density * self.slice_volume(slice)))
-            .collect();
-        let rates = self.on_cells(&rates);
+        let rates = self.exchange_rates(slices);
         // means of slices without particles are 0 and have no effect, since their rate is 0 too
         let response = slice(|sums, _| if sums.exchange > 0.0 { sums.mass / sums.exchange } else { 0.0 });
         let slip =
@@ -364,6 +392,45 @@ impl LoadedFlow {
                 2.0 * rates[cell] * unit_time / self.gas_fraction[cell] * stokes / (1.0 + stokes)
             })
             .collect()
+    }
+
+    /// [1/s] exchange rate Σ(m/τ)/(ρ_f V) of each cell, with the volume V of gas and particles.
+    fn exchange_rates(&self, slices: &[SliceSums]) -> Vec<f64> {
+        let slices = slices.iter().enumerate();
+        let rates = slices.map(|(slice, sums)| sums.exchange / (self.density * self.slice_volume(slice)));
+        self.on_cells(&rates.collect::<Vec<_>>())
+    }
+
+    /// Production r s² of k by the mean slip s of the particles in each cell, in wall units, in a step of `duration` [s];
+    /// empty unless the modulation is that of Crowe.
+    fn production(&self, duration: f64, slices: &[SliceSums]) -> Vec<f64> {
+        match self.coupling.modulation {
+            Modulation::None | Modulation::Simonin => return Vec::new(),
+            Modulation::Crowe => {}
+        }
+        let slip = |sums: &SliceSums| if sums.exchange > 0.0 { sums.impulse / (sums.exchange * duration) } else { 0.0 };
+        let square: Vec<f64> = slices.iter().map(|sums| slip(sums).powi(2)).collect();
+        let unit = self.unit_time() / self.unit_velocity().powi(2);
+        let rates = self.exchange_rates(slices).into_iter().zip(self.on_cells(&square));
+        rates.zip(&self.gas_fraction).map(|((rate, square), gas)| rate / gas * square * unit).collect()
+    }
+
+    /// Lengths of dissipation among the particles, one per cell in wall units; empty unless the modulation is that of
+    /// Crowe.
+    fn hybrid_lengths(&self, slices: &[SliceSums]) -> Vec<f64> {
+        match self.coupling.modulation {
+            Modulation::None | Modulation::Simonin => return Vec::new(),
+            Modulation::Crowe => {}
+        }
+        let inverse = |(slice, sums): (usize, &SliceSums)| self.unit_length() / sums.spacing(self.slice_volume(slice));
+        let inverse = self.on_cells(&slices.iter().enumerate().map(inverse).collect::<Vec<_>>());
+        self.alone_length.iter().zip(inverse).map(|(length, inverse)| 1.0 / (1.0 / length + inverse)).collect()
+    }
+
+    /// Sets ε = k^(3/2)/l in every cell for given lengths l in wall units. Without lengths nothing changes.
+    fn set_dissipation(&mut self, lengths: &[f64]) {
+        let cells = self.channel.epsilon.iter_mut().zip(&self.channel.k).zip(lengths);
+        cells.for_each(|((epsilon, k), length)| *epsilon = k.powf(1.5) / length);
     }
 
     /// [m³] volume of the gas and the particles in the flow.

@@ -59,7 +59,7 @@ pub(super) fn production(channel: &HalfChannel, cell: usize) -> f64 {
 pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
     channel.integrate_momentum(law(channel, channel.y[0]));
     let none = vec![0.0; channel.k.len()];
-    sweep_turbulence(channel, &SweepStep { relaxation: RELAXATION, rate: 0.0, damping: (&none, 0.0) })
+    sweep_turbulence(channel, &SweepStep { relaxation: RELAXATION, rate: 0.0, damping: (&none, 0.0), produced: &[] })
 }
 
 /// Updates k, ε and ν_t once, by one iteration or one time step. Returns the largest relative change [-] of k and ε.
@@ -69,7 +69,7 @@ pub(super) fn sweep_turbulence(channel: &mut HalfChannel, step: &SweepStep) -> f
     let p: Vec<f64> = (0..count).map(|i| production(channel, i)).collect();
     let frequency: Vec<f64> = (0..count).map(|i| channel.epsilon[i] / channel.k[i]).collect();
     let sink: Vec<f64> = (0..count).map(|i| frequency[i] + step.rate + damping[i]).collect();
-    let source: Vec<f64> = (0..count).map(|i| p[i] + step.rate * channel.k[i]).collect();
+    let source: Vec<f64> = (0..count).map(|i| p[i] + step.produced_in(i) + step.rate * channel.k[i]).collect();
     let mut k = channel.k.clone();
     let equation = Equation { prandtl: SIGMA_K, sink: &sink, source: &source, wall: WallCondition::Insulated };
     let mut change = channel.solve(&equation, step.relaxation, &mut k);
@@ -84,10 +84,15 @@ pub(super) fn sweep_turbulence(channel: &mut HalfChannel, step: &SweepStep) -> f
     change = change.max(channel.solve(&equation, step.relaxation, &mut epsilon));
     channel.epsilon = epsilon;
 
-    for i in 0..count {
+    renew_viscosity(channel);
+    change
+}
+
+/// Computes ν_t from k and ε.
+pub(super) fn renew_viscosity(channel: &mut HalfChannel) {
+    for i in 0..channel.k.len() {
         channel.nu_t[i] = C_MU * channel.k[i].powi(2) / channel.epsilon[i];
     }
-    change
 }
 
 /// [-] velocity U by the two-layer law of the wall, in wall units: τ_w y below the edge of the sublayer, and τ_w/(κ u*)

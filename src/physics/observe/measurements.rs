@@ -5,6 +5,7 @@ use super::contact_network::{ContactLine, ContactNetwork};
 use super::diffusion::Diffusion;
 use super::fields::Fields;
 use super::pair_distribution::PairDistribution;
+use super::seen_gas::SeenGas;
 use super::structure_factor::StructureFactor;
 use super::velocity_distribution::VelocityDistribution;
 use crate::experiment::Experiment;
@@ -132,6 +133,7 @@ pub struct Measurements {
     structure_factor: Option<StructureFactor>,
     contact_network: Option<ContactNetwork>,
     fields: Option<Fields>,
+    seen_gas: Option<SeenGas>,
 }
 
 impl Measurements {
@@ -151,6 +153,7 @@ impl Measurements {
                 .map(|settings| StructureFactor::new(experiment, schedule, settings)),
             contact_network: asked.contact_network.then(|| ContactNetwork::new(experiment, schedule)),
             fields: asked.fields.map(|settings| Fields::new(experiment, schedule, settings)),
+            seen_gas: asked.seen_gas.then(|| SeenGas::new(experiment, schedule)),
         }
     }
 
@@ -162,7 +165,8 @@ impl Measurements {
         let structure = self.structure_factor.as_mut().map(|of| of as &mut dyn Measurement);
         let network = self.contact_network.as_mut().map(|of| of as &mut dyn Measurement);
         let fields = self.fields.as_mut().map(|of| of as &mut dyn Measurement);
-        [pairs, velocities, diffusion, structure, network, fields].into_iter().flatten()
+        let seen = self.seen_gas.as_mut().map(|of| of as &mut dyn Measurement);
+        [pairs, velocities, diffusion, structure, network, fields, seen].into_iter().flatten()
     }
 
     /// Results of all measurements, from the samples at `from` [s] and later.

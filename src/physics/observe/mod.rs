@@ -25,6 +25,7 @@ mod paths;
 mod rings;
 mod run_loop;
 mod second_moments;
+mod seen_gas;
 mod series;
 mod series_columns;
 mod stress;
@@ -51,6 +52,7 @@ pub use paths::{PathSample, Paths};
 pub use rings::{Ring, RingAverages, Rings};
 pub use run_loop::{Pause, RunLoop};
 pub use second_moments::{Budgets, MOMENTS, SecondMoments, Terms};
+pub use seen_gas::SeenGas;
 pub use series::{GasMeans, RotationSums, Row, Series, ShearStress, TurbulenceMeans};
 pub use series_columns::{
     CurveScale, FRICTION_COLUMNS, GAS_COLUMNS, OPENING_COLUMNS, SERIES_COLUMNS, SHEAR_COLUMNS, SONINE_COLUMNS,

@@ -35,6 +35,16 @@ impl Scene {
         self.walls.iter().any(|wall| wall.moving.is_some())
     }
 
+    /// True if particles see fluctuations of the gas velocity.
+    pub fn has_turbulence(&self) -> bool {
+        self.fluid.as_ref().is_some_and(|fluid| fluid.turbulence.is_some())
+    }
+
+    /// True if any wall is rough.
+    pub fn has_rough_walls(&self) -> bool {
+        self.walls.iter().any(|wall| wall.roughness.is_some())
+    }
+
     /// [m/s] largest speed of any point of a wall whose shape moves; 0 without such walls.
     pub fn wall_speed(&self) -> f64 {
         self.walls.iter().map(Wall::largest_speed).fold(0.0, f64::max)

@@ -49,9 +49,10 @@ impl Simulation {
                 -mass * ratio.max(-1.0 + f64::EPSILON).ln_1p() / kick.duration()
             });
             let volume = 4.0 / 3.0 * PI * radius.powi(3);
-            (flow.slice(fluid.profile.depth(position).0), [mass * velocity.z, volume, mass, exchange])
+            (flow.slice(fluid.profile.depth(position).0), [mass * velocity.z, volume, mass, exchange, 1.0])
         });
-        let slice = |[impulse, volume, mass, exchange]: [f64; 4]| SliceSums { impulse, volume, mass, exchange };
+        let slice =
+            |[impulse, volume, mass, exchange, count]: [f64; 5]| SliceSums { impulse, volume, mass, exchange, count };
         Some(sums.into_iter().map(slice).collect())
     }
 

@@ -407,7 +407,7 @@ pub struct Wall {
     /// rolling or twisting law.
     #[serde(skip_serializing_if = "ResistanceFriction::is_of_law")]
     pub resistance: ResistanceFriction,
-    /// Roughness, for instantaneous impacts; `None`: the wall is smooth. Soft contacts meet the smooth wall.
+    /// Roughness; `None`: the wall is smooth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub roughness: Option<WallRoughness>,
     /// Temperature, for instantaneous impacts; `None`: rebounds are those of the surface.

@@ -6,8 +6,7 @@ use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
 
-/// Roughness of a wall that is small compared with the spheres, for instantaneous impacts. A sphere meets a plane facet,
-/// the virtual wall, whose normal is tilted at random (Sommerfeld and Huber 1999, Int. J. Multiphase Flow 25, 1457).
+/// Roughness of a wall that is small compared with the spheres. A sphere meets a plane facet, the virtual wall, whose normal is tilted at random (Sommerfeld and Huber 1999, Int. J. Multiphase Flow 25, 1457).
 ///
 /// The tilts γ_1 and γ_2 in two perpendicular directions along the wall are Gaussian, with the standard deviation Δγ each.
 /// The normal is turned by sqrt(γ_1² + γ_2²) towards (γ_1, γ_2). A facet is met in proportion to the area that it shows to the

@@ -22,7 +22,7 @@ const CHEAPEST: &str = "cheapest";
 /// Returns an error if the run cannot begin or cannot be stored.
 pub fn confirm(executor: &mut Executor, table: &mut SensitivityTable) -> Result<(), StudyError> {
     let (factors, _) = weigh::factors(&table.plan, &table.pooled(), &table.outcomes, table.margin);
-    let chosen = superfluous(&table.plan, &factors, &table.runs(), table.margin);
+    let chosen = superfluous(&table.plan.factors, &factors, &table.runs(), table.margin);
     let by: Vec<Simplification> = chosen.iter().filter_map(|factor| factor.simpler.clone()).collect();
     let titles: Vec<String> = chosen.iter().map(|factor| factor.title.clone()).collect();
     if by.len() < 2 {
@@ -57,13 +57,12 @@ pub fn confirm(executor: &mut Executor, table: &mut SensitivityTable) -> Result<
 /// Factors whose models can be left out together, beginning with the one that saves the most time. The shifts of each
 /// factor are below the margin. For every observable, the sum of the magnitudes of their shifts is at most the margin.
 fn superfluous<'a>(
-    plan: &'a SensitivityPlan,
+    planned: &'a [PlannedFactor],
     factors: &[Factor],
     runs: &[SensitivityRun],
     margin: f64,
 ) -> Vec<&'a PlannedFactor> {
-    let mut candidates: Vec<(&PlannedFactor, &Factor)> = plan
-        .factors
+    let mut candidates: Vec<(&PlannedFactor, &Factor)> = planned
         .iter()
         .filter(|planned| planned.simpler.is_some())
         .filter_map(|planned| Some((planned, factors.iter().find(|factor| factor.name == planned.name)?)))
@@ -99,14 +98,24 @@ fn cost(runs: &[SensitivityRun], factor: &Factor) -> f64 {
 /// Sentences on the cheapest set of models, the models that are needed, those not decided, the assumptions, the effect
 /// of chance, and the failures.
 pub fn sentences(plan: &SensitivityPlan, factors: &[Factor], runs: &[SensitivityRun], margin: f64) -> Vec<String> {
+    of_models((&plan.factors, &plan.assumed), factors, runs, margin)
+}
+
+/// Sentences as those of [`sentences`], from the planned factors and the assumptions of a plan.
+fn of_models(
+    (planned, assumed): (&[PlannedFactor], &[String]),
+    factors: &[Factor],
+    runs: &[SensitivityRun],
+    margin: f64,
+) -> Vec<String> {
     let within = margin_in_words(margin);
     let is_model =
-        |factor: &&Factor| plan.factors.iter().any(|planned| planned.name == factor.name && planned.simpler.is_some());
+        |factor: &&Factor| planned.iter().any(|planned| planned.name == factor.name && planned.simpler.is_some());
     let models = |answer: Answer| -> Vec<&Factor> {
         let of = factors.iter().filter(|factor| factor.stopped.is_none() && factor.answer == answer);
         of.filter(is_model).collect()
     };
-    let chosen = superfluous(plan, factors, runs, margin);
+    let chosen = superfluous(planned, factors, runs, margin);
     let cheapest = match factors.iter().find(|factor| factor.name == CHEAPEST) {
         Some(all) => Some(all),
         None => chosen.first().and_then(|one| factors.iter().find(|factor| factor.name == one.name)),
@@ -122,8 +131,8 @@ pub fn sentences(plan: &SensitivityPlan, factors: &[Factor], runs: &[Sensitivity
     }
     let undecided = models(Answer::Unresolved);
     sentences.extend(open(&undecided, &within));
-    if !plan.assumed.is_empty() {
-        sentences.push(format!("Assumed, since the case does not say: {}.", plan.assumed.join("; ")));
+    if !assumed.is_empty() {
+        sentences.push(format!("Assumed, since the case does not say: {}.", assumed.join("; ")));
     }
     sentences.extend(factors.iter().find(|factor| factor.name == "seed").and_then(chance));
     let stopped = factors.iter().filter_map(|factor| {
@@ -151,5 +160,117 @@ fn conclusion(cheapest: &Factor, chosen: &[&PlannedFactor], cost: f64, within: &
             format!("Each alone can be left out within {within}, but not all together{}: {without}.", in_size(cheapest))
         }
         (Some(why), _) => format!("Each alone can be left out within {within}: {without}. Together they stop: {why}."),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::Model;
+    use crate::output::sensitivity::Shift;
+
+    const MARGIN: f64 = 0.01;
+
+    /// A planned factor that leaves a model out, and that changes the collision model if `changes_model` is true.
+    fn planned(name: &str, changes_model: bool) -> PlannedFactor {
+        let model = changes_model.then_some(Model::Hard);
+        let simpler = Some(Simplification { model, ..Simplification::default() });
+        let (name, title) = (name.to_owned(), format!("the {name}"));
+        PlannedFactor { name, title, simpler, ..PlannedFactor::against(0, 1, "without", "a test") }
+    }
+
+    /// A factor whose only observable shifts by `share` of its scale.
+    fn factor(name: &str, share: f64, answer: Answer) -> Factor {
+        let shift = Shift {
+            observable: "T".to_owned(),
+            unit: "m²/s²",
+            scale: 2.0,
+            scale_is: "its mean",
+            difference: 2.0 * share,
+            error: Some(0.001),
+            freedom: Some(10.0),
+            time: None,
+            chance: None,
+            reached: None,
+            stretch: None,
+            answer,
+        };
+        Factor {
+            name: name.to_owned(),
+            title: format!("the {name}"),
+            change: "without".to_owned(),
+            why: String::new(),
+            basis: None,
+            shifts: vec![shift],
+            runs: [vec![format!("without {name}")], vec!["richest".to_owned()]],
+            remarks: Vec::new(),
+            stopped: None,
+            answer,
+        }
+    }
+
+    fn ran(name: &str, wall_seconds: f64) -> SensitivityRun {
+        SensitivityRun {
+            name: name.to_owned(),
+            set: String::new(),
+            model: Model::Hard,
+            replicas: 1,
+            steady: true,
+            simulated_seconds: 1.0,
+            wall_seconds,
+            failure: None,
+        }
+    }
+
+    fn names(chosen: &[&PlannedFactor]) -> Vec<String> {
+        chosen.iter().map(|planned| planned.name.clone()).collect()
+    }
+
+    #[test]
+    fn the_models_that_cost_most_are_left_out_while_the_sum_of_shifts_is_within_the_margin() {
+        let plan = [planned("lift", false), planned("drag", false), planned("spin", false)];
+        let runs = [ran("richest", 10.0), ran("without lift", 9.0), ran("without drag", 2.0), ran("without spin", 5.0)];
+        let small = |name: &str, share: f64| factor(name, share, Answer::Equivalent);
+        let all = [small("lift", 0.003), small("drag", -0.003), small("spin", 0.003)];
+        assert_eq!(names(&superfluous(&plan, &all, &runs, MARGIN)), ["drag", "spin", "lift"]);
+        // 0.6 % and 0.5 % together are beyond 1 %, whatever their signs; the one that saves most time is left out
+        let all = [small("lift", 0.005), small("drag", -0.006), small("spin", 0.003)];
+        assert_eq!(names(&superfluous(&plan, &all, &runs, MARGIN)), ["drag", "spin"]);
+        let open = [factor("lift", 0.001, Answer::Unresolved), factor("drag", 0.5, Answer::Different)];
+        assert!(superfluous(&plan, &open, &runs, MARGIN).is_empty());
+        let stopped = Factor { stopped: Some("it fell".to_owned()), ..small("drag", 0.0) };
+        assert!(superfluous(&plan, &[stopped], &runs, MARGIN).is_empty());
+    }
+
+    #[test]
+    fn a_scene_keeps_one_collision_model() {
+        let plan = [planned("contacts", true), planned("positions", true), planned("lift", false)];
+        let runs = [ran("richest", 10.0), ran("without contacts", 3.0), ran("without positions", 1.0)];
+        let all = ["contacts", "positions", "lift"].map(|name| factor(name, 0.0, Answer::Equivalent));
+        assert_eq!(names(&superfluous(&plan, &all, &runs, MARGIN)), ["positions", "lift"]);
+    }
+
+    #[test]
+    fn the_first_sentence_follows_from_the_run_of_the_cheapest_set() {
+        let plan = [planned("lift", false), planned("drag", false), planned("spin", false)];
+        let runs = [ran("richest", 10.0), ran("without cheapest", 2.5)];
+        let say = |cheapest: Factor| {
+            let spin = Factor { stopped: Some("a ball slid".to_owned()), ..factor("spin", 0.0, Answer::Different) };
+            let small = ["lift", "drag"].map(|name| factor(name, 0.001, Answer::Equivalent));
+            let all: Vec<Factor> = small.into_iter().chain([spin, cheapest]).collect();
+            of_models((&plan, &["air".to_owned()]), &all, &runs, MARGIN)
+        };
+        let cheapest = |share: f64, answer: Answer| factor(CHEAPEST, share, answer);
+        let said = say(cheapest(0.002, Answer::Equivalent));
+        assert!(said[0].contains("can do without the lift, the drag; it takes 0.25 of the wall time"), "{said:?}");
+        assert!(said.iter().any(|text| text == "Assumed, since the case does not say: air."), "{said:?}");
+        assert!(said.iter().any(|text| text == "The spin cannot be left out: a ball slid."), "{said:?}");
+        assert!(!said.iter().any(|text| text.starts_with("Needed")), "{said:?}");
+        let said = say(cheapest(0.005, Answer::Unresolved));
+        assert!(said[0].contains("whether they can all be left out together is unresolved"), "{said:?}");
+        let said = say(cheapest(0.05, Answer::Different));
+        assert!(said[0].contains("but not all together"), "{said:?}");
+        let said = say(Factor { stopped: Some("it fell".to_owned()), ..cheapest(0.0, Answer::Equivalent) });
+        assert!(said[0].contains("Together they stop: it fell"), "{said:?}");
     }
 }

@@ -47,13 +47,19 @@ struct Switch {
 
 /// All models that a scene may have or leave out, in the order in which they are added to the case. Later models may
 /// need earlier ones.
-const SWITCHES: [Switch; 10] = [
+const SWITCHES: [Switch; 11] = [
     Switch { name: "friction", title: "friction", richer: friction, simpler: without_friction },
     Switch {
         name: "restitution-by-speed",
         title: "restitution by speed",
         richer: by_speed,
         simpler: |_| of_edit(at_usual_speed),
+    },
+    Switch {
+        name: "facets",
+        title: "inclined facets of walls",
+        richer: facets,
+        simpler: |_| of_edit(|experiment| experiment.scene.walls.iter_mut().for_each(|wall| wall.roughness = None)),
     },
     Switch { name: "rotation", title: "rotation", richer: rotation, simpler: |_| of_keys(&["contact.rotation=false"]) },
     Switch {
@@ -149,6 +155,13 @@ fn at_usual_speed(experiment: &mut Experiment) {
     let scene = &mut experiment.scene;
     let walls = scene.walls.iter_mut().map(|wall| &mut wall.surface);
     walls.chain([&mut scene.contact]).chain(scene.pairs.surfaces_mut()).for_each(|surface| surface.by_speed = None);
+}
+
+fn facets(experiment: &Experiment) -> Richer {
+    match experiment.scene.has_rough_walls() {
+        true => Richer::Has,
+        false => Richer::No("the case gives none, and no inclination is usual"),
+    }
 }
 
 fn rotation(experiment: &Experiment) -> Richer {

@@ -112,6 +112,9 @@ pub enum ModulationFile {
     None,
     /// Damping of k and ε by the slip of the fluctuations, after Simonin (1996).
     Simonin,
+    /// Production of k by the mean slip, and a length of dissipation limited by the distance between particles, after
+    /// Crowe (2000).
+    Crowe,
 }
 
 /// Tables `[drag.*]`: choice of a drag law.

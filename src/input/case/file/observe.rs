@@ -22,6 +22,8 @@ pub struct ObserveFile {
     pub contact_network: Option<Located<ContactNetworkFile>>,
     /// Density, velocity and stress on a grid, with a file for ParaView.
     pub fields: Option<Located<FieldsFile>>,
+    /// Gas velocity that the particles see, in slices, for a gas with `[fluid.turbulence]`.
+    pub seen_gas: Option<Located<SeenGasFile>>,
 }
 
 /// Table `[observe.pair_distribution]`: pair distribution g(r), in a box that is periodic along x, y and z.
@@ -92,3 +94,9 @@ pub struct FieldsFile {
     #[schemars(extend("examples" = [[10, 20, 10]], "x-required" = "always"))]
     pub cells: Option<Three<i64>>,
 }
+
+/// Table `[observe.seen_gas]`: mean and mean square of the fluctuation of the gas velocity that particles see, in the slices
+/// of `profiles.csv`; it has no keys.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SeenGasFile {}

@@ -50,7 +50,7 @@ pub struct WallFile {
     /// radius of the contact, times the normal force.
     #[schemars(example = 0.1, extend("x-default" = "`friction`", "x-range" = "0 ..= 100"))]
     pub twisting_friction: Option<Located<Ratio>>,
-    /// Roughness of the wall, for the hard model and collisions by chance. Without this table the wall is smooth.
+    /// Roughness of the wall. Without this table the wall is smooth.
     pub roughness: Option<Located<RoughnessFile>>,
     /// Temperature of a thermal wall, for the hard model and collisions by chance: the variance of a velocity component
     /// of the spheres that leave the wall, whatever their velocity before. The restitution must be 1, and the friction

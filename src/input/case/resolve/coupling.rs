@@ -47,6 +47,7 @@ impl Resolver {
         let modulation = match typed.value.modulation.as_ref().map_or(ModulationFile::Simonin, |typed| typed.value) {
             ModulationFile::None => Modulation::None,
             ModulationFile::Simonin => Modulation::Simonin,
+            ModulationFile::Crowe => Modulation::Crowe,
         };
         Ok(Some(Coupling { slices, held, modulation }))
     }

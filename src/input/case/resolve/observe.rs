@@ -38,6 +38,10 @@ impl Resolver {
         let diffusion = asked.diffusion.as_ref().map(|of| self.diffusion(of, scene));
         let structure = asked.structure_factor.as_ref().map(|of| self.structure_factor(of, scene));
         let fields = asked.fields.as_ref().map(|of| self.fields(of, scene));
+        if let Some(seen) = asked.seen_gas.as_ref().filter(|_| !scene.has_turbulence()) {
+            let why = "needs a gas whose fluctuations particles see";
+            return Err(self.refuse(seen, why).help("add [fluid.turbulence.langevin], or leave the table out"));
+        }
         Ok(ObserveSettings {
             pair_distribution: pairs.transpose()?,
             velocity_distribution: velocities.transpose()?,
@@ -45,6 +49,7 @@ impl Resolver {
             structure_factor: structure.transpose()?,
             contact_network: asked.contact_network.is_some(),
             fields: fields.transpose()?,
+            seen_gas: asked.seen_gas.is_some(),
         })
     }
 

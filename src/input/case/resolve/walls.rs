@@ -101,10 +101,6 @@ impl Resolver {
             Err(self.sources.error(&typed.origin, format!("`{}` {what}", typed.path)).help(help))
         };
         match deviation > 0.0 {
-            true if self.model.has_contacts() => refuse(
-                "is for impacts without duration: a contact that lasts would have to leave a facet before it leaves the wall",
-                "use the hard or the dsmc model, or leave it out",
-            ),
             true if moves => refuse(
                 "needs a surface that does not move",
                 "leave out `velocity`, `rotation` and `motion` of the wall",

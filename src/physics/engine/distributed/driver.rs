@@ -34,7 +34,7 @@ impl<S: DistributedSolver> Driver<S> {
     /// receives all particles and moves them.
     pub(in crate::engine) fn by_all(&mut self, work: &mut Work<Lasting<S>>, window: Window) -> Result<(), Failure> {
         if let Some(domains) = self.islands.processes.domains() {
-            if domains.is_worth_it() && self.solver.shares_steps() {
+            if domains.is_worth_it() && self.solver.shares_steps(work.scene) {
                 self.solver.hand_over(work.lasting);
                 return self.solver.everyone_together(work, window, domains);
             }

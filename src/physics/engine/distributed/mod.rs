@@ -91,8 +91,8 @@ pub trait DistributedSolver: Solver {
         None
     }
 
-    /// True if several processes can share the classical algorithm, which moves all particles at once.
-    fn shares_steps(&self) -> bool {
+    /// True if several processes can share the classical algorithm, which moves all particles of a scene at once.
+    fn shares_steps(&self, _scene: &Scene) -> bool {
         false
     }
 

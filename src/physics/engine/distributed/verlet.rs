@@ -300,8 +300,9 @@ impl DistributedSolver for SoftSolver {
         Some(&mut self.islands.allowance.each)
     }
 
-    fn shares_steps(&self) -> bool {
-        self.integrator == Integrator::VelocityVerlet
+    /// False for Heun's method and for rough walls, whose contacts turn velocities outside the kicks that are exchanged.
+    fn shares_steps(&self, scene: &Scene) -> bool {
+        self.integrator == Integrator::VelocityVerlet && !scene.has_rough_walls()
     }
 
     fn everyone_together(

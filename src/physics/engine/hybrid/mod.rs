@@ -105,10 +105,11 @@ impl InstantaneousRule for Impulses {
         let image = couple.image_velocity(particles, scene, &met.velocity);
         let collision = Collision { couple, met: *met, elastic: false, kinds, wall, image };
         collision.resolve(particles, scene, *remaining, log);
-        let approach = -met.normal_velocity;
-        let duration = self.law.contact_time(&touch.spring, approach);
-        let overlap = self.law.greatest_overlap(&touch.spring, approach) / touch.diameter;
         if let Some((_, impact)) = log.impacts.last_mut() {
+            // at a rough wall this is the speed along the normal of the facet
+            let approach = impact.normal_speed;
+            let duration = self.law.contact_time(&touch.spring, approach);
+            let overlap = self.law.greatest_overlap(&touch.spring, approach) / touch.diameter;
             impact.left_out = Some(LeftOut { duration, overlap });
         }
     }

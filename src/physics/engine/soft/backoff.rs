@@ -9,6 +9,7 @@
 
 use super::UNIFORM_COST;
 use crate::engine::islands::IslandCounters;
+use crate::experiment::Integrator;
 use serde::{Deserialize, Serialize};
 
 /// [ns] cost per particle of one search for touches on straight flights: the flight of the particle is computed, and the
@@ -103,5 +104,13 @@ impl Backoff {
         // one cheap window only halves the pause, because many windows have shown that islands cost more
         self.stay = if pays { self.stay / 2 } else { (2 * self.stay).clamp(1, LONGEST) };
         self.left = if pays { 0 } else { self.stay };
+    }
+}
+
+/// [-] number of force evaluations in a uniform step of the integrator.
+pub fn stages(integrator: Integrator) -> f64 {
+    match integrator {
+        Integrator::VelocityVerlet => 1.0,
+        Integrator::Rk2 => 2.0,
     }
 }

@@ -4,19 +4,21 @@
 //! blocks, so the sums are equal for any number of threads. The record of a contact keeps its place in memory while the
 //! contact lasts. Only a list of eight bytes per contact, sorted by slot, is rebuilt at every step.
 
+mod facets;
 mod renumber;
 
-use super::contact::{Contact, ContactConstants, ContactForce, ContactState, TouchingPair};
+use super::contact::{Contact, ContactConstants, ContactForce, ContactState, TouchingPair, first_named};
 use super::contact_sums::ContactRows;
 use super::contacts::ContactSearch;
 use super::force_buffer::{ForceBuffer, ForceIncrement, StoreIndex};
 use super::packed_contacts::{PackedContacts, RotatingRecord};
 use super::rotating::{BeforeStep, RotatingForce, SurfaceMotion};
 use crate::contact_law::ContactLaw;
-use crate::encounter::{Couple, Encounter, Partner};
+use crate::encounter::{Couple, Encounter};
 use crate::engine::Failure;
 use crate::neighbours::NeighbourList;
 use crate::record::{Between, FrictionLosses, Impact};
+use facets::FacetTurns;
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -100,6 +102,8 @@ pub struct ContactBlock {
     free_until: Vec<f64>,
     /// Contact forces of the last evaluation.
     pub pushes: ForceBuffer,
+    /// Contacts with rough walls that begin or end in the present step.
+    pub facets: FacetTurns,
     /// Impacts that ended in the last evaluation.
     pub ended: Vec<(Between, Impact)>,
     /// Sums over the contacts in the last evaluation.
@@ -289,8 +293,9 @@ impl ContactBlock {
             let record = match old.next_if(|touch| touch.slot == slot) {
                 Some(touch) => touch.record,
                 None => {
-                    let contact = self.open(slot, view, law);
-                    self.records.keep(&contact.touch, contact.course)
+                    let Contact { touch, mut course, .. } = self.open(slot, view, law);
+                    course.facet = self.facets.take(slot);
+                    self.records.keep(&touch, course)
                 }
             };
             self.touching.push(TouchingSlot { slot, record });
@@ -369,7 +374,7 @@ impl ContactBlock {
         // the predicted state
         let foreseen = self.foreseen.binary_search_by_key(&slot, |contact| contact.slot);
         let normal_speed = match foreseen {
-            Ok(k) if at.opens => self.foreseen[k].course.normal_speed,
+            Ok(k) if at.opens && !self.facets.begins(slot) => self.foreseen[k].course.normal_speed,
             _ => -met.normal_velocity,
         };
         touch.begin_at(normal_speed, (view.particles, view.scene), law);
@@ -393,6 +398,7 @@ impl ContactBlock {
         let ContactSearch { list, at, .. } = view;
         let couple = list.couple(slot as usize);
         let (&constants, course) = self.records.whole(record);
+        self.facets.end(&couple, course.facet);
         let counts = view.counts(&couple);
         let resisted: f64 = course.resistance.map_or(0.0, |memory| memory.energies.iter().sum());
         if counts && (course.shear != Vector3::zeros() || resisted > 0.0) {
@@ -419,17 +425,6 @@ impl ContactBlock {
         let impact = Impact { slip, ..course.impact(constants.diameter, rebound, at.start + at.elapsed) };
         self.ended.push((Between::of(species, other), impact));
     }
-}
-
-/// Returns the one of two failures at the same time whose particle and partner have the smaller ids.
-#[cold]
-pub fn first_named(one: Option<Failure>, other: Failure) -> Failure {
-    let name = |failure: &Failure| match failure {
-        Failure::OverlapTooLarge { particle, partner: Partner::Particle(other), .. } => (*particle, 0, *other),
-        Failure::OverlapTooLarge { particle, partner: Partner::Wall(wall), .. } => (*particle, 1, *wall),
-        _ => (0, 0, 0),
-    };
-    one.filter(|one| name(one) <= name(&other)).unwrap_or(other)
 }
 
 /// Gap, normal and relative velocity of two bodies at the time of an evaluation.

@@ -39,6 +39,17 @@ fn refused(couple: Couple, particles: &Particles, time: f64, (ratio, limit): (f6
     Failure::OverlapTooLarge { time, particle, partner, ratio, limit, way: None }
 }
 
+/// Returns the one of two failures at the same time whose particle and partner have the smaller ids.
+#[cold]
+pub fn first_named(one: Option<Failure>, other: Failure) -> Failure {
+    let name = |failure: &Failure| match failure {
+        Failure::OverlapTooLarge { particle, partner: Partner::Particle(other), .. } => (*particle, 0, *other),
+        Failure::OverlapTooLarge { particle, partner: Partner::Wall(wall), .. } => (*particle, 1, *wall),
+        _ => (0, 0, 0),
+    };
+    one.filter(|one| name(one) <= name(&other)).unwrap_or(other)
+}
+
 /// Constants of a contact between two bodies. They contain no index, so equal pairs of bodies have equal constants.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContactConstants {
@@ -108,6 +119,9 @@ pub struct ContactState {
     pub resistance: Option<ResistanceMemory>,
     /// [m/s] slip of particle i relative to the other body at first touch; `None` if spheres do not rotate.
     pub first_slip: Option<Vector3<f32>>,
+    /// [rad] rotation vector by which a rough wall has turned the velocity of particle i at first touch. The velocity is
+    /// turned back when the contact ends. `None` for any other contact.
+    pub facet: Option<Vector3<f64>>,
 }
 
 /// State of the rolling and twisting springs of a contact. It does not depend on the order of the two bodies.
@@ -145,6 +159,7 @@ impl ContactState {
             shear: Vector3::zeros(),
             resistance: None,
             first_slip: None,
+            facet: None,
         }
     }
 

@@ -1,8 +1,8 @@
 //! Contacts in progress: forces, records and dissipated energy.
 
-use super::block::{BlockScratch, ContactBlock, ForceEvaluation, first_named};
-use super::contact::{Alike, Contact, ContactState, TouchingPair};
-use super::contact_sums::ContactSums;
+use super::block::{BlockScratch, ContactBlock, ForceEvaluation};
+use super::contact::{Alike, Contact, ContactForce, ContactState, TouchingPair, first_named};
+use super::contact_sums::{ContactRows, ContactSums};
 use super::force_buffer::ForceBuffer;
 use super::rates::Rates;
 use crate::contact_law::ContactLaw;
@@ -15,6 +15,7 @@ use crate::particles::{CHUNK, Particles};
 use crate::record::{Between, FrictionLosses, Impact, Log, Record};
 use crate::scene::{Kind, Scene};
 use crate::work_sharing;
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// Log and record to which time steps add energies, momenta and impacts.
@@ -382,6 +383,38 @@ impl Contacts {
         }
         self.elastic_energy = elastic_energy;
         Ok(done)
+    }
+
+    /// Slots at which a contact with a rough wall begins at the present positions, in ascending order.
+    pub fn begun_at_rough_walls(&mut self, view: ContactSearch) -> Vec<u32> {
+        if self.blocks.is_empty() {
+            self.spread(view.list);
+        }
+        let mut slots = Vec::new();
+        self.blocks.iter().for_each(|block| block.find_begun_at_rough_walls(view, &mut slots));
+        slots
+    }
+
+    /// Stores the rotation vector `turn` [rad] for the contact that begins at the slot `slot` in the next evaluation.
+    pub fn meet_facet(&mut self, slot: u32, turn: Vector3<f64>, list: &NeighbourList) {
+        block_of(&mut self.blocks, slot, block_size(list)).facets.begin(slot, turn);
+    }
+
+    /// Couples and rotation vectors [rad] of the contacts with rough walls that ended in the last evaluation, in
+    /// ascending order of slot.
+    pub fn left_facets(&mut self, list: &NeighbourList) -> Vec<(Couple, Vector3<f64>)> {
+        let mut left = Vec::new();
+        self.blocks.iter_mut().for_each(|block| block.take_left_facets(list, &mut left));
+        left
+    }
+
+    /// Adds the force of a rough wall that acts for one time step to the sums. After the step, `at.1` [s] remain until
+    /// the end of the window.
+    pub fn count_turn(&mut self, couple: &Couple, force: &ContactForce, at: (&Scene, f64)) {
+        let (mut row, mut few) = (ContactRows::default(), ContactRows::default());
+        row.add(couple, force, at, &mut few);
+        row.leave(&mut few);
+        self.total.add(&few, 1.0);
     }
 
     /// Adds powers and forces of the last evaluation to the sums, after all processes have agreed that these forces

@@ -1,9 +1,9 @@
 //! Crowd: an island that is too large for local stepping. Its particles are moved by uniform steps, as if there were no
 //! others.
 
-use super::backoff::Rival;
+use super::backoff::{Rival, stages};
 use super::contacts::StepRecord;
-use super::{Contact, Soft, SoftSolver, stages};
+use super::{Contact, Soft, SoftSolver};
 use crate::contact_law::ContactLaw;
 use crate::engine::distributed::SingleProcess;
 use crate::engine::driver::Solver;
@@ -50,7 +50,7 @@ pub fn solve(
     let mut particles = std::mem::take(&mut island.particles);
     let before: Vec<_> = particles.velocity.iter().map(|velocity| velocity + scene.gravity * end).collect();
     // the list reorders the particles; until their order is restored, their old indices replace their ids
-    let ids = std::mem::replace(&mut particles.id, (0..before.len() as u32).collect());
+    solver.ids = std::mem::replace(&mut particles.id, (0..before.len() as u32).collect());
     let mut log = std::mem::take(&mut island.log);
     let pushed = log.ledger.wall_impulse;
     let part = Window { start: window.start, duration: end };
@@ -70,7 +70,7 @@ pub fn solve(
     };
     island.carried.extend(contacts.into_iter().map(moved));
     particles.sort_by_id();
-    particles.id = ids;
+    particles.id = std::mem::take(&mut solver.ids);
     island.log = log;
     count(island, &solver);
     // bystanders whose velocities contacts have changed must become members of the island

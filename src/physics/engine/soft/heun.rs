@@ -27,7 +27,9 @@ impl SoftSolver {
             let elapsed = step as f64 * dt;
             self.list.clock.tell(window.start + elapsed);
             let mut at = EvaluationTime { weight: 0.5, travel_is_exact: false, ..instant(window, elapsed, dt) };
+            self.meet_facets(particles, scenes.at(window.start + elapsed), at);
             self.evaluate(particles, scenes.at(window.start + elapsed), at, book)?;
+            self.leave_facets(particles, scenes.at(window.start + elapsed), at);
             self.contacts.count(at, &SingleProcess);
             if self.may_pass(scene, elapsed, dt) {
                 self.refuse_to_pass(particles, scene, window, elapsed, dt)?;

@@ -6,6 +6,7 @@ mod contact;
 mod contact_sums;
 mod contacts;
 mod crowd;
+mod facets;
 mod fastest;
 mod force_buffer;
 mod heun;
@@ -31,9 +32,8 @@ use crate::experiment::{Integrator, SoftStepping};
 use crate::neighbours::{NeighbourList, along_walls};
 use crate::particles::Particles;
 use crate::scene::{Scene, SceneInTime};
-use backoff::{Backoff, Rival};
-pub(in crate::engine) use block::first_named;
-pub(in crate::engine) use contact::{Alike, Contact, TouchingPair};
+use backoff::{Backoff, Rival, stages};
+pub(in crate::engine) use contact::{Alike, Contact, TouchingPair, first_named};
 pub(in crate::engine) use contact_sums::ContactSums;
 use contacts::Due;
 use contacts::{ContactSearch, EvaluationTime};
@@ -83,6 +83,10 @@ pub struct SoftSolver {
     pub(in crate::engine) speed: Fastest,
     /// [m] smallest radius of any particle, by which passages through thin walls are excluded; `None` without thin walls.
     smallest: Option<f64>,
+    /// True if the scene has rough walls, whose contacts turn velocities.
+    has_rough_walls: bool,
+    /// Ids of the particles of a crowd, which are numbered from 0 while it is solved; empty outside crowds.
+    ids: Vec<u32>,
     /// True if `pushes` contains the forces of the present state (Verlet).
     pub(in crate::engine) has_forces: bool,
     /// True if uniform steps, not islands, moved the particles last.
@@ -133,6 +137,8 @@ impl Soft {
             counters: Counters::default(),
             speed: Fastest::default(),
             smallest: None,
+            has_rough_walls: false,
+            ids: Vec::new(),
             has_forces: false,
             ran_last: false,
             alike: None,
@@ -200,6 +206,7 @@ impl SoftSolver {
             };
             ghosts.agree(self.evaluate(particles, scene, at, book))?;
             self.contacts.count(at, ghosts);
+            self.leave_facets(particles, scene, at);
             self.has_forces = true;
         }
         self.kick(particles, &scene.domain, 0.5 * dt);
@@ -249,10 +256,12 @@ impl SoftSolver {
                 leaves_half: last,
                 ..instant(window, elapsed + dt, dt)
             };
+            self.meet_facets(particles, scene, at);
             let forces = self.evaluate(particles, scene, at, book);
             ghosts.before_kick(particles);
             if forces.is_ok() {
                 self.kick(particles, &scene.domain, at.weight * dt);
+                self.leave_facets(particles, scene, at);
             }
             ghosts.after_kick(self, particles, forces)?;
             self.contacts.count(at, ghosts);
@@ -277,6 +286,7 @@ impl SoftSolver {
         self.speed.all = largest[0];
         self.speed.of_walls = scene.wall_speed();
         self.smallest = has_thin_walls.then_some(-largest[1]);
+        self.has_rough_walls = scene.has_rough_walls();
         if !self.speed.all.is_finite() {
             return Err(ghosts.not_a_number(self, particles, window.start));
         }
@@ -328,14 +338,6 @@ impl SoftSolver {
             slots: self.shared.slots.unwrap_or(self.list.slots()).max(particles),
             forces: stages * forces as f64 / local + of_crowds as f64,
         }
-    }
-}
-
-/// [-] number of force evaluations in a uniform step of the integrator.
-fn stages(integrator: Integrator) -> f64 {
-    match integrator {
-        Integrator::VelocityVerlet => 1.0,
-        Integrator::Rk2 => 2.0,
     }
 }
 

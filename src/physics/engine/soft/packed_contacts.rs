@@ -55,6 +55,7 @@ impl PackedContact {
             shear,
             resistance: None,
             first_slip: None,
+            facet: None,
         }
     }
 
@@ -95,6 +96,9 @@ pub struct PackedContacts {
     resistances: Vec<Vec<ResistanceMemory>>,
     /// [m/s] slips at first touch of the contacts in `kept`, in the same chunks; empty if spheres do not rotate.
     first_slips: Vec<Vec<Option<Vector3<f32>>>>,
+    /// [rad] rotation vectors of the contacts in `kept` with rough walls, in the same chunks; empty if no contact has
+    /// one.
+    facets: Vec<Vec<Option<Vector3<f64>>>>,
 }
 
 /// Returns the element with the index `place`, which counts the elements of all chunks; `None` if there are fewer
@@ -126,6 +130,9 @@ impl PackedContacts {
         }
         if course.first_slip.is_some() || !self.first_slips.is_empty() {
             store_in_chunks(&mut self.first_slips, place, course.first_slip);
+        }
+        if course.facet.is_some() || !self.facets.is_empty() {
+            store_in_chunks(&mut self.facets, place, course.facet);
         }
         place
     }
@@ -190,14 +197,15 @@ impl PackedContacts {
         RotatingRecord { constants, kept, shear, resistance }
     }
 
-    /// Constants and present state of the contact at index `place`, with its springs.
+    /// Constants and present state of the contact at index `place`, with its springs and the turn by a rough wall.
     pub fn whole(&self, place: u32) -> (&ContactConstants, ContactState) {
         let (constants, course) = self.get(place);
         let (chunk, index) = (place as usize / CHUNK, place as usize % CHUNK);
         let shear = self.shears.get(chunk).map_or_else(Vector3::zeros, |some| some[index]);
         let resistance = self.resistances.get(chunk).map(|some| some[index]);
         let first_slip = self.first_slips.get(chunk).and_then(|some| some[index]);
-        (constants, ContactState { shear, resistance, first_slip, ..course })
+        let facet = self.facets.get(chunk).and_then(|some| some[index]);
+        (constants, ContactState { shear, resistance, first_slip, facet, ..course })
     }
 
     /// Removes the contact at index `place`. The next new contact may get this index.

@@ -3,7 +3,7 @@
 
 use super::alone::{IsolatedContact, OrbitState};
 use super::{InstantaneousRule, IslandRun, ReachedTouch};
-use crate::encounter::{Couple, Encounter, Other, relative};
+use crate::encounter::{AtWall, Couple, Encounter, Other, relative};
 use crate::engine::Failure;
 use crate::engine::soft::contact::{ContactConstants, TouchingPair};
 use nalgebra::Vector3;
@@ -75,12 +75,18 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     /// True if the gap of the slot `slot` may close within `time` [s] after one of its particles touches another body.
     ///
     /// While two bodies fly straight, the rate at which their gap closes does not grow. An impulse changes the velocity
-    /// of a particle by at most 2 (1 + μ) M |u_n|/m.
+    /// of a particle by at most 2 (1 + μ) M |u_n|/m, or 2 (1 + μ) M |u|/m at a rough wall.
     fn may_come(&self, slot: usize, meeting: &ReachedTouch, time: f64) -> bool {
         let other = self.scratch.touches[slot].couple;
         let ReachedTouch { touch, met, scene, .. } = meeting;
         let rubs = 1.0 + touch.couple.surface(self.particles, scene).friction;
-        let kick = 2.0 * rubs * touch.spring.effective_mass * met.normal_velocity.abs();
+        let is_rough = |at: AtWall| scene.walls[at.wall as usize].roughness.is_some();
+        let speed = match touch.couple.other {
+            // a facet may have any normal
+            Other::Wall(at) if is_rough(at) => met.velocity.norm(),
+            Other::Wall(_) | Other::Particle(_) => met.normal_velocity.abs(),
+        };
+        let kick = 2.0 * rubs * touch.spring.effective_mass * speed;
         let shared = other.places().into_iter().flatten().filter(|&place| is_of(&touch.couple, place));
         let change: f64 = shared.map(|place| kick / self.particles.mass[place as usize]).sum();
         if change == 0.0 {

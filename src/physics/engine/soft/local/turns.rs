@@ -2,23 +2,28 @@
 
 use super::alone::{TOUCH, TRIALS};
 use super::{InstantaneousRule, IslandRun};
+use crate::encounter::Couple;
 use crate::engine::soft::contact::{Contact, ContactState};
+use crate::engine::soft::facets::{facet_turn, turn_motion};
 use crate::engine::soft::rates::Rates;
 use crate::engine::soft::rotating::SurfaceMotion;
 use crate::record::{Between, Impact};
+use nalgebra::Vector3;
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
     /// Begins a contact between the two bodies of the slot `slot`, unless their touch is an instantaneous impulse.
     pub(super) fn open(&mut self, slot: usize) {
-        let (gap, rate) = self.scratch.gaps[slot];
+        let (_, rate) = self.scratch.gaps[slot];
         self.scratch.touches[slot].begin_at(-rate, (self.particles, self.scene), &self.engine.law);
-        let touch = self.scratch.touches[slot];
         if self.strike(slot) {
             return;
         }
+        let facet = self.meet_facet(slot);
+        let (gap, rate) = self.scratch.gaps[slot];
+        let touch = self.scratch.touches[slot];
         let began = self.window.start + self.now;
         let begun = ContactState::beginning(began, -rate, &touch, self.scene, &self.engine.law);
-        let mut course = ContactState { overlap: -gap, growth: -rate, ..begun };
+        let mut course = ContactState { overlap: -gap, growth: -rate, facet, ..begun };
         if self.rotates() {
             let met = self.encounter(slot, &touch.couple, self.moment());
             course.normal = self.is_by_distance(slot).then(|| met.normal.cast());
@@ -83,7 +88,36 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
                     let (species, other) = contact.touch.couple.kinds(self.particles);
                     self.island.log.impacts.push((Between::of(species, other), impact));
                 }
+                if let Some(turn) = contact.course.facet {
+                    self.turn_motion(&contact.touch.couple, &-turn);
+                }
             }
         }
+    }
+    /// Turns the velocity of a particle that touches a rough wall, at the slot `slot`, as the facet requires that it meets.
+    /// Returns the rotation vector [rad]; `None` if the wall is smooth, or the other body a particle.
+    fn meet_facet(&mut self, slot: usize) -> Option<Vector3<f64>> {
+        let couple = self.scratch.touches[slot].couple;
+        let met = self.encounter(slot, &couple, self.moment());
+        let turn = facet_turn(&couple, &met, (self.particles, self.scene), self.particles.id[couple.i as usize])?;
+        self.turn_motion(&couple, &turn);
+        let (_, rate) = self.scratch.gaps[slot];
+        self.scratch.touches[slot].begin_at(-rate, (self.particles, self.scene), &self.engine.law);
+        Some(turn)
+    }
+
+    /// Turns the velocity of particle i of a couple, which touches a rough wall, by the rotation vector `turn` [rad]. The
+    /// impulse of the wall is recorded, and the rates of gaps are computed anew.
+    fn turn_motion(&mut self, couple: &Couple, turn: &Vector3<f64>) {
+        let normal = couple.meet(self.particles, self.scene, self.moment()).normal;
+        let fallen = self.scene.gravity * self.now;
+        let impulse = turn_motion(self.particles, couple.i as usize, turn, &fallen);
+        let ledger = &mut self.island.log.ledger;
+        ledger.wall_impulse += impulse;
+        ledger.wall_normal_impulse += impulse.dot(&normal);
+        ledger.gravity_work += self.scene.gravity.dot(&impulse) * (self.window.duration - self.now);
+        // the new velocity is checked against the bounds of the island
+        self.struck = Some(*couple);
+        self.look();
     }
 }

@@ -1,0 +1,67 @@
+//! Contacts of a block with rough walls that begin or end in a step.
+
+use super::ContactBlock;
+use crate::encounter::Couple;
+use crate::engine::soft::contacts::ContactSearch;
+use crate::neighbours::NeighbourList;
+use nalgebra::Vector3;
+
+/// Contacts of one block with rough walls that begin or end in a step. Both lists are empty between two steps.
+#[derive(Default)]
+pub struct FacetTurns {
+    /// Slots (numbers of candidates) of contacts that begin, in ascending order, with the rotation vectors [rad] by
+    /// which velocities have been turned.
+    begun: Vec<(u32, Vector3<f64>)>,
+    /// Couples of contacts that have ended, with the rotation vectors [rad] of their beginning.
+    ended: Vec<(Couple, Vector3<f64>)>,
+}
+
+impl FacetTurns {
+    /// Adds the rotation vector `turn` [rad] of a contact that begins at the slot `slot`.
+    pub fn begin(&mut self, slot: u32, turn: Vector3<f64>) {
+        self.begun.push((slot, turn));
+    }
+
+    /// True if the velocity of the particle of a slot has been turned for a contact that begins there.
+    pub fn begins(&self, slot: u32) -> bool {
+        self.begun.iter().any(|(begun, _)| *begun == slot)
+    }
+
+    /// Removes and returns the rotation vector [rad] of the contact that begins at a slot; `None` if there is none.
+    pub fn take(&mut self, slot: u32) -> Option<Vector3<f64>> {
+        let k = self.begun.iter().position(|(begun, _)| *begun == slot)?;
+        Some(self.begun.remove(k).1)
+    }
+
+    /// Adds the rotation vector [rad] of a contact that has ended; nothing is added for a contact without one.
+    pub fn end(&mut self, couple: &Couple, turn: Option<Vector3<f64>>) {
+        self.ended.extend(turn.map(|turn| (*couple, turn)));
+    }
+}
+
+impl ContactBlock {
+    /// Adds to `slots` the slots of the block at which a contact with a rough wall begins at the present positions.
+    pub fn find_begun_at_rough_walls(&self, view: ContactSearch, slots: &mut Vec<u32>) {
+        let ContactSearch { list, particles, scene, .. } = view;
+        let pairs = list.pairs.len();
+        let first = self.slots.start.max(pairs);
+        let touches = |slot: usize| self.touching.binary_search_by_key(&(slot as u32), |touch| touch.slot).is_ok();
+        for slot in first..self.slots.end {
+            let near = &list.walls[slot - pairs];
+            let is_rough = scene.walls[near.at.wall as usize].roughness.is_some();
+            let free_until = self.free_until.get(slot - first).filter(|_| view.at.travel_is_exact);
+            let is_free = free_until.is_some_and(|until| *until > list.travelled());
+            if is_rough && !is_free && near.gap(particles, scene) < 0.0 && !touches(slot) {
+                slots.push(slot as u32);
+            }
+        }
+    }
+
+    /// Removes the contacts with rough walls that have ended, and those that were expected to begin and did not.
+    /// Appends their couples and rotation vectors [rad] to `left`.
+    pub fn take_left_facets(&mut self, list: &NeighbourList, left: &mut Vec<(Couple, Vector3<f64>)>) {
+        let FacetTurns { begun, ended } = &mut self.facets;
+        left.append(ended);
+        left.extend(begun.drain(..).map(|(slot, turn)| (list.couple(slot as usize), turn)));
+    }
+}

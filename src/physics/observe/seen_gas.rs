@@ -1,0 +1,112 @@
+//! Gas velocity that the particles see in scenes with `[fluid.turbulence]`: its fluctuation **u** in slices of y. A mean
+//! of u across the flow is a drift. Its mean square equals 2k/3 of the gas if particles sample the turbulence evenly.
+
+use super::measurements::{Measurement, Observation, ObservedCurve, ObservedQuantity};
+use super::{Needs, Observer, plain_data};
+use crate::experiment::Experiment;
+use crate::schedule::Schedule;
+use crate::simulation::Simulation;
+use crate::statistics::{Estimate, estimate};
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// Largest number of samples (instants of measurement) that are used; in a longer run the used samples are further
+/// apart.
+const MOST_SAMPLES: u64 = 1000;
+/// Number of sums over the particles of a slice.
+const SUMS: usize = 8;
+
+/// Sums over the particles of each slice at one instant.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct SeenGasSample {
+    /// [s] simulated time of the sample.
+    time: f64,
+    /// For each slice: number of particles, Σ u along z and y [m/s]; Σ u² along z, y and x, Σ 2k/3 and Σ **u**·(**v** - **U**)/3
+    /// [m²/s²], with the velocity **v** of a particle and the mean velocity **U** of the gas.
+    slices: Vec<[f64; SUMS]>,
+}
+
+/// Measurement of the fluctuation of the gas velocity that particles see.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct SeenGas {
+    /// [s] time between the used samples.
+    interval: f64,
+    /// Number of slices of equal width along y.
+    slices: usize,
+    samples: Vec<SeenGasSample>,
+}
+
+impl SeenGas {
+    /// Creates a measurement for an experiment that runs with the given schedule. Its slices are those of
+    /// `profiles.csv`.
+    pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
+        let slices = experiment.statistics.slices;
+        Self { interval: schedule.spacing(MOST_SAMPLES), slices, samples: Vec::new() }
+    }
+}
+
+impl Measurement for SeenGas {
+    fn result(&self, experiment: &Experiment, from: f64) -> Observation {
+        let samples: Vec<&SeenGasSample> = self.samples.iter().filter(|sample| sample.time >= from).collect();
+        let mean = |slice: usize, sum: usize| -> Option<Estimate> {
+            let rows = samples.iter().map(|sample| &sample.slices[slice]).filter(|row| row[0] > 0.0);
+            estimate(&rows.map(|row| row[sum] / row[0]).collect::<Vec<_>>())
+        };
+        let curve = |sum: usize, column: &str, symbol: &str, unit: &'static str| ObservedCurve {
+            quantity: ObservedQuantity::new(column, symbol, unit),
+            values: (0..self.slices).map(|slice| mean(slice, sum)).collect(),
+            theory: None,
+            is_logarithmic: false,
+        };
+        let width = experiment.scene.domain.size.y / self.slices as f64;
+        Observation {
+            name: "seen_gas",
+            title: "Gas that the particles see",
+            axis: ObservedQuantity::new("y_m", "y", "m"),
+            places: (0..self.slices).map(|slice| (slice as f64 + 0.5) * width).collect(),
+            curves: vec![
+                curve(1, "u_seen_m_s", "<u> along the flow", "m/s"),
+                curve(2, "v_seen_m_s", "<u> along y", "m/s"),
+                curve(3, "uu_seen_m2_s2", "<u²> along the flow", "m²/s²"),
+                curve(4, "vv_seen_m2_s2", "<u²> along y", "m²/s²"),
+                curve(5, "ww_seen_m2_s2", "<u²> along x", "m²/s²"),
+                curve(6, "gas_variance_m2_s2", "2k/3 of the gas", "m²/s²"),
+                curve(7, "covariance_m2_s2", "<u·(v - U)>/3", "m²/s²"),
+            ],
+            ..Observation::default()
+        }
+    }
+}
+
+impl Observer for SeenGas {
+    fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
+        Some(now + self.interval)
+    }
+
+    fn sight(&self) -> Needs {
+        Needs::Sums
+    }
+
+    fn see(&mut self, simulation: &Simulation) {
+        let scene = simulation.scene();
+        let Some(fluid) = &scene.fluid else { return };
+        let Some(turbulence) = &fluid.turbulence else { return };
+        let sample = simulation.sample();
+        let particles = sample.particles;
+        let eddies = particles.eddies.as_deref().unwrap_or_default();
+        let (height, slices) = (scene.domain.size.y, self.slices);
+        let rows = sample.sums_in_groups(slices, |place| {
+            let position = &particles.position[place];
+            let local = turbulence.at(&fluid.profile, position);
+            let u = eddies.get(place).map_or_else(Vector3::zeros, |eddy| turbulence.seen(eddy, &local));
+            let gas = Vector3::new(0.0, 0.0, fluid.profile.velocity_at(position));
+            let covariance = u.dot(&(particles.velocity[place] - gas)) / 3.0;
+            let slice = (position.y / height * slices as f64).max(0.0) as usize;
+            let row = [1.0, u.z, u.y, u.z * u.z, u.y * u.y, u.x * u.x, local.deviation.powi(2), covariance];
+            (slice.min(slices - 1), row)
+        });
+        self.samples.push(SeenGasSample { time: simulation.time, slices: rows });
+    }
+
+    plain_data!();
+}

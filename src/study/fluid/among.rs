@@ -1,0 +1,115 @@
+//! Gas among particles, as a finished run with `[fluid.coupling]` has written it to `gas.csv`.
+
+use crate::fluid::{GridNode, Profile};
+use crate::legible::quote;
+use crate::runs::StudyError;
+use serde::Deserialize;
+use std::path::Path;
+
+/// Name of the table in the folder of a run.
+const GAS_TABLE: &str = "gas.csv";
+/// Largest size [bytes] of the table that is read. The table of one variant has some 20 kB.
+const LARGEST: u64 = 50_000_000;
+/// [-] largest difference of the velocities of the gas alone in the run and in the case, over the largest velocity. The
+/// table has the digits of a double.
+const SAME_GAS: f64 = 1e-6;
+
+/// Row of `gas.csv`: the gas at one grid point, alone and averaged among the particles.
+#[derive(Clone, Debug, Deserialize)]
+struct GasRow {
+    variant: String,
+    y_m: f64,
+    #[serde(rename = "U_alone_m_s")]
+    u_alone: f64,
+    #[serde(rename = "U_m_s")]
+    u: f64,
+    k_alone_m2_s2: f64,
+    k_m2_s2: f64,
+    epsilon_alone_m2_s3: f64,
+    epsilon_m2_s3: f64,
+    nu_t_alone_m2_s: f64,
+    nu_t_m2_s: f64,
+}
+
+impl GasRow {
+    /// The gas alone, and the gas among the particles.
+    fn nodes(&self) -> [GridNode; 2] {
+        let y = self.y_m;
+        [
+            GridNode {
+                y,
+                u: self.u_alone,
+                k: self.k_alone_m2_s2,
+                epsilon: self.epsilon_alone_m2_s3,
+                nu_t: self.nu_t_alone_m2_s,
+            },
+            GridNode { y, u: self.u, k: self.k_m2_s2, epsilon: self.epsilon_m2_s3, nu_t: self.nu_t_m2_s },
+        ]
+    }
+}
+
+/// Gas of one variant of a run.
+pub struct GasAmongParticles {
+    /// Name of the variant.
+    pub name: String,
+    /// Gas alone, from the wall to the middle.
+    pub alone: Vec<GridNode>,
+    /// Time average of the gas among the particles, at the same points.
+    pub mean: Vec<GridNode>,
+}
+
+impl GasAmongParticles {
+    /// Sentence about the gas in the middle, before and after.
+    pub fn sentence(&self) -> Option<String> {
+        let (alone, mean) = (self.alone.last()?, self.mean.last()?);
+        Some(format!(
+            "\"{}\": among the particles the gas in the middle has {:.4} m/s in place of {:.4} m/s, and {:.3} times its turbulent kinetic energy.",
+            self.name,
+            mean.u,
+            alone.u,
+            mean.k / alone.k
+        ))
+    }
+}
+
+/// Reads the gases among particles from the folder `run` of a finished run, one per variant. `profile` is the gas of
+/// the case.
+///
+/// # Errors
+/// A folder without such a table, a table that cannot be read, or the table of another gas.
+pub fn gases(run: &Path, profile: &Profile) -> Result<Vec<GasAmongParticles>, StudyError> {
+    let path = run.join(GAS_TABLE);
+    let refuse = |why: String, help: &str| StudyError::Input(format!("error: {why}\nhelp: {help}"));
+    let shown = path.display();
+    let size = std::fs::metadata(&path).map(|data| data.len()).map_err(|why| {
+        let help = "`diptych run` of a case with [fluid.coupling] writes it; a frozen gas is the same before and after";
+        refuse(format!("cannot read `{shown}`: {why}"), help)
+    })?;
+    if size > LARGEST {
+        return Err(refuse(format!("`{shown}` has {size} bytes"), "a table of the gas has far fewer"));
+    }
+    let text = std::fs::read_to_string(&path)
+        .map_err(|why| refuse(format!("cannot read `{shown}`: {why}"), "a text file belongs here"))?;
+    let mut gases: Vec<GasAmongParticles> = Vec::new();
+    for row in csv::Reader::from_reader(text.as_bytes()).deserialize::<GasRow>() {
+        let row = row.map_err(|why| refuse(format!("`{shown}` is no table of the gas: {why}"), "run the case anew"))?;
+        let [alone, mean] = row.nodes();
+        if gases.last().is_none_or(|gas| gas.name != row.variant) {
+            gases.push(GasAmongParticles { name: quote(&row.variant).into_owned(), alone: vec![], mean: vec![] });
+        }
+        if let Some(gas) = gases.last_mut() {
+            gas.alone.push(alone);
+            gas.mean.push(mean);
+        }
+    }
+    let nodes = profile.channel_flow().map_or(&[][..], |flow| &flow.nodes);
+    let largest = profile.maximum();
+    let differs = |(there, here): (&GridNode, &GridNode)| (there.u - here.u).abs() > SAME_GAS * largest;
+    let is_other =
+        |gas: &&GasAmongParticles| gas.alone.len() != nodes.len() || gas.alone.iter().zip(nodes).any(differs);
+    if let Some(gas) = gases.iter().find(is_other) {
+        let why = format!("the gas alone of \"{}\" in `{shown}` is not the gas of this case", gas.name);
+        return Err(refuse(why, "name the case of that run, with its --set"));
+    }
+    Ok(gases)
+}
