@@ -21,7 +21,7 @@ pub enum RollingLaw {
         /// [-] coefficient μ_r of rolling friction.
         friction: f64,
         /// [-] stiffness of the rolling spring over k_n R_eff², with the effective radius R_eff. `None`: 2.25 μ_r², with the
-    /// rolling friction μ_r (Iwashita and Oda 1998, cited by Ai et al.).
+        /// rolling friction μ_r (Iwashita and Oda 1998, cited by Ai et al.).
         stiffness: Option<f64>,
         /// [-] dashpot constant as a fraction η_r of critical damping. The dashpot acts as long as the torque is below
         /// its limit.
