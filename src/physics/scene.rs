@@ -75,8 +75,7 @@ pub enum Kind {
 ///
 /// ```
 /// # extern crate diptych_physics as diptych;
-/// use diptych::scene::{Kind, Pairs};
-/// use diptych::Surface;
+/// use diptych::scene::{Kind, Pairs, Surface};
 ///
 /// let mut pairs = Pairs::default();
 /// pairs.set(1, Kind::Species(0), Surface::new(0.8, 0.2).into());
@@ -481,12 +480,12 @@ impl Scene {
     /// Surfaces of all contacts that can occur: at the walls and, if the number `particles` is above 1, between
     /// particles. Pairs with contact properties of their own are included.
     pub fn surfaces(&self, particles: usize) -> Vec<Surface> {
+        let is_paired = particles > 1;
         if self.pairs.is_empty() {
-            let walls = self.walls.iter().map(|wall| wall.surface);
-            return walls.chain((particles > 1).then_some(self.contact)).collect();
+            return self.walls.iter().map(|wall| wall.surface).chain(is_paired.then_some(self.contact)).collect();
         }
         let walls = self.meetings_at_walls().map(|(_, _, meeting)| meeting.surface);
-        let pairs = self.meetings().map(|(_, _, meeting)| meeting.surface).filter(|_| particles > 1);
+        let pairs = self.meetings().map(|(_, _, meeting)| meeting.surface).filter(|_| is_paired);
         walls.chain(pairs).collect()
     }
 }
