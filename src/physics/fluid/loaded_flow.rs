@@ -62,7 +62,7 @@ pub struct SliceSums {
     pub mass: f64,
     /// [kg/s] Σ m/τ, with the response time τ of each particle.
     pub exchange: f64,
-    /// Number of particles.
+    /// [-] number of particles.
     pub count: f64,
 }
 
