@@ -78,6 +78,7 @@ mod roughness; // rough walls: density of facets, energy, bits, messages
 mod schedule; // windows of the schedule against shorter windows
 mod schema; // the schema for editors: values that it refuses or accepts
 mod seams; // drag laws and wall shapes of the calling program, with the required methods alone
+mod seen_gas; // the gas that particles see: plain means of one state, the variance of the gas, its share with particles
 mod sensitivity; // factors with a large effect, without effect, missing in a scene, or refused
 mod shapes; // walls of all kinds: closed forms, corners, the pressure of a gas on them (oracle D2)
 mod shear; // sheared boxes: across a side, translation, work of shear, engines, bits, kinetic theory

@@ -8,11 +8,9 @@ use diptych::engine::hard::Hard;
 use diptych::engine::soft::Soft;
 use diptych::experiment::{Integrator, Model, SoftStepping};
 use diptych::fluid::{EddyLaw, Fluid, Langevin, Profile, Turbulence, TurbulenceModel, TurbulenceStatistics};
-use diptych::observe::{Measurement, Observer, SeenGas};
 use diptych::particles::Particles;
 use diptych::placement::initial_state;
 use diptych::scene::{Scene, Species};
-use diptych::schedule::Schedule;
 use diptych::simulation::Simulation;
 use diptych::{ContactLaw, Engine};
 use nalgebra::Vector3;
@@ -23,7 +21,7 @@ const RESPONSE_PER_DENSITY: f64 = 1e-6 / (18.0 * 1.5e-5);
 /// Homogeneous turbulence with σ = 1 m/s and T_L = 1 s in a gas at rest. The particles have the response time
 /// `response` [s], and are too few to collide. `beta` is the ratio of the time scales T_L/T_E. `gravity` [m/s²] acts
 /// along -z.
-fn homogeneous(response: f64, beta: f64, gravity: f64) -> Scene {
+pub fn homogeneous(response: f64, beta: f64, gravity: f64) -> Scene {
     let species = Species::new("bead", 1e-3, response / RESPONSE_PER_DENSITY);
     let mut scene = empty([1000.0; 3], [true; 3], species, surface(1.0, 0.0));
     scene.gravity = Vector3::new(0.0, 0.0, -gravity);
@@ -33,50 +31,6 @@ fn homogeneous(response: f64, beta: f64, gravity: f64) -> Scene {
     let fluid = Fluid::new(1.0, 1.5e-5, Profile::Uniform(0.0), Some(Drag::Stokes(Stokes)));
     scene.fluid = Some(Fluid { turbulence: Some(Turbulence { statistics, law, langevin }), ..fluid });
     scene
-}
-
-/// `[observe.seen_gas]` of one state is the plain mean over the particles of each slice; in homogeneous turbulence the gas
-/// seen has the variance of the gas, and the share of Tchen with the particles, within four standard errors.
-#[test]
-fn the_gas_that_particles_see_is_measured() {
-    let count = 6000;
-    let mut asked = experiment(homogeneous(1.0, 0.0, 0.0), count, [0.0; 3], 0.5_f64.sqrt(), Model::Hard, 3);
-    asked.statistics.slices = 2;
-    let mut simulation = Simulation::new(&asked, initial_state(&asked).unwrap());
-    simulation.run(100, 0.05).unwrap();
-    simulation.end();
-    let mut measurement = SeenGas::new(&asked, &Schedule::new(&asked));
-    measurement.see(&simulation);
-    let found = measurement.result(&asked, 0.0);
-    let state = simulation.state();
-    let eddies = state.eddies.as_ref().unwrap();
-    for slice in 0..2 {
-        let own: Vec<usize> = (0..count).filter(|&i| (state.position[i].y >= 500.0) == (slice == 1)).collect();
-        let mean = |of: &dyn Fn(usize) -> f64| own.iter().map(|&i| of(i)).sum::<f64>() / own.len() as f64;
-        let wanted = [
-            mean(&|i| eddies[i].z),
-            mean(&|i| eddies[i].y),
-            mean(&|i| eddies[i].z.powi(2)),
-            mean(&|i| eddies[i].y.powi(2)),
-            mean(&|i| eddies[i].x.powi(2)),
-            1.0,
-            mean(&|i| eddies[i].dot(&state.velocity[i]) / 3.0),
-        ];
-        assert_eq!(found.curves.len(), wanted.len());
-        for (curve, wanted) in found.curves.iter().zip(wanted) {
-            // rounding of sums of some thousand numbers
-            close(&curve.quantity.column, curve.values[slice].unwrap().value, wanted, 1e-11);
-        }
-        let error = 4.0 * (2.0 / own.len() as f64).sqrt();
-        close("variance seen", found.curves[2].values[slice].unwrap().value, 1.0, error);
-        close("covariance", found.curves[6].values[slice].unwrap().value, 0.5, error);
-    }
-    let table = BEAD.replace("[run]", "[observe.seen_gas]\n[run]");
-    assert!(case(&table, Model::Hard, &[]).unwrap().observe.seen_gas);
-    let (first, rest) = table.split_once("[fluid.turbulence]").unwrap();
-    let (_, last) = rest.split_once("[fluid.turbulence.langevin]\n").unwrap();
-    let told = case(&format!("{first}{last}"), Model::Hard, &[]).unwrap_err();
-    assert!(told.contains("needs a gas whose fluctuations particles see"), "{told}");
 }
 
 /// Runs `count` particles with random initial velocities of the standard deviation `agitation` [m/s].
@@ -440,7 +394,7 @@ fn the_ledger_is_closed() {
 }
 
 /// Case of a bead in homogeneous turbulence.
-const BEAD: &str = r#"
+pub const BEAD: &str = r#"
 [domain]
 size = ["0.1 m", "0.04 m", "0.1 m"]
 periodic = ["x", "z"]
