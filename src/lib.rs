@@ -20,20 +20,17 @@
 //! All quantities are in SI units; x is spanwise, y wall-normal, z streamwise. Modules import only from modules above
 //! them in the list below.
 //!
-//! Names that most programs need are re-exported at the root; `examples/` shows their use.
+//! The crate re-exports all modules of the physics and of the reader of cases, and at its root the names that most programs
+//! need. `examples/` shows their use.
 
 #![allow(rustdoc::broken_intra_doc_links, reason = "units stand in brackets")]
 
 #[doc(inline)]
-pub use diptych_physics::{
-    clock, communicator, contact_law, domain, drag, encounter, engine, exact, experiment, fluid, kinetic_theory,
-    neighbours, noise, observe, outcome, particles, placement, predict, record, restitution, rotation, scene, schedule,
-    simulation, statistics, stored, walls, work_sharing,
-};
+pub use diptych_physics::*;
 
 #[cfg(feature = "case")]
 #[doc(inline)]
-pub use diptych_input::{case, legible, memory, triangles};
+pub use diptych_input::*;
 
 #[cfg(feature = "program")]
 pub mod cli;
@@ -54,26 +51,3 @@ pub mod lab;
 
 #[cfg(feature = "program")]
 pub mod program;
-
-// Names that most programs using the library need.
-pub use nalgebra::Vector3;
-
-pub use contact_law::{ContactLaw, Hertz, KuwabaraKono, LinearSpringDashpot};
-pub use domain::Domain;
-pub use drag::{Drag, DragLaw, SchillerNaumann, Stokes};
-pub use engine::dsmc::Dsmc;
-pub use engine::hard::{Hard, SteppedHard};
-pub use engine::hybrid::Hybrid;
-pub use engine::soft::Soft;
-pub use engine::{Counters, Engine, Failure, Window};
-pub use experiment::{Experiment, Model, Population, Spheres};
-pub use fluid::{Fluid, Profile};
-pub use outcome::Outcome;
-pub use particles::Particles;
-pub use placement::{initial_state, random_start};
-pub use record::{Histogram, Impact, Impacts, Ledger, Record};
-pub use restitution::RestitutionBySpeed;
-pub use scene::{Elasticity, Scene, Species, Surface};
-pub use simulation::{Simulation, Snapshot};
-pub use stored::{StoreError, Stored};
-pub use walls::{Geometry, Hollow, Mesh, Obstacle, Plane, Wall, WallGeometry};
