@@ -6,7 +6,7 @@ use crate::rotation::{ImpactRule, LinearTangential, TangentialLaw};
 use crate::scene::Surface;
 
 /// [-] tangential restitution β_0 of glass on glass (Foerster et al. 1994). `TANGENTIAL_ERROR` is its standard error.
-const GLASS_TANGENTIAL: f64 = 0.44;
+pub(super) const GLASS_TANGENTIAL: f64 = 0.44;
 const TANGENTIAL_ERROR: f64 = 0.07;
 /// [-] stiffness ratio κ = k_t/k_n of elastic spheres: 2(1-ν)/(2-ν) for Poisson's ratio ν = 0.3 (Mindlin 1949).
 const ELASTIC_RATIO: f64 = 0.8235;

@@ -3,6 +3,7 @@
 
 use super::factors::{KNOWN, surfaces};
 use super::plan::{PlannedFactor, SensitivityPlan, Simplification};
+use super::rotating::GLASS_TANGENTIAL;
 use crate::case::{Case, Checked};
 use crate::cli::Sensitivity;
 use crate::contact_law::ContactLaw;
@@ -16,9 +17,6 @@ use nalgebra::Vector3;
 /// Factors of `diptych sensitivity` that `diptych needs` studies besides the models: numerical settings, and the effect
 /// of chance.
 const BESIDE: [&str; 4] = ["integrator", "drag", "box", "seed"];
-/// [-] tangential restitution β_0 of glass on glass (Foerster et al. 1994). Spheres get it if they rotate only because
-/// rotation was added to the case.
-const GLASS_TANGENTIAL: f64 = 0.44;
 /// Largest number of slices across the box in which the volume fraction is averaged, for drag in suspensions.
 const SLICES: f64 = 20.0;
 
