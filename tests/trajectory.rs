@@ -10,7 +10,7 @@ use diptych::placement::initial_state;
 use diptych::schedule::Schedule;
 use diptych::simulation::Simulation;
 use diptych::study::execute;
-use diptych::walls::{Obstacle, Wall, WallGeometry};
+use diptych::walls::{Obstacle, PrescribedMotion, Wall, WallGeometry};
 use nalgebra::Vector3;
 use std::path::Path;
 use std::process::Command;
@@ -95,6 +95,76 @@ fn crowd(model: Model, stepping: SoftStepping) -> Experiment {
     crowd.run.window = Some(1e-5);
     crowd.statistics.sample_interval = Some(4e-4);
     crowd
+}
+
+#[test]
+fn walls_of_each_frame_are_at_their_places_of_that_time() {
+    let mut crowd = crowd(Model::Hard, SoftStepping::Auto);
+    let amplitude = 1e-5;
+    let motion =
+        PrescribedMotion::Vibration { amplitude: Vector3::new(0.0, amplitude, 0.0), frequency: 900.0, phase: 0.0 };
+    let size = crowd.scene.domain.size.y;
+    // in the box throughout, so that it is drawn in every frame
+    let plate = plane([0.0, 2.0 * amplitude, 0.0], [0.0, 1.0, 0.0], surface(0.9, 0.0));
+    crowd.scene.walls[0] = plate.moving(motion).unwrap();
+    let place = tempfile::tempdir().unwrap();
+    let folder = Folder::create(place.path(), true).unwrap();
+    let (_, seen) = watched(&crowd, &folder, Trajectories { format: TrajectoryFormat::Vtp, ..BOTH });
+    let read = |name: &str| std::fs::read(place.path().join("trajectory").join(name)).unwrap();
+    let index = String::from_utf8(read("some.pvd")).unwrap();
+    assert!(!place.path().join("trajectory/some-walls.vtp").exists());
+    let mut heights = Vec::new();
+    for (number, Seen { time, .. }) in seen.iter().enumerate() {
+        let name = format!("some/{number:06}-walls.vtp");
+        assert!(index.contains(&format!("timestep=\"{time:?}\" part=\"1\" file=\"{name}\"")), "{name}");
+        let corners = numbers(array(&read(&name), "Points"), f64::from_le_bytes);
+        let height = amplitude * (2.0 + (2.0 * std::f64::consts::PI * 900.0 * time).sin());
+        for corner in corners.chunks_exact(3) {
+            // corners of the upper plane, which rests, or of the lower one; the tolerance is the rounding of a coordinate
+            assert!(corner[1] == size || (corner[1] - height).abs() < 1e-15 * size, "{name}: {corner:?}, {height}");
+        }
+        heights.push(height);
+    }
+    let spread = heights.iter().fold(f64::NEG_INFINITY, |most, h| most.max(*h))
+        - heights.iter().fold(f64::INFINITY, |least, h| least.min(*h));
+    assert!(heights.len() == 21 && spread > amplitude, "the plate has moved by {spread} m");
+}
+
+#[test]
+fn contacts_of_each_frame_are_those_of_that_instant() {
+    let mut crowd = crowd(Model::Soft, SoftStepping::Uniform);
+    crowd.observe.contact_network = true;
+    let place = tempfile::tempdir().unwrap();
+    let folder = Folder::create(place.path(), true).unwrap();
+    struct Contacts(Vec<Vec<diptych::observe::ContactLine>>, diptych::contact_law::ContactLaw);
+    impl Observer for Contacts {
+        fn next(&self, now: f64, _: &Schedule) -> Option<f64> {
+            Some(((now / 1e-4).round() + 1.0) * 1e-4)
+        }
+
+        fn see(&mut self, simulation: &Simulation) {
+            self.0.push(diptych::observe::contact_lines(simulation, &self.1));
+        }
+    }
+    let law = crowd.law().unwrap();
+    let mut contacts = Contacts(Vec::new(), law);
+    std::thread::scope(|scope| {
+        let asked = Trajectories { format: TrajectoryFormat::Vtp, ..BOTH };
+        let mut trajectory = Trajectory::new(scope, &folder, "some", asked).with_contacts(Some(law));
+        execute(&crowd, initial_state(&crowd).unwrap(), &mut [&mut trajectory, &mut contacts]);
+        trajectory.written().unwrap();
+    });
+    let index = std::fs::read_to_string(place.path().join("trajectory/some.pvd")).unwrap();
+    assert!(contacts.0.len() == 21 && contacts.0.iter().any(|lines| lines.len() > 3));
+    for (number, lines) in contacts.0.iter().enumerate() {
+        let name = format!("some/{number:06}-contacts.vtp");
+        assert!(index.contains(&format!("part=\"2\" file=\"{name}\"")), "{name}");
+        let file = std::fs::read(place.path().join("trajectory").join(&name)).unwrap();
+        let forces = numbers(array(&file, "force_N"), f64::from_le_bytes);
+        let ids = numbers(array(&file, "id"), i32::from_le_bytes);
+        assert_eq!(forces, lines.iter().map(|line| line.force).collect::<Vec<_>>(), "{name}");
+        assert_eq!(ids, lines.iter().map(|line| line.id as i32).collect::<Vec<_>>(), "{name}");
+    }
 }
 
 #[test]

@@ -139,8 +139,7 @@ impl<'a> Executor<'a> {
         let is_shared = ranks.count() > 1 && runs.iter().all(|run| run.is_lone);
         let shared = is_shared.then_some(SharedRun { index, ranks, quiet: *quiet, gives_end });
         std::thread::scope(|scope| {
-            let mut trajectory =
-                run.trajectory.as_ref().map(|(name, asked)| Trajectory::new(scope, folder, name, *asked));
+            let mut trajectory = run.trajectory(scope, folder);
             // in the other processes of a shared run the trajectory is the first additional observer, so it must be the
             // first one here as well
             let first = trajectory.as_mut().map(|trajectory| trajectory as &mut dyn Observer);
@@ -253,8 +252,7 @@ impl<R: RunResult> RunList for ResumableRuns<'_, R> {
     fn follow(&self, index: usize, ranks: &Ranks) {
         let run = &self.runs[index];
         std::thread::scope(|scope| {
-            let mut trajectory =
-                run.trajectory.as_ref().map(|(name, asked)| Trajectory::new(scope, self.folder, name, *asked));
+            let mut trajectory = run.trajectory(scope, self.folder);
             let trajectory = trajectory.as_mut().map(|trajectory| trajectory as &mut dyn Observer);
             follow(run, &mut trajectory.into_iter().collect::<Vec<_>>(), ranks);
         });

@@ -4,9 +4,11 @@ use super::error::StudyError;
 use crate::checkpoint::{RunIdentity, checksum};
 use crate::experiment::{Experiment, Trajectories};
 use crate::memory;
+use crate::output::{Folder, Trajectory};
 use crate::particles::Particles;
 use crate::placement::{Start, initial_state};
 use std::sync::{Mutex, PoisonError};
+use std::thread::Scope;
 
 /// Run of a command that can be resumed after the command was stopped.
 pub struct ResumableRun {
@@ -39,6 +41,18 @@ impl ResumableRun {
     pub fn known_by(hash: &str, experiment: Experiment) -> Self {
         let identity = RunIdentity::of_hash(hash);
         Self { experiment, identity, is_lone: false, trajectory: None, start: Mutex::default() }
+    }
+
+    /// Observer that writes the trajectory of the run into `folder`, with contacts if the case asks for the contact
+    /// network; `None` if no trajectory is written. The writing thread belongs to `scope`.
+    pub fn trajectory<'scope, 'env>(
+        &self,
+        scope: &'scope Scope<'scope, 'env>,
+        folder: &'env Folder,
+    ) -> Option<Trajectory<'scope>> {
+        let (name, asked) = self.trajectory.as_ref()?;
+        let law = self.experiment.law().filter(|_| self.experiment.observe.contact_network);
+        Some(Trajectory::new(scope, folder, name, *asked).with_contacts(law))
     }
 
     /// Marks the run as one during which no other run is done. `trajectory` has the name of the files and the settings

@@ -1,7 +1,7 @@
 //! Parts of a report about the measurements that a case asks for, and their tables of numbers.
 
 use super::run::{distinct, measured};
-use crate::observe::{ContactLine, Observation, ObservedCurve, ObservedGrid, ObservedNumber};
+use crate::observe::{Observation, ObservedCurve, ObservedGrid, ObservedNumber};
 use crate::outcome::Outcome;
 use crate::output::OutputError;
 use crate::output::csv::{CsvTable, number};
@@ -9,7 +9,7 @@ use crate::output::document::Block;
 use crate::output::figures;
 use crate::output::files::VTK;
 use crate::output::numbers::{significant, with_error};
-use crate::output::trajectory::Vtp;
+use crate::output::trajectory::{Vtp, contact_file};
 use crate::statistics::Estimate;
 use serde_json::{Value, json};
 
@@ -117,7 +117,7 @@ pub(super) fn tables(outcomes: &[Outcome]) -> Result<Vec<(String, Vec<u8>)>, Out
         let (variant, time) = (figures::file_name(&outcome.experiment.name), outcome.simulated_seconds);
         let name = format!("{VTK}/{}-{variant}", observed.name);
         if !observed.lines.is_empty() {
-            tables.push((format!("{name}.vtp"), contact_lines(time, &observed.lines)));
+            tables.push((format!("{name}.vtp"), contact_file(time, &observed.lines)));
         }
         tables.extend(observed.grid.as_ref().map(|grid| (format!("{name}.vti"), grid_file(time, grid))));
     }
@@ -176,17 +176,6 @@ fn numbers(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
         }
     }
     table.bytes()
-}
-
-/// File for ParaView with contacts as lines, each with its force [N] and the ids of its two particles. For a wall, the
-/// id -1 is written. `time` [s] is the simulated time.
-fn contact_lines(time: f64, lines: &[ContactLine]) -> Vec<u8> {
-    let ends = lines.iter().map(|line| [line.from.into(), line.to.into()]);
-    Vtp::of_lines(time, lines.len(), ends, |file| {
-        file.array("force_N", lines.iter().map(|line| [line.force]));
-        file.array("id", lines.iter().map(|line| [line.id as i32]));
-        file.array("other", lines.iter().map(|line| [line.other.map_or(-1, |id| id as i32)]));
-    })
 }
 
 /// File for ParaView with time averages in the cells of a grid. `time` [s] is the end of the run.

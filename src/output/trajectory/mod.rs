@@ -8,17 +8,21 @@
 //! If several processes share a run, each process writes its particles as one piece of the frame, in a VTK file. When
 //! all pieces are written, the writing thread of the lead process writes a file that joins them (`.pvtp`).
 
+mod beside;
 mod frame;
 mod pieces;
 mod vtp;
 mod walls;
 
+use beside::Beside;
+pub(super) use beside::contact_file;
 pub(super) use vtp::Vtp;
 pub(super) use walls::flat;
 
 use super::{Folder, OutputError};
+use crate::contact_law::ContactLaw;
 use crate::experiment::{Trajectories, TrajectoryFormat};
-use crate::observe::{Needs, Observer};
+use crate::observe::{Needs, Observer, contact_lines};
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use crate::stored::{StoreError, Stored};
@@ -45,9 +49,11 @@ pub(super) fn is_ours(path: &Path) -> bool {
 
 /// Messages to the thread that writes trajectory files.
 enum WriterMessage {
-    /// Data needed before the first frame: surfaces of the walls, times [s] of existing frames, and a flag that is true
-    /// if spheres rotate.
+    /// Data needed before the first frame: surfaces of walls that do not move, times [s] of existing frames, and a flag
+    /// that is true if spheres rotate.
     Begin(Option<[Vec<u8>; 3]>, Vec<f64>, bool),
+    /// A further file of the next frame, with its content: moving walls, or contacts.
+    Beside(Beside, Vec<u8>),
     /// Data of the particles that do not change in the frames that follow.
     Cast(Box<Cast>),
     Frame(TrajectoryFrame),
@@ -103,6 +109,8 @@ pub struct Trajectory<'scope> {
     folder: &'scope Folder,
     name: String,
     asked: Trajectories,
+    /// Law by which the forces of contacts are computed, if frames contain contacts.
+    contacts: Option<ContactLaw>,
     /// Channel to the writing thread; `None` after the trajectory is finished.
     frames: Option<SyncSender<WriterMessage>>,
     /// Channel by which the writing thread returns frames that it has written, so that their memory is used again.
@@ -159,6 +167,7 @@ impl<'scope> Trajectory<'scope> {
             folder,
             name: name.to_owned(),
             asked,
+            contacts: None,
             frames: Some(frames),
             used,
             writer: Some(writer),
@@ -170,6 +179,11 @@ impl<'scope> Trajectory<'scope> {
             earlier: 0,
             failed: None,
         }
+    }
+
+    /// Writes also the contacts of soft spheres for ParaView, with forces by the law `law`; no contacts with `None`.
+    pub fn with_contacts(self, law: Option<ContactLaw>) -> Self {
+        Self { contacts: law.filter(|_| self.asked.format.is_vtp()), ..self }
     }
 
     fn send(&mut self, message: WriterMessage) {
@@ -196,16 +210,25 @@ impl<'scope> Trajectory<'scope> {
         self.failed.is_some() || self.times.last().is_some_and(|last| *last >= time)
     }
 
-    /// Sends the data that the writing thread requires before the first frame: walls, times of existing frames, and
-    /// whether spheres rotate.
+    /// Sends the data that the writing thread requires before a frame. Before the first frame these are walls, times of
+    /// existing frames, and whether spheres rotate. Before each frame these are walls that move, and
+    /// contacts.
     fn begin(&mut self, simulation: &Simulation) {
+        let (scene, moves) = (simulation.scene(), simulation.scene().has_moving_walls());
         if !self.begun {
-            self.send(WriterMessage::Begin(
-                walls::walls(simulation.scene()),
-                self.times.clone(),
-                simulation.scene().rotation.is_some(),
-            ));
+            let at_rest = if moves { None } else { walls::walls(scene, 0.0) };
+            self.send(WriterMessage::Begin(at_rest, self.times.clone(), scene.rotation.is_some()));
             self.begun = true;
+        }
+        if !self.asked.format.is_vtp() {
+            return;
+        }
+        if let Some(surfaces) = walls::walls(scene, simulation.time).filter(|_| moves) {
+            self.send(WriterMessage::Beside(Beside::Walls, surfaces.concat()));
+        }
+        if let Some(law) = &self.contacts {
+            let contacts = contact_file(simulation.time, &contact_lines(simulation, law));
+            self.send(WriterMessage::Beside(Beside::Contacts, contacts));
         }
     }
 
@@ -244,10 +267,10 @@ impl Observer for Trajectory<'_> {
         Some(((now / self.asked.every * (1.0 + 1e-9)).floor() + 1.0) * self.asked.every)
     }
 
-    /// Particles that the trajectory requires. Extended XYZ has one file per frame, and requires all particles in one
-    /// process. For VTK, each process requires its own particles.
+    /// Particles that the trajectory requires. Extended XYZ and files of contacts have one file per frame, and require
+    /// all particles in one process. For other VTK files, each process requires its own particles.
     fn sight(&self) -> Needs {
-        if self.asked.format.is_xyz() { Needs::Every(1) } else { Needs::Parts }
+        if self.asked.format.is_xyz() || self.contacts.is_some() { Needs::Every(1) } else { Needs::Parts }
     }
 
     fn see(&mut self, simulation: &Simulation) {
@@ -296,6 +319,7 @@ struct Writer<'env> {
     frames: Vec<(f64, bool)>,
     /// Number of frames that the index file on the disk lists.
     listed: usize,
+    /// True if one file contains the walls of all frames, because no wall moves.
     walls: bool,
     /// True if spheres rotate, so that frames contain spins.
     rotates: bool,
@@ -316,6 +340,10 @@ impl Writer<'_> {
                 WriterMessage::Begin(walls, times, rotates) => {
                     self.rotates = rotates;
                     self.begin(walls, &times)?;
+                }
+                WriterMessage::Beside(what, content) => {
+                    let path = what.path(&self.name, self.frames.len());
+                    self.folder.write_parts(&format!("{TRAJECTORY}/{path}"), &[content])?;
                 }
                 WriterMessage::Cast(mut all) => {
                     all.sort();
@@ -443,6 +471,13 @@ impl Writer<'_> {
             let _ = writeln!(text, "<DataSet timestep=\"{time:?}\" part=\"0\" file=\"{name}/{number:06}.{kind}\"/>");
             if self.walls {
                 let _ = writeln!(text, "<DataSet timestep=\"{time:?}\" part=\"1\" file=\"{name}-walls.vtp\"/>");
+            }
+            for what in [Beside::Walls, Beside::Contacts] {
+                let (part, file) = (what as u32, what.path(name, number));
+                // a frame has such a file only if walls move in the box, or if contacts are asked for
+                if self.folder.path().join(TRAJECTORY).join(&file).exists() {
+                    let _ = writeln!(text, "<DataSet timestep=\"{time:?}\" part=\"{part}\" file=\"{file}\"/>");
+                }
             }
         }
         text += "</Collection>\n</VTKFile>\n";

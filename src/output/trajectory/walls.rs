@@ -10,9 +10,9 @@ use nalgebra::Vector3;
 /// Surface as the list of its corners [m], and a list of polygons. A polygon is a list of indices of corners.
 pub(in crate::output) type DrawnSurface = (Vec<Vector3<f64>>, Vec<Vec<u32>>);
 
-/// VTK PolyData file with the surfaces of all walls. Each polygon has the index of its wall in the case. `None` if no
-/// wall has a surface.
-pub(super) fn walls(scene: &Scene) -> Option<[Vec<u8>; 3]> {
+/// VTK PolyData file with the surfaces of all walls at their places at `time` [s], for which `scene` must have been
+/// made. Each polygon has the index of its wall in the case. `None` if no wall has a surface in the box.
+pub(super) fn walls(scene: &Scene, time: f64) -> Option<[Vec<u8>; 3]> {
     let surfaces = scene.walls.iter().map(|wall| match &wall.geometry {
         WallGeometry::Plane(plane) => flat(plane, &scene.domain),
         other => {
@@ -31,7 +31,7 @@ pub(super) fn walls(scene: &Scene) -> Option<[Vec<u8>; 3]> {
     if polygons.is_empty() {
         return None;
     }
-    let mut file = Vtp::begin(Vec::new(), 0.0, [corners.len(), 0, polygons.len()]);
+    let mut file = Vtp::begin(Vec::new(), time, [corners.len(), 0, polygons.len()]);
     file.part("CellData", |file| file.array("wall", number.into_iter().map(|number| [number])));
     file.part("Points", |file| file.array::<f64, 3>("Points", corners.iter().map(|corner| (*corner).into())));
     let mut end = 0;

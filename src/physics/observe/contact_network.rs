@@ -105,8 +105,9 @@ impl ContactNetwork {
     }
 }
 
-/// Returns all present contacts of soft spheres, sorted by the ids of the particles. `law` is the contact law.
-pub(super) fn contact_lines(simulation: &Simulation, law: &ContactLaw) -> Vec<ContactLine> {
+/// Returns all present contacts of soft spheres, sorted by the ids of the particles. `law` is the contact law, which
+/// gives the forces.
+pub fn contact_lines(simulation: &Simulation, law: &ContactLaw) -> Vec<ContactLine> {
     let (particles, scene) = (&simulation.particles, simulation.scene());
     let mut lines = Vec::new();
     simulation.for_each_contact(|couple, overlap| {

@@ -32,7 +32,7 @@ mod stress;
 mod structure_factor;
 mod velocity_distribution;
 
-pub use contact_network::{ContactLine, ContactNetwork};
+pub use contact_network::{ContactLine, ContactNetwork, contact_lines};
 pub use diffusion::Diffusion;
 pub use energy::EnergyBooks;
 pub use fields::Fields;

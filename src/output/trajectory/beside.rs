@@ -1,0 +1,37 @@
+//! Files that a frame of a trajectory has in addition to that of its particles, for ParaView.
+
+use super::Vtp;
+use crate::observe::ContactLine;
+
+/// File that a frame has in addition to that of its particles. The discriminant is the number of its part in the index
+/// for ParaView.
+#[derive(Clone, Copy)]
+pub(super) enum Beside {
+    /// Surfaces of the walls at the instant of the frame, if walls move.
+    Walls = 1,
+    /// Contacts at the instant of the frame, if the case asks for the contact network.
+    Contacts = 2,
+}
+
+impl Beside {
+    /// Path of the file for the frame number `number` of the trajectory `name`, relative to the folder of the
+    /// trajectories.
+    pub(super) fn path(self, name: &str, number: usize) -> String {
+        let kind = match self {
+            Self::Walls => "walls",
+            Self::Contacts => "contacts",
+        };
+        format!("{name}/{number:06}-{kind}.vtp")
+    }
+}
+
+/// File for ParaView with contacts as lines, each with its force [N] and the ids of its two particles. For a wall, the
+/// id -1 is written. `time` [s] is the simulated time.
+pub(in crate::output) fn contact_file(time: f64, lines: &[ContactLine]) -> Vec<u8> {
+    let ends = lines.iter().map(|line| [line.from.into(), line.to.into()]);
+    Vtp::of_lines(time, lines.len(), ends, |file| {
+        file.array("force_N", lines.iter().map(|line| [line.force]));
+        file.array("id", lines.iter().map(|line| [line.id as i32]));
+        file.array("other", lines.iter().map(|line| [line.other.map_or(-1, |id| id as i32)]));
+    })
+}
