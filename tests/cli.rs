@@ -200,6 +200,24 @@ fn budgets_are_written_on_request() {
     }
 }
 
+/// Budgets would count as impacts what turbulence, heat or shear does to the velocities.
+#[test]
+fn budgets_of_other_forces_are_refused() {
+    let lift = ["--set", "fluid.lift={ shear = true }"];
+    for (case, sets, why) in [
+        ("turbulence/homogeneous", &[][..], "the mean gas flow alone"),
+        ("driven/heated-gas", &[], "not heated"),
+        ("shear/simple-shear", &[], "not sheared"),
+        ("quick", &lift, "without lift"),
+    ] {
+        let (_keep, folder) = place();
+        let output = into(&folder, &[&["run", case, "--model", "hard", "--budgets"], sets].concat());
+        let told = words(&output.stderr);
+        assert_eq!(code(&output), 2, "{case}: {told}");
+        assert!(told.contains("--budgets needs") && told.contains(why) && !folder.exists(), "{case}: {told}");
+    }
+}
+
 #[test]
 fn comparing_writes_every_variant() {
     let (_keep, folder) = place();

@@ -393,9 +393,10 @@ impl Simulation {
             self.book_gravity(by_walls, [window, reached]);
         }
         self.move_scene();
+        // kicks after the window find the fluctuations as they are after reflections
+        turbulence::mirror_at_walls(&mut self.particles, &self.scene, window);
         self.add_differences_in_gravity(0.5 * window);
         self.lift(0.5 * window, LiftKick::AfterWindow);
-        turbulence::mirror_at_walls(&mut self.particles, &self.scene, window);
         if !self.is_follower() {
             self.clock.tell(self.time);
         }

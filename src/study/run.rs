@@ -79,27 +79,41 @@ fn variant(args: &Run, ranks: &Ranks) -> Result<(Variants, Option<String>), Stud
     Ok((variants, reason))
 }
 
-/// Refuses the option `--budgets` (budgets of the second moments of velocity) if particles may come or go, or if
-/// windows (times between two kicks of drag) differ in length. Budgets follow each particle from window to window, and
-/// they are sums over windows of one length.
+/// Refuses the option `--budgets` (budgets of the second moments of velocity) where budgets would be wrong. They follow
+/// each particle from window to window (time between two kicks of drag), in windows of one length. Of each change of
+/// velocity they subtract drag in the mean gas flow and gravity, and count the rest as impacts.
 fn refuse_budgets(args: &Run, experiment: &Experiment) -> Result<(), StudyError> {
-    let schedule = Schedule::new(experiment);
-    if args.budgets && experiment.scene.has_openings() {
-        let why = "--budgets needs particles that stay, and here they come and go";
-        return Err(StudyError::Input(format!(
-            "error: {why}\nhelp: leave --budgets out, or [[inlets]] and [[outlets]]"
-        )));
-    }
-    if args.budgets && schedule.is_cut() {
-        let why = "--budgets needs windows of one length, and --every ends some of them between";
-        let help = format!("write every {:?} s or a multiple of it", schedule.longest());
-        return Err(StudyError::Input(format!("error: {why}\nhelp: {help}")));
-    }
-    if !args.budgets || schedule.longest() == schedule.window {
+    if !args.budgets {
         return Ok(());
     }
-    let why = "--budgets needs windows of one length, and those of this run grow while drag slows the particles down";
-    Err(StudyError::Input(format!("error: {why}\nhelp: --set run.window=\"{:?} s\"", schedule.window)))
+    let (scene, schedule) = (&experiment.scene, Schedule::new(experiment));
+    let fluid = scene.fluid.as_ref();
+    let without = |table: &str| format!("leave --budgets out, or {table}");
+    let wrong = [
+        (scene.has_openings(), "particles that stay, and here they come and go", without("[[inlets]] and [[outlets]]")),
+        (scene.domain.shear.is_some(), "a box that is not sheared", without("[domain.shear]")),
+        (scene.thermostat.is_some(), "particles that are not heated", without("[thermostat]")),
+        (
+            fluid.is_some_and(|fluid| fluid.turbulence.is_some()),
+            "particles that see the mean gas flow alone",
+            without("[fluid.turbulence]"),
+        ),
+        (fluid.is_some_and(|fluid| fluid.lift.is_some()), "particles without lift", without("[fluid.lift]")),
+        (
+            schedule.is_cut(),
+            "windows of one length, and --every ends some of them between",
+            format!("write every {:?} s or a multiple of it", schedule.longest()),
+        ),
+        (
+            schedule.longest() != schedule.window,
+            "windows of one length, and those of this run grow while drag slows the particles down",
+            format!("--set run.window=\"{:?} s\"", schedule.window),
+        ),
+    ];
+    match wrong.into_iter().find(|(is_wrong, ..)| *is_wrong) {
+        Some((_, why, help)) => Err(StudyError::Input(format!("error: --budgets needs {why}\nhelp: {help}"))),
+        None => Ok(()),
+    }
 }
 
 /// Writes the budgets of the second moments of velocity, and returns sentences with the terms of each budget.
