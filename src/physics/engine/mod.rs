@@ -77,8 +77,11 @@ pub trait Engine: Send {
     /// the tasks that engines have in common. The rest of the run time is spent on contacts and collisions.
     fn work_done(&self) -> (Counters, EngineTimes);
 
-    /// Energy [J] that is now stored in contacts: for soft spheres in springs; 0 if contacts are instantaneous.
-    fn elastic_energy(&self) -> f64;
+    /// Energy [J] that is now stored in contacts: for soft spheres in springs; 0, the default, if contacts are
+    /// instantaneous.
+    fn elastic_energy(&self) -> f64 {
+        0.0
+    }
 
     /// Parts [J] of [`elastic_energy`](Self::elastic_energy) in tangential, rolling and twisting springs.
     fn spring_energies(&self) -> [f64; 3] {
@@ -86,12 +89,15 @@ pub trait Engine: Send {
     }
 
     /// Calls `visit` with the pairs that are now in contact, by index in the particle store. For soft spheres, these
-    /// are the contacts that were in progress at the last check. If contacts are instantaneous, `visit` is not called.
-    fn for_each_touching(&self, visit: &mut dyn FnMut(Couple));
+    /// are the contacts that were in progress at the last check. If contacts are instantaneous, `visit` is not called,
+    /// which is the default.
+    fn for_each_touching(&self, _visit: &mut dyn FnMut(Couple)) {}
 
-    /// Indices of the particles that were members of islands (groups solved separately) in the last time window. `None`
-    /// if the classical algorithm moved all particles.
-    fn in_islands(&self) -> Option<&[u32]>;
+    /// Indices of the particles that were members of islands (groups solved separately) in the last time window. `None`,
+    /// the default, if the classical algorithm moved all particles.
+    fn in_islands(&self) -> Option<&[u32]> {
+        None
+    }
 
     /// Sets the clock with which the engine measures times, and to which it reports the simulated time within long time
     /// windows. Without a clock the engine measures no time.

@@ -10,7 +10,6 @@ mod flight;
 
 use super::{Counters, Engine, EngineTimes, Failure, Window, not_a_number};
 use crate::clock::Clock;
-use crate::encounter::Couple;
 use crate::noise::{Noise, NoiseUse};
 use crate::particles::Particles;
 use crate::record::{Log, Record};
@@ -239,16 +238,6 @@ impl Engine for Dsmc {
 
     fn work_done(&self) -> (Counters, EngineTimes) {
         (self.state.counters, self.times)
-    }
-
-    fn elastic_energy(&self) -> f64 {
-        0.0
-    }
-
-    fn for_each_touching(&self, _visit: &mut dyn FnMut(Couple)) {}
-
-    fn in_islands(&self) -> Option<&[u32]> {
-        None
     }
 
     fn use_clock(&mut self, clock: Clock) {

@@ -2,7 +2,7 @@
 
 use super::impulse::Collision;
 use crate::clock::Clock;
-use crate::encounter::{Couple, FrameTime, relative};
+use crate::encounter::{FrameTime, relative};
 use crate::engine::motion::{accelerate, drift};
 use crate::engine::{Counters, Engine, EngineTimes, Failure, Window};
 use crate::neighbours::{NeighbourList, Pair, along_walls};
@@ -149,16 +149,6 @@ impl Engine for SteppedHard {
 
     fn work_done(&self) -> (Counters, EngineTimes) {
         (self.counters, EngineTimes::default().with_list(&self.list))
-    }
-
-    fn elastic_energy(&self) -> f64 {
-        0.0
-    }
-
-    fn for_each_touching(&self, _visit: &mut dyn FnMut(Couple)) {}
-
-    fn in_islands(&self) -> Option<&[u32]> {
-        None
     }
 
     fn use_clock(&mut self, clock: Clock) {
