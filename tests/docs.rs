@@ -331,6 +331,18 @@ fn documents_name_commands_and_files_that_exist() {
     }
 }
 
+/// The version of the workspace is that of the changelog, of the citation, and of the line to cite in the README.
+#[test]
+fn the_version_is_told_alike() {
+    let manifest = text("Cargo.toml");
+    let version = manifest.lines().find_map(|line| line.strip_prefix("version = \"")?.strip_suffix('"')).unwrap();
+    assert_eq!(version, env!("CARGO_PKG_VERSION"));
+    let newest = text("CHANGELOG.md").lines().find_map(|line| line.strip_prefix("## ").map(str::to_owned));
+    assert_eq!(newest.as_deref(), Some(version));
+    assert!(text("CITATION.cff").lines().any(|line| line == format!("version: {version}")));
+    assert!(text("README.md").contains(&format!("Diptych, version {version} ")));
+}
+
 /// True if the text in brackets is a unit: "-", or symbols with powers, joined by spaces and slashes, as in `kg m/s` or
 /// `1/s²`.
 fn is_unit(text: &str) -> bool {
