@@ -194,7 +194,8 @@ fn without_unit(value: &Value, key: &str, units: &Value, found: &mut Vec<String>
 
 #[test]
 fn json_names_the_unit_of_every_number() {
-    for name in ["cases/channel-e.toml", "cases/column.toml", "cases/cooling-gas.toml"] {
+    for name in ["cases/channel-e.toml", "cases/column.toml", "cases/cooling-gas.toml", "cases/shear/soft-or-hard.toml"]
+    {
         let output = diptych(&["plan", name, "--json", "--threads", "1"]);
         assert!(output.status.success(), "{output:?}");
         let document: Value = serde_json::from_slice(&output.stdout).unwrap();

@@ -2,6 +2,7 @@
 //! bits, and stress and temperature against kinetic theory.
 
 use crate::support::*;
+use diptych::case::Case;
 use diptych::contact_law::ContactLaw;
 use diptych::engine::Engine;
 use diptych::engine::dsmc::Dsmc;
@@ -10,7 +11,9 @@ use diptych::engine::hybrid::Hybrid;
 use diptych::experiment::{DsmcSettings, Integrator, Model};
 use diptych::placement::initial_state;
 use diptych::simulation::Simulation;
+use diptych::study::plan_of;
 use diptych::{Particles, Scene, Vector3};
+use std::path::Path;
 
 /// [N/m] stiffness of soft spheres of unit mass: an elastic contact lasts π/sqrt(2 k) = 0.022 s.
 const STIFFNESS: f64 = 1e4;
@@ -268,6 +271,37 @@ fn steady_shear_follows_kinetic_theory() {
         let (temperature, stress) = steady(phi);
         close(&format!("T at {phi}"), temperature / want.0, 1.0, tolerance);
         close(&format!("stress at {phi}"), stress / want.1, 1.0, tolerance);
+    }
+}
+
+/// Ratios that a plan expects, against long runs of the same scene (docs/design/shear.md, "Soft or hard"): dissipation rate
+/// over shear rate of hard spheres, and by how much the stress of soft spheres is lower, with its standard error.
+#[test]
+fn plans_say_how_far_soft_spheres_are_from_hard_ones() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/shear/soft-or-hard.toml");
+    for (restitution, stiffness, dissipation, decrease) in
+        [(0.9, 300.0, 0.684, (0.061, 0.012)), (0.7, 30.0, 0.995, (0.099, 0.009))]
+    {
+        let sets = [
+            format!("contact.restitution={restitution}"),
+            format!("soft.linear_spring_dashpot.stiffness={stiffness} N/m"),
+        ];
+        let (experiment, _) = Case::read(&path, &sets).unwrap().experiment(None, None).unwrap();
+        let planned = plan_of(&experiment, 0.01, false).unwrap();
+        let found = planned.plan.shear.unwrap();
+        let mass = experiment.scene.species[0].mass();
+        // the contact time of a dashpot is longer by ln²(e)/(2 π²), 0.6 % at most
+        let contact = std::f64::consts::PI * (0.5 * mass / stiffness).sqrt() * 100.0;
+        close("contact time over shear time", found.contact_over_shear / contact, 1.0, 0.007);
+        // kinetic theory at the temperature of the short run, which has 500 particles
+        close("dissipation over shear", found.dissipation_over_shear / dissipation, 1.0, 0.12);
+        let expected = found.largest_stress_change.unwrap();
+        close("decrease of the stress", expected, decrease.0, 2.0 * decrease.1 + 0.12 * expected);
+        // the difference falls as 1/sqrt(k)
+        let needed: f64 = found.hard_from.strip_suffix(" N/m").unwrap().parse().unwrap();
+        close("stiffness for 1 %", needed / (stiffness * (expected / 0.01).powi(2)), 1.0, 0.005);
+        let why = planned.recommendation.reasons.join(" ");
+        assert!(why.contains("is too low") && why.contains("shear stress within 1 %"), "{why}");
     }
 }
 

@@ -35,7 +35,7 @@ fn velocity(outcome: &Outcome) -> Option<Estimate> {
 }
 
 /// Quantities measured in every run of a sweep, in the order of columns and pictures.
-pub const OBSERVABLES: [SweepObservable; 8] = [
+pub const OBSERVABLES: [SweepObservable; 9] = [
     SweepObservable {
         key: "pair_impacts_1_s",
         name: "pair impacts per time",
@@ -63,6 +63,13 @@ pub const OBSERVABLES: [SweepObservable; 8] = [
         axis: "mean streamwise velocity  [m/s]",
         is_average: true,
         of: velocity,
+    },
+    SweepObservable {
+        key: "shear_stress_Pa",
+        name: "shear stress of a sheared box",
+        axis: "shear stress of a sheared box  [Pa]",
+        is_average: true,
+        of: |o| o.averaged.shear_stress.as_ref()?.estimate(),
     },
     SweepObservable {
         key: "pair_restitution",

@@ -216,8 +216,9 @@ fn smaller(experiment: &Experiment) -> Experiment {
     small.run.window = Some(window);
     small.run.duration = experiment.run.duration.min(affordable);
     small.statistics.sample_interval = None;
-    small.run.average_from =
-        if experiment.scene.fluid.is_some() { AverageFrom::Steady } else { AverageFrom::Time(0.0) };
+    // gas and shear lead to a steady state, whose agitation is not that of the start
+    let is_stirred = experiment.scene.fluid.is_some() || experiment.scene.domain.shear.is_some();
+    small.run.average_from = if is_stirred { AverageFrom::Steady } else { AverageFrom::Time(0.0) };
     small
 }
 

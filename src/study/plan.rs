@@ -16,6 +16,7 @@ use crate::predict::gas::{AgitationSpread, Component, gas, largest_island, softn
 use crate::predict::integrator::{Method, Scheme};
 use crate::predict::obstacles::{Obstacles, bodies};
 use crate::predict::recommendation::{rounded_up, softest};
+use crate::predict::shear::shear;
 use crate::predict::springs::spring_limits;
 use crate::predict::transient::{transient, variance_at_start};
 use crate::predict::{
@@ -162,6 +163,7 @@ fn without_contacts(
         gas,
         time_in_contact: None,
         softness: None,
+        shear: None,
         rest: seen.rest,
         static_overlap: None,
         starts_overlapping: seen.overlapping,
@@ -228,6 +230,7 @@ fn with_contacts(
         plan.softness =
             shrinks.map(|((s, ratio), t)| softness(&law.stiffened(ratio), s, *t)).reduce(f64::max).filter(|s| *s > 0.0);
     }
+    plan.shear = plan.gas.as_ref().and_then(|gas| shear(scene, gas, law, [longest(false), plan.target_error]));
     if let Some(rest) = plan.rest.as_ref().filter(|rest| rest.time < plan.duration) {
         let overlaps = kinds.iter().map(|kind| kind.static_overlap(law, rest.weight));
         plan.static_overlap = overlaps.reduce(f64::max);

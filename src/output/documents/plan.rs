@@ -32,14 +32,14 @@ const UNITS: [(&str, &str); 11] = [
         "at_rest averaged contact_time duration duration_as_given longest response_time simulated stokes_time time \
          time_step wall_seconds window",
     ),
-    ("1/s", "collision_rate pair_rate wall_rate"),
+    ("1/s", "collision_rate pair_rate shear_rate wall_rate"),
     ("m", "effective_radius diameter height mean_free_path size"),
     ("N/m", "stiffness"),
     (
         "1",
-        "contact_value kappa largest_island lying mass_loading mean_overlap number overlap_99 particles \
-         realised_mean_square realised_restitution replicas restitution scatter share slip_reynolds softness static_overlap steps \
-         steps_per_contact stokes_bulk stokes_friction target_error temperature_error threads threshold \
+        "contact_over_shear contact_value dissipation_over_shear kappa largest_island largest_stress_change lying \
+         mass_loading mean_overlap number overlap_99 particles realised_mean_square realised_restitution replicas \
+         restitution scatter share slip_reynolds softness static_overlap steps steps_per_contact stokes_bulk stokes_friction target_error temperature_error threads threshold \
          time_in_contact volume_fraction windows_timed",
     ),
     ("kg", "effective_mass"),
@@ -162,6 +162,16 @@ fn motion(plan: &RunPrediction) -> Block {
     }
     if let Some(shrink) = plan.softness {
         entries.add("softness", format!("spheres act smaller by {}", percent(shrink, 1.0)));
+    }
+    if let Some(shear) = &plan.shear {
+        entries.add("contact time times shear rate", significant(shear.contact_over_shear, 3));
+        entries.add("dissipation rate over shear rate", significant(shear.dissipation_over_shear, 3));
+        let (error, from) = (percent(plan.target_error, 1.0), &shear.hard_from);
+        let change = match shear.largest_stress_change {
+            Some(change) => format!("up to {} off that of hard spheres", percent(change, 1.0)),
+            None => "unlike that of hard spheres".to_owned(),
+        };
+        entries.add("shear stress", format!("{change}; within {error} of it from {from} on"));
     }
     if let Some(rest) = &plan.rest {
         entries.add("fastest fall on the floor", format!("{} m/s", significant(rest.speed, 3)));

@@ -16,6 +16,7 @@ pub mod obstacles;
 pub mod overlaps;
 pub mod recommendation;
 pub mod rest;
+pub mod shear;
 pub mod springs;
 pub mod transient;
 
@@ -118,6 +119,8 @@ pub struct RunPrediction {
     pub largest_island: Option<usize>,
     /// [-] apparent decrease of the diameter of soft spheres in collisions, divided by the diameter.
     pub softness: Option<f64>,
+    /// Ratios of time scales in a sheared box, and the effect of softness on its stress; `None` without shear.
+    pub shear: Option<shear::ShearPrediction>,
     /// Floor on which particles gather under gravity; `None` if there is no such floor.
     pub rest: Option<rest::Rest>,
     /// [-] overlap of a contact at the floor due to the weight of all particles above it, divided by the diameter.

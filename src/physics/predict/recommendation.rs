@@ -8,6 +8,7 @@ use super::effects::FROZEN;
 use super::gas::{FREEZING, stiffening_for};
 use super::integrator::{Method, Scheme, realised_restitution};
 use super::obstacles::{against_soft, named};
+use super::shear::stiffening_in_shear;
 use super::springs::fastest_spring;
 use crate::contact_law::ContactLaw;
 use crate::experiment::Experiment;
@@ -268,10 +269,15 @@ pub fn softest(
             format!("99 % of the overlaps below {DEEPEST} d, {}", contact.name),
         ));
     }
-    if plan.gas.is_some() {
+    if let Some(gas) = &plan.gas {
         for ((species, ratio), temperature) in experiment.scene.alike().zip(temperatures) {
             let least = stiffening_for(&law.stiffened(ratio), species, *temperature, plan.target_error);
             wants.push((least, format!("cross-section within {} of that of hard spheres", percent(plan.target_error))));
+        }
+        if experiment.scene.domain.shear.is_some() {
+            let longest = contacts.iter().map(|contact| contact.contact_time(&law)).fold(0.0, f64::max);
+            let least = stiffening_in_shear(&law, gas.collision_rate * longest, plan.target_error);
+            wants.push((least, format!("shear stress within {} of that of hard spheres", percent(plan.target_error))));
         }
     }
     if let Some(rest) = plan.rest.as_ref().filter(|rest| rest.time < plan.duration) {
@@ -392,7 +398,7 @@ pub fn round_up(value: f64) -> f64 {
 }
 
 /// Writes a number in decimal notation with `digits` significant digits, without an exponent.
-fn plain(value: f64, digits: usize) -> String {
+pub(super) fn plain(value: f64, digits: usize) -> String {
     format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value).to_string()
 }
 
