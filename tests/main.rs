@@ -35,6 +35,7 @@ mod fluid; // gas profiles against independent solvers, tables, pipes
 mod folder; // the folder of results: which command owns it, and which files are replaced in it
 mod fuzz; // damaged and made-up inputs to every reader
 mod gas; // equilibrium: equation of state, collision rates, walls, overlaps, conservation, same bits (oracle D)
+mod gates; // openings in closed form: sums of what passes, ids, a gate that opens
 mod groups; // variants that are compared or share a panel, and impacts that are counted
 mod hand; // commands without any file: built-in cases, a first case, completions, manual pages
 mod held; // spheres at rest between several walls, and by friction; spheres that pass through walls
