@@ -17,6 +17,7 @@ mod cases; // every case of the project, a few windows with each engine
 mod chart; // work-precision chart: one impact, orders, Pareto fronts, failures, floors
 mod cli; // the program: exit codes, messages, files, output with --quiet
 mod coupling; // a gas that feels the particles: alone, uniform force, momentum, pressure drop, bits, messages
+mod clusters; // clusters: states by hand, ideal gas, percolation of balls, messages
 mod crowd; // dense crowds: contact time, impacts during a change of stepping, a mixture in a gas
 mod dense; // dense soft scenes: against all pairs, and the same bits on any number of threads
 mod diameters; // species with a distribution of diameters: moments, laws of conservation, drag, messages
@@ -103,4 +104,5 @@ mod validate; // the validation suite: rows, tables, changed references, unknown
 mod verdict; // equivalent, different or unresolved: rates of wrong answers, and answers for scenes
 mod verdict_scenes; // verdicts on scenes at rest, relaxing, stopped, or sampled at different times
 mod vessels; // vessels smaller than the box: random starts, regions, slabs, and the cost of islands in them
+mod viscosity; // shear viscosity: free flight, Enskog, Garzó and Dufty, messages
 mod words; // sentences of reports and summaries must be true of the runs

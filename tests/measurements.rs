@@ -4,8 +4,8 @@
 use crate::support::{edge, empty, experiment, surface, unit};
 use diptych::domain::Domain;
 use diptych::experiment::{
-    DiffusionSettings, Experiment, FieldsSettings, Model, ObserveSettings, PairDistributionSettings,
-    StructureFactorSettings, VelocityDistributionSettings,
+    ClustersSettings, DiffusionSettings, Experiment, FieldsSettings, Model, ObserveSettings, PairDistributionSettings,
+    StructureFactorSettings, VelocityDistributionSettings, ViscositySettings,
 };
 use diptych::observe::{
     Diffusion, Measurement, Observation, ObservedNumber, ObservedQuantity, PairDistribution, VelocityDistribution, run,
@@ -340,6 +340,8 @@ fn measurements_change_nothing() {
         structure_factor: Some(StructureFactorSettings { wavelength: 1.0, bins: 5 }),
         contact_network: true,
         fields: Some(FieldsSettings { width: 1.0, cells: [2, 3, 4] }),
+        viscosity: Some(ViscositySettings { duration: Some(0.1) }),
+        clusters: Some(ClustersSettings { gap: 0.1 }),
     };
     let (some, with, series) = end(&gas);
     assert_eq!(without, with);

@@ -6,8 +6,8 @@ use crate::support::Crew;
 use diptych::Vector3;
 use diptych::domain::Domain;
 use diptych::experiment::{
-    Amount, DiffusionSettings, Experiment, FieldsSettings, Model, ObserveSettings, PairDistributionSettings,
-    StructureFactorSettings, VelocityDistributionSettings,
+    Amount, ClustersSettings, DiffusionSettings, Experiment, FieldsSettings, Model, ObserveSettings,
+    PairDistributionSettings, StructureFactorSettings, VelocityDistributionSettings, ViscositySettings,
 };
 use diptych::observe::{ContactNetwork, Fields, Measurement, Measurements, Observer, StructureFactor, run};
 use diptych::particles::Particles;
@@ -325,6 +325,8 @@ fn measurements_of_several_processes_are_those_of_one() {
             structure_factor: Some(StructureFactorSettings { wavelength: 2.0, bins: 10 }),
             contact_network: true,
             fields: Some(FieldsSettings { width: 1.0, cells: [3, 4, 5] }),
+            viscosity: Some(ViscositySettings { duration: Some(0.2) }),
+            clusters: Some(ClustersSettings { gap: 0.1 }),
         };
         let alone = shared_by(None, &gas);
         assert!(alone.len() > 10_000);

@@ -4,13 +4,13 @@ mod defaults;
 mod observe_settings;
 
 pub use observe_settings::{
-    DiffusionSettings, FieldsSettings, ObserveSettings, PairDistributionSettings, StructureFactorSettings,
-    VelocityDistributionSettings,
+    ClustersSettings, DiffusionSettings, FieldsSettings, ObserveSettings, PairDistributionSettings,
+    StructureFactorSettings, VelocityDistributionSettings, ViscositySettings,
 };
 
 use crate::contact_law::ContactLaw;
 use crate::particles::Particles;
-use crate::scene::{Scene, StartRegion};
+use crate::scene::{Scene, StartRegion, Surface};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -167,6 +167,21 @@ impl Experiment {
         }
         let volumes = self.counts().into_iter().zip(&self.scene.species);
         volumes.map(|(count, species)| count as f64 * species.volume()).sum::<f64>() / self.scene.domain.volume()
+    }
+
+    /// True if the particles form a gas in equilibrium: only collisions change their velocities, without loss and without
+    /// friction, in a box that is periodic along all axes.
+    pub fn is_in_equilibrium(&self) -> bool {
+        let scene = &self.scene;
+        let is_lossless = |surface: &Surface| {
+            surface.restitution == 1.0 && surface.friction == 0.0 && surface.by_speed.is_none()
+        };
+        scene.is_homogeneous()
+            && scene.gravity == Vector3::zeros()
+            && !scene.is_heated()
+            && !scene.has_openings()
+            && scene.rotation.is_none()
+            && scene.surfaces(2).iter().all(is_lossless)
     }
 
     /// Number of particles of each species at the start.

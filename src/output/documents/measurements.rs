@@ -41,13 +41,18 @@ pub(super) fn blocks(outcomes: &[Outcome], pictures: impl Fn(&str) -> Vec<Block>
     if names.is_empty() {
         return Vec::new();
     }
+    let files: Vec<&str> = names.iter().copied().filter(|name| has_curves(outcomes, name)).collect();
+    let curves = if files.is_empty() {
+        String::new()
+    } else {
+        format!("; the curves are in {}", distinct(files.iter().map(|name| format!("{name}.csv"))))
+    };
     let head = "variant | quantity | measured | theory | difference in SE | source";
     let mut blocks = vec![
         Block::heading("Measurements that the case asks for"),
         Block::table(head, all(outcomes).flat_map(row)),
         Block::note(format!(
-            "Averages over the averaging period, ± one standard error. {NUMBERS} has these numbers; the curves are in {}.",
-            distinct(names.iter().map(|name| format!("{name}.csv")))
+            "Averages over the averaging period, ± one standard error. {NUMBERS} has these numbers{curves}."
         )),
     ];
     let remarks = all(outcomes).filter_map(|(outcome, observed)| {
@@ -83,6 +88,11 @@ fn names(outcomes: &[Outcome]) -> impl Iterator<Item = &'static str> {
     names.into_iter()
 }
 
+/// True if the measurement with the name `name` gives curves in some variant, and not only single numbers.
+fn has_curves(outcomes: &[Outcome], name: &str) -> bool {
+    all(outcomes).any(|(_, observed)| observed.name == name && !observed.curves.is_empty())
+}
+
 /// Single numbers of each measurement of a variant for `summary.json`, in SI units.
 pub(super) fn json(outcome: &Outcome) -> Value {
     let numbers = |observed: &Observation| {
@@ -109,7 +119,7 @@ pub(super) fn json(outcome: &Outcome) -> Value {
 /// [`OutputError::Csv`] if a row cannot be encoded.
 pub(super) fn tables(outcomes: &[Outcome]) -> Result<Vec<(String, Vec<u8>)>, OutputError> {
     let mut tables = Vec::new();
-    for name in names(outcomes) {
+    for name in names(outcomes).filter(|name| has_curves(outcomes, name)) {
         let of_name: Vec<_> = all(outcomes).filter(|(_, observed)| observed.name == name).collect();
         tables.push((format!("{name}.csv"), curves(&of_name)?));
     }
@@ -121,7 +131,7 @@ pub(super) fn tables(outcomes: &[Outcome]) -> Result<Vec<(String, Vec<u8>)>, Out
         }
         tables.extend(observed.grid.as_ref().map(|grid| (format!("{name}.vti"), grid_file(time, grid))));
     }
-    if !tables.is_empty() {
+    if names(outcomes).next().is_some() {
         tables.push((NUMBERS.to_owned(), numbers(outcomes)?));
     }
     Ok(tables)

@@ -28,11 +28,17 @@ pub struct ObserveSettings {
     /// True if the gas velocity that particles see is measured.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub seen_gas: bool,
+    /// Settings of the shear viscosity; `None` if it is not measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub viscosity: Option<ViscositySettings>,
+    /// Settings of the clusters of particles; `None` if they are not measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clusters: Option<ClustersSettings>,
 }
 
 impl ObserveSettings {
     /// Names of all measurements, as in the case. Files of curves have these names.
-    pub const NAMES: [&str; 7] = [
+    pub const NAMES: [&str; 9] = [
         "pair_distribution",
         "velocity_distribution",
         "diffusion",
@@ -40,6 +46,8 @@ impl ObserveSettings {
         "contact_network",
         "fields",
         "seen_gas",
+        "viscosity",
+        "clusters",
     ];
 
     /// True if the case asks for none of the measurements.
@@ -57,6 +65,8 @@ impl ObserveSettings {
             self.contact_network,
             self.fields.is_some(),
             self.seen_gas,
+            self.viscosity.is_some(),
+            self.clusters.is_some(),
         ];
         Self::NAMES.into_iter().zip(asked).filter_map(|(name, asked)| asked.then_some(name)).collect()
     }
@@ -103,4 +113,18 @@ pub struct FieldsSettings {
     pub width: f64,
     /// Numbers of cells of the grid along x, y and z.
     pub cells: [usize; 3],
+}
+
+/// Settings of the measurement of the shear viscosity.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ViscositySettings {
+    /// [s] longest time over which stresses of a gas in equilibrium are correlated; `None` in a sheared box.
+    pub duration: Option<f64>,
+}
+
+/// Settings of the measurement of clusters.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ClustersSettings {
+    /// [m] gap between two particles below which they are connected.
+    pub gap: f64,
 }

@@ -160,13 +160,7 @@ impl Diffusion {
 fn theory(experiment: &Experiment, temperature: f64) -> Option<f64> {
     let scene = &experiment.scene;
     let ([species], false) = (scene.species.as_slice(), scene.has_sizes()) else { return None };
-    let is_alone = scene.is_homogeneous() && scene.gravity == Vector3::zeros();
-    if !is_alone
-        || scene.is_heated()
-        || scene.contact.restitution < 1.0
-        || scene.contact.friction > 0.0
-        || scene.rotation.is_some()
-    {
+    if !experiment.is_in_equilibrium() {
         return None;
     }
     let density = experiment.count() as f64 / scene.domain.volume();

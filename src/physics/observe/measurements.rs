@@ -1,6 +1,7 @@
 //! Measurements that a case asks for, and the common form of their results: curves and numbers with standard errors.
 
 use super::Observer;
+use super::clusters::Clusters;
 use super::contact_network::{ContactLine, ContactNetwork};
 use super::diffusion::Diffusion;
 use super::fields::Fields;
@@ -8,6 +9,7 @@ use super::pair_distribution::PairDistribution;
 use super::seen_gas::SeenGas;
 use super::structure_factor::StructureFactor;
 use super::velocity_distribution::VelocityDistribution;
+use super::viscosity::Viscosity;
 use crate::experiment::Experiment;
 use crate::schedule::Schedule;
 use crate::statistics::{Batches, Estimate};
@@ -134,6 +136,8 @@ pub struct Measurements {
     contact_network: Option<ContactNetwork>,
     fields: Option<Fields>,
     seen_gas: Option<SeenGas>,
+    viscosity: Option<Viscosity>,
+    clusters: Option<Clusters>,
 }
 
 impl Measurements {
@@ -154,6 +158,8 @@ impl Measurements {
             contact_network: asked.contact_network.then(|| ContactNetwork::new(experiment, schedule)),
             fields: asked.fields.map(|settings| Fields::new(experiment, schedule, settings)),
             seen_gas: asked.seen_gas.then(|| SeenGas::new(experiment, schedule)),
+            viscosity: asked.viscosity.map(|settings| Viscosity::new(schedule, settings)),
+            clusters: asked.clusters.map(|settings| Clusters::new(schedule, settings)),
         }
     }
 
@@ -166,7 +172,9 @@ impl Measurements {
         let network = self.contact_network.as_mut().map(|of| of as &mut dyn Measurement);
         let fields = self.fields.as_mut().map(|of| of as &mut dyn Measurement);
         let seen = self.seen_gas.as_mut().map(|of| of as &mut dyn Measurement);
-        [pairs, velocities, diffusion, structure, network, fields, seen].into_iter().flatten()
+        let viscosity = self.viscosity.as_mut().map(|of| of as &mut dyn Measurement);
+        let clusters = self.clusters.as_mut().map(|of| of as &mut dyn Measurement);
+        [pairs, velocities, diffusion, structure, network, fields, seen, viscosity, clusters].into_iter().flatten()
     }
 
     /// Results of all measurements, from the samples at `from` [s] and later.

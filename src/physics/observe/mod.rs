@@ -6,6 +6,7 @@
 //! with the gas. The data of an observer can be stored with the state of the particles. [`RunLoop`] is the loop for
 //! runs that may be stopped at the end of any window, stored, and resumed.
 
+mod clusters;
 mod contact_network;
 mod diffusion;
 mod energy;
@@ -31,7 +32,9 @@ mod series_columns;
 mod stress;
 mod structure_factor;
 mod velocity_distribution;
+mod viscosity;
 
+pub use clusters::Clusters;
 pub use contact_network::{ContactLine, ContactNetwork, contact_lines};
 pub use diffusion::Diffusion;
 pub use energy::EnergyBooks;
@@ -61,6 +64,7 @@ pub use series_columns::{
 pub use stress::{Stress, Stresses};
 pub use structure_factor::StructureFactor;
 pub use velocity_distribution::{Sonine, VelocityDistribution};
+pub use viscosity::Viscosity;
 
 use crate::engine::Failure;
 use crate::schedule::Schedule;

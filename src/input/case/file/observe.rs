@@ -24,6 +24,10 @@ pub struct ObserveFile {
     pub fields: Option<Located<FieldsFile>>,
     /// Gas velocity that the particles see, in slices, for a gas with `[fluid.turbulence]`.
     pub seen_gas: Option<Located<SeenGasFile>>,
+    /// Shear viscosity, of a gas in equilibrium or of a sheared box.
+    pub viscosity: Option<Located<ViscosityFile>>,
+    /// Clusters: groups of particles with small gaps.
+    pub clusters: Option<Located<ClustersFile>>,
 }
 
 /// Table `[observe.pair_distribution]`: pair distribution g(r), in a box that is periodic along x, y and z.
@@ -100,3 +104,25 @@ pub struct FieldsFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SeenGasFile {}
+
+/// Table `[observe.viscosity]`: viscosity of a sheared box by its stress, or of a gas of elastic, smooth spheres in a
+/// periodic box by the correlation of its stresses.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ViscosityFile {
+    /// Longest time over which stresses are correlated: at least ten times `statistics.sample_interval`, and some twenty
+    /// mean free times. Not for sheared boxes.
+    #[schemars(example = &"1 ms", extend("x-required" = "unless the box is sheared", "x-range" = "greater than 0 s"))]
+    pub duration: Option<Located<Time>>,
+}
+
+/// Table `[observe.clusters]`: number, sizes and size distribution of groups of particles that are connected by small
+/// gaps.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ClustersFile {
+    /// Gap between the surfaces of two particles below which they are connected. With the largest diameter it is at
+    /// most half the shortest periodic edge of the box.
+    #[schemars(example = &"20 um", extend("x-required" = "always", "x-range" = "0 ..= 1e4 m"))]
+    pub gap: Option<Located<Length>>,
+}

@@ -5,11 +5,13 @@ use crate::case::de::Located;
 use crate::case::describe::length;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{
-    CaseFile, DiffusionFile, FieldsFile, PairDistributionFile, StructureFactorFile, VelocityDistributionFile,
+    CaseFile, ClustersFile, DiffusionFile, FieldsFile, PairDistributionFile, StructureFactorFile,
+    VelocityDistributionFile, ViscosityFile,
 };
+use crate::case::quantity::Time;
 use crate::experiment::{
-    DiffusionSettings, Experiment, FieldsSettings, ObserveSettings, PairDistributionSettings, StructureFactorSettings,
-    VelocityDistributionSettings,
+    ClustersSettings, DiffusionSettings, Experiment, FieldsSettings, ObserveSettings, PairDistributionSettings,
+    StructureFactorSettings, VelocityDistributionSettings, ViscositySettings,
 };
 use crate::scene::Scene;
 use crate::schedule::Schedule;
@@ -21,7 +23,8 @@ const MOST_BINS: i64 = 10_000;
 const MOST_WAVES: f64 = 100.0;
 /// Largest number of cells of a grid of fields. A cell takes 2.5 KB, for 20 blocks of time.
 const MOST_CELLS: i64 = 50_000;
-/// Smallest number of samples within the longest time of the mean squared displacement.
+/// Smallest number of samples within the longest time of the mean squared displacement, or of the correlation of
+/// stresses.
 const FEWEST_SAMPLES: f64 = 10.0;
 
 impl Resolver {
@@ -38,6 +41,8 @@ impl Resolver {
         let diffusion = asked.diffusion.as_ref().map(|of| self.diffusion(of, scene));
         let structure = asked.structure_factor.as_ref().map(|of| self.structure_factor(of, scene));
         let fields = asked.fields.as_ref().map(|of| self.fields(of, scene));
+        let viscosity = asked.viscosity.as_ref().map(|of| self.viscosity(of, scene));
+        let clusters = asked.clusters.as_ref().map(|of| self.clusters(of, scene));
         if let Some(seen) = asked.seen_gas.as_ref().filter(|_| !scene.has_turbulence()) {
             let why = "needs a gas whose fluctuations particles see";
             return Err(self.refuse(seen, why).help("add [fluid.turbulence.langevin], or leave the table out"));
@@ -50,6 +55,8 @@ impl Resolver {
             contact_network: asked.contact_network.is_some(),
             fields: fields.transpose()?,
             seen_gas: asked.seen_gas.is_some(),
+            viscosity: viscosity.transpose()?,
+            clusters: clusters.transpose()?,
         })
     }
 
@@ -143,23 +150,58 @@ impl Resolver {
         Ok(FieldsSettings { width, cells: numbers.map(|count| count as usize) })
     }
 
-    /// Checks the measurements against the samples of the run.
+    fn viscosity(&self, typed: &Located<ViscosityFile>, scene: &Scene) -> Result<ViscositySettings, Diagnostic> {
+        let duration = &typed.value.duration;
+        if scene.domain.shear.is_none() {
+            let duration = self.need(duration, "observe.viscosity.duration")?;
+            let duration = self.in_range(duration, "some twenty mean free times")?;
+            return Ok(ViscositySettings { duration: Some(duration) });
+        }
+        match duration {
+            Some(given) => Err(self.refuse(given, "is not used in a sheared box").help("leave the key out")),
+            None => Ok(ViscositySettings { duration: None }),
+        }
+    }
+
+    fn clusters(&self, typed: &Located<ClustersFile>, scene: &Scene) -> Result<ClustersSettings, Diagnostic> {
+        let gap = self.need(&typed.value.gap, "observe.clusters.gap")?;
+        let help = "a length such as \"20 um\", some per cent of a diameter";
+        self.in_range(gap, help)?;
+        let edges = (0..3).filter(|axis| scene.domain.periodic[*axis]).map(|axis| scene.domain.size[axis]);
+        let most = 0.5 * edges.fold(f64::INFINITY, f64::min) - scene.largest_diameter();
+        let allowed = format!("up to {most:.4e} m, half the shortest periodic edge less the largest diameter");
+        Ok(ClustersSettings { gap: self.checked(gap, |gap| gap <= most, &allowed, help)? })
+    }
+
+    /// Checks the measurements against the experiment and the samples of its run.
     ///
     /// # Errors
-    /// Too few samples for a measurement.
+    /// Too few samples for a measurement, or a viscosity of a scene that is neither sheared nor in equilibrium.
     pub(super) fn check_observe(&self, file: &CaseFile, experiment: &Experiment) -> Result<(), Diagnostic> {
-        let typed = file.observe.as_ref().and_then(|observe| observe.value.diffusion.as_ref());
-        let typed = typed.and_then(|diffusion| diffusion.value.duration.as_ref());
-        let (Some(asked), Some(typed)) = (experiment.observe.diffusion, typed) else { return Ok(()) };
+        let Some(asked) = file.observe.as_ref().map(|observe| &observe.value) else { return Ok(()) };
+        let diffusion = asked.diffusion.as_ref().and_then(|of| of.value.duration.as_ref());
+        diffusion.map_or(Ok(()), |typed| self.check_samples(typed, experiment))?;
+        let Some(viscosity) = &asked.viscosity else { return Ok(()) };
+        let duration = viscosity.value.duration.as_ref();
+        duration.map_or(Ok(()), |typed| self.check_samples(typed, experiment))?;
+        if experiment.scene.domain.shear.is_some() || experiment.is_in_equilibrium() {
+            return Ok(());
+        }
+        let message = format!("`{}` needs a sheared box or a gas in equilibrium", viscosity.path);
+        let help = "add [domain.shear], or let nothing but elastic, frictionless collisions act in a box that is periodic along x, y and z";
+        Err(self.sources.error(&viscosity.origin, message).help(help))
+    }
+
+    /// Checks that the longest time of a measurement has enough samples and is within the run.
+    fn check_samples(&self, typed: &Located<Time>, experiment: &Experiment) -> Result<(), Diagnostic> {
         let interval = Schedule::new(experiment).interval();
-        let (least, most) = (FEWEST_SAMPLES * interval, experiment.run.duration);
-        if asked.duration >= least * (1.0 - 1e-9) && asked.duration <= most {
+        let (asked, least, most) = (typed.value.0, FEWEST_SAMPLES * interval, experiment.run.duration);
+        if asked >= least * (1.0 - 1e-9) && asked <= most {
             return Ok(());
         }
         let allowed =
             format!("is out of range; allowed: {least:.4e} s, {FEWEST_SAMPLES} samples, up to the run of {most:.4e} s");
-        let help =
-            format!("sample more often: statistics.sample_interval = \"{:.1e} s\"", asked.duration.min(most) / 50.0);
+        let help = format!("sample more often: statistics.sample_interval = \"{:.1e} s\"", asked.min(most) / 50.0);
         Err(self.refuse(typed, allowed).help(help))
     }
 

@@ -1,0 +1,158 @@
+//! Clusters: groups of particles that are connected by pairs with a gap below a given one.
+//!
+//! The gap of two spheres is the distance of their centres less both radii, to the nearest image across periodic sides.
+//! A particle without such a pair is a cluster of one. The mean size of the cluster of a particle is Σ s² n_s/Σ s n_s,
+//! with n_s clusters of s particles (Stauffer and Aharony, Introduction to Percolation Theory, 2nd edition 1994).
+
+use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumber, ObservedQuantity};
+use super::near_pairs::near_pairs;
+use super::{Needs, Observer, plain_data};
+use crate::experiment::{ClustersSettings, Experiment};
+use crate::schedule::Schedule;
+use crate::simulation::Simulation;
+use crate::statistics::estimate;
+use serde::{Deserialize, Serialize};
+
+/// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th sample
+/// is used.
+const MOST_SAMPLES: u64 = 1000;
+/// Number of sizes in the size distribution. The last size also stands for all larger clusters.
+const SIZES: usize = 50;
+
+/// Clusters at one instant.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct ClusterSample {
+    /// [s] simulated time of the sample.
+    time: f64,
+    /// Number of particles.
+    particles: u64,
+    /// Number of clusters, those of one particle included.
+    clusters: u64,
+    /// Number of particles in the largest cluster.
+    largest: u64,
+    /// Sum over all clusters of the squared number of their particles.
+    squares: u64,
+    /// Number of particles in clusters of s particles, in the entry s - 1. The last entry also counts particles in
+    /// larger clusters.
+    by_size: Vec<u64>,
+}
+
+/// Measurement of clusters at samples (instants of measurement).
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Clusters {
+    /// [s] time between two samples that are used.
+    interval: f64,
+    /// [m] gap below which two particles are connected.
+    gap: f64,
+    samples: Vec<ClusterSample>,
+}
+
+impl Clusters {
+    /// Creates a measurement for a run with the given schedule.
+    pub fn new(schedule: &Schedule, settings: ClustersSettings) -> Self {
+        Self { interval: schedule.spacing(MOST_SAMPLES), gap: settings.gap, samples: Vec::new() }
+    }
+
+    /// Numbers of particles in all clusters at the present instant.
+    fn sizes(&self, simulation: &Simulation) -> Vec<u64> {
+        let (particles, scene) = (&simulation.particles, simulation.scene());
+        let radius = &particles.radius;
+        let reach = scene.largest_diameter() + self.gap;
+        let connected = near_pairs(particles, &scene.domain, reach, Vec::new, |pairs, [one, other], apart| {
+            if apart.norm() < radius[one] + radius[other] + self.gap {
+                pairs.push([one, other]);
+            }
+        });
+        let mut forest: Vec<usize> = (0..particles.len()).collect();
+        for [one, other] in connected.into_iter().flatten() {
+            let (one, other) = (root(&mut forest, one), root(&mut forest, other));
+            forest[one.max(other)] = one.min(other);
+        }
+        let mut sizes = vec![0; particles.len()];
+        for place in 0..forest.len() {
+            sizes[root(&mut forest, place)] += 1;
+        }
+        sizes.retain(|size| *size > 0);
+        sizes
+    }
+}
+
+/// Index of the particle that stands for the cluster of the particle at `place`. The path to it is halved, so that
+/// later searches are shorter.
+fn root(forest: &mut [usize], mut place: usize) -> usize {
+    while forest[place] != place {
+        forest[place] = forest[forest[place]];
+        place = forest[place];
+    }
+    place
+}
+
+impl ClusterSample {
+    fn of(time: f64, sizes: &[u64]) -> Self {
+        let mut by_size = vec![0; SIZES];
+        sizes.iter().for_each(|size| by_size[(*size as usize).min(SIZES) - 1] += size);
+        Self {
+            time,
+            particles: sizes.iter().sum(),
+            clusters: sizes.len() as u64,
+            largest: sizes.iter().copied().max().unwrap_or(0),
+            squares: sizes.iter().map(|size| size * size).sum(),
+            by_size,
+        }
+    }
+}
+
+impl Measurement for Clusters {
+    fn result(&self, _experiment: &Experiment, from: f64) -> Observation {
+        // an empty scene has no clusters
+        let is_used = |sample: &&ClusterSample| sample.time >= from && sample.particles > 0;
+        let samples: Vec<&ClusterSample> = self.samples.iter().filter(is_used).collect();
+        let mean =
+            |of: &dyn Fn(&ClusterSample) -> f64| estimate(&samples.iter().map(|sample| of(sample)).collect::<Vec<_>>());
+        let number = |column: &str, symbol: &str, of: &dyn Fn(&ClusterSample) -> f64| ObservedNumber {
+            quantity: ObservedQuantity::new(column, symbol, ""),
+            value: mean(of),
+            theory: None,
+        };
+        let share = |k: usize| mean(&|sample| sample.by_size[k] as f64 / sample.particles as f64);
+        Observation {
+            name: "clusters",
+            title: "Clusters",
+            axis: ObservedQuantity::new("size", "particles of a cluster", ""),
+            places: (1..=SIZES).map(|size| size as f64).collect(),
+            curves: vec![ObservedCurve {
+                quantity: ObservedQuantity::new("share", "share of the particles", ""),
+                values: (0..SIZES).map(share).collect(),
+                theory: None,
+                is_logarithmic: false,
+            }],
+            numbers: vec![
+                number("clusters", "number of clusters", &|sample| sample.clusters as f64),
+                number("largest", "particles in the largest cluster", &|sample| sample.largest as f64),
+                number("mean_size", "particles per cluster", &|sample| {
+                    sample.particles as f64 / sample.clusters as f64
+                }),
+                number("mean_size_of_a_particle", "size of the cluster of a particle", &|sample| {
+                    sample.squares as f64 / sample.particles as f64
+                }),
+            ],
+            ..Observation::default()
+        }
+    }
+}
+
+impl Observer for Clusters {
+    fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
+        Some(now + self.interval)
+    }
+
+    fn sight(&self) -> Needs {
+        Needs::Every(1)
+    }
+
+    fn see(&mut self, simulation: &Simulation) {
+        self.samples.push(ClusterSample::of(simulation.time, &self.sizes(simulation)));
+    }
+
+    plain_data!();
+}
