@@ -205,6 +205,11 @@ pub struct Run {
     /// results.
     #[arg(long, value_name = "TIME")]
     pub every: Option<String>,
+    /// Shows the run on a page while it goes on, and prints the address of the page. Only browsers on this machine can
+    /// open it. Results are those of a run without the page.
+    #[cfg(feature = "lab")]
+    #[arg(long)]
+    pub live: bool,
     #[command(flatten)]
     pub input: Input,
     #[command(flatten)]
@@ -396,6 +401,13 @@ pub struct Lab {
     /// Port of this machine for the page [default: any free port].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub port: Option<u16>,
+    /// Writes a page with one scene to this file instead, with recorded runs over the values of its sliders. The page
+    /// works without the program and without a network. An existing file is never replaced.
+    #[arg(long, value_name = "FILE", conflicts_with = "port")]
+    pub export: Option<PathBuf>,
+    /// Scene of the exported page, such as impact, cradle, cooling or heap.
+    #[arg(long, value_name = "NAME", requires = "export", default_value = "impact")]
+    pub scene: String,
 }
 
 /// Arguments of `diptych init`.

@@ -65,6 +65,8 @@ fn say(why: &clap::Error) -> std::io::Result<()> {
 /// it is 0.
 fn command(command: Command, ranks: &Ranks) -> Result<u8, StudyError> {
     let done = match command {
+        #[cfg(feature = "lab")]
+        Command::Run(args) if args.live => crate::lab::run_live(&args, ranks),
         Command::Run(args) => study::run(&args, ranks),
         Command::Compare(args) => return Ok(verdict(args.exit_code, study::compare(&args, ranks)?)),
         Command::Sensitivity(args) => return Ok(verdict(args.runs.exit_code, study::sensitivity(&args, ranks)?)),

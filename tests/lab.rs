@@ -1,7 +1,7 @@
 //! The lab as a page uses it: which requests are admitted, which settings are allowed, the state of every scene in both
 //! panels, and threads after the end of the lab.
 
-mod page;
+pub mod page;
 
 use clap::Parser;
 use diptych::case::{Case, fingerprint};
@@ -128,15 +128,16 @@ fn every_scene_starts_in_both_panels_and_goes_on() {
         page.choose(scene.name, json!({}), right);
         let opened = page.told();
         assert_eq!((&opened["tell"], &opened["scene"]), (&json!("opened"), &json!(scene.name)), "{opened}");
-        let counts = [0, 1].map(|side| opened["sides"][side]["radii"].as_array().unwrap().len());
-        assert!(counts[0] > 0 && counts[0] == counts[1], "{}", scene.name);
         let (start, values) = page.frame();
-        assert_eq!(values.len(), 5 * (counts[0] + counts[1]));
+        let counts = [0, 1].map(|side| start["counts"][side].as_u64().unwrap() as usize);
+        assert!(counts[0] > 0 && counts[0] == counts[1], "{}", scene.name);
+        assert_eq!(values.len(), 6 * (counts[0] + counts[1]));
         assert_eq!(start["sides"][0]["time"], 0.0);
         // positions and speeds are equal on both sides; overlaps may differ by rounding, because bodies touch at the
         // start
-        let (left, right) = values.split_at(5 * counts[0]);
-        let same = left.chunks(5).zip(right.chunks(5)).all(|(left, right)| left[..4] == right[..4]);
+        let (left, right) = values.split_at(6 * counts[0]);
+        let same =
+            left.chunks(6).zip(right.chunks(6)).all(|(left, right)| left[..4] == right[..4] && left[5] == right[5]);
         assert!(same, "{}", scene.name);
         let begun = Instant::now();
         loop {

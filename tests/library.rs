@@ -8,6 +8,7 @@ use diptych::placement::{initial_state, random_start};
 use diptych::schedule::Schedule;
 use diptych::simulation::Simulation;
 use diptych::triangles::TriangleFile;
+use diptych::{Domain, Scene, Species, Surface, Vector3};
 use std::path::Path;
 
 /// Experiment of a built-in case with drag, for 20 ms.
@@ -145,4 +146,35 @@ fn files_of_triangles_are_read_or_refused_with_their_name() {
         let said = TriangleFile::read(folder.join(path)).unwrap_err().to_string();
         assert!(said.contains(why), "{said}");
     }
+}
+
+#[test]
+fn forces_of_a_program_are_in_the_books() {
+    let domain = Domain::new(Vector3::repeat(2e-3), [true; 3]);
+    let gravity = Vector3::new(0.0, -9.81, 3.0);
+    let species = vec![Species::new("glass", 2e-4, 2500.0)];
+    let scene = Scene { gravity, ..Scene::new(domain, Surface::new(0.9, 0.1), species) };
+    let experiment = Experiment::new(scene, vec![Population::random(0, 125, 0.3)], Spheres::Hard, 0.02);
+    let mut simulation = Simulation::from_start(&experiment).unwrap();
+    let (at_start, window) = (simulation.energy(), 2e-4);
+    for _ in 0..100 {
+        for half in 0..2 {
+            let velocity = simulation.particles.velocity.clone();
+            simulation.accelerate(|place| Vector3::new(0.0, 9.0, 0.0) - velocity[place] / 0.01, 0.5 * window);
+            if half == 0 {
+                simulation.run(1, window).unwrap();
+            }
+        }
+    }
+    let ledger = &simulation.record.ledger;
+    assert!(ledger.drag_work.abs() > 0.1 * at_start && ledger.dissipated() > 0.01 * at_start);
+    // some thousand sums, each rounded to 1e-16 of the energies that went through
+    let residual = ledger.residual(at_start, simulation.energy()) / ledger.through(at_start);
+    assert!(residual.abs() < 1e-12, "{residual:e}");
+    // gravity is counted by a sum of momentum that every change of velocity must reach
+    let mean = simulation.particles.momentum() / simulation.total_mass();
+    let differs = (mean - simulation.mean_velocity()).norm() / mean.norm();
+    assert!(differs < 1e-12, "{differs:e}");
+    let impulse = (ledger.drag_impulse + ledger.gravity_impulse - simulation.particles.momentum()).norm();
+    assert!(impulse < 1e-12 * ledger.gravity_impulse.norm(), "{impulse:e}");
 }

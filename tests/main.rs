@@ -54,6 +54,8 @@ mod lab; // the lab: token, other hosts, limits, protocol, every scene in both p
 mod library; // programs that use the library: defaults, random starts, run_until, files of triangles
 mod lift; // forces across the slip and torque of the gas
 mod limits; // kinds of failures, the TC model, and maps of failures against theory
+#[cfg(feature = "lab")]
+mod live; // a run on a page: bits, frames, access, resumption; pages with recorded runs
 mod maps; // the maps of `limits`, which show where each method fails, against theory
 mod measurements; // measurements that a case asks for, against theories and brute force
 mod meshes; // walls of triangles: seams, corners, vessels, damaged meshes

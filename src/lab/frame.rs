@@ -1,11 +1,15 @@
-//! Frame of the lab: data of one instant, from which the page draws its two panels.
+//! Frame of the lab: data of one instant, from which the page draws its panels.
 //!
 //! A frame is a sequence of bytes, little endian: the length of the JSON in bytes (u32), the JSON, and blanks up to a
-//! multiple of four. Then come the particles of the left panel and those of the right panel, in the order of their ids.
-//! Each particle has x, y, z [m], speed [m/s] and overlap [m], as f32.
+//! multiple of four. Then come the particles of each panel, in the order of their ids. Each particle has x, y, z [m],
+//! speed [m/s], overlap [m] and radius [m], as f32.
 
 use crate::engine::Failure;
+use crate::simulation::Simulation;
 use serde::Serialize;
+
+/// Numbers of one particle in a frame: x, y, z [m], speed [m/s], overlap [m] and radius [m].
+pub type DrawnParticle = [f32; 6];
 
 /// State of one panel at one instant, without its particles.
 #[derive(Clone, Debug, Serialize)]
@@ -62,6 +66,52 @@ pub struct Live {
     pub missed: u64,
 }
 
+impl Live {
+    /// Numbers of a simulation at the present time. `at_start` [J] is its energy at the start.
+    pub fn of(simulation: &Simulation, at_start: f64) -> Self {
+        let counters = simulation.counters();
+        let (record, ledger) = (&simulation.record, &simulation.record.ledger);
+        let squares = record.pairs.normal_speed.sum_of_squares() + record.walls.normal_speed.sum_of_squares();
+        let rebound = record.pairs.rebound_squares() + record.walls.rebound_squares();
+        let summaries = [record.pairs.summary(), record.walls.summary()];
+        let largest = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).max_by(f64::total_cmp);
+        let count = record.pairs.count + record.walls.count;
+        Self {
+            kinetic: simulation.particles.kinetic_energy() + simulation.particles.rotational_energies().value(),
+            elastic: simulation.elastic_energy(),
+            dissipated: ledger.dissipated(),
+            work: ledger.work(),
+            at_start,
+            residual: ledger.residual(at_start, simulation.energy()),
+            pairs: record.pairs.count,
+            walls: record.walls.count,
+            restitution: (squares > 0.0).then(|| (rebound / squares).sqrt()),
+            overlap: largest(summaries[0].largest_overlap, summaries[1].largest_overlap),
+            duration: (count > 0).then(|| (record.pairs.duration.sum() + record.walls.duration.sum()) / count as f64),
+            cost: (simulation.time > 0.0).then(|| simulation.spent.engine.as_secs_f64() / simulation.time),
+            steps: counters.steps,
+            events: counters.events,
+            checks: counters.pair_checks,
+            missed: counters.missed_collisions,
+        }
+    }
+}
+
+/// Particles of a simulation as a page draws them, in the order of ids: at most `most` particles, and then every n-th.
+/// Along periodic axes, positions are replaced by those of the image within the box.
+pub fn drawn(simulation: &Simulation, most: usize) -> Vec<DrawnParticle> {
+    let (particles, domain) = (&simulation.particles, &simulation.scene().domain);
+    let overlaps = simulation.overlaps();
+    let mut places: Vec<usize> = (0..particles.len()).collect();
+    places.sort_unstable_by_key(|place| particles.id[*place]);
+    let each = |place: usize| {
+        let (mut x, speed) = (particles.position[place], particles.velocity[place].norm());
+        (0..3).filter(|axis| domain.periodic[*axis]).for_each(|axis| x[axis] = x[axis].rem_euclid(domain.size[axis]));
+        [x.x, x.y, x.z, speed, overlaps[place], particles.radius[place]].map(|value| value as f32)
+    };
+    places.into_iter().step_by(particles.len().div_ceil(most).max(1)).map(each).collect()
+}
+
 /// Result of the comparison of the two panels, in scenes whose statistics are tested.
 #[derive(Clone, Debug, Serialize)]
 pub struct PanelComparison {
@@ -81,20 +131,22 @@ pub struct PanelComparison {
 pub struct Head<'a> {
     /// Serial number of the choice (scene and settings) by which the page opened the running scene.
     pub serial: u32,
-    /// States of the left and the right panel.
-    pub sides: &'a [Now; 2],
+    /// Numbers of drawn particles in the panels.
+    pub counts: Vec<usize>,
+    /// States of the panels, from left to right.
+    pub sides: &'a [Now],
     /// Comparison of the two panels. It is present only in the first frame after a new comparison.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub judged: Option<PanelComparison>,
 }
 
-/// Bytes of a frame, made from its JSON part and from the values of the particles of the left and the right panel.
-pub fn bytes(head: &Head, particles: [&[[f32; 5]]; 2]) -> Vec<u8> {
+/// Bytes of a frame, made from its JSON part and from the particles of its panels.
+pub fn bytes(head: &impl Serialize, particles: &[Vec<DrawnParticle>]) -> Vec<u8> {
     let mut json = serde_json::to_vec(head).unwrap_or_default();
     json.resize(json.len().next_multiple_of(4), b' ');
     let mut bytes = (json.len() as u32).to_le_bytes().to_vec();
     bytes.append(&mut json);
-    for values in particles.into_iter().flatten().flatten() {
+    for values in particles.iter().flatten().flatten() {
         bytes.extend_from_slice(&values.to_le_bytes());
     }
     bytes

@@ -7,6 +7,7 @@ use crate::experiment::Experiment;
 use crate::observe::Observer;
 use crate::particles::Particles;
 use crate::predict::closed_form::{Bouncing, Cooling};
+use crate::predict::contact::ContactTimes;
 use crate::scene::Scene;
 use crate::simulation::Simulation;
 use serde::Serialize;
@@ -54,13 +55,16 @@ pub struct Graph {
     pub columns: Vec<usize>,
     /// True if the vertical axis is logarithmic.
     pub logarithmic: bool,
+    /// Ends of the horizontal axis, in its unit; `None` for the whole run.
+    pub window: Option<[f64; 2]>,
     /// Name and points of a theoretical curve; `None` if there is no theory.
     pub theory: Option<(&'static str, Vec<[f64; 2]>)>,
 }
 
 impl Graph {
-    fn new(title: &'static str, x: (usize, &'static str), y: &'static str, columns: Vec<usize>) -> Self {
-        Self { title, x, y, columns, logarithmic: false, theory: None }
+    /// Creates a graph on linear axes, without theory.
+    pub fn new(title: &'static str, x: (usize, &'static str), y: &'static str, columns: Vec<usize>) -> Self {
+        Self { title, x, y, columns, logarithmic: false, window: None, theory: None }
     }
 
     fn with(self, name: &'static str, points: Option<Vec<[f64; 2]>>) -> Self {
@@ -88,7 +92,9 @@ impl Gauge {
                 Graph::new("Relative velocity over time", MICRO, "normal velocity [m/s]", vec![2]),
             ],
             Self::Speeds => {
-                vec![Graph::new("Velocity of each sphere", MICRO, "velocity [m/s]", (1..=start.len()).collect())]
+                let graph = |title| Graph::new(title, MICRO, "velocity [m/s]", (1..=start.len()).collect());
+                let blow = Graph { window: blow(experiment, start), ..graph("The same around the blow") };
+                vec![graph("Velocity of each sphere"), blow]
             }
             Self::Bounces => {
                 let path =
@@ -143,6 +149,11 @@ impl Gauge {
                 Graph::new("Collisions that were missed", MILLI, "share [%]", vec![2]),
             ],
         }
+    }
+
+    /// True if an impact has a restitution of its own. A sphere that presses on several others at once has none.
+    pub fn has_lone_impacts(self) -> bool {
+        !matches!(self, Self::Speeds | Self::Column | Self::Heap)
     }
 
     /// Quantities of this set at one instant: a row with one value for each column of the graphs, in the unit of the
@@ -202,6 +213,17 @@ impl Gauge {
     }
 }
 
+/// Time [µs] from one contact time before the first two spheres of a row touch to about the end of all contacts. Each
+/// sphere of the row adds a contact time. `None` without a contact law, or if the two do not approach.
+fn blow(experiment: &Experiment, start: &Particles) -> Option<[f64; 2]> {
+    let contact_time = ContactTimes::of(experiment, &experiment.law()?, start.len()).governing()?;
+    let [gap, closing] =
+        [start.position[1].x - start.position[0].x - start.radius[0] - start.radius[1], start.velocity[0].x];
+    let touch = gap / closing;
+    let ends = [touch - contact_time, touch + start.len() as f64 * contact_time];
+    (closing > 0.0).then(|| ends.map(|time| 1e6 * time))
+}
+
 /// Theoretical overlap of the lowest of n spheres that rest on one another, at the start and at the end of the run. A
 /// point has a time [ms] and the overlap in per cent of the diameter. For a linear spring the overlap is n m g/k.
 /// `None` without a contact law or a floor.
@@ -223,7 +245,8 @@ fn temperature(particles: &Particles) -> f64 {
 
 /// Observer that measures the quantities of a set (gauge) while a panel runs.
 pub struct Meter<'a> {
-    gauge: Gauge,
+    /// Quantities that are measured.
+    pub gauge: Gauge,
     experiment: &'a Experiment,
     at_start: Option<f64>,
     /// Rows measured since the last frame. A row has one value for each column of the graphs, in the unit of this

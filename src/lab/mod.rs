@@ -1,5 +1,5 @@
 //! Lab, opened by `diptych lab`: a page on which two simulations, such as soft and hard spheres, run side by side. The
-//! page is served to this machine only.
+//! page is served to this machine only. [`live`] shows any run on a similar page.
 //!
 //! ```text
 //!  browser --WebSocket--> server (one thread) --asks--> session (a thread per page) --> two panels --> Simulation
@@ -9,13 +9,16 @@
 //! A scene is a case of `cases/` with changes in the form of `--set` arguments. If the page has not drawn the last two
 //! frames, no new frame is computed, so a slow page gets fewer frames.
 //!
-//! The lab reads and writes no files. Its address contains a secret token. A request that names another host than this
+//! The lab reads and writes no files, unless `--export` asks for one. Its address contains a secret token. A request that names another host than this
 //! machine is refused ([`access`]).
 
 pub mod access;
 mod engine_lock;
+mod export;
 mod frame;
 mod gauge;
+mod live;
+mod live_session;
 mod page;
 mod panel;
 mod parameter;
@@ -24,13 +27,17 @@ mod scene_state;
 pub mod scenes;
 mod server;
 mod session;
+mod stage_run;
 
+pub use live::{LiveFeed, LiveView};
 pub use parameter::{LabParameter, ParameterKind, ParameterRange, ParameterValue};
 pub use scene_state::SceneState;
 pub use server::{LabError, LabServer};
 
 use crate::cli;
-use crate::study::{self, Signals, StudyError};
+use crate::output::put;
+use crate::study::{self, Ranks, Signals, StudyError};
+use std::path::Path;
 use std::time::Duration;
 
 /// Wall time between two checks whether the user has pressed Ctrl-C.
@@ -43,6 +50,9 @@ const LOOK: Duration = Duration::from_millis(100);
 /// returns a failure if standard output cannot be written.
 pub fn lab(args: &cli::Lab) -> Result<(), StudyError> {
     let bad = |why: &dyn std::fmt::Display| StudyError::Input(format!("error: {why}"));
+    if let Some(file) = &args.export {
+        return write_page(&args.scene, file);
+    }
     let signals = Signals::listen()?;
     let lab = LabServer::start(args.port.unwrap_or(0)).map_err(|why| bad(&why))?;
     let url = lab.url();
@@ -52,4 +62,45 @@ pub fn lab(args: &cli::Lab) -> Result<(), StudyError> {
     }
     lab.stop();
     Ok(())
+}
+
+/// Writes a page with recorded runs of a scene to a new file.
+fn write_page(scene: &str, file: &Path) -> Result<(), StudyError> {
+    let scene = export::scene_named(scene).map_err(StudyError::Input)?;
+    if file.exists() {
+        let message =
+            format!("error: --export {}: there is such a file\nhelp: remove it, or give another name", file.display());
+        return Err(StudyError::Input(message));
+    }
+    let page =
+        export::page(scene, |line| study::tell(line)).map_err(|why| StudyError::Failed(format!("error: {why}")))?;
+    put(file, page.as_bytes())?;
+    study::answer(&format!(
+        "{} ({:.1} MB) opens in any browser, without the program.\n",
+        file.display(),
+        page.len() as f64 / 1e6
+    ))
+}
+
+/// Runs `diptych run --live`: a run that a page of this machine shows while it goes on. The server ends with the run.
+///
+/// # Errors
+/// Errors of `diptych run`, and an error for bad input if the server cannot start.
+pub fn run_live(args: &cli::Run, ranks: &Ranks) -> Result<(), StudyError> {
+    let mut server = None;
+    let title = args.case.display().to_string();
+    let result = study::run_watched(args, ranks, &mut |experiment| {
+        let view = LiveView::new(experiment, &title, true);
+        let lab = LabServer::start_live(view.feed());
+        let lab = server.insert(lab.map_err(|why| StudyError::Input(format!("error: {why}")))?);
+        study::tell(format!(
+            "The run is shown at {} until it ends. Open this in a browser on this machine.",
+            lab.url()
+        ));
+        Ok(Box::new(view))
+    });
+    if let Some(server) = server {
+        server.stop();
+    }
+    result
 }

@@ -20,6 +20,8 @@ pub const ASSETS: &[Asset] = &[
     Asset { path: "lab.css", kind: STYLE, text: include_str!("page/lab.css") },
     Asset { path: "scene.js", kind: SCRIPT, text: include_str!("../output/page/scene.js") },
     Asset { path: "main.js", kind: SCRIPT, text: include_str!("page/main.js") },
+    Asset { path: "frames.js", kind: SCRIPT, text: include_str!("page/frames.js") },
+    Asset { path: "live.js", kind: SCRIPT, text: include_str!("page/live.js") },
     Asset { path: "link.js", kind: SCRIPT, text: include_str!("page/link.js") },
     Asset { path: "controls.js", kind: SCRIPT, text: include_str!("page/controls.js") },
     Asset { path: "graph.js", kind: SCRIPT, text: include_str!("page/graph.js") },
@@ -28,7 +30,27 @@ pub const ASSETS: &[Asset] = &[
     Asset { path: "words.js", kind: SCRIPT, text: include_str!("page/words.js") },
 ];
 
+/// Script that takes the place of `link.js` in a file with recorded runs.
+pub const RECORDED: &str = include_str!("page/recorded.js");
+
+/// Page of the live view of a run, which has the path of the lab's page. Its other files are among [`ASSETS`].
+pub const LIVE: Asset = Asset { path: "", kind: ASSETS[0].kind, text: include_str!("page/live.html") };
+
 /// Content security policy that the server sends: the page may load only its own files, and connect only to its own
 /// server.
-pub const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' data:; \
-     base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+macro_rules! policy {
+    ($frames:literal) => {
+        concat!(
+            "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' data:; ",
+            "base-uri 'none'; form-action 'none'; frame-ancestors ",
+            $frames
+        )
+    };
+}
+
+/// Policy of the lab: no other page may contain it.
+pub const POLICY: &str = policy!("'none'");
+
+/// Policy of a live view: pages of this machine, such as notebooks, may contain it. It has no controls that change
+/// anything.
+pub const LIVE_POLICY: &str = policy!("http://127.0.0.1:* http://localhost:*");

@@ -1,7 +1,7 @@
 //! Panel of the lab: a simulation that advances window by window (times between two exchanges of momentum with the
 //! gas), and its state for the page.
 
-use super::frame::{Live, Now, words};
+use super::frame::{DrawnParticle, Live, Now, drawn, words};
 use super::gauge::{Gauge, Meter};
 use crate::clock::Clock;
 use crate::engine::Failure;
@@ -114,51 +114,14 @@ impl<'a> LabPanel<'a> {
             (None, true) => "over",
             (None, false) => "running",
         };
-        Now { time: self.simulation.time, state, failure: self.failure.as_ref().map(words), rows, live: self.live() }
+        let mut live = Live::of(&self.simulation, self.at_start);
+        live.restitution = live.restitution.filter(|_| self.meter.gauge.has_lone_impacts());
+        Now { time: self.simulation.time, state, failure: self.failure.as_ref().map(words), rows, live }
     }
 
-    fn live(&self) -> Live {
-        let (simulation, counters) = (&self.simulation, self.simulation.counters());
-        let (record, ledger) = (&simulation.record, &simulation.record.ledger);
-        let squares = record.pairs.normal_speed.sum_of_squares() + record.walls.normal_speed.sum_of_squares();
-        let rebound = record.pairs.rebound_squares() + record.walls.rebound_squares();
-        let summaries = [record.pairs.summary(), record.walls.summary()];
-        let largest = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).max_by(f64::total_cmp);
-        let count = record.pairs.count + record.walls.count;
-        Live {
-            kinetic: simulation.particles.kinetic_energy() + simulation.particles.rotational_energies().value(),
-            elastic: simulation.elastic_energy(),
-            dissipated: ledger.dissipated(),
-            work: ledger.work(),
-            at_start: self.at_start,
-            residual: ledger.residual(self.at_start, simulation.energy()),
-            pairs: record.pairs.count,
-            walls: record.walls.count,
-            restitution: (squares > 0.0).then(|| (rebound / squares).sqrt()),
-            overlap: largest(summaries[0].largest_overlap, summaries[1].largest_overlap),
-            duration: (count > 0).then(|| (record.pairs.duration.sum() + record.walls.duration.sum()) / count as f64),
-            cost: (simulation.time > 0.0).then(|| simulation.spent.engine.as_secs_f64() / simulation.time),
-            steps: counters.steps,
-            events: counters.events,
-            checks: counters.pair_checks,
-            missed: counters.missed_collisions,
-        }
-    }
-
-    /// Position x, y, z [m], speed [m/s] and overlap [m] of every particle, in the order of ids. Along periodic axes,
-    /// positions are replaced by those of the image within the box.
-    pub fn particles(&self) -> Vec<[f32; 5]> {
-        let (particles, domain) = (&self.simulation.particles, &self.simulation.scene().domain);
-        let overlaps = self.simulation.overlaps();
-        let mut drawn = vec![[0.0; 5]; particles.len()];
-        for (place, id) in particles.id.iter().enumerate() {
-            let (mut x, speed) = (particles.position[place], particles.velocity[place].norm());
-            (0..3)
-                .filter(|axis| domain.periodic[*axis])
-                .for_each(|axis| x[axis] = x[axis].rem_euclid(domain.size[axis]));
-            drawn[*id as usize] = [x.x, x.y, x.z, speed, overlaps[place]].map(|value| value as f32);
-        }
-        drawn
+    /// Particles of the panel as the page draws them, in the order of ids.
+    pub fn particles(&self) -> Vec<DrawnParticle> {
+        drawn(&self.simulation, usize::MAX)
     }
 
     /// Results of the panel so far, for the comparison of both panels. `None` at the start, and in scenes whose

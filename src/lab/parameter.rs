@@ -46,7 +46,8 @@ pub enum LabParameter {
     /// [-] clearance of hybrid spheres, in contact times. The contact of two spheres becomes an instantaneous collision
     /// if no third particle can reach them within this time.
     Clearance,
-    /// Seed of the random start of the particles.
+    /// Seed of the random start of the particles, and of the random numbers during the run: turbulence, heat, rough and
+    /// thermal walls.
     Seed,
 }
 
@@ -115,7 +116,7 @@ impl LabParameter {
             Self::Approach => ("speed of each sphere", "m/s"),
             Self::Theta => ("step over diameter θ", ""),
             Self::Clearance => ("clearance θ", "contact times"),
-            Self::Seed => ("seed of the start", ""),
+            Self::Seed => ("seed", ""),
         }
     }
 
@@ -139,7 +140,7 @@ impl LabParameter {
             Self::Clearance => {
                 "A touch of hybrid spheres is an instant if no other particle can come within so many contact times."
             }
-            Self::Seed => "Another number makes another random start.",
+            Self::Seed => "Another number makes another random start, and other random numbers in scenes with noise.",
         }
     }
 

@@ -97,8 +97,6 @@ pub struct PanelDescription {
     pub model: &'static str,
     /// Method in a few words: integrator and time step, or the way in which collisions are found.
     pub method: String,
-    /// [m] radii of the particles, in the order of their ids.
-    pub radii: Vec<f32>,
     /// [s] duration of the shortest contact of two particles or of a particle and a wall. `None` without a contact law.
     pub contact_time: Option<f64>,
     /// Command line that repeats the run of the panel.

@@ -117,7 +117,6 @@ impl SceneState {
             title: side.title.to_owned(),
             model: side.model.name(),
             method: method(experiment, start),
-            radii: start.radius.iter().map(|radius| *radius as f32).collect(),
             contact_time: law.and_then(|law| ContactTimes::of(experiment, &law, start.len()).governing()),
             command: self.run_command(side),
         }

@@ -3,7 +3,9 @@
 
 use super::access::{Token, is_host, is_origin};
 use super::engine_lock::EngineLock;
-use super::page::{ASSETS, POLICY};
+use super::live::LiveFeed;
+use super::live_session::serve_live;
+use super::page::{ASSETS, Asset, LIVE, LIVE_POLICY, POLICY};
 use super::protocol::{Ask, LONGEST};
 use super::session::{PageMessage, Session};
 use axum::Router;
@@ -86,6 +88,8 @@ struct ServerState {
     sessions: Arc<AtomicUsize>,
     threads: Arc<Mutex<Vec<JoinHandle<()>>>>,
     stop: watch::Receiver<bool>,
+    /// Frames of the run that the server shows in place of the scenes of the lab.
+    feed: Option<Arc<LiveFeed>>,
 }
 
 impl LabServer {
@@ -95,6 +99,18 @@ impl LabServer {
     /// # Errors
     /// Returns an error if the port is taken, or if the system gives no random numbers or no thread.
     pub fn start(port: u16) -> Result<Self, LabError> {
+        Self::serving(port, None)
+    }
+
+    /// Starts a server at any free port of this machine that shows a run, in place of the scenes of the lab.
+    ///
+    /// # Errors
+    /// Errors of [`start`](Self::start).
+    pub fn start_live(feed: Arc<LiveFeed>) -> Result<Self, LabError> {
+        Self::serving(0, Some(feed))
+    }
+
+    fn serving(port: u16, feed: Option<Arc<LiveFeed>>) -> Result<Self, LabError> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(|why| LabError::Port { port, why })?;
         let address = listener.local_addr().map_err(LabError::Start)?;
         listener.set_nonblocking(true).map_err(LabError::Start)?;
@@ -106,6 +122,7 @@ impl LabServer {
             sessions: Arc::default(),
             threads: Arc::default(),
             stop: stopped,
+            feed,
         };
         let (token, sessions) = (shared.token.clone(), Arc::clone(&shared.sessions));
         let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build();
@@ -188,7 +205,7 @@ async fn accept(listener: tokio::net::TcpListener, router: Router) {
 }
 
 /// Waits until the server is told to stop.
-async fn until_told(stop: &mut watch::Receiver<bool>) {
+pub(super) async fn until_told(stop: &mut watch::Receiver<bool>) {
     // an error means that the server object no longer exists, so the server must stop
     drop(stop.wait_for(|stop| *stop).await);
 }
@@ -225,7 +242,7 @@ async fn check(State(shared): State<ServerState>, request: Request, next: Next) 
         next.run(request).await
     };
     for (name, value) in [
-        (header::CONTENT_SECURITY_POLICY, POLICY),
+        (header::CONTENT_SECURITY_POLICY, if shared.feed.is_some() { LIVE_POLICY } else { POLICY }),
         (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
         (header::REFERRER_POLICY, "no-referrer"),
         (header::CACHE_CONTROL, "no-store"),
@@ -235,17 +252,17 @@ async fn check(State(shared): State<ServerState>, request: Request, next: Next) 
     response
 }
 
-async fn index() -> Response<Body> {
-    asset("")
+async fn index(State(shared): State<ServerState>) -> Response<Body> {
+    asset(if shared.feed.is_some() { Some(&LIVE) } else { ASSETS.first() })
 }
 
 async fn file(Path((_, file)): Path<(String, String)>) -> Response<Body> {
-    asset(&file)
+    asset(ASSETS.iter().find(|asset| asset.path == file))
 }
 
-/// Answer with the file of the page at `path`, or with status 404 if no such file is in [`ASSETS`].
-fn asset(path: &str) -> Response<Body> {
-    let Some(asset) = ASSETS.iter().find(|asset| asset.path == path) else { return plain(StatusCode::NOT_FOUND) };
+/// Answer with a file of the page, or with status 404 if there is no such file.
+fn asset(asset: Option<&Asset>) -> Response<Body> {
+    let Some(asset) = asset else { return plain(StatusCode::NOT_FOUND) };
     let mut response = Response::new(Body::from(asset.text));
     response.headers_mut().insert(header::CONTENT_TYPE, header::HeaderValue::from_static(asset.kind));
     response
@@ -260,10 +277,15 @@ async fn socket(State(shared): State<ServerState>, upgrade: WebSocketUpgrade) ->
         return plain(StatusCode::SERVICE_UNAVAILABLE);
     }
     let place = PageSlot(Arc::clone(&shared.sessions));
-    upgrade
-        .max_message_size(LONGEST)
-        .max_frame_size(LONGEST)
-        .on_upgrade(move |socket| serve_page(socket, shared, place))
+    upgrade.max_message_size(LONGEST).max_frame_size(LONGEST).on_upgrade(move |socket| async move {
+        match shared.feed.clone() {
+            Some(feed) => {
+                serve_live(socket, &feed, shared.stop.clone()).await;
+                drop(place);
+            }
+            None => serve_page(socket, shared, place).await,
+        }
+    })
 }
 
 /// Permission for one open page, whose number is limited. When this value is dropped, another page may be opened.

@@ -5,38 +5,15 @@
 //! drawn. A slow, hidden or paused page therefore causes no work, and a page always shows a recent frame.
 
 use super::engine_lock::EngineLock;
-use super::frame::{Head, Now, PanelComparison, bytes};
-use super::panel::LabPanel;
 use super::protocol::{Ask, Listed, SceneChoice, Tell};
 use super::scene_state::SceneState;
 use super::scenes::SCENES;
-use crate::clock::Clock;
-use crate::outcome::Outcome;
-use crate::statistics::{U, UU, VV, WW};
-use crate::study::judge;
+use super::stage_run::StageRun;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
-use std::time::Duration;
 use tokio::sync::mpsc::Sender;
 
 /// Largest number of frames that have been sent to the page, but that the page has not drawn.
 const UNDRAWN: u32 = 2;
-
-/// Wall time from one frame to the next.
-const FRAME: Duration = Duration::from_millis(33);
-
-/// Largest wall time that one panel may compute for one frame. A panel that needs longer shows the simulated time that
-/// it has reached.
-const BUDGET: Duration = Duration::from_millis(14);
-
-/// Largest wall time since the last frame that is converted to simulated time for the next frame. The rest of a longer
-/// pause is left out.
-const LATEST: Duration = Duration::from_millis(100);
-
-/// Wall time from one comparison of the panels to the next.
-const VERDICT: Duration = Duration::from_millis(1500);
-
-/// [-] margin of equivalence of the comparison, equal to the default of the command `compare`.
-const MARGIN: f64 = 0.01;
 
 /// [-] smallest and largest factor that a user can apply to the default pace of a scene.
 const PACES: [f64; 2] = [0.02, 10.0];
@@ -183,93 +160,4 @@ impl Wish {
         let moving = self.playing || self.single;
         moving && self.looking && self.undrawn < UNDRAWN && run.panels.iter().any(|panel| panel.running().is_some())
     }
-}
-
-/// Panels of an opened scene while they run, with the times of the last frame and of the last comparison.
-struct StageRun<'a> {
-    stage: &'a SceneState,
-    panels: [LabPanel<'a>; 2],
-    clock: Clock,
-    /// Wall time at which the last frame was made, measured by `clock`.
-    shown: Duration,
-    /// Comparison of the panels for the next frame; `None` if the page has got the last comparison.
-    judged: Option<PanelComparison>,
-    /// Wall time of the last comparison of the panels, measured by `clock`.
-    judged_at: Duration,
-}
-
-impl<'a> StageRun<'a> {
-    fn new(stage: &'a SceneState) -> Self {
-        let frame = stage.pace() * FRAME.as_secs_f64();
-        let panel =
-            |side: usize| LabPanel::new(&stage.experiments[side], stage.starts[side].clone(), stage.scene.gauge, frame);
-        let clock = Clock::wall();
-        let now = clock.now();
-        Self { stage, panels: [panel(0), panel(1)], clock, shown: now, judged: None, judged_at: now }
-    }
-
-    fn is_due(&self) -> bool {
-        self.clock.now() >= self.shown + FRAME
-    }
-
-    fn until_next_frame(&self) -> Duration {
-        // at least 1 ms, so that other sessions can get the lock of the engine
-        (self.shown + FRAME).saturating_sub(self.clock.now()).max(Duration::from_millis(1))
-    }
-
-    /// [s] simulated time by which the panels advance for the next frame: wall time since the last frame times pace.
-    /// `factor` [-] multiplies the default pace. If `single` is true, the wall time is that from one frame to the next.
-    fn stretch(&self, factor: f64, single: bool) -> f64 {
-        let passed = if single { FRAME } else { (self.clock.now() - self.shown).min(LATEST) };
-        self.stage.pace() * factor * passed.as_secs_f64()
-    }
-
-    /// Advances both panels to equal simulated times: the time of the panel that is behind, plus `stretch` [s].
-    fn go_on(&mut self, stretch: f64) {
-        let times = self.panels.iter().filter_map(LabPanel::running);
-        let until = times.fold(f64::INFINITY, f64::min) + stretch;
-        self.panels.iter_mut().for_each(|panel| panel.run(until, BUDGET));
-        let now = self.clock.now();
-        if now - self.judged_at > VERDICT {
-            self.judge();
-            self.judged_at = self.clock.now();
-        }
-    }
-
-    /// Compares the results of both panels so far. Nothing is compared in scenes whose statistics are not tested.
-    fn judge(&mut self) {
-        let [Some(left), Some(right)] = [self.panels[0].outcome(), self.panels[1].outcome()] else { return };
-        let outcomes = [left, right];
-        self.judged = judge(&outcomes, &[], MARGIN).into_iter().next().map(|verdict| {
-            let answer = serde_json::to_value(verdict.answer).ok();
-            let answer = answer.as_ref().and_then(serde_json::Value::as_str).unwrap_or_default().to_owned();
-            let from = outcomes[0].steadiness.from;
-            PanelComparison {
-                answer,
-                sentence: verdict.sentence,
-                from,
-                profiles: [profile(&outcomes[0]), profile(&outcomes[1])],
-            }
-        });
-    }
-
-    fn frame(&mut self) -> Vec<u8> {
-        self.shown = self.clock.now();
-        let sides: [Now; 2] = [self.panels[0].now(), self.panels[1].now()];
-        let head = Head { serial: self.stage.choice.serial, sides: &sides, judged: self.judged.take() };
-        let particles = [self.panels[0].particles(), self.panels[1].particles()];
-        bytes(&head, [&particles[0], &particles[1]])
-    }
-}
-
-/// Profile of a channel for the page, one row for each slice: height y [mm], streamwise velocity and its standard error
-/// [m/s], and granular temperature [m²/s²].
-fn profile(outcome: &Outcome) -> Vec<[Option<f64>; 4]> {
-    let rows = outcome.profiles.slices.iter().map(|row| {
-        let normal: Option<Vec<f64>> = [UU, VV, WW].into_iter().map(|one| Some(row.of(one)?.value)).collect();
-        let temperature = normal.map(|normal| normal.iter().sum::<f64>() / 3.0);
-        let mean = row.of(U);
-        [Some(1e3 * row.y), mean.map(|mean| mean.value), mean.and_then(|mean| mean.error), temperature]
-    });
-    rows.collect()
 }

@@ -46,6 +46,8 @@ pub use files_study::{FilesQuantity, FilesStudy, SideSummary};
 pub use groups::references;
 
 pub use impact::{Analytic, Bounce, BounceValues, ImpactStudy, ObliqueCurve, ObliqueStudy, PathPoint};
+#[cfg(feature = "lab")]
+pub(crate) use player::outlines;
 pub use state::StateFile;
 pub use trajectory::{TRAJECTORY, Trajectory};
 pub use trust::{Expected, Halved, HalvedStep, Judgement, TrustCheck, TrustSheet, Verification};

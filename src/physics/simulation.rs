@@ -10,6 +10,7 @@ mod engines;
 mod inflow;
 mod kick;
 mod lift;
+mod own_force;
 mod share;
 mod snapshot;
 mod thermostat;

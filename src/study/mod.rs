@@ -42,7 +42,7 @@ pub use manual::{completions, man};
 pub use plan::{PlannedExperiment, plan, plan_of};
 pub use replicas::pool;
 pub use resume::resume;
-pub use run::run;
+pub use run::{MakeObserver, run, run_watched};
 pub use sensitivity::{needs, sensitivity};
 pub use sweep::sweep;
 pub use trust_sheet::trust_sheet;

@@ -1,13 +1,14 @@
 //! `diptych resume`: continues a run, a comparison, a sweep or a study of sensitivity that was stopped or killed.
 
 use super::compare::compare_on;
-use super::run::run_on;
+use super::run::{MakeObserver, run_on};
 use super::sensitivity::{Question, sensitivity_on};
 use super::sweep::sweep_on;
 use crate::checkpoint::{Store, Unreadable};
-use crate::cli::{Cli, Command, Effort, Output, Resume};
+use crate::cli::{Cli, Command, Effort, Output, Resume, Run};
 use crate::output::{CHECKPOINT, COMMAND, SUMMARY};
 use crate::runs::{CommandOrigin, Ranks, StudyError, unusable};
+use crate::simulation::Simulation;
 use clap::Parser;
 use std::io::ErrorKind;
 use std::path::Path;
@@ -36,7 +37,9 @@ pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
     // only these commands store their state
     if let Command::Run(mut run) = cli.command {
         adopt(args, &mut run.output, &mut run.effort);
-        run_on(&run, origin, ranks)
+        // an observer that displays has stored no data, so an idle one takes its place
+        let idle: MakeObserver = &mut |_| Ok(Box::new(|_: &Simulation| ()));
+        run_on(&run, origin, ranks, is_watched(&run).then_some(idle))
     } else if let Command::Compare(mut compare) = cli.command {
         adopt(args, &mut compare.output, &mut compare.effort);
         compare_on(&compare, origin, ranks).map(|_| ())
@@ -52,6 +55,18 @@ pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
     } else {
         Err(input(format!("{typed} holds neither a run nor a comparison")))
     }
+}
+
+/// True if the command showed its run on a page.
+#[cfg(feature = "lab")]
+fn is_watched(run: &Run) -> bool {
+    run.live
+}
+
+/// A program without the lab has no page.
+#[cfg(not(feature = "lab"))]
+fn is_watched(_: &Run) -> bool {
+    false
 }
 
 /// Replaces options of the resumed command by the options typed for `resume`: the number of threads, and the choice to

@@ -21,11 +21,27 @@ use crate::statistics::Estimate;
 /// Returns an error for bad input, before anything is computed, or for a failure of the engine, after all results up to
 /// it have been written.
 pub fn run(args: &Run, ranks: &Ranks) -> Result<(), StudyError> {
-    run_on(args, CommandOrigin::Typed, ranks)
+    run_on(args, CommandOrigin::Typed, ranks, None)
+}
+
+/// Makes a further observer of a run of the experiment.
+pub type MakeObserver<'a> = &'a mut dyn FnMut(&Experiment) -> Result<Box<dyn Observer>, StudyError>;
+
+/// Runs a case like [`run`], with a further observer, which must not store data. Only the lead process makes it.
+///
+/// # Errors
+/// Errors of [`run`], and those of `make`.
+pub fn run_watched(args: &Run, ranks: &Ranks, make: MakeObserver) -> Result<(), StudyError> {
+    run_on(args, CommandOrigin::Typed, ranks, Some(make))
 }
 
 /// Begins or resumes the run of a case with one model.
-pub(super) fn run_on(args: &Run, origin: CommandOrigin, ranks: &Ranks) -> Result<(), StudyError> {
+pub(super) fn run_on(
+    args: &Run,
+    origin: CommandOrigin,
+    ranks: &Ranks,
+    make: Option<MakeObserver>,
+) -> Result<(), StudyError> {
     let settings = CommandSettings {
         checkpoint_every: args.keep.checkpoint_every,
         ..CommandSettings::new(origin, "run", &args.case, &args.output, &args.effort)
@@ -40,7 +56,9 @@ pub(super) fn run_on(args: &Run, origin: CommandOrigin, ranks: &Ranks) -> Result
     let mut moments =
         args.budgets.then(|| SecondMoments::new(experiment.statistics.slices, &Schedule::new(experiment)));
     let file = state_file.as_mut().map(|file| file as &mut dyn Observer);
+    let mut watching = make.map(|make| make(experiment)).transpose()?;
     let asked = file.into_iter().chain(moments.as_mut().map(|moments| moments as &mut dyn Observer));
+    let asked = asked.chain(watching.as_mut().map(|watching| &mut **watching as &mut dyn Observer));
     let end = results.run_first(asked.collect())?;
     state_file.map_or(Ok(()), StateFile::written)?;
     results.check(end)?;

@@ -5,7 +5,7 @@
 
 use super::diagnostic::Diagnostic;
 use super::keys::{inner, root, unit};
-use super::source::Sources;
+use super::source::{SourceKind, Sources};
 use super::tree::{CaseNode, Value, child_place};
 
 /// Warnings about all keys that require a unit but whose value has a number without one.
@@ -27,7 +27,7 @@ fn visit(node: &CaseNode, schema: &serde_json::Value, path: &str, sources: &Sour
         Value::Array(items) => match inner(schema, None) {
             // one warning for a whole vector, because all its components have one unit
             Some(element) if unit(element).is_some() => {
-                if let Some(bare) = items.iter().find(|item| is_bare(item)) {
+                if let Some(bare) = items.iter().find(|item| is_bare(item, sources)) {
                     let typed: Vec<String> = items.iter().map(|item| with_unit(item, unit(element), sources)).collect();
                     found.push(warning(bare, path, unit(element), &format!("[{}]", typed.join(", ")), sources));
                 }
@@ -37,18 +37,19 @@ fn visit(node: &CaseNode, schema: &serde_json::Value, path: &str, sources: &Sour
             }),
             None => {}
         },
-        Value::Integer(_) | Value::Float(_) if is_bare(node) && unit(schema).is_some() => {
+        Value::Integer(_) | Value::Float(_) if is_bare(node, sources) && unit(schema).is_some() => {
             found.push(warning(node, path, unit(schema), &with_unit(node, unit(schema), sources), sources));
         }
         Value::Integer(_) | Value::Float(_) | Value::String(_) | Value::Boolean(_) => {}
     }
 }
 
-/// True if the value of a node is a number without a unit, other than 0.
-fn is_bare(node: &CaseNode) -> bool {
+/// True if the value of a node is a number without a unit, other than 0. Numbers of a calling program are in SI.
+fn is_bare(node: &CaseNode, sources: &Sources) -> bool {
+    let is_typed = sources.get(&node.origin).is_none_or(|source| source.kind != SourceKind::Values);
     match node.value {
-        Value::Integer(number) => number != 0,
-        Value::Float(number) => number != 0.0,
+        Value::Integer(number) => is_typed && number != 0,
+        Value::Float(number) => is_typed && number != 0.0,
         Value::Table(_) | Value::Array(_) | Value::String(_) | Value::Boolean(_) => false,
     }
 }

@@ -15,6 +15,7 @@ mod describe;
 mod diagnostic;
 pub mod file;
 mod fluctuation;
+mod given;
 pub mod keys;
 mod merge;
 mod models;

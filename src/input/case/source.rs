@@ -15,11 +15,11 @@ pub struct Source {
     pub folder: PathBuf,
     /// Whole text of the source.
     pub text: Arc<str>,
-    /// Kind of the source text: file, built-in text or argument.
+    /// Kind of the source text, such as a file or an argument.
     pub kind: SourceKind,
 }
 
-/// Kind of a source text: file, built-in text or argument.
+/// Kind of a source text, such as a file or an argument.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SourceKind {
     /// A file on the disk.
@@ -28,6 +28,10 @@ pub enum SourceKind {
     BuiltIn,
     /// An argument of the command line, which has no line numbers.
     Argument,
+    /// Values of a calling program. They have no line numbers, and numbers without a unit are meant in SI.
+    Values,
+    /// Table of numbers of a calling program, in place of a file.
+    Table,
 }
 
 /// Range of bytes in a source text, from which a value was read.
@@ -68,7 +72,14 @@ impl Sources {
 
     /// Names of all files from which values of the case have been read so far.
     pub fn files(&self) -> impl Iterator<Item = &str> {
-        self.0.iter().filter(|source| source.kind != SourceKind::Argument).map(|source| source.name.as_str())
+        let is_file = |source: &&Arc<Source>| matches!(source.kind, SourceKind::File | SourceKind::BuiltIn);
+        self.0.iter().filter(is_file).map(|source| source.name.as_str())
+    }
+
+    /// Index and text of the table of a calling program with this name.
+    pub fn table(&self, name: &str) -> Option<(usize, Arc<str>)> {
+        let is_it = |source: &Arc<Source>| source.kind == SourceKind::Table && source.name == name;
+        self.0.iter().position(is_it).map(|index| (index, self.0[index].text.clone()))
     }
 
     /// The `key=value` of every `--set` argument.
@@ -87,16 +98,16 @@ impl Sources {
     }
 
     /// Line number of a value in its source text, counted from 1; 0 if the value was typed in an argument of the
-    /// command line.
+    /// command line, or is a value of a calling program.
     pub fn line(&self, origin: &Origin) -> usize {
         self.place(origin).map_or(0, |place| place.line)
     }
 
-    /// Name of the source text, line and column of a value. For an argument of the command line only the name is set.
-    /// `None` if the text is unknown.
+    /// Name of the source text, line and column of a value. For an argument of the command line and for a value of a
+    /// calling program only the name is set. `None` if the text is unknown.
     pub fn place(&self, origin: &Origin) -> Option<SourceLocation> {
         let source = self.get(origin)?;
-        if source.kind == SourceKind::Argument {
+        if matches!(source.kind, SourceKind::Argument | SourceKind::Values) {
             return Some(SourceLocation {
                 name: legible::message(&source.name).into_owned(),
                 ..SourceLocation::default()

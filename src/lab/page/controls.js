@@ -10,8 +10,10 @@ function element(name, properties, ...children) {
   return made;
 }
 
-// Between places of a slider and values.
-function scale({ least, most, logarithmic, whole }) {
+// Between places of a slider and values. A slider of recorded runs has a stop for each of them.
+function scale({ number, stops }) {
+  if (stops) return { min: 0, max: stops.length - 1, step: 1, value: (place) => stops[place], place: (value) => stops.indexOf(value) };
+  const { least, most, logarithmic, whole } = number;
   if (logarithmic) {
     const factor = Math.log(most / least);
     return {
@@ -40,6 +42,7 @@ function knob(shown, turned) {
     return text;
   };
   let input;
+  let place = (value) => value;
   if (words) {
     input = element("select", { id }, ...words.map(([value, text]) => element("option", { value, textContent: text })));
     input.value = shown.value;
@@ -48,25 +51,33 @@ function knob(shown, turned) {
       turned(shown.name, input.value);
     });
   } else {
-    const along = scale(shown.kind.number);
+    const along = scale(shown.kind);
+    const clamped = (value) => (shown.kind.number ? Math.min(Math.max(value, shown.kind.number.least), shown.kind.number.most) : value);
     input = element("input", { id, type: "range", min: along.min, max: along.max, step: along.step });
     input.value = along.place(shown.value);
     const home = along.place(shown.default);
     input.addEventListener("input", () => {
       const place = Number(input.value);
-      const value = place === home ? shown.default : Math.min(Math.max(along.value(place), shown.kind.number.least), shown.kind.number.most);
+      const value = place === home ? shown.default : clamped(along.value(place));
       input.setAttribute("aria-valuetext", say(value));
       turned(shown.name, value);
     });
     input.setAttribute("aria-valuetext", `${number(shown.value)} ${shown.unit}`.trim());
+    place = along.place;
   }
   input.setAttribute("aria-describedby", help.id);
   say(shown.value);
   box.append(input, help);
-  return box;
+  const set = (value) => {
+    input.value = place(value);
+    say(value);
+  };
+  return { box, set };
 }
 
-// All knobs of a scene.
+// All knobs of a scene. The answer sets them: a function of their names and values.
 export function knobs(parent, list, turned) {
-  parent.replaceChildren(...list.map((shown) => knob(shown, turned)));
+  const made = list.map((shown) => knob(shown, turned));
+  parent.replaceChildren(...made.map(({ box }) => box));
+  return (name, value) => made[list.findIndex((shown) => shown.name === name)].set(value);
 }

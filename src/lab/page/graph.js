@@ -74,7 +74,8 @@ export class Graph {
 
   draw() {
     const theory = this.spec.theory?.[1] ?? [];
-    let [x0, x1] = this.until === null ? this.range("x", []) : [0, this.until];
+    const window = this.spec.window;
+    let [x0, x1] = window ?? (this.until === null ? this.range("x", []) : [0, this.until]);
     let [y0, y1] = this.range("y", theory);
     const log = this.spec.logarithmic;
     if (log) {
@@ -92,7 +93,8 @@ export class Graph {
       let d = "";
       let pen = "M";
       for (const [x, y] of points) {
-        if (y === null || y === undefined || !Number.isFinite(y) || (log && y <= 0)) pen = "M";
+        const outside = window && (x < x0 || x > x1);
+        if (outside || y === null || y === undefined || !Number.isFinite(y) || (log && y <= 0)) pen = "M";
         else [d, pen] = [`${d}${pen}${right(x).toFixed(1)} ${up(y).toFixed(1)}`, "L"];
       }
       return d;

@@ -50,7 +50,9 @@ function play(on) {
 function told(message) {
   if (message.tell === "scenes") {
     state.scenes = message.scenes;
-    at("version").textContent = `diptych ${message.version}. Everything on this page is computed by the program that serves it, on this machine.`;
+    at("version").textContent = message.recorded
+      ? `Recorded with diptych ${message.version}. The runs of this page are recorded, one setting at a time, and need no program.`
+      : `diptych ${message.version}. Everything on this page is computed by the program that serves it, on this machine.`;
     at("scenes").replaceChildren(
       ...message.scenes.map(({ name, title }) => {
         const item = document.createElement("li");
@@ -75,6 +77,12 @@ function opened(message) {
   state.frame = null;
   at("status").textContent = message.warnings.map((words) => `Note: ${words}.`).join(" ");
   if (fresh) words(message);
+  if (message.recorded) {
+    // one setting at a time is recorded: the others go back to the case
+    Object.assign(state, { settings: { ...message.recorded }, right: message.right });
+    at("right").value = message.right;
+    message.knobs.forEach((knob) => state.set(knob.name, knob.value));
+  }
   at("commands").textContent = [message.command, ...message.sides.map((side) => side.command)].join("\n\n");
   const address = URL.createObjectURL(new Blob([message.case], { type: "application/toml" }));
   if (state.address) URL.revokeObjectURL(state.address);
@@ -106,7 +114,7 @@ function words(message) {
 }
 
 function show(list) {
-  knobs(at("knobs"), list, (name, value) => {
+  state.set = knobs(at("knobs"), list, (name, value) => {
     const shown = list.find((knob) => knob.name === name);
     if (value === shown.default) delete state.settings[name];
     else state.settings[name] = value;
@@ -142,7 +150,7 @@ function pictures(message) {
 // ---- frames
 
 function framed(buffer) {
-  const frame = state.opened && unpack(buffer, state.opened.sides.map((side) => side.radii.length));
+  const frame = state.opened && unpack(buffer);
   if (!frame || frame.head.serial !== state.opened.serial) {
     ask({ ask: "drawn" });
     return;

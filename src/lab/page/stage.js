@@ -18,10 +18,10 @@ export class Stage {
     if (region) [centre[right], centre[up]] = [(region[0] + region[1]) / 2, (region[2] + region[3]) / 2];
     // what is higher than the canvas gets more room beside it
     this.focus = region ? { centre, width: Math.max(wide, aspect * high) * 1.03 } : undefined;
-    this.scenes = opened.sides.map((side) => ({ size: opened.size, periodic: opened.periodic, radius: side.radii, walls: [] }));
+    this.scenes = opened.sides.map(() => ({ size: opened.size, periodic: opened.periodic, radius: [], walls: opened.walls ?? [] }));
     this.panels.forEach((panel, k) => {
       const side = opened.sides[k];
-      panel.querySelector("h3").textContent = side.title;
+      panel.querySelector("h2, h3").textContent = side.title;
       panel.querySelector(".method").textContent = side.method;
       panel.querySelector("canvas").style.aspectRatio = String(aspect);
       panel.querySelector(".failure").hidden = true;
@@ -37,9 +37,11 @@ export class Stage {
     if (this.range?.colour === colour && this.looks % LOOKS) return this.range.ends;
     const fresh = diptych.range(this.scenes[0], frames, colour);
     const known = this.range;
-    if (known?.colour === colour && known.ends[1] >= fresh[1] * 0.999) return known.ends;
+    if (known?.colour === colour && known.ends[0] <= fresh[0] && known.ends[1] >= fresh[1] * 0.999) return known.ends;
     if (!(fresh[1] > 0)) return [0, 1];
-    this.range = { colour, ends: [Math.min(fresh[0], 0), 1.1 * fresh[1]] };
+    // from 0, unless nothing is slow: then the scale begins a little below the slowest
+    const lowest = fresh[0] < 0.5 * fresh[1] ? Math.min(fresh[0], 0) : 0.9 * fresh[0];
+    this.range = { colour, ends: [lowest, 1.1 * fresh[1]] };
     const legend = document.getElementById("legend");
     legend.replaceChildren(diptych.legend(this.scenes[0], colour, this.range.ends));
     return this.range.ends;
@@ -50,6 +52,7 @@ export class Stage {
     const still = frame.head.sides.every((side) => side.state !== "running" || side.time === 0);
     const tell = still || now - (this.told ?? 0) > NUMBERS;
     if (tell) this.told = now;
+    frame.panels.forEach((panel, k) => (this.scenes[k].radius = panel.radius));
     const range = this.scale(frame.panels, colour);
     if (colour === "plain") document.getElementById("legend").replaceChildren();
     this.panels.forEach((panel, k) => {
@@ -65,7 +68,7 @@ export class Stage {
   magnified(frame, side) {
     const { magnify, right } = this.opened.view;
     const position = frame.position.slice();
-    const radii = this.opened.sides[0].radii;
+    const radii = frame.radius;
     const touch = radii[0] + radii[1];
     const middle = (position[right] + position[3 + right]) / 2;
     const gap = position[3 + right] - position[right] - touch;
@@ -99,7 +102,7 @@ export class Stage {
       dl.children[2 * place].textContent = words;
       dl.children[2 * place + 1].textContent = value;
     });
-    const { shares, sentence } = energy(side.live);
+    const { shares, sentence } = energy(side.live, this.opened.sides[k].model);
     const bar = panel.querySelector(".energy");
     if (!bar.children.length) {
       bar.append(...["kinetic", "elastic", "lost"].map((name) => Object.assign(document.createElement("span"), { className: name })));

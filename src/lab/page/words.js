@@ -26,7 +26,8 @@ export function live(side, model) {
   const list = [
     ["time", si(side.time, "s")],
     ["impacts", number(l.pairs + l.walls)],
-    ["realised e", l.restitution === null ? "–" : l.restitution.toFixed(4)],
+    // none where spheres press on several others at once
+    ...(l.restitution === null && l.pairs + l.walls > 0 ? [] : [["realised e", l.restitution === null ? "–" : l.restitution.toFixed(4)]]),
     ["cost", l.cost === null ? "–" : `${number(l.cost)} s per s`],
   ];
   if (model !== "hard" || l.missed > 0 || l.steps > 0) list.push(["deepest overlap", l.overlap === null ? "–" : `${percent(l.overlap)} of d`]);
@@ -37,7 +38,7 @@ export function live(side, model) {
 }
 
 // Shares of all energy that there was: moving, in springs, lost; and these in a sentence.
-export function energy(l) {
+export function energy(l, model) {
   const kept = l.kinetic + l.elastic;
   const all = Math.max(l.at_start + Math.max(l.work, 0), kept + Math.max(l.dissipated, 0));
   if (!(all > 0)) return { shares: [0, 0, 0], sentence: "no energy" };
@@ -45,6 +46,7 @@ export function energy(l) {
   const unexplained = l.residual / Math.max(l.at_start + Math.abs(l.work), 1e-300);
   const sentence =
     `Energy: ${percent(shares[0])} motion, ${percent(shares[1])} springs, ${percent(shares[2])} lost in impacts; ` +
-    `not explained: ${number(Number((100 * unexplained).toPrecision(2)))} %.`;
+    // of soft spheres, the books close but for what the time steps create or lose
+    `${model === "hard" ? "not explained" : "error of the time steps"}: ${number(Number((100 * unexplained).toPrecision(2)))} %.`;
   return { shares, sentence };
 }

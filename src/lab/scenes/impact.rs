@@ -29,5 +29,5 @@ pub(super) const SCENE: LabScene = LabScene {
     equation: "T_c = π / √(kₙ/M − γₙ²),   δ_max ≈ u √(M/kₙ)",
     symbols: "T_c: time in contact. kₙ: stiffness. M: half the mass of a sphere. γₙ: damping, from the restitution e. u: speed of approach.",
     question: "Four times the stiffness: what happens to the time in contact, to the largest overlap and to the cost?",
-    answer: "Time and overlap both halve, since both go with 1/√kₙ. A step is a fixed part of the contact, so it halves too, and a simulated second costs twice as much. The hard sphere is what is left when kₙ has no limit: no time, no overlap, an impulse.",
+    answer: "Time and overlap both halve, since both go with 1/√kₙ. A step is a fixed part of the contact, so it halves too. Here all spheres take every step, so a simulated second costs twice as much. The hard sphere is what is left when kₙ has no limit: no time, no overlap, an impulse.",
 };

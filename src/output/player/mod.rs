@@ -10,6 +10,9 @@ mod impact;
 mod outlines;
 mod still;
 
+#[cfg(feature = "lab")]
+pub(crate) use outlines::outlines;
+
 use crate::observe::{Frame, Frames};
 use crate::outcome::Outcome;
 use crate::output::numbers::{count, quantity};

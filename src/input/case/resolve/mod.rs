@@ -238,6 +238,9 @@ impl Resolver {
     /// Reads the text of the file `name`, and returns its source index and the text. The path is relative to the folder
     /// of the file that contains the name. A name in a built-in text refers to a built-in file.
     fn read_named(&mut self, name: &Located<String>) -> Result<(usize, Arc<str>), Diagnostic> {
+        if let Some(given) = self.sources.table(&name.value) {
+            return Ok(given);
+        }
         let (path, bytes, kind) = self.bytes_of(name)?;
         let text = text_of(&bytes).map_err(|why| self.unread(name, &path, &why))?;
         let source = self.sources.add_text(&path, text.clone(), kind);
@@ -252,14 +255,17 @@ impl Resolver {
                 let none = || "no such file is built in".to_owned();
                 (built_in::file(&path).map(<[u8]>::to_vec).ok_or_else(none), SourceKind::BuiltIn)
             }
-            SourceKind::File | SourceKind::Argument => (read_bytes(&path), SourceKind::File),
+            SourceKind::File | SourceKind::Argument | SourceKind::Values | SourceKind::Table => {
+                (read_bytes(&path), SourceKind::File)
+            }
         };
         let bytes = bytes.map_err(|why| self.unread(name, &path, &why))?;
         Ok((path, bytes, kind))
     }
 
     /// Path of the file `name`. A case may name only files in its own folder and in folders below it, so that a case
-    /// from another person cannot read other data. Paths typed on the command line are not restricted.
+    /// from another person cannot read other data. Paths typed on the command line, or given by a calling program, are
+    /// not restricted.
     fn path_of(&self, name: &Located<String>) -> Result<PathBuf, Diagnostic> {
         let source = self.sources.get(&name.origin);
         let folder = source.map(|source| source.folder.clone()).unwrap_or_default();
@@ -267,7 +273,8 @@ impl Resolver {
         let path = folder.join(named);
         let outside = named.components().any(|part| !matches!(part, Component::Normal(_) | Component::CurDir));
         let kind = source.map_or(SourceKind::Argument, |source| source.kind);
-        if kind != SourceKind::Argument && (outside || kind == SourceKind::File && leads_out(&path, &folder)) {
+        let is_restricted = matches!(kind, SourceKind::File | SourceKind::BuiltIn);
+        if is_restricted && (outside || kind == SourceKind::File && leads_out(&path, &folder)) {
             let what = if outside { "is not" } else { "is a link to what is not" };
             let help = format!(
                 "put the file beside the case, or name it on the command line: --set {}={:?}",

@@ -1,0 +1,55 @@
+//! Cases and starts from values of a calling program, in place of files.
+
+use super::diagnostic::Diagnostic;
+use super::source::{Origin, Source, SourceKind};
+use super::tree::{CaseNode, KeyPart, Value};
+use super::{Case, Setting};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Name of a case from values in messages, and its title.
+const SCENE: &str = "scene";
+
+/// Name of the table of initial particles in messages.
+const START: &str = "particles at the start";
+
+impl Case {
+    /// Reads a case from values of a calling program, written as TOML. Numbers without a unit are in SI. Files that the
+    /// case names are relative to the current folder. `sets` are arguments as in [`read`](Self::read).
+    ///
+    /// # Errors
+    /// The text is not TOML, or an argument is not `key=value`.
+    pub fn from_values(text: Arc<str>, sets: &[String]) -> Result<Self, Diagnostic> {
+        Self::of_kind(SourceKind::Values, Path::new(SCENE), text, sets)
+    }
+
+    /// Replaces the particles at the start by those of a `table`. It is the text of a CSV file as the key
+    /// `particles.file` takes it: columns x, y, z and, as far as they are known, id, vx, vy, vz, diameter, species, wx,
+    /// wy, wz, in SI.
+    ///
+    /// # Errors
+    /// The case has several kinds of particles, and the table has no column `species`.
+    pub fn with_start(mut self, table: Arc<str>) -> Result<Self, Diagnostic> {
+        let kinds = match self.tree.get("particles").map(|node| &node.value) {
+            Some(Value::Array(kinds)) => kinds.len(),
+            _ => 0,
+        };
+        let header = table.lines().next().unwrap_or_default();
+        if kinds > 1 && header.split(',').all(|column| column != "species") {
+            let message = format!("the case has {kinds} kinds of particles, and `species` is not given");
+            return Err(
+                Diagnostic::about(START, message).help("give the name or the index of the kind of each particle")
+            );
+        }
+        let source = |text: Arc<str>, kind| Source { name: START.to_owned(), folder: PathBuf::new(), text, kind };
+        self.sources.add(source(table, SourceKind::Table));
+        let named = self.sources.add(source(START.into(), SourceKind::Values));
+        let origin = Origin { source: named, span: 0..START.len() };
+        for kind in 0..kinds {
+            let path = [KeyPart::Key("particles".into()), KeyPart::Index(kind), KeyPart::Key("file".into())];
+            let value = CaseNode { value: Value::String(START.into()), origin: origin.clone() };
+            self.sets.push(Setting { path: path.into(), value, key_origin: origin.clone() });
+        }
+        Ok(self)
+    }
+}

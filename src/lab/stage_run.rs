@@ -1,0 +1,121 @@
+//! Opened scene of the lab while it runs: both panels, and the times of the last frame and of the last comparison.
+
+use super::frame::{DrawnParticle, Head, Now, PanelComparison, bytes};
+use super::panel::LabPanel;
+use super::scene_state::SceneState;
+use crate::clock::Clock;
+use crate::outcome::Outcome;
+use crate::statistics::{U, UU, VV, WW};
+use crate::study::judge;
+use std::time::Duration;
+
+/// Wall time from one frame to the next.
+const FRAME: Duration = Duration::from_millis(33);
+
+/// Largest wall time since the last frame that is converted to simulated time for the next frame. The rest of a longer
+/// pause is left out.
+const LATEST: Duration = Duration::from_millis(100);
+
+/// Wall time from one comparison of the panels to the next.
+const VERDICT: Duration = Duration::from_millis(1500);
+
+/// [-] margin of equivalence of the comparison, equal to the default of the command `compare`.
+const MARGIN: f64 = 0.01;
+
+/// Largest wall time that one panel may compute for one frame. A panel that needs longer shows the simulated time that
+/// it has reached.
+const BUDGET: Duration = Duration::from_millis(14);
+
+/// Panels of an opened scene while they run, with the times of the last frame and of the last comparison.
+pub struct StageRun<'a> {
+    stage: &'a SceneState,
+    /// The left and the right panel.
+    pub panels: [LabPanel<'a>; 2],
+    clock: Clock,
+    /// Wall time at which the last frame was made, measured by `clock`.
+    shown: Duration,
+    /// Comparison of the panels for the next frame; `None` if the page has got the last comparison.
+    pub judged: Option<PanelComparison>,
+    /// Wall time of the last comparison of the panels, measured by `clock`.
+    judged_at: Duration,
+}
+
+impl<'a> StageRun<'a> {
+    /// Creates both panels in the initial state of the scene.
+    pub fn new(stage: &'a SceneState) -> Self {
+        let frame = stage.pace() * FRAME.as_secs_f64();
+        let panel =
+            |side: usize| LabPanel::new(&stage.experiments[side], stage.starts[side].clone(), stage.scene.gauge, frame);
+        let clock = Clock::wall();
+        let now = clock.now();
+        Self { stage, panels: [panel(0), panel(1)], clock, shown: now, judged: None, judged_at: now }
+    }
+
+    /// True if the time from one frame to the next has passed.
+    pub fn is_due(&self) -> bool {
+        self.clock.now() >= self.shown + FRAME
+    }
+
+    /// Wall time until the next frame is due, at least 1 ms.
+    pub fn until_next_frame(&self) -> Duration {
+        // at least 1 ms, so that other sessions can get the lock of the engine
+        (self.shown + FRAME).saturating_sub(self.clock.now()).max(Duration::from_millis(1))
+    }
+
+    /// [s] simulated time by which the panels advance for the next frame: wall time since the last frame times pace.
+    /// `factor` [-] multiplies the default pace. If `single` is true, the wall time is that from one frame to the next.
+    pub fn stretch(&self, factor: f64, single: bool) -> f64 {
+        let passed = if single { FRAME } else { (self.clock.now() - self.shown).min(LATEST) };
+        self.stage.pace() * factor * passed.as_secs_f64()
+    }
+
+    /// Advances both panels to equal simulated times: the time of the panel that is behind, plus `stretch` [s].
+    pub fn go_on(&mut self, stretch: f64) {
+        let times = self.panels.iter().filter_map(LabPanel::running);
+        let until = times.fold(f64::INFINITY, f64::min) + stretch;
+        self.panels.iter_mut().for_each(|panel| panel.run(until, BUDGET));
+        let now = self.clock.now();
+        if now - self.judged_at > VERDICT {
+            self.judge();
+            self.judged_at = self.clock.now();
+        }
+    }
+
+    /// Compares the results of both panels so far. Nothing is compared in scenes whose statistics are not tested.
+    pub fn judge(&mut self) {
+        let [Some(left), Some(right)] = [self.panels[0].outcome(), self.panels[1].outcome()] else { return };
+        let outcomes = [left, right];
+        self.judged = judge(&outcomes, &[], MARGIN).into_iter().next().map(|verdict| {
+            let answer = serde_json::to_value(verdict.answer).ok();
+            let answer = answer.as_ref().and_then(serde_json::Value::as_str).unwrap_or_default().to_owned();
+            let from = outcomes[0].steadiness.from;
+            PanelComparison {
+                answer,
+                sentence: verdict.sentence,
+                from,
+                profiles: [profile(&outcomes[0]), profile(&outcomes[1])],
+            }
+        });
+    }
+
+    /// Frame of the present state, as bytes.
+    pub fn frame(&mut self) -> Vec<u8> {
+        self.shown = self.clock.now();
+        let sides: Vec<Now> = self.panels.iter_mut().map(LabPanel::now).collect();
+        let particles: Vec<Vec<DrawnParticle>> = self.panels.iter().map(LabPanel::particles).collect();
+        let counts = particles.iter().map(Vec::len).collect();
+        bytes(&Head { serial: self.stage.choice.serial, counts, sides: &sides, judged: self.judged.take() }, &particles)
+    }
+}
+
+/// Profile of a channel for the page, one row for each slice: height y [mm], streamwise velocity and its standard error
+/// [m/s], and granular temperature [m²/s²].
+fn profile(outcome: &Outcome) -> Vec<[Option<f64>; 4]> {
+    let rows = outcome.profiles.slices.iter().map(|row| {
+        let normal: Option<Vec<f64>> = [UU, VV, WW].into_iter().map(|one| Some(row.of(one)?.value)).collect();
+        let temperature = normal.map(|normal| normal.iter().sum::<f64>() / 3.0);
+        let mean = row.of(U);
+        [Some(1e3 * row.y), mean.map(|mean| mean.value), mean.and_then(|mean| mean.error), temperature]
+    });
+    rows.collect()
+}

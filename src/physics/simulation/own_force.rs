@@ -1,0 +1,22 @@
+//! Forces of the calling program, such as a drag law of its own. They act between windows.
+
+use super::Simulation;
+use super::weight::accelerate;
+use crate::record::Ledger;
+use nalgebra::Vector3;
+
+impl Simulation {
+    /// Accelerates all particles for `duration` [s] without any motion. `acceleration` returns the acceleration [m/s²]
+    /// of the particle with an index in the store. The ledger counts work and impulse as those of drag.
+    ///
+    /// Velocities and positions belong to one time when this method is called: after [`run`](Self::run), or after
+    /// [`complete`](Self::complete). Half a window of acceleration before and half a window after each window is of
+    /// second order in the window (Strang splitting), as for the drag of the scene. The simulation must belong to this
+    /// process alone.
+    pub fn accelerate(&mut self, acceleration: impl Fn(usize) -> Vector3<f64> + Sync, duration: f64) {
+        let began = self.clock.now();
+        let sums = accelerate(&mut self.particles, |place| acceleration(place) * duration);
+        self.book_kick(sums, |drag_impulse, drag_work| Ledger { drag_impulse, drag_work, ..Ledger::default() });
+        self.spent.drag += self.clock.now() - began;
+    }
+}
