@@ -16,8 +16,8 @@ mod calendar; // one event queue for all particles: windows, ties, long runs, st
 mod cases; // every case of the project, a few windows with each engine
 mod chart; // work-precision chart: one impact, orders, Pareto fronts, failures, floors
 mod cli; // the program: exit codes, messages, files, output with --quiet
-mod coupling; // a gas that feels the particles: alone, uniform force, momentum, pressure drop, bits, messages
 mod clusters; // clusters: states by hand, ideal gas, percolation of balls, messages
+mod coupling; // a gas that feels the particles: alone, uniform force, momentum, pressure drop, bits, messages
 mod crowd; // dense crowds: contact time, impacts during a change of stepping, a mixture in a gas
 mod dense; // dense soft scenes: against all pairs, and the same bits on any number of threads
 mod diameters; // species with a distribution of diameters: moments, laws of conservation, drag, messages

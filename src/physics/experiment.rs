@@ -173,9 +173,8 @@ impl Experiment {
     /// friction, in a box that is periodic along all axes.
     pub fn is_in_equilibrium(&self) -> bool {
         let scene = &self.scene;
-        let is_lossless = |surface: &Surface| {
-            surface.restitution == 1.0 && surface.friction == 0.0 && surface.by_speed.is_none()
-        };
+        let is_lossless =
+            |surface: &Surface| surface.restitution == 1.0 && surface.friction == 0.0 && surface.by_speed.is_none();
         scene.is_homogeneous()
             && scene.gravity == Vector3::zeros()
             && !scene.is_heated()
