@@ -283,6 +283,7 @@ fn plans_say_how_far_soft_spheres_are_from_hard_ones() {
         [(0.9, 300.0, 0.684, (0.061, 0.012)), (0.7, 30.0, 0.995, (0.099, 0.009))]
     {
         let sets = [
+            "run.duration=0.4 s".to_owned(),
             format!("contact.restitution={restitution}"),
             format!("soft.linear_spring_dashpot.stiffness={stiffness} N/m"),
         ];
