@@ -5,7 +5,7 @@ use crate::support::{case, placed};
 use diptych::Vector3;
 use diptych::domain::Domain;
 use diptych::experiment::{ClustersSettings, Experiment, Model};
-use diptych::observe::{Clusters, Observation};
+use diptych::observe::{Observation, ParticleClusters};
 use diptych::particles::Particles;
 use diptych::schedule::Schedule;
 use rand::SeedableRng;
@@ -13,7 +13,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use std::f64::consts::PI;
 
 fn clusters(experiment: &Experiment, gap: f64, states: impl IntoIterator<Item = Particles>) -> Observation {
-    let measurement = Clusters::new(&Schedule::new(experiment), ClustersSettings { gap });
+    let measurement = ParticleClusters::new(&Schedule::new(experiment), ClustersSettings { gap });
     of_states(experiment, measurement, states)
 }
 

@@ -283,6 +283,7 @@ fn plans_say_how_far_soft_spheres_are_from_hard_ones() {
         [(0.9, 300.0, 0.684, (0.061, 0.012)), (0.7, 30.0, 0.995, (0.099, 0.009))]
     {
         let sets = [
+            "run.duration=0.4 s".to_owned(),
             format!("contact.restitution={restitution}"),
             format!("soft.linear_spring_dashpot.stiffness={stiffness} N/m"),
         ];
@@ -297,9 +298,9 @@ fn plans_say_how_far_soft_spheres_are_from_hard_ones() {
         close("dissipation over shear", found.dissipation_over_shear / dissipation, 1.0, 0.12);
         let expected = found.largest_stress_change.unwrap();
         close("decrease of the stress", expected, decrease.0, 2.0 * decrease.1 + 0.12 * expected);
-        // the difference falls as 1/sqrt(k)
+        // the difference falls as 1/sqrt(k); three digits are written
         let needed: f64 = found.hard_from.strip_suffix(" N/m").unwrap().parse().unwrap();
-        close("stiffness for 1 %", needed / (stiffness * (expected / 0.01).powi(2)), 1.0, 0.005);
+        close("stiffness for 1 %", needed / (stiffness * (expected / 0.01).powi(2)), 1.0, 0.006);
         let why = planned.recommendation.reasons.join(" ");
         assert!(why.contains("is too low") && why.contains("shear stress within 1 %"), "{why}");
     }

@@ -86,9 +86,9 @@ fn a_gas_in_equilibrium_has_the_viscosity_of_enskog() {
     // Of molecular dynamics the viscosity over Enskog's is 1.00 ± 0.02 up to φ = 0.3 (Alder, Gass and Wainwright 1970, J.
     // Chem. Phys. 53, 3813). The box of six to nine diameters may add 2 %.
     for (model, phi, longest, interval, duration) in [
-        (Model::Hard, 0.1, 8.0, 0.2, 8000.0),
-        (Model::Hard, 0.3, 1.4, 0.03, 1400.0),
-        (Model::Soft, 0.3, 1.4, 0.03, 40.0),
+        (Model::Hard, 0.1, 8.0, 0.2, 3000.0),
+        (Model::Hard, 0.3, 1.4, 0.03, 600.0),
+        (Model::Soft, 0.3, 1.4, 0.03, 20.0),
     ] {
         let mut gas = gas(108, phi, 1.0, model);
         (gas.run.duration, gas.statistics.sample_interval) = (duration, Some(interval));

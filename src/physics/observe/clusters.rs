@@ -39,7 +39,7 @@ struct ClusterSample {
 
 /// Measurement of clusters at samples (instants of measurement).
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Clusters {
+pub struct ParticleClusters {
     /// [s] time between two samples that are used.
     interval: f64,
     /// [m] gap below which two particles are connected.
@@ -47,7 +47,7 @@ pub struct Clusters {
     samples: Vec<ClusterSample>,
 }
 
-impl Clusters {
+impl ParticleClusters {
     /// Creates a measurement for a run with the given schedule.
     pub fn new(schedule: &Schedule, settings: ClustersSettings) -> Self {
         Self { interval: schedule.spacing(MOST_SAMPLES), gap: settings.gap, samples: Vec::new() }
@@ -102,7 +102,7 @@ impl ClusterSample {
     }
 }
 
-impl Measurement for Clusters {
+impl Measurement for ParticleClusters {
     fn result(&self, _experiment: &Experiment, from: f64) -> Observation {
         // an empty scene has no clusters
         let is_used = |sample: &&ClusterSample| sample.time >= from && sample.particles > 0;
@@ -141,7 +141,7 @@ impl Measurement for Clusters {
     }
 }
 
-impl Observer for Clusters {
+impl Observer for ParticleClusters {
     fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
         Some(now + self.interval)
     }

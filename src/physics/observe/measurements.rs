@@ -1,7 +1,7 @@
 //! Measurements that a case asks for, and the common form of their results: curves and numbers with standard errors.
 
 use super::Observer;
-use super::clusters::Clusters;
+use super::clusters::ParticleClusters;
 use super::contact_network::{ContactLine, ContactNetwork};
 use super::diffusion::Diffusion;
 use super::fields::Fields;
@@ -137,7 +137,7 @@ pub struct Measurements {
     fields: Option<Fields>,
     seen_gas: Option<SeenGas>,
     viscosity: Option<Viscosity>,
-    clusters: Option<Clusters>,
+    clusters: Option<ParticleClusters>,
 }
 
 impl Measurements {
@@ -159,7 +159,7 @@ impl Measurements {
             fields: asked.fields.map(|settings| Fields::new(experiment, schedule, settings)),
             seen_gas: asked.seen_gas.then(|| SeenGas::new(experiment, schedule)),
             viscosity: asked.viscosity.map(|settings| Viscosity::new(schedule, settings)),
-            clusters: asked.clusters.map(|settings| Clusters::new(schedule, settings)),
+            clusters: asked.clusters.map(|settings| ParticleClusters::new(schedule, settings)),
         }
     }
 

@@ -34,7 +34,7 @@ mod structure_factor;
 mod velocity_distribution;
 mod viscosity;
 
-pub use clusters::Clusters;
+pub use clusters::ParticleClusters;
 pub use contact_network::{ContactLine, ContactNetwork, contact_lines};
 pub use diffusion::Diffusion;
 pub use energy::EnergyBooks;

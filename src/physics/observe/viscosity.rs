@@ -1,7 +1,7 @@
 //! Shear viscosity η of the particles: of a gas in equilibrium, and of a sheared box.
 //!
-//! * **Equilibrium.** With the stress S over the volume V, G(t) = ∫ V S dt is the sum of ∫ Σ m c c dt and of the impulses
-//!   times the vectors between the two centres. The mean square of a shear component of G grows as 2 V k_B T η t (Helfand
+//! * **Equilibrium.** Let G(t) = ∫ V S dt, with the stress S and the volume V. G is the sum of ∫ Σ m c c dt and of the
+//!   impulses times the vectors between the two centres. The mean square of a shear component of G grows as 2 V k_B T η t (Helfand
 //!   1960, Phys. Rev. 119, 1; Allen and Tildesley, Computer Simulation of Liquids, 2nd edition 2017, section 2.7). The
 //!   rate of growth at the time t is the integral of the stress autocorrelation up to t (Green and Kubo). The mean is
 //!   taken over five components, which are equivalent in an isotropic gas: xy, xz, yz, (xx - yy)/2 and (xx + yy -

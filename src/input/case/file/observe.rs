@@ -111,8 +111,8 @@ pub struct SeenGasFile {}
 #[serde(deny_unknown_fields)]
 pub struct ViscosityFile {
     /// Longest time over which stresses are correlated: at least ten times `statistics.sample_interval`, and some twenty
-    /// mean free times. Not for sheared boxes.
-    #[schemars(example = &"1 ms", extend("x-required" = "unless the box is sheared", "x-range" = "greater than 0 s"))]
+    /// mean free times. Give it unless the box is sheared.
+    #[schemars(example = &"1 ms", extend("default" = "none, for sheared boxes", "x-range" = "greater than 0 s"))]
     pub duration: Option<Located<Time>>,
 }
 
