@@ -169,7 +169,7 @@ pub fn gas(scene: &Scene, components: &[Component], spread: &AgitationSpread) ->
     }
     pairs *= spread.pair_rate;
     weighted *= spread.pair_rate;
-    let contact_value = if pairs > 0.0 { weighted / pairs } else { contact_value(1.0, 1.0, filled, 1.5 * filled) };
+    let contact_value = if pairs > 0.0 { weighted / pairs } else { contact_value(1.0, 1.0, filled, filled) };
     let compressibility = 1.0 + 4.0 * filled * contact_value;
     let walls = components.iter().zip(&density).zip(&room);
     let wall_rate = spread.wall_rate

@@ -73,8 +73,8 @@ impl RadiusSummary {
     pub fn mean_free_path(&self, volume: f64, enskog: bool) -> f64 {
         let [mean, square] = self.mean;
         let filled = (self.volume / volume).min(DENSEST);
-        // contact value of equal spheres, for which ξ_2 d = 3 φ/2
-        let factor = if enskog { contact_value(1.0, 1.0, filled, 1.5 * filled) } else { 1.0 };
+        // contact value of equal spheres, for which ξ_2 d = φ
+        let factor = if enskog { contact_value(1.0, 1.0, filled, filled) } else { 1.0 };
         // the mean of (r_i + r_j)² is twice that of the squares plus twice the square of the mean
         let section = 2.0 * PI * (square + mean * mean);
         volume / (2.0_f64.sqrt() * self.count.saturating_sub(1) as f64 * section * factor)
@@ -265,4 +265,20 @@ fn open_volumes(scene: &Scene, [low, size]: [Vector3<f64>; 2], count: [usize; 3]
     let pieces: Vec<_> = (0..cells.div_ceil(PIECE)).map(|k| k * PIECE..cells.min((k + 1) * PIECE)).collect();
     let shares = work_sharing::map(pieces.into_iter(), |piece| piece.map(share).collect::<Vec<_>>());
     shares.into_iter().flatten().map(|share| share * edges.product()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn the_mean_free_path_has_the_factor_of_carnahan_and_starling() {
+        let mut particles = Particles::default();
+        (0..1000).for_each(|_| particles.push(Vector3::zeros(), Vector3::zeros(), 0.5, 1.0, 0));
+        let (phi, volume) = (0.1, 1000.0 * PI / 6.0 / 0.1);
+        let paths = [true, false].map(|enskog| RadiusSummary::of(&particles).mean_free_path(volume, enskog));
+        // the tolerance is rounding
+        assert!((paths[1] / paths[0] - (1.0 - 0.5 * phi) / (1.0_f64 - phi).powi(3)).abs() < 1e-12, "{paths:?}");
+    }
 }
