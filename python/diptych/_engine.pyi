@@ -4,7 +4,9 @@ from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+
+from .live import LivePage
 
 def main(arguments: Sequence[str]) -> int:
     """Runs the program with a command line, whose first word is the name of the program; returns its exit code."""
@@ -19,17 +21,26 @@ class Simulation:
 
     def __init__(
         self,
-        case: str | PathLike[str] | None = None,
+        case: str | PathLike[str] | Mapping[str, Any] | None = None,
         *,
         text: str | None = None,
         model: Literal["soft", "hard", "hybrid", "dsmc"] | None = None,
         set: Mapping[str, object] | None = None,
         seed: int | None = None,
         threads: int | None = None,
+        positions: ArrayLike = ...,
+        velocities: ArrayLike = ...,
+        radii: ArrayLike = ...,
+        species: Sequence[str | int] = ...,
+        spins: ArrayLike = ...,
     ) -> None:
         """Makes the particles of a case at their start.
 
-        case: path of a case, or the name of a built-in one. text: text of a case, instead.
+        case: path of a case, the name of a built-in one, or a dict with its tables: {"run": {"duration": "2 s"}, ...}.
+        Values of a dict are as in case files ("2 mm"), and numbers without a unit are in SI. text: text of a case, instead.
+        positions [m], velocities [m/s], spins [rad/s]: arrays (N, 3) of the particles at the start, in place of those of
+        the case; velocities and spins are 0 without arrays. radii [m]: array (N,), where a kind has `sizes`, or in a dict
+        neither `diameter` nor `sizes`. species: name or index of the kind of each particle, where there are several.
         model, seed: instead of those of the case. set: keys and values as they are typed, {"run.duration": "2 s"}.
         threads: number of threads, all processors by default; results do not depend on it.
 
@@ -58,6 +69,26 @@ class Simulation:
     def state(self) -> pd.DataFrame:
         """Particles in the order of their ids, within the box; column names end with units. A copy."""
 
+    def show(self) -> LivePage:
+        """A page that shows the particles and curves over time while the simulation runs. In a notebook, the answer shows the
+        page; elsewhere, open its `url` in a browser. Only browsers on this machine can open it, and it can change nothing.
+        The bits of runs do not depend on it. The page ends with the program or the simulation."""
+    @property
+    def drag(self) -> Callable[[Simulation], Any] | None:
+        """A drag law of one's own: drag(simulation) returns the acceleration of each particle [m/s^2], shape (N, 3), rows
+        in the order of `ids`. None, the default, is no such law; a law of the case acts as well.
+
+        It is called once per window: before the first window and at the end of each window. Half of a window's kick is
+        given before the motion and half after it. Positions and velocities are those at `time`, but velocities lack
+        the correction of the last half-kick, which was made with the accelerations of the last call. The error is of
+        second order in the window, and windows must be shorter than the response time. `run.window` sets windows.
+
+        The law must depend on the state of the simulation alone. It cannot run or change the simulation. The ledger
+        counts its work as drag. An exception stops the run at the end of a window, and the next run calls it again.
+        Raises TypeError for what cannot be called; runs raise ValueError for another shape and for what is not finite.
+        """
+    @drag.setter
+    def drag(self, function: Callable[[Simulation], Any] | None) -> None: ...
     @property
     def time(self) -> float:
         """[s] simulated time."""
@@ -79,6 +110,11 @@ class Simulation:
     @property
     def kinetic_energy(self) -> float:
         """[J] translational kinetic energy of all particles."""
+    @property
+    def ledger(self) -> dict[str, float]:
+        """[J] energies since the start: works of drag, gravity, walls, shear and a thermostat, energy by inlets and
+        outlets, and what impacts dissipated. `residual_J` is the part of the change of the energy that these leave
+        unexplained: rounding of hard spheres, errors of the time steps of soft ones."""
     @property
     def pair_impacts(self) -> int:
         """Number of impacts between particles since the start."""

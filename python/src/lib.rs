@@ -2,6 +2,8 @@
 
 mod columns;
 mod moving;
+mod own_drag;
+mod scene;
 mod simulation;
 
 use pyo3::prelude::*;

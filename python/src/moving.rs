@@ -1,7 +1,8 @@
 //! A simulation that Python owns: its store is lent to arrays while the engine rests, and Ctrl-C stops a run.
 
+use diptych::lab::{LabError, LabServer, LiveView};
 use diptych::work_sharing::keep_workers_spinning;
-use diptych::{Failure, Particles};
+use diptych::{Experiment, Failure, Particles, Vector3};
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::Arc;
@@ -18,6 +19,8 @@ pub struct MovingParticles {
     pool: ThreadPool,
     /// Particles, while arrays may share them; the store of the simulation is then empty.
     lent: Option<Arc<Particles>>,
+    /// Page that shows the simulation, and its server.
+    shown: Option<(LiveView, LabServer)>,
 }
 
 /// End of a run.
@@ -44,7 +47,7 @@ impl MovingParticles {
     /// The threads cannot be started.
     pub fn new(simulation: diptych::Simulation, threads: usize) -> Result<Self, rayon::ThreadPoolBuildError> {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build()?;
-        Ok(Self { simulation, pool, lent: None })
+        Ok(Self { simulation, pool, lent: None, shown: None })
     }
 
     /// The simulation. Its store is empty while the particles are lent.
@@ -68,6 +71,52 @@ impl MovingParticles {
         Ok(lent)
     }
 
+    /// Accelerates the particles for `duration` [s] without any motion. `by_id` has the acceleration [m/s²] of each
+    /// particle at the index of its id; particles beyond its end have none.
+    ///
+    /// # Errors
+    /// The check of the present state has failed.
+    pub fn accelerate(&mut self, by_id: &[Vector3<f64>], duration: f64) -> Result<(), Failure> {
+        self.take_back();
+        let Self { simulation, pool, .. } = self;
+        pool.install(|| {
+            simulation.complete()?;
+            let ids = simulation.particles.id.clone();
+            simulation.accelerate(|place| by_id.get(ids[place] as usize).copied().unwrap_or_default(), duration);
+            Ok(())
+        })
+    }
+
+    /// Address of a page of this machine that shows the simulation, now and while it runs.
+    ///
+    /// # Errors
+    /// The server cannot start.
+    pub fn show(&mut self, experiment: &Experiment, title: &str) -> Result<String, LabError> {
+        let shown = match self.shown.take() {
+            Some(shown) => shown,
+            None => {
+                let view = LiveView::new(experiment, title, false);
+                let server = LabServer::start_live(view.feed())?;
+                (view, server)
+            }
+        };
+        let url = shown.1.url();
+        self.shown = Some(shown);
+        self.refresh();
+        Ok(url)
+    }
+
+    /// Shows the present state on the page, if there is one.
+    pub fn refresh(&mut self) {
+        if self.shown.is_some() {
+            self.take_back();
+        }
+        let Self { simulation, pool, shown, .. } = self;
+        if let Some((view, _)) = shown {
+            pool.install(move || view.show(simulation, "running"));
+        }
+    }
+
     /// Takes the particles back: those that no array shares as they are, others as a copy.
     fn take_back(&mut self) {
         if let Some(lent) = self.lent.take() {
@@ -81,7 +130,7 @@ impl MovingParticles {
     /// The run has not reached its end.
     pub fn run(&mut self, py: Python<'_>, end: RunEnd) -> Result<(), Interruption> {
         self.take_back();
-        let Self { simulation, pool, .. } = self;
+        let Self { simulation, pool, shown, .. } = self;
         py.detach(|| {
             let stop = AtomicBool::new(false);
             pool.in_place_scope(|scope| {
@@ -92,7 +141,12 @@ impl MovingParticles {
                     RunEnd::Window => (f64::INFINITY, true),
                 };
                 scope.spawn(move |_| {
-                    let mut go_on = |_: &mut diptych::Simulation| !is_window && !stop.load(Ordering::Relaxed);
+                    let mut go_on = |simulation: &mut diptych::Simulation| {
+                        if let Some((view, _)) = shown.as_mut() {
+                            view.offer(simulation);
+                        }
+                        !is_window && !stop.load(Ordering::Relaxed)
+                    };
                     // the receiver waits for this message, unless the work panics and the scope passes the panic on
                     let _ = send.send(keep_workers_spinning(|| simulation.run_until_while(time, &mut go_on)));
                 });

@@ -2,14 +2,14 @@
 
 use crate::columns::{self, Column};
 use crate::moving::{Interruption, MovingParticles, RunEnd};
-use crate::{InputError, RunError};
-use diptych::case::Case;
+use crate::own_drag::{OwnDrag, next_piece, rows_of_three};
+use crate::{InputError, RunError, scene};
 use diptych::memory;
-use diptych::{Experiment, Model, Particles};
+use diptych::{Experiment, Failure, Model, Particles};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
-use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 
 /// Models by name.
@@ -19,7 +19,11 @@ const MODELS: [Model; 4] = [Model::Soft, Model::Hard, Model::Hybrid, Model::Dsmc
 #[pyclass(frozen, subclass, module = "diptych._engine")]
 pub struct Simulation {
     moving: Mutex<MovingParticles>,
+    /// Drag law of the calling program. It is locked while the simulation runs, also between windows.
+    drag: Mutex<Option<OwnDrag>>,
     experiment: Experiment,
+    /// [J] kinetic, rotational and elastic energy at the start.
+    energy_at_start: f64,
 }
 
 /// Times at which an observer is called.
@@ -52,15 +56,6 @@ impl Every {
     }
 }
 
-fn read(case: Option<PathBuf>, text: Option<&str>, sets: &[String]) -> PyResult<Case> {
-    let read = match (case, text) {
-        (Some(path), None) => Case::read(&path, sets),
-        (None, Some(text)) => Case::from_text(Path::new("case.toml"), text.into(), sets),
-        _ => return Err(PyValueError::new_err("give a case or its text")),
-    };
-    read.map_err(|why| InputError::new_err(why.to_string()))
-}
-
 fn model_of(name: &str) -> PyResult<Model> {
     let found = MODELS.into_iter().find(|model| model.name() == name);
     let names = MODELS.map(Model::name).join(", ");
@@ -71,12 +66,12 @@ impl Simulation {
     /// The particles and their engine, unless another thread moves them. Waiting would hold the interpreter, which the
     /// other thread may need to stop.
     fn at_rest(&self) -> PyResult<MutexGuard<'_, MovingParticles>> {
-        self.moving.try_lock().map_err(|why| {
-            PyRuntimeError::new_err(match why {
-                TryLockError::WouldBlock => "another thread runs this simulation",
-                TryLockError::Poisoned(_) => "this simulation was ended by an error of the library",
-            })
-        })
+        unlocked(&self.moving, "another thread runs this simulation")
+    }
+
+    /// Drag law of the calling program, unless a run is under way.
+    fn own_drag(&self) -> PyResult<MutexGuard<'_, Option<OwnDrag>>> {
+        unlocked(&self.drag, "this simulation is running: neither drag nor another thread can change or run it")
     }
 
     fn array<'py>(&self, py: Python<'py>, column: Column) -> PyResult<Bound<'py, PyAny>> {
@@ -84,32 +79,83 @@ impl Simulation {
     }
 
     fn particles(&self) -> PyResult<Arc<Particles>> {
-        self.at_rest()?.lend().map_err(|failure| RunError::new_err(failure.to_string()))
+        self.at_rest()?.lend().map_err(failed)
     }
 
-    fn run_to(&self, py: Python<'_>, end: RunEnd) -> PyResult<()> {
-        self.at_rest()?.run(py, end).map_err(|why| match why {
-            Interruption::Failed(failure) => RunError::new_err(failure.to_string()),
-            Interruption::Signal(signal) => signal,
+    /// Runs to an end, with kicks of the drag law of the calling program if there is one.
+    fn run_to(slf: &Bound<'_, Self>, end: RunEnd) -> PyResult<()> {
+        let (py, this) = (slf.py(), slf.get());
+        let mut drag = this.own_drag()?;
+        let Some(drag) = drag.as_mut() else { return this.at_rest()?.run(py, end).map_err(passed_on) };
+        loop {
+            let Some((piece, length)) = next_piece(this.at_rest()?.simulation(), end)? else { return Ok(()) };
+            Self::call_drag(slf, drag)?;
+            this.at_rest()?.accelerate(&drag.by_id, 0.5 * length).map_err(failed)?;
+            drag.is_current = false;
+            let result = this.at_rest()?.run(py, piece);
+            if !matches!(result, Err(Interruption::Failed(_))) {
+                drag.predicted = 0.5 * length;
+                this.at_rest()?.accelerate(&drag.by_id, drag.predicted).map_err(failed)?;
+            }
+            result.map_err(passed_on)?;
+            Self::call_drag(slf, drag)?;
+            if matches!((piece, end), (RunEnd::Time(_), _) | (_, RunEnd::Window)) {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Calls the drag law, unless its accelerations are those of the present time, and corrects the predicted kick.
+    fn call_drag(slf: &Bound<'_, Self>, drag: &mut OwnDrag) -> PyResult<()> {
+        if drag.is_current {
+            return Ok(());
+        }
+        let particles = slf.get().particles()?;
+        let rows = rows_of_three(&drag.function.bind(slf.py()).call1((slf,))?, &particles)?;
+        let differences = drag.keep(&particles, &rows);
+        drop(particles);
+        let predicted = std::mem::take(&mut drag.predicted);
+        slf.get().at_rest()?.accelerate(&differences, predicted).map_err(failed)
+    }
+}
+
+fn unlocked<'a, T>(lock: &'a Mutex<T>, why_not: &'static str) -> PyResult<MutexGuard<'a, T>> {
+    lock.try_lock().map_err(|why| {
+        PyRuntimeError::new_err(match why {
+            TryLockError::WouldBlock => why_not,
+            TryLockError::Poisoned(_) => "this simulation was ended by an error of the library",
         })
+    })
+}
+
+fn failed(failure: Failure) -> PyErr {
+    RunError::new_err(failure.to_string())
+}
+
+fn passed_on(why: Interruption) -> PyErr {
+    match why {
+        Interruption::Failed(failure) => failed(failure),
+        Interruption::Signal(signal) => signal,
     }
 }
 
 #[pymethods]
 impl Simulation {
     #[new]
-    #[pyo3(signature = (case=None, *, text=None, model=None, set=None, seed=None, threads=None))]
+    #[pyo3(signature = (case=None, *, text=None, model=None, set=None, seed=None, threads=None, **start))]
+    #[expect(clippy::too_many_arguments, reason = "these are the names of the arguments in Python")]
     fn new(
         py: Python<'_>,
-        case: Option<PathBuf>,
+        case: Option<Bound<'_, PyAny>>,
         text: Option<&str>,
         model: Option<&str>,
         set: Option<&Bound<'_, PyDict>>,
         seed: Option<u64>,
         threads: Option<usize>,
+        start: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let sets = set.into_iter().flatten().map(|(key, value)| Ok(format!("{key}={}", value.str()?)));
-        let case = read(case, text, &sets.collect::<PyResult<Vec<String>>>()?)?;
+        let case = scene::read(py, (case, text), &sets.collect::<PyResult<Vec<String>>>()?, start)?;
         let model = model.map(model_of).transpose()?;
         let checked = case.experiment(model, seed).map_err(|why| InputError::new_err(why.to_string()));
         let (experiment, warnings) = checked?;
@@ -121,9 +167,10 @@ impl Simulation {
         }
         let made = py.detach(|| diptych::Simulation::from_start(&experiment));
         let simulation = made.map_err(|why| InputError::new_err(format!("error: {why}")))?;
+        let energy_at_start = simulation.energy();
         let moving = MovingParticles::new(simulation, threads.unwrap_or(0));
         let moving = moving.map_err(|why| PyRuntimeError::new_err(why.to_string()))?;
-        Ok(Self { moving: Mutex::new(moving), experiment })
+        Ok(Self { moving: Mutex::new(moving), drag: Mutex::new(None), experiment, energy_at_start })
     }
 
     /// Runs until `time` [s]. `observer(simulation)` is called at every sample of the case, at the end of every window
@@ -135,36 +182,72 @@ impl Simulation {
         observer: Option<Bound<'_, PyAny>>,
         every: Option<Bound<'_, PyAny>>,
     ) -> PyResult<()> {
-        let (py, this) = (slf.py(), slf.get());
+        let this = slf.get();
         if !time.is_finite() {
             return Err(PyValueError::new_err(format!("cannot run until {time} s")));
         }
-        let Some(observer) = observer else { return this.run_to(py, RunEnd::Time(time)) };
+        let Some(observer) = observer else {
+            Self::run_to(slf, RunEnd::Time(time))?;
+            this.at_rest()?.refresh();
+            return Ok(());
+        };
         let (every, begun) = (Every::of(every)?, this.time()?);
         let mut calls = 0;
         while this.time()? < time {
             let next = every.next(this.at_rest()?.simulation(), begun, calls);
             let is_window = matches!(every, Every::Window) && next < time;
-            this.run_to(py, if is_window { RunEnd::Window } else { RunEnd::Time(next.min(time)) })?;
+            Self::run_to(slf, if is_window { RunEnd::Window } else { RunEnd::Time(next.min(time)) })?;
             observer.call1((slf,))?;
             calls += 1;
             if next >= time {
                 break;
             }
         }
+        this.at_rest()?.refresh();
         Ok(())
+    }
+
+    /// Page of this machine that shows the particles while the simulation runs.
+    fn show<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let shown = self.at_rest()?.show(&self.experiment, self.experiment.model().name());
+        let address = shown.map_err(|why| PyRuntimeError::new_err(why.to_string()))?;
+        py.import("diptych.live")?.call_method1("LivePage", (address,))
     }
 
     /// Runs `windows` windows of the schedule. Windows are the times between two exchanges with the gas.
     #[pyo3(signature = (windows=1))]
-    fn step(&self, py: Python<'_>, windows: u64) -> PyResult<()> {
+    fn step(slf: &Bound<'_, Self>, windows: u64) -> PyResult<()> {
         for _ in 0..windows {
-            if self.at_rest()?.simulation().end_of_window().is_none() {
-                return Err(PyValueError::new_err("the case lasts 0 s and has no windows"));
-            }
-            self.run_to(py, RunEnd::Window)?;
+            next_piece(slf.get().at_rest()?.simulation(), RunEnd::Window)?;
+            Self::run_to(slf, RunEnd::Window)?;
         }
         Ok(())
+    }
+
+    /// Drag law of the calling program, beside that of the case: a function of the simulation that returns the
+    /// acceleration of each particle [m/s²].
+    #[getter]
+    fn drag(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
+        Ok(self.own_drag()?.as_ref().map(|drag| drag.function.clone_ref(py)))
+    }
+
+    #[setter]
+    fn set_drag(&self, function: Option<Bound<'_, PyAny>>) -> PyResult<()> {
+        *self.own_drag()? = function.map(OwnDrag::new).transpose()?;
+        Ok(())
+    }
+
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        match self.drag.try_lock().as_deref() {
+            Ok(Some(drag)) => visit.call(&drag.function),
+            Ok(None) | Err(_) => Ok(()),
+        }
+    }
+
+    fn __clear__(&self) {
+        if let Ok(mut drag) = self.drag.try_lock() {
+            *drag = None;
+        }
     }
 
     #[getter]
@@ -201,6 +284,31 @@ impl Simulation {
     #[getter]
     fn kinetic_energy(&self) -> PyResult<f64> {
         Ok(self.particles()?.kinetic_energy())
+    }
+
+    /// Works and losses since the start, whose sum is the change of the energy but for the residual; all in J.
+    #[getter]
+    fn ledger<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let particles = self.particles()?;
+        let moving = self.at_rest()?;
+        let (ledger, elastic) = (&*moving.simulation().record.ledger, moving.simulation().elastic_energy());
+        let energy = particles.kinetic_energy() + particles.rotational_energies().value() + elastic;
+        let table = PyDict::new(py);
+        for (name, value) in [
+            ("energy_at_start", self.energy_at_start),
+            ("energy", energy),
+            ("drag_work", ledger.drag_work),
+            ("gravity_work", ledger.gravity_work),
+            ("wall_work", ledger.wall_work),
+            ("shear_work", ledger.shear_work),
+            ("thermostat_work", ledger.thermostat_work),
+            ("flow_energy", ledger.flow_energy),
+            ("dissipated", ledger.dissipated()),
+            ("residual", ledger.residual(self.energy_at_start, energy)),
+        ] {
+            table.set_item(format!("{name}_J"), value)?;
+        }
+        Ok(table)
     }
 
     #[getter]

@@ -10,6 +10,8 @@ import tempfile
 import threading
 import time
 import unittest
+import urllib.error
+import urllib.request
 import warnings
 from pathlib import Path
 
@@ -223,6 +225,25 @@ class ThreadsAndSignals(unittest.TestCase):
             self.assertNotIn("Traceback", said)
 
 
+class LiveView(unittest.TestCase):
+    def test_a_page_shows_the_simulation_and_changes_no_bit(self):
+        simulation, plain = long(), long()
+        url = simulation.show().url
+        self.assertRegex(url, r"^http://127\.0\.0\.1:\d+/[0-9a-f]{32}/$")
+        self.assertEqual(simulation.show().url, url)
+        self.assertIn(url, simulation.show()._repr_html_())
+        for one in (simulation, plain):
+            one.run_until(0.005)
+        with urllib.request.urlopen(url) as answer:
+            self.assertIn("Diptych run", answer.read().decode())
+            # a notebook of this machine may contain the page, and no other site
+            self.assertIn("frame-ancestors http://127.0.0.1:* http://localhost:*", answer.headers["Content-Security-Policy"])
+        self.assertTrue(simulation.state().equals(plain.state()))
+        for wrong in (url[:-2] + "/", url.replace("127.0.0.1", "localhost").replace("http", "http", 1)[:-34]):
+            with self.assertRaises(urllib.error.HTTPError):
+                urllib.request.urlopen(wrong)
+
+
 class Messages(unittest.TestCase):
     def test_errors_carry_the_message_of_the_program(self):
         with self.assertRaises(diptych.InputError) as raised:
@@ -256,7 +277,8 @@ class Stubs(unittest.TestCase):
     def test_stubs_list_all_with_their_parameters_and_words(self):
         stub = ast.parse((Path(diptych.__file__).parent / "_engine.pyi").read_text(encoding="utf-8"))
         (described,) = [node for node in stub.body if isinstance(node, ast.ClassDef)]
-        members = {node.name: node for node in described.body if isinstance(node, ast.FunctionDef)}
+        setters = [node for node in described.body if any(isinstance(of, ast.Attribute) for of in getattr(node, "decorator_list", ()))]
+        members = {node.name: node for node in described.body if isinstance(node, ast.FunctionDef) and node not in setters}
         public = {name for name in vars(_engine.Simulation) if not name.startswith("_")}
         self.assertEqual(public, set(members) - {"__init__"})
         for name, node in members.items():

@@ -1,0 +1,91 @@
+//! A drag law written in Python, which is called once per window.
+//!
+//! The call needs the velocities at the end of a window, which lack half a kick of this very law. The half-kick is first
+//! predicted with the accelerations of the last call, and corrected after the call. This is the velocity-Verlet scheme
+//! with predicted velocities of Groot and Warren (1997), J. Chem. Phys. 107, 4423, with their λ = 1. It is of second
+//! order in the window.
+
+use crate::moving::RunEnd;
+use diptych::{Particles, Vector3};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+/// [-] rest of a run, divided by the window before it, that is run together with this window. Rounding leaves such rests.
+const REST: f64 = 1e-6;
+
+/// Function of Python that returns accelerations, and the accelerations of its last call.
+pub struct OwnDrag {
+    /// The function.
+    pub function: Py<PyAny>,
+    /// [m/s²] accelerations of the last call, by the ids of the particles. Particles that came in since have none.
+    pub by_id: Vec<Vector3<f64>>,
+    /// True if the accelerations belong to the present time.
+    pub is_current: bool,
+    /// [s] duration of the predicted kick that the next call corrects; 0 if there is none.
+    pub predicted: f64,
+}
+
+impl OwnDrag {
+    /// Takes a function, which is called before the next window.
+    ///
+    /// # Errors
+    /// `TypeError` if the object cannot be called.
+    pub fn new(function: Bound<'_, PyAny>) -> PyResult<Self> {
+        if !function.is_callable() {
+            return Err(PyTypeError::new_err("drag is a function of the simulation, or None"));
+        }
+        Ok(Self { function: function.unbind(), by_id: Vec::new(), is_current: false, predicted: 0.0 })
+    }
+
+    /// Keeps the accelerations `rows` [m/s²] of a call, in the order of `particles`. Returns the differences from those
+    /// of the last call, by ids.
+    pub fn keep(&mut self, particles: &Particles, rows: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        let most = particles.id.iter().max().map_or(0, |id| *id as usize + 1);
+        let last = std::mem::replace(&mut self.by_id, vec![Vector3::zeros(); most]);
+        for (id, row) in particles.id.iter().zip(rows) {
+            self.by_id[*id as usize] = *row;
+        }
+        self.is_current = true;
+        let differences = self.by_id.iter().enumerate();
+        differences.map(|(id, row)| row - last.get(id).copied().unwrap_or_default()).collect()
+    }
+}
+
+/// Next piece of a run: a window, or the part of a window up to the end of the run. Returns it with its length [s];
+/// `None` at the end of the run.
+///
+/// # Errors
+/// `ValueError` if the case has no windows.
+pub fn next_piece(simulation: &diptych::Simulation, end: RunEnd) -> PyResult<Option<(RunEnd, f64)>> {
+    let window = simulation.end_of_window().map(|end| (end, end - simulation.time));
+    let (window_end, window) = window.ok_or_else(|| PyValueError::new_err("the case lasts 0 s and has no windows"))?;
+    Ok(match end {
+        RunEnd::Time(time) if time <= simulation.time => None,
+        RunEnd::Time(time) if time - window_end <= REST * window => Some((end, time - simulation.time)),
+        RunEnd::Time(_) | RunEnd::Window => Some((RunEnd::Window, window)),
+    })
+}
+
+/// Reads an array of Python with three numbers for each of the particles.
+///
+/// # Errors
+/// `ValueError` if the shape is another one or a number is not finite.
+pub fn rows_of_three(found: &Bound<'_, PyAny>, particles: &Particles) -> PyResult<Vec<Vector3<f64>>> {
+    let array = found.py().import("numpy")?.call_method1("ascontiguousarray", (found, "<f8"))?;
+    let shape: Vec<usize> = array.getattr("shape")?.extract()?;
+    if shape != [particles.len(), 3] {
+        let wanted = particles.len();
+        return Err(PyValueError::new_err(format!("drag returned an array of shape {shape:?}, not [{wanted}, 3]")));
+    }
+    let bytes = array.call_method0("tobytes")?;
+    let number = |bytes: &[u8]| bytes.try_into().map_or(f64::NAN, f64::from_le_bytes);
+    let numbers: Vec<f64> = bytes.cast::<PyBytes>()?.as_bytes().chunks_exact(8).map(number).collect();
+    let rows: Vec<Vector3<f64>> = numbers.chunks_exact(3).map(Vector3::from_column_slice).collect();
+    if let Some(place) = rows.iter().position(|row| !row.iter().all(|number| number.is_finite())) {
+        let (id, row) = (particles.id[place], rows[place]);
+        let message = format!("drag returned ({}, {}, {}) m/s^2 for the particle {id}", row.x, row.y, row.z);
+        return Err(PyValueError::new_err(message));
+    }
+    Ok(rows)
+}
