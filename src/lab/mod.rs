@@ -72,8 +72,7 @@ fn write_page(scene: &str, file: &Path) -> Result<(), StudyError> {
             format!("error: --export {}: there is such a file\nhelp: remove it, or give another name", file.display());
         return Err(StudyError::Input(message));
     }
-    let page =
-        export::page(scene, |line| study::tell(line)).map_err(|why| StudyError::Failed(format!("error: {why}")))?;
+    let page = export::page(scene, study::tell).map_err(|why| StudyError::Failed(format!("error: {why}")))?;
     put(file, page.as_bytes())?;
     study::answer(&format!(
         "{} ({:.1} MB) opens in any browser, without the program.\n",
