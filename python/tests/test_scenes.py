@@ -124,7 +124,7 @@ class Starts(unittest.TestCase):
             ({"positions": PLACES, "species": [0]}, "`species` has 1 entries for 3"),
             ({"positions": "here"}, "`positions` is no array"),
             ({"positions": PLACES * [1, 1, np.nan]}, "`z` = \"nan\" is not a finite number"),
-            ({"positions": PLACES + [0, 2e-3, 0]}, "wall"),
+            ({"positions": PLACES + [0, 2e-3, 0]}, "outside the domain"),
             ({"positions": PLACES * [0.01, 1, 1]}, "particle 1"),
         ):
             with self.assertRaises(diptych.InputError) as raised:
