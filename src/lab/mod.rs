@@ -1,5 +1,5 @@
 //! Lab, opened by `diptych lab`: a page on which two simulations, such as soft and hard spheres, run side by side. The
-//! page is served to this machine only. [`live`] shows any run on a similar page.
+//! page is served to this machine only. The module `live` shows any run on a similar page.
 //!
 //! ```text
 //!  browser --WebSocket--> server (one thread) --asks--> session (a thread per page) --> two panels --> Simulation
