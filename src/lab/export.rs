@@ -205,6 +205,7 @@ fn html(data: &str) -> String {
     }
     // `</` would end the element, and within a string of JSON `<\/` means the same
     let data = data.replace("</", "<\\/");
+    // scripts and styles stand in this one file, and the browser may load nothing from elsewhere
     let policy = "default-src 'none'; script-src 'unsafe-inline' data:; style-src 'unsafe-inline'; img-src data:";
     let head = format!(
         "<meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">\n<style>{}{}</style>\n<script>{}</script>\n\
