@@ -65,6 +65,36 @@ fn groups_are_connected_by_gaps_below_the_given_one() {
     assert_eq!([count, largest], [5.0, 2.0]);
 }
 
+/// Ten sizes of spheres at random, from 0.1 to 1 in diameter: the number of clusters is that of all pairs tested one by
+/// one, from one nearest image to the other.
+#[test]
+fn spheres_of_very_different_sizes_connect() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
+    const COUNT: usize = 400;
+    let mut gas = gas(COUNT, 0.1, 1.0, Model::Hard);
+    let mut state = points(&gas, COUNT, &mut random);
+    gas.scene.domain = Domain::new(Vector3::repeat(6.0), [true; 3]);
+    for place in 0..COUNT {
+        state.position[place] = gas.scene.domain.wrap(&state.position[place]);
+        state.radius[place] = 0.05 * (1 + place % 10) as f64;
+    }
+    let mut group: Vec<usize> = (0..COUNT).collect();
+    for one in 0..COUNT {
+        for other in 0..one {
+            let apart = gas.scene.domain.separation(&state.position[one], &state.position[other]).norm();
+            if apart < state.radius[one] + state.radius[other] + 0.02 {
+                let (from, to) = (group[one], group[other]);
+                group.iter_mut().filter(|of| **of == from).for_each(|of| *of = to);
+            }
+        }
+    }
+    group.sort_unstable();
+    group.dedup();
+    assert!(group.len() > 50 && group.len() < COUNT - 50, "{}", group.len());
+    let (_, [count, ..]) = parts(&clusters(&gas, 0.02, [state]));
+    assert_eq!(count, group.len() as f64);
+}
+
 #[test]
 fn images_that_slide_connect() {
     let (mut gas, _) = by_hand();

@@ -477,6 +477,15 @@ pub fn overlapping(particles: &Particles, scene: &Scene) -> Vec<Couple> {
     slots.iter().map(|&slot| list.couple(slot as usize).moved(|place| order[place as usize])).collect()
 }
 
+/// All pairs of particles with a gap below `gap` [m], by their indices in `particles`. Along periodic axes, the largest
+/// diameter and the gap together are at most half the edge of the box.
+pub fn pairs_with_gap(particles: &Particles, scene: &Scene, gap: f64) -> Vec<[usize; 2]> {
+    let (mut sorted, mut list) = (particles.clone(), NeighbourList::default());
+    let plan = ListSettings { frame: Vector3::zeros(), largest_speed: 0.0, skin: gap, uses: 1.0, everyone: None };
+    let order = list.build_by(&Region::from(&scene.domain), &mut sorted, scene, &plan);
+    list.pairs.iter().map(|pair| [pair.i, pair.j].map(|place| order[place as usize] as usize)).collect()
+}
+
 /// Component of a common velocity or acceleration `vector` of all particles that changes no gap to a wall. It is parallel
 /// to all planes, and zero if some wall is not a plane.
 pub fn along_walls(scene: &Scene, vector: Vector3<f64>) -> Vector3<f64> {

@@ -5,9 +5,9 @@
 //! with n_s clusters of s particles (Stauffer and Aharony, Introduction to Percolation Theory, 2nd edition 1994).
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumber, ObservedQuantity};
-use super::near_pairs::near_pairs;
 use super::{Needs, Observer, plain_data};
 use crate::experiment::{ClustersSettings, Experiment};
+use crate::neighbours::pairs_with_gap;
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use crate::statistics::estimate;
@@ -55,16 +55,9 @@ impl ParticleClusters {
 
     /// Numbers of particles in all clusters at the present instant.
     fn sizes(&self, simulation: &Simulation) -> Vec<u64> {
-        let (particles, scene) = (&simulation.particles, simulation.scene());
-        let radius = &particles.radius;
-        let reach = scene.largest_diameter() + self.gap;
-        let connected = near_pairs(particles, &scene.domain, reach, Vec::new, |pairs, [one, other], apart| {
-            if apart.norm() < radius[one] + radius[other] + self.gap {
-                pairs.push([one, other]);
-            }
-        });
+        let particles = &simulation.particles;
         let mut forest: Vec<usize> = (0..particles.len()).collect();
-        for [one, other] in connected.into_iter().flatten() {
+        for [one, other] in pairs_with_gap(particles, simulation.scene(), self.gap) {
             let (one, other) = (root(&mut forest, one), root(&mut forest, other));
             forest[one.max(other)] = one.min(other);
         }
