@@ -193,6 +193,10 @@ impl Measurement for Viscosity {
         };
         if let Some(shear) = experiment.scene.domain.shear {
             result.numbers = self.in_shear(experiment, samples, shear.rate);
+            let has_theory = result.numbers.iter().any(|number| number.theory.is_some());
+            result.remark = has_theory.then_some(
+                "The theory is of first order in the shear rate. In steady shear it holds only for nearly elastic spheres.",
+            );
         } else if let Some(longest) = self.longest {
             let exact = temperature(experiment, samples).and_then(|found| theory(experiment, found));
             let (times, values, mean) = self.at_rest(experiment, samples, longest);
