@@ -91,6 +91,21 @@ fn ids_of_new_particles_are_above_those_of_the_start() {
     assert_eq!(ids(&[7, u32::MAX - 1]), [7, u32::MAX - 1, u32::MAX]);
 }
 
+/// A sphere that has just crossed a periodic side is in an outlet at the other side, although its stored position is still
+/// beyond the side it has crossed.
+#[test]
+fn an_outlet_takes_what_has_crossed_a_periodic_side() {
+    let scene = empty([10.0, 10.0, 10.0], [true, true, false], unit(), surface(1.0, 0.0));
+    let first =
+        Hollow::new(Cavity::Box { center: Vector3::new(0.5, 5.0, 5.0), half_extents: Vector3::new(0.5, 5.0, 5.0) });
+    let outlets = vec![Outlet { name: "first".into(), shape: OutletShape::Body(first) }];
+    // the sphere is at x = 10.2 after the window
+    let start = placed(&scene, &[([9.9, 5.0, 5.0], [3.0, 0.0, 0.0]), ([5.0, 5.0, 2.0], [0.0; 3])]);
+    let mut simulation = Simulation::with_engine(Scene { outlets, ..scene }, start, hard());
+    simulation.run(1, 0.1).unwrap();
+    assert_eq!(simulation.particles.id, [1]);
+}
+
 /// A gate moves away at 1.5 s. A sphere that reaches it 0.01 s before comes back, and one that reaches it 0.02 s after that
 /// time leaves.
 #[test]
