@@ -300,6 +300,7 @@ fn the_ledger_closes_and_momentum_is_that_of_walls_and_gas() {
     close("momentum", off.norm() / given.norm(), 0.0, 1e-12);
     // pairs do not touch, so that no momentum is transferred from centre to centre
     assert_eq!(ledger.pair_virial.norm(), 0.0);
+    assert_eq!(simulation.elastic_energy(), 0.0);
     let counters = simulation.counters();
     assert_eq!(counters.events, simulation.record.pairs.count + simulation.record.walls.count);
     assert!(counters.pair_checks > simulation.record.pairs.count);

@@ -160,7 +160,11 @@ fn forces_of_a_program_are_in_the_books() {
     for _ in 0..100 {
         for half in 0..2 {
             let velocity = simulation.particles.velocity.clone();
-            simulation.accelerate(|place| Vector3::new(0.0, 9.0, 0.0) - velocity[place] / 0.01, 0.5 * window);
+            let acceleration = |place: usize| Vector3::new(0.0, 9.0, 0.0) - velocity[place] / 0.01;
+            simulation.accelerate(acceleration, 0.5 * window);
+            for (place, (now, before)) in simulation.particles.velocity.iter().zip(&velocity).enumerate() {
+                assert_eq!(*now, before + acceleration(place) * (0.5 * window), "{place}");
+            }
             if half == 0 {
                 simulation.run(1, window).unwrap();
             }

@@ -146,7 +146,22 @@ fn a_page_with_recorded_runs_holds_all_that_it_shows() {
         let particles: usize =
             one["radii"].as_array().unwrap().iter().map(|panel| panel.as_array().unwrap().len()).sum();
         let bytes = BASE64_STANDARD.decode(one["particles"].as_str().unwrap()).unwrap();
-        assert_eq!(bytes.len(), 2 * 5 * particles * one["frames"].as_array().unwrap().len());
+        let frames = one["frames"].as_array().unwrap().len();
+        assert_eq!(frames as u64, data["frames"].as_u64().unwrap() + 1);
+        assert_eq!(bytes.len(), 2 * 5 * particles * frames);
+    }
+    // the first column is the position along the row, in which all five beads but the first touch at the start
+    let one = &recordings[0];
+    let [least, range] = [0, 1].map(|k| one["scales"][0][k].as_f64().unwrap());
+    let bytes = BASE64_STANDARD.decode(one["particles"].as_str().unwrap()).unwrap();
+    let at = |bead: usize| {
+        let share = f64::from(u16::from_le_bytes([bytes[10 * bead], bytes[10 * bead + 1]])) / f64::from(u16::MAX);
+        least + range * share
+    };
+    let diameter = 2.0 * one["radii"][0][0].as_f64().unwrap();
+    for bead in 1..4 {
+        let gap = at(bead + 1) - at(bead) - diameter;
+        assert!(gap.abs() < 2.0 * range / f64::from(u16::MAX), "{bead}: {gap}");
     }
     // velocities at the end of the first run are those in the heading of the case
     let sides = &recordings[0]["frames"].as_array().unwrap().last().unwrap()["sides"];

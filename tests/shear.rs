@@ -306,6 +306,19 @@ fn plans_say_how_far_soft_spheres_are_from_hard_ones() {
     }
 }
 
+/// The temperature of a sheared gas is that of its steady state, whatever the fluctuations at the start are.
+#[test]
+fn a_plan_for_a_sheared_box_forgets_the_fluctuations_of_the_start() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/shear/soft-or-hard.toml");
+    let found = ["0.1 m/s", "1 m/s"].map(|fluctuation| {
+        let sets = ["run.duration=0.4 s".to_owned(), format!("particles[0].velocity_fluctuation={fluctuation}")];
+        let (experiment, _) = Case::read(&path, &sets).unwrap().experiment(None, None).unwrap();
+        plan_of(&experiment, 0.01, false).unwrap().plan.shear.unwrap().dissipation_over_shear
+    });
+    // temperatures of 500 particles over some tens of their times of change differ by a few percent
+    close("dissipation over shear", found[1] / found[0], 1.0, 0.15);
+}
+
 #[test]
 fn what_a_sheared_box_cannot_have_is_refused() {
     const CASE: &str = "[domain]\nsize = [\"5 mm\", \"5 mm\", \"5 mm\"]\nperiodic = [\"x\", \"y\", \"z\"]\n\
