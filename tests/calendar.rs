@@ -4,6 +4,7 @@
 use crate::support::*;
 use diptych::engine::hard::Hard;
 use diptych::simulation::Simulation;
+use diptych::walls::PrescribedMotion;
 use diptych::{Particles, Scene, Vector3};
 
 fn calendar(scene: &Scene, particles: &Particles) -> Simulation {
@@ -145,4 +146,59 @@ fn the_calendar_gives_the_same_bits_on_any_number_of_threads() {
     let one = fingerprint(1);
     assert_eq!(one, fingerprint(2));
     assert_eq!(one, fingerprint(5));
+}
+
+/// A layer of spheres that falls as a whole on a vibrating plate, in a box of the given height. The mean volume fraction
+/// says little about the layer if the box is high.
+fn layer(height: f64) -> (Scene, Particles) {
+    let of_height = |height: f64| empty([16.0, height, 16.0], [true, false, true], unit(), surface(0.9, 0.0));
+    let mut start = random(&of_height(7.0), 1000, 0.05, 4);
+    for (position, velocity) in start.position.iter_mut().zip(&mut start.velocity) {
+        position.y += 3.0;
+        velocity.y -= 3.0;
+    }
+    let mut scene = of_height(height);
+    scene.gravity = Vector3::new(0.0, -1.0, 0.0);
+    let vibration = PrescribedMotion::Vibration { amplitude: Vector3::new(0.0, 0.5, 0.0), frequency: 0.3, phase: 0.0 };
+    let plate = plane([0.0, 2.0, 0.0], [0.0, 1.0, 0.0], surface(0.9, 0.0)).moving(vibration).unwrap();
+    let lid = plane([0.0, height, 0.0], [0.0, -1.0, 0.0], surface(0.9, 0.0));
+    scene.walls = vec![plate, lid];
+    (scene, start)
+}
+
+#[test]
+fn a_layer_costs_the_same_in_a_high_box_and_loses_no_touch() {
+    let [low, high] = [12.0, 200.0].map(|height| {
+        let (scene, start) = layer(height);
+        let mut simulation = calendar(&scene, &start);
+        for _ in 0..60 {
+            simulation.run(1, 0.1).unwrap();
+            let gap = smallest_gap(&scene, &simulation.particles);
+            assert!(gap > -1e-12, "{gap} at {}", simulation.time);
+        }
+        // spheres are above the plate, which is at 2.5 m at most
+        assert!(simulation.particles.position.iter().all(|x| x.y > 1.5 + 0.5 - 1e-12 && x.y < height));
+        let counters = simulation.counters();
+        assert!(counters.events > 20_000, "{}", counters.events);
+        counters.pair_checks as f64 / counters.events as f64
+    });
+    assert!(high < 1.5 * low, "{high} checks per collision in a high box, {low} in a low one");
+}
+
+#[test]
+fn a_layer_that_is_followed_moves_as_in_islands() {
+    let (scene, start) = layer(60.0);
+    let mut islands = Simulation::with_engine(scene.clone(), start.clone(), Box::new(Hard::with_islands()));
+    let mut calendar = calendar(&scene, &start);
+    // the layer reaches the plate after 0.2 s; later, rounding errors have grown by the collisions of each sphere
+    for simulation in [&mut islands, &mut calendar] {
+        simulation.run(12, 0.05).unwrap();
+        assert!(simulation.record.walls.count > 100 && simulation.record.pairs.count > 1000);
+    }
+    assert_eq!(islands.record.pairs.count, calendar.record.pairs.count);
+    assert_eq!(islands.record.walls.count, calendar.record.walls.count);
+    let [of_islands, of_calendar] = [islands, calendar].map(|simulation| simulation.state().position);
+    let apart = of_islands.iter().zip(&of_calendar).map(|(a, b)| (a - b).norm());
+    let furthest = apart.fold(0.0, f64::max);
+    assert!(furthest < 1e-9, "{furthest}");
 }

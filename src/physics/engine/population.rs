@@ -1,10 +1,12 @@
 //! Summary of the particles' sizes, by which engines choose between methods. The summary does not depend on the order
 //! of the particles in the store, and is equal in all processes that share a run.
 
+use crate::domain::Domain;
 use crate::neighbours::levels::Census;
-use crate::particles::{CHUNK, Sample};
+use crate::particles::{CHUNK, Particles, Sample};
 use crate::scene::Scene;
 use crate::work_sharing;
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -21,6 +23,9 @@ pub struct PopulationSummary {
     pub mean_radius: [f64; 2],
     /// [-] volume fraction: volume of the particles divided by the volume open to them.
     pub filled: f64,
+    /// [-] volume fraction around a particle: `filled`, or that of a layer under gravity, which does not fill the box.
+    /// Only for particles that this process stores alone.
+    pub crowded: f64,
     /// True if not all particles have equal radii.
     pub mixed: bool,
     /// Number of particles in each range of sizes; `None` if the sizes differ so little that a single grid of cells
@@ -43,15 +48,56 @@ impl PopulationSummary {
         };
         let parts = work_sharing::map(radius.chunks(CHUNK).zip(mass.chunks(CHUNK)), of_some);
         let [largest, smallest, lightest] = sample.largest(parts.into_iter().fold(none, wider));
+        let of_all = cube * 4.0 / 3.0 * PI;
+        let filled = of_all * count as f64 / volume;
+        let is_layer = scene.gravity != Vector3::zeros() && !sample.is_part();
+        let crowded = if is_layer { of_all * crowded_density(sample.particles, &scene.domain) } else { filled };
         Self {
             count,
             largest,
             lightest: -lightest,
             mean_radius: [mean, square],
-            filled: cube * count as f64 * 4.0 / 3.0 * PI / volume,
+            filled,
+            crowded: crowded.max(filled),
             mixed: count > 0 && -smallest != largest,
             census: Census::of(sample, [largest, -smallest], volume),
             density: count as f64 / volume,
         }
     }
+}
+
+/// [1/m³] number density around a particle: that of the box, or the local one if this is at least twice as high, as in a
+/// layer on the floor of a high box.
+pub fn crowded_density(particles: &Particles, domain: &Domain) -> f64 {
+    /// Smallest ratio of the densities at which the local one counts. In a gas without clusters both are equal, and
+    /// their difference by chance must not change anything.
+    const CROWDED: f64 = 2.0;
+    let diameter = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
+    let mean = particles.len().max(1) as f64 / domain.volume();
+    let local = local_density(&particles.position, domain, diameter);
+    if local > CROWDED * mean { local } else { mean }
+}
+
+/// [1/m³] number density in the neighbourhood of a particle, averaged over all particles. It exceeds the mean density of
+/// the box where particles lie in a layer or in clusters. `diameter` [m] is that of the largest particle.
+///
+/// The particles are counted in cells of about three diameters. A particle in a cell of volume V with n particles has
+/// (n - 1)/V neighbours per volume, so that random points have their mean density on average.
+fn local_density(positions: &[Vector3<f64>], domain: &Domain, diameter: f64) -> f64 {
+    /// Largest number of cells per particle, so that a nearly empty box needs little memory.
+    const CELLS: f64 = 4.0;
+    let most = (CELLS * positions.len() as f64).max(1.0);
+    let edge = (3.0 * diameter).max((domain.volume() / most).cbrt());
+    let cells = domain.size.map(|size| (size / edge).floor().clamp(1.0, most));
+    let [across, up, along] = [cells.x, cells.y, cells.z].map(|count| count as usize);
+    let mut counts = vec![0_u64; across * up * along];
+    for position in positions {
+        let place = domain.wrap(position).component_div(&domain.size).component_mul(&cells);
+        let [x, y, z] = [(place.x, across), (place.y, up), (place.z, along)]
+            .map(|(place, count)| (place.max(0.0) as usize).min(count - 1));
+        counts[(z * up + y) * across + x] += 1;
+    }
+    let pairs: u64 = counts.iter().map(|count| count * count.saturating_sub(1)).sum();
+    let cell = domain.volume() / counts.len() as f64;
+    pairs as f64 / (positions.len().max(1) as f64 * cell)
 }

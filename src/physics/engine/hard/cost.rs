@@ -39,7 +39,7 @@ pub fn fallback_cost(
     scene: &Scene,
     window: Window,
 ) -> Option<f64> {
-    if lasts(scene) && population.filled > DENSE {
+    if lasts(scene) && population.crowded > DENSE {
         return None;
     }
     Some(if population.mixed { one_calendar(population, speeds, window) } else { f64::INFINITY })

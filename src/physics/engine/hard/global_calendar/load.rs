@@ -10,6 +10,7 @@ use super::sliding::SLIDE;
 use super::walls::WallContacts;
 use super::{GlobalCalendar, LastCollision, Recent};
 use crate::engine::driver::Work;
+use crate::engine::population::crowded_density;
 use crate::engine::{Failure, Window, not_a_number};
 use crate::neighbours::along_walls;
 use crate::particles::{CHUNK, Particles};
@@ -21,6 +22,19 @@ use std::f64::consts::{PI, SQRT_2};
 /// Number of times that the fastest particle may cross the box within an epoch. In a longer epoch the rounding of times
 /// would matter as much as that of positions.
 const CROSSINGS: f64 = 8.0;
+
+/// [-] distance that a frame which follows a layer may move towards a wall within an epoch, in diameters. All particles
+/// within this distance of a wall are tested for a touch. A shorter distance needs more epochs, each of which builds all
+/// lists again.
+const FOLLOWED: f64 = 2.0;
+
+/// Smallest number of particles whose common motion the frame follows. The mean velocity of few particles is large by
+/// chance.
+const FEWEST: usize = 100;
+
+/// [-] squared speed of a layer relative to the frame, over the mean square of the random velocities in it. Above this
+/// value the frame follows the layer from the next window on.
+const LEFT_BEHIND: f64 = 2.0;
 
 /// Number of new shells (balls in which neighbour lists are valid) per particle after which the particles in the store
 /// are sorted again. By then, particles near in memory are no longer near in space.
@@ -47,6 +61,7 @@ impl GlobalCalendar {
         }
         let kicked = scene.is_kicked();
         let due = self.shells.renewed - self.sorted_at > SORT_AFTER * self.next_events.len() as u64;
+        let due = due || (!outdated && self.is_left_behind(work.particles, scene));
         let change = if outdated || due { Change::Moved } else { self.change(work.particles, scene) };
         match change {
             Change::Moved => {
@@ -69,6 +84,19 @@ impl GlobalCalendar {
         }
         self.ready = true;
         Ok(())
+    }
+
+    /// True if the particles fly as a layer that the frame does not follow, as after a layer has rebounded from a floor.
+    fn is_left_behind(&self, particles: &Particles, scene: &Scene) -> bool {
+        if !is_built_each_epoch(scene) || particles.len() < FEWEST {
+            return false;
+        }
+        let (mean, square) = mean_and_fluctuation(particles);
+        // a frame that falls past a bed at rest begins anew with its next epoch
+        let largest = self.shells.kinds.last().map_or(0.0, |kind| kind.radius);
+        let fall = across(scene, scene.gravity).norm() * 2.0 * largest;
+        let behind = across(scene, mean - self.frame.velocity_at(self.now)).norm_squared();
+        behind > (LEFT_BEHIND * square).max(fall)
     }
 
     fn change(&self, particles: &Particles, scene: &Scene) -> Change {
@@ -160,7 +188,7 @@ impl GlobalCalendar {
         self.limit = f64::INFINITY;
         self.frame = FallingFrame {
             offset: Vector3::zeros(),
-            velocity: along_walls(scene, particles.mean_velocity()),
+            velocity: frame_velocity(particles, scene),
             gravity: scene.gravity,
         };
         let kinds = kinds(particles);
@@ -180,8 +208,10 @@ impl GlobalCalendar {
         self.ids.clone_from(&particles.id);
         self.next_events = vec![NextEvents::blank(); particles.len()];
         self.set_limit(particles, scene, start)?;
-        let crowds = crowds(&self.bodies, &self.shells.kinds, scene.domain.volume());
-        let margin = margin(particles, &crowds, scene);
+        let density = crowded_density(particles, &scene.domain);
+        let volume = self.bodies.len().max(1) as f64 / density;
+        let crowds = crowds(&self.bodies, &self.shells.kinds, volume);
+        let margin = margin(particles, density, &crowds, scene);
         let reach = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
         // two particles may each cross their shell, by two margins; only then a farther image could come into reach
         self.far_images = std::array::from_fn(|axis| {
@@ -228,7 +258,7 @@ impl GlobalCalendar {
             // shells are enlarged by the distance that walls move until the end of the epoch
             self.limit = before.min(self.limit);
         }
-        let fall = across_walls(scene).norm();
+        let fall = across(scene, scene.gravity).norm();
         // without particles an epoch has no limit
         if fall > 0.0 && !self.bodies.is_empty() {
             // the frame must not fall towards walls much faster than the particles move, since shells are enlarged by
@@ -238,6 +268,11 @@ impl GlobalCalendar {
             let diameter = 2.0 * self.bodies.iter().map(|body| self.shells.radius(body)).sum::<f64>() / count;
             self.limit = before.min(square.max(fall * diameter).sqrt() / fall);
         }
+        let drift = across(scene, self.frame.velocity).norm();
+        if drift > 0.0 && !self.bodies.is_empty() {
+            let largest = self.shells.kinds.last().map_or(0.0, |kind| kind.radius);
+            self.limit = self.limit.min(2.0 * FOLLOWED * largest / drift);
+        }
         Ok(())
     }
 
@@ -245,7 +280,7 @@ impl GlobalCalendar {
     /// stored times. If gravity points towards a wall or walls move, the whole calendar is built again.
     pub(super) fn new_epoch(&mut self, work: &mut Work<Recent>, time: f64) -> Result<(), Failure> {
         let (scene, horizon) = (work.scene, self.horizon - self.now);
-        if across_walls(scene) != Vector3::zeros() || scene.has_moving_walls() {
+        if is_built_each_epoch(scene) {
             // the new frame must be at rest relative to the walls, and walls that move may be near other shells
             self.write(work.particles, scene);
             let met = self.history(work.particles, None);
@@ -280,8 +315,9 @@ impl GlobalCalendar {
         }
         let body = &self.bodies[place];
         let flight = self.frame.flight(&body.position, &body.velocity, self.now);
-        // distance by which the frame falls within the epoch
-        let fall = 0.5 * across_walls(scene).norm() * self.limit * self.limit;
+        // distance by which the frame moves and falls towards walls within the epoch
+        let drift = across(scene, self.frame.velocity).norm() * self.limit;
+        let fall = drift + 0.5 * across(scene, scene.gravity).norm() * self.limit * self.limit;
         let reach = self.shells.radius(body) + self.shells.margin + fall + ROUNDING * scene.domain.size.max();
         let position = scene.domain.wrap(&flight.position);
         let mut found = false;
@@ -293,10 +329,35 @@ impl GlobalCalendar {
     }
 }
 
-/// [m/s²] component of gravity perpendicular to the walls, which moves particles towards them; zero if gravity is
-/// parallel to all walls.
-fn across_walls(scene: &Scene) -> Vector3<f64> {
-    scene.gravity - along_walls(scene, scene.gravity)
+/// Component of a common velocity or acceleration of all particles that moves them towards the walls; zero if the vector
+/// is parallel to all walls.
+fn across(scene: &Scene, vector: Vector3<f64>) -> Vector3<f64> {
+    vector - along_walls(scene, vector)
+}
+
+/// [m/s] velocity of the frame of the calendar: the mean velocity of the particles along the walls. A layer that flies as
+/// a whole, faster than its particles move relative to it, is followed in all directions. Otherwise each of its particles
+/// would soon leave its shell (ball in which its neighbour list is valid).
+fn frame_velocity(particles: &Particles, scene: &Scene) -> Vector3<f64> {
+    if !is_built_each_epoch(scene) {
+        return along_walls(scene, particles.mean_velocity());
+    }
+    let (mean, square) = mean_and_fluctuation(particles);
+    let along = along_walls(scene, mean);
+    let is_layer = particles.len() >= FEWEST && (mean - along).norm_squared() > square;
+    if is_layer { mean } else { along }
+}
+
+/// True if the calendar is built again in each epoch, since its frame falls towards walls or walls move.
+fn is_built_each_epoch(scene: &Scene) -> bool {
+    scene.has_moving_walls() || across(scene, scene.gravity) != Vector3::zeros()
+}
+
+/// Mean velocity [m/s] of all particles, and mean square [m²/s²] of the velocities relative to it.
+fn mean_and_fluctuation(particles: &Particles) -> (Vector3<f64>, f64) {
+    let mean = particles.mean_velocity();
+    let square: f64 = particles.velocity.iter().map(|velocity| (velocity - mean).norm_squared()).sum();
+    (mean, square / particles.len().max(1) as f64)
 }
 
 /// Order of two classes of particles (combinations of radius and mass): by radius, and at equal radii by mass.
@@ -345,9 +406,9 @@ fn crowds(bodies: &[FlightState], kinds: &[RadiusClass], volume: f64) -> Vec<(f6
 
 /// Distance [m] that a particle may move from the centre of its shell (ball in which its neighbour list is valid). A
 /// larger distance needs fewer new shells but longer lists. The cheapest distance is taken, by fixed weights that serve
-/// only for this choice, not for a prediction of run times. `crowds` contains number densities [1/m³] and largest
+/// only for this choice, not for a prediction of run times. `density` [1/m³] is the number density, and `crowds` contains number densities [1/m³] and largest
 /// diameters [m] of groups of similar size.
-fn margin(particles: &Particles, crowds: &[(f64, f64)], scene: &Scene) -> f64 {
+fn margin(particles: &Particles, density: f64, crowds: &[(f64, f64)], scene: &Scene) -> f64 {
     /// [ns] cost of making a new shell (ball in which a neighbour list is valid): a fixed part, the cost per distance
     /// computed, and the cost per neighbour.
     const SHELL: [f64; 3] = [200.0, 3.0, 12.0];
@@ -361,7 +422,6 @@ fn margin(particles: &Particles, crowds: &[(f64, f64)], scene: &Scene) -> f64 {
     let count = particles.len().max(1) as f64;
     let diameter = 2.0 * particles.radius.iter().sum::<f64>() / count;
     let largest = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
-    let density = count / scene.domain.volume();
     let filled = (density * PI / 6.0 * diameter.powi(3)).min(0.6);
     // mean free path, with the crowding factor of Carnahan and Starling 1969
     let crowding = (1.0 - 0.5 * filled) / (1.0 - filled).powi(3);
