@@ -34,6 +34,7 @@ mod files; // files of other programs: each oddity, and each pair of oddities
 mod first_answer; // README, picture, pages and stored runs agree
 mod fluid; // gas profiles against independent solvers, tables, pipes
 mod folder; // the folder of results: which command owns it, and which files are replaced in it
+mod free_surface; // surface of a layer: waves by hand, columns, smoothing, up, messages
 mod fuzz; // damaged and made-up inputs to every reader
 mod gas; // equilibrium: equation of state, collision rates, walls, overlaps, conservation, same bits (oracle D)
 mod gates; // openings in closed form: sums of what passes, ids, a gate that opens

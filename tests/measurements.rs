@@ -4,8 +4,8 @@
 use crate::support::{edge, empty, experiment, surface, unit};
 use diptych::domain::Domain;
 use diptych::experiment::{
-    ClustersSettings, DiffusionSettings, Experiment, FieldsSettings, Model, ObserveSettings, PairDistributionSettings,
-    StructureFactorSettings, VelocityDistributionSettings, ViscositySettings,
+    ClustersSettings, DiffusionSettings, Experiment, FieldsSettings, FreeSurfaceSettings, Model, ObserveSettings,
+    PairDistributionSettings, StructureFactorSettings, VelocityDistributionSettings, ViscositySettings,
 };
 use diptych::observe::{
     Diffusion, Measurement, Observation, ObservedNumber, ObservedQuantity, PairDistribution, VelocityDistribution, run,
@@ -342,6 +342,7 @@ fn measurements_change_nothing() {
         fields: Some(FieldsSettings { width: 1.0, cells: [2, 3, 4] }),
         viscosity: Some(ViscositySettings { duration: Some(0.1) }),
         clusters: Some(ClustersSettings { gap: 0.1 }),
+        free_surface: Some(FreeSurfaceSettings { up: (1, 1.0), spacing: 0.5, smoothing: 0.0 }),
     };
     let (some, with, series) = end(&gas);
     assert_eq!(without, with);

@@ -6,8 +6,9 @@ use crate::support::Crew;
 use diptych::Vector3;
 use diptych::domain::Domain;
 use diptych::experiment::{
-    Amount, ClustersSettings, DiffusionSettings, Experiment, FieldsSettings, Model, ObserveSettings,
-    PairDistributionSettings, StructureFactorSettings, VelocityDistributionSettings, ViscositySettings,
+    Amount, ClustersSettings, DiffusionSettings, Experiment, FieldsSettings, FreeSurfaceSettings, Model,
+    ObserveSettings, PairDistributionSettings, StructureFactorSettings, VelocityDistributionSettings,
+    ViscositySettings,
 };
 use diptych::observe::{ContactNetwork, Fields, Measurement, Measurements, Observer, StructureFactor, run};
 use diptych::particles::Particles;
@@ -327,6 +328,7 @@ fn measurements_of_several_processes_are_those_of_one() {
             fields: Some(FieldsSettings { width: 1.0, cells: [3, 4, 5] }),
             viscosity: Some(ViscositySettings { duration: Some(0.2) }),
             clusters: Some(ClustersSettings { gap: 0.1 }),
+            free_surface: Some(FreeSurfaceSettings { up: (1, 1.0), spacing: 0.5, smoothing: 0.0 }),
         };
         let alone = shared_by(None, &gas);
         assert!(alone.len() > 10_000);

@@ -4,8 +4,8 @@ mod defaults;
 mod observe_settings;
 
 pub use observe_settings::{
-    ClustersSettings, DiffusionSettings, FieldsSettings, ObserveSettings, PairDistributionSettings,
-    StructureFactorSettings, VelocityDistributionSettings, ViscositySettings,
+    ClustersSettings, DiffusionSettings, FieldsSettings, FreeSurfaceSettings, ObserveSettings,
+    PairDistributionSettings, StructureFactorSettings, VelocityDistributionSettings, ViscositySettings,
 };
 
 use crate::contact_law::ContactLaw;

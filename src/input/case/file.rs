@@ -36,8 +36,8 @@ pub use gas::{
 };
 pub use motion::{KnotFile, MotionFile, ShapeTurningFile, VibrationFile};
 pub use observe::{
-    ClustersFile, ContactNetworkFile, DiffusionFile, FieldsFile, ObserveFile, PairDistributionFile, SeenGasFile,
-    StructureFactorFile, VelocityDistributionFile, ViscosityFile,
+    ClustersFile, ContactNetworkFile, DiffusionFile, FieldsFile, FreeSurfaceFile, ObserveFile, PairDistributionFile,
+    SeenGasFile, StructureFactorFile, VelocityDistributionFile, ViscosityFile,
 };
 pub use openings::{InletFile, OutletFile, OutletSideFile};
 pub use region::{BlockRegionFile, CylinderRegionFile, RegionFile};

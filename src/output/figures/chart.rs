@@ -1,4 +1,4 @@
-//! Common style of all pictures. Only this file, `cells` and `rows` use the plotting library kuva.
+//! Common style of all pictures. Only this file, `cells`, `map` and `rows` use the plotting library kuva.
 //!
 //! The colours are those of Okabe and Ito, which colour-blind readers can distinguish. Each colour has a separate dash
 //! pattern and marker, so that pictures are readable in black and white.

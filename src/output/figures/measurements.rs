@@ -1,6 +1,7 @@
 //! Figures of the measurements that a case asks for.
 
 use super::file_name;
+use super::map::map;
 use super::profiles::draw;
 use crate::observe::{Observation, ObservedCurve, ObservedQuantity};
 use crate::outcome::Outcome;
@@ -35,7 +36,17 @@ fn of_group(group: &PanelGroup) -> Vec<Figure> {
         };
         Figure::new(name, caption, draw(&panels))
     };
-    names.iter().map(figure).collect()
+    names.iter().map(figure).chain(group.members.iter().flat_map(|(name, outcome)| maps(name, outcome))).collect()
+}
+
+/// Maps of the fields of a variant on grids that are one cell thick.
+fn maps(variant: &str, outcome: &Outcome) -> Vec<Figure> {
+    let figure = |observed: &Observation| {
+        let name = format!("{}-map-{}", of_measurement(observed.name), file_name(&outcome.experiment.name));
+        let caption = format!("{} of “{variant}” at the sample with the largest contrast.", observed.title);
+        Some(Figure::new(name, caption, map(observed.grid.as_ref()?)?))
+    };
+    outcome.observations.iter().filter_map(figure).collect()
 }
 
 /// Panel of a curve of a measurement, with one line for each variant that has this curve.

@@ -13,6 +13,7 @@ mod gas;
 mod geometry;
 mod impacts;
 mod limits;
+mod map;
 mod measurements;
 mod over_time;
 mod overview;

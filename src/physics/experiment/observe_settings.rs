@@ -34,11 +34,14 @@ pub struct ObserveSettings {
     /// Settings of the clusters of particles; `None` if they are not measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clusters: Option<ClustersSettings>,
+    /// Settings of the free surface of a layer; `None` if it is not measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub free_surface: Option<FreeSurfaceSettings>,
 }
 
 impl ObserveSettings {
     /// Names of all measurements, as in the case. Files of curves have these names.
-    pub const NAMES: [&str; 9] = [
+    pub const NAMES: [&str; 10] = [
         "pair_distribution",
         "velocity_distribution",
         "diffusion",
@@ -48,6 +51,7 @@ impl ObserveSettings {
         "seen_gas",
         "viscosity",
         "clusters",
+        "free_surface",
     ];
 
     /// True if the case asks for none of the measurements.
@@ -67,6 +71,7 @@ impl ObserveSettings {
             self.seen_gas,
             self.viscosity.is_some(),
             self.clusters.is_some(),
+            self.free_surface.is_some(),
         ];
         Self::NAMES.into_iter().zip(asked).filter_map(|(name, asked)| asked.then_some(name)).collect()
     }
@@ -127,4 +132,15 @@ pub struct ViscositySettings {
 pub struct ClustersSettings {
     /// [m] gap between two particles below which they are connected.
     pub gap: f64,
+}
+
+/// Settings of the measurement of the free surface.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FreeSurfaceSettings {
+    /// Vertical axis (0: x, 1: y, 2: z), and the sign of the upward direction along it.
+    pub up: (usize, f64),
+    /// [m] edge of the columns whose heights are measured.
+    pub spacing: f64,
+    /// [m] standard deviation of the Gaussian that smooths the heights; 0 for heights as they are.
+    pub smoothing: f64,
 }

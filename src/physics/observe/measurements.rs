@@ -5,6 +5,7 @@ use super::clusters::ParticleClusters;
 use super::contact_network::{ContactLine, ContactNetwork};
 use super::diffusion::Diffusion;
 use super::fields::Fields;
+use super::free_surface::FreeSurface;
 use super::pair_distribution::PairDistribution;
 use super::seen_gas::SeenGas;
 use super::structure_factor::StructureFactor;
@@ -138,6 +139,7 @@ pub struct Measurements {
     seen_gas: Option<SeenGas>,
     viscosity: Option<Viscosity>,
     clusters: Option<ParticleClusters>,
+    free_surface: Option<FreeSurface>,
 }
 
 impl Measurements {
@@ -160,6 +162,7 @@ impl Measurements {
             seen_gas: asked.seen_gas.then(|| SeenGas::new(experiment, schedule)),
             viscosity: asked.viscosity.map(|settings| Viscosity::new(schedule, settings)),
             clusters: asked.clusters.map(|settings| ParticleClusters::new(schedule, settings)),
+            free_surface: asked.free_surface.map(|settings| FreeSurface::new(experiment, schedule, settings)),
         }
     }
 
@@ -174,7 +177,10 @@ impl Measurements {
         let seen = self.seen_gas.as_mut().map(|of| of as &mut dyn Measurement);
         let viscosity = self.viscosity.as_mut().map(|of| of as &mut dyn Measurement);
         let clusters = self.clusters.as_mut().map(|of| of as &mut dyn Measurement);
-        [pairs, velocities, diffusion, structure, network, fields, seen, viscosity, clusters].into_iter().flatten()
+        let surface = self.free_surface.as_mut().map(|of| of as &mut dyn Measurement);
+        [pairs, velocities, diffusion, structure, network, fields, seen, viscosity, clusters, surface]
+            .into_iter()
+            .flatten()
     }
 
     /// Results of all measurements, from the samples at `from` [s] and later.

@@ -28,6 +28,8 @@ pub struct ObserveFile {
     pub viscosity: Option<Located<ViscosityFile>>,
     /// Clusters: groups of particles with small gaps.
     pub clusters: Option<Located<ClustersFile>>,
+    /// Free surface of a layer under gravity: waviness, wavelength and symmetry of a pattern.
+    pub free_surface: Option<Located<FreeSurfaceFile>>,
 }
 
 /// Table `[observe.pair_distribution]`: pair distribution g(r), in a box that is periodic along x, y and z.
@@ -125,4 +127,17 @@ pub struct ClustersFile {
     /// most half the shortest periodic edge of the box.
     #[schemars(example = &"20 um", extend("x-required" = "always", "x-range" = "0 ..= 1e4 m"))]
     pub gap: Option<Located<Length>>,
+}
+
+/// Table `[observe.free_surface]`: height of the highest sphere in each column of a layer under gravity, seen from above.
+/// Wavelength and symmetry are those of samples whose contrast is above the mean.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FreeSurfaceFile {
+    /// Edge of the columns, about a diameter: a tenth to a five-hundredth of each horizontal edge of the box.
+    #[schemars(example = &"1 mm", extend("x-required" = "always", "x-range" = "1e-9 ..= 1e4 m"))]
+    pub spacing: Option<Located<Length>>,
+    /// Standard deviation of the Gaussian that smooths the heights.
+    #[schemars(example = &"2 mm", extend("default" = "2 spacings", "x-range" = "0 ..= 1e4 m"))]
+    pub smoothing: Option<Located<Length>>,
 }

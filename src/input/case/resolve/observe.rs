@@ -5,13 +5,13 @@ use crate::case::de::Located;
 use crate::case::describe::length;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{
-    CaseFile, ClustersFile, DiffusionFile, FieldsFile, PairDistributionFile, StructureFactorFile,
+    CaseFile, ClustersFile, DiffusionFile, FieldsFile, FreeSurfaceFile, PairDistributionFile, StructureFactorFile,
     VelocityDistributionFile, ViscosityFile,
 };
 use crate::case::quantity::Time;
 use crate::experiment::{
-    ClustersSettings, DiffusionSettings, Experiment, FieldsSettings, ObserveSettings, PairDistributionSettings,
-    StructureFactorSettings, VelocityDistributionSettings, ViscositySettings,
+    ClustersSettings, DiffusionSettings, Experiment, FieldsSettings, FreeSurfaceSettings, ObserveSettings,
+    PairDistributionSettings, StructureFactorSettings, VelocityDistributionSettings, ViscositySettings,
 };
 use crate::scene::Scene;
 use crate::schedule::Schedule;
@@ -23,6 +23,10 @@ const MOST_BINS: i64 = 10_000;
 const MOST_WAVES: f64 = 100.0;
 /// Largest number of cells of a grid of fields. A cell takes 2.5 KB, for 20 blocks of time.
 const MOST_CELLS: i64 = 50_000;
+/// Smallest and largest number of columns of a surface along an edge of the box. The time of a sample grows with the
+/// third power of this number.
+const FEWEST_COLUMNS: f64 = 10.0;
+const MOST_COLUMNS: f64 = 500.0;
 /// Smallest number of samples within the longest time of the mean squared displacement, or of the correlation of
 /// stresses.
 const FEWEST_SAMPLES: f64 = 10.0;
@@ -43,6 +47,7 @@ impl Resolver {
         let fields = asked.fields.as_ref().map(|of| self.fields(of, scene));
         let viscosity = asked.viscosity.as_ref().map(|of| self.viscosity(of, scene));
         let clusters = asked.clusters.as_ref().map(|of| self.clusters(of, scene));
+        let surface = asked.free_surface.as_ref().map(|of| self.free_surface(of, scene));
         if let Some(seen) = asked.seen_gas.as_ref().filter(|_| !scene.has_turbulence()) {
             let why = "needs a gas whose fluctuations particles see";
             return Err(self.refuse(seen, why).help("add [fluid.turbulence.langevin], or leave the table out"));
@@ -57,6 +62,7 @@ impl Resolver {
             seen_gas: asked.seen_gas.is_some(),
             viscosity: viscosity.transpose()?,
             clusters: clusters.transpose()?,
+            free_surface: surface.transpose()?,
         })
     }
 
@@ -171,6 +177,36 @@ impl Resolver {
         let most = 0.5 * edges.fold(f64::INFINITY, f64::min) - scene.largest_diameter();
         let allowed = format!("up to {most:.4e} m, half the shortest periodic edge less the largest diameter");
         Ok(ClustersSettings { gap: self.checked(gap, |gap| gap <= most, &allowed, help)? })
+    }
+
+    fn free_surface(&self, typed: &Located<FreeSurfaceFile>, scene: &Scene) -> Result<FreeSurfaceSettings, Diagnostic> {
+        let spacing = self.need(&typed.value.spacing, "observe.free_surface.spacing")?;
+        let help = "about a diameter";
+        self.in_range(spacing, help)?;
+        let smoothing = typed.value.smoothing.as_ref();
+        smoothing.map_or(Ok(0.0), |width| self.in_range(width, "two columns, or 0 for heights as they are"))?;
+        let axis = scene.gravity.iamax();
+        if scene.gravity[axis] == 0.0 || (0..3).any(|other| other != axis && scene.gravity[other] != 0.0) {
+            let message = format!("`{}` needs gravity along x, y or z", typed.path);
+            let help = "leave the table out, or write [gravity] with an acceleration along one axis";
+            return Err(self.sources.error(&typed.origin, message).help(help));
+        }
+        let edges = (0..3).filter(|level| *level != axis).map(|level| scene.domain.size[level]);
+        let (shortest, longest) = edges.fold((f64::INFINITY, 0.0_f64), |(a, b), edge| (a.min(edge), b.max(edge)));
+        let (least, most) = (longest / MOST_COLUMNS, shortest / FEWEST_COLUMNS);
+        let allowed =
+            format!("{least:.4e} to {most:.4e} m, so that each edge has {FEWEST_COLUMNS} to {MOST_COLUMNS} columns");
+        // an edge divided by a whole number and the decimal number typed for it may differ by rounding
+        let fits = |spacing: f64| spacing >= least * (1.0 - 1e-9) && spacing <= most * (1.0 + 1e-9);
+        let spacing = self.checked(spacing, fits, &allowed, help)?;
+        let smoothing = match smoothing {
+            None => 2.0 * spacing,
+            Some(given) => {
+                let allowed = format!("up to {:.4e} m, a tenth of the shorter horizontal edge", 0.1 * shortest);
+                self.checked(given, |width| width <= 0.1 * shortest, &allowed, "two columns")?
+            }
+        };
+        Ok(FreeSurfaceSettings { up: (axis, -scene.gravity[axis].signum()), spacing, smoothing })
     }
 
     /// Checks the measurements against the experiment and the samples of its run.

@@ -1,0 +1,293 @@
+//! Free surface of a layer, seen from above: the waviness of its height, the wavelength and the symmetry of a pattern.
+//!
+//! The box is divided into columns. The height of a column is that of the highest point of a sphere whose centre is in it,
+//! and empty columns have the median height. A Gaussian smooths the heights. Their Fourier transform, with a Hann window
+//! along both axes, gives the pattern. A shell consists of the wave vectors with |f| L near a whole number n, with
+//! f = 1/λ and the longer horizontal edge L. The strongest shell with n > 1 gives the wavelength λ = L/n. Its symmetry is
+//! Q_m = |Σ P exp(i m θ)|/Σ P, with the power P and the direction θ of the wave vectors within 0.75/L of this shell. A
+//! perfect pattern of stripes has Q_2 = Q_4 = Q_6 = 1, squares have Q_4 = 1 and Q_2 = 0, hexagons Q_6 = 1 and
+//! Q_2 = Q_4 = 0. These are the metrics of harness/METRICS.md in the repository cbizon/granular_benchmark, where
+//! C. Bizon compares codes with the patterns of Bizon et al. (1998, Phys. Rev. Lett. 80, 57).
+
+use super::measurements::{Measurement, Observation, ObservedCurve, ObservedGrid, ObservedNumber, ObservedQuantity};
+use super::{Needs, Observer, plain_data};
+use crate::experiment::{Experiment, FreeSurfaceSettings};
+use crate::schedule::Schedule;
+use crate::simulation::Simulation;
+use crate::statistics::estimate;
+use nalgebra::Complex;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::{PI, TAU};
+
+/// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th sample
+/// is used.
+const MOST_SAMPLES: u64 = 2000;
+/// Number of standard deviations at which the smoothing Gaussian ends.
+const CUT: f64 = 4.0;
+/// Numbers m of the symmetries Q_m.
+const ORDERS: [i32; 3] = [2, 4, 6];
+/// Largest difference of |f| L from that of the strongest shell, for wave vectors that count for the symmetry.
+const HALF_WIDTH: f64 = 0.75;
+
+/// Pattern of the surface at one instant.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct SurfaceSample {
+    /// [s] simulated time of the sample.
+    time: f64,
+    /// [m] standard deviation of the smoothed height.
+    contrast: f64,
+    /// [m²] contribution of each shell to the variance of the height, from n = 0.
+    power: Vec<f64>,
+    /// Number n of the strongest shell; 0 if the surface is flat.
+    strongest: usize,
+    /// Symmetries Q_2, Q_4 and Q_6 of the strongest shell.
+    symmetry: [f64; 3],
+}
+
+/// Heights [m] of all columns, row by row: the index along the first horizontal axis changes first.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct HeightMap {
+    contrast: f64,
+    heights: Vec<f64>,
+}
+
+/// Measurement of the free surface at samples (instants of measurement).
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct FreeSurface {
+    /// [s] time between two samples that are used.
+    interval: f64,
+    /// [s] time from which on the map with the largest contrast is kept: half of the run.
+    half: f64,
+    /// Vertical axis (0: x, 1: y, 2: z), and the sign of the upward direction.
+    up: (usize, f64),
+    /// Horizontal axes.
+    level: [usize; 2],
+    /// Numbers of columns along the horizontal axes.
+    columns: [usize; 2],
+    /// [m] edges of the box along the horizontal axes.
+    edges: [f64; 2],
+    /// True for each horizontal axis along which the box is periodic.
+    periodic: [bool; 2],
+    /// [m] standard deviation of the smoothing Gaussian.
+    smoothing: f64,
+    samples: Vec<SurfaceSample>,
+    /// Map with the largest contrast in the second half of the run.
+    map: Option<HeightMap>,
+}
+
+impl FreeSurface {
+    /// Creates a measurement for an experiment that runs with the given schedule.
+    pub fn new(experiment: &Experiment, schedule: &Schedule, settings: FreeSurfaceSettings) -> Self {
+        let domain = &experiment.scene.domain;
+        let up = settings.up;
+        let level = [0, 1, 2].into_iter().filter(|axis| *axis != up.0).collect::<Vec<_>>();
+        let level = [level[0], level[1]];
+        let edges = level.map(|axis| domain.size[axis]);
+        Self {
+            interval: schedule.spacing(MOST_SAMPLES),
+            half: 0.5 * experiment.run.duration,
+            up,
+            level,
+            columns: edges.map(|edge| (edge / settings.spacing).round().max(1.0) as usize),
+            edges,
+            periodic: level.map(|axis| domain.periodic[axis]),
+            smoothing: settings.smoothing,
+            samples: Vec::new(),
+            map: None,
+        }
+    }
+
+    /// Heights [m] of all columns at the present instant, without smoothing. `None` without a particle.
+    fn heights(&self, simulation: &Simulation) -> Option<Vec<f64>> {
+        let ([across, along], (axis, sign)) = (self.columns, self.up);
+        let domain = &simulation.scene().domain;
+        let mut heights = vec![f64::NEG_INFINITY; across * along];
+        for (position, radius) in simulation.particles.position.iter().zip(&simulation.particles.radius) {
+            let inside = domain.wrap(position);
+            let column = |k: usize| {
+                let place = inside[self.level[k]] / self.edges[k] * self.columns[k] as f64;
+                (place.max(0.0) as usize).min(self.columns[k] - 1)
+            };
+            let highest = &mut heights[column(1) * across + column(0)];
+            *highest = highest.max(sign * position[axis] + radius);
+        }
+        let mut occupied: Vec<f64> = heights.iter().copied().filter(|height| height.is_finite()).collect();
+        occupied.sort_unstable_by(f64::total_cmp);
+        let median = *occupied.get(occupied.len() / 2)?;
+        heights.iter_mut().filter(|height| !height.is_finite()).for_each(|height| *height = median);
+        Some(heights)
+    }
+
+    /// Smooths the heights by a Gaussian along both axes. Periodic sides are joined, and other sides are mirrors.
+    fn smooth(&self, mut heights: Vec<f64>) -> Vec<f64> {
+        let [across, along] = self.columns;
+        for (axis, (step, lines)) in [(1, along), (across, across)].into_iter().enumerate() {
+            let (count, width) = (self.columns[axis], self.smoothing / self.edges[axis] * self.columns[axis] as f64);
+            let reach = (CUT * width).ceil() as i64;
+            let weights: Vec<f64> = (-reach..=reach).map(|k| (-0.5 * (k as f64 / width).powi(2)).exp()).collect();
+            let sum: f64 = weights.iter().sum();
+            if width <= 0.0 {
+                continue;
+            }
+            for line in 0..lines {
+                let first = if axis == 0 { line * across } else { line };
+                let row: Vec<f64> = (0..count).map(|k| heights[first + k * step]).collect();
+                for k in 0..count {
+                    let near = (-reach..=reach).zip(&weights);
+                    let of = |shift: i64| row[folded(k as i64 + shift, count, self.periodic[axis])];
+                    heights[first + k * step] = near.map(|(shift, weight)| weight * of(shift)).sum::<f64>() / sum;
+                }
+            }
+        }
+        heights
+    }
+
+    /// Pattern of smoothed heights at the time `time` [s].
+    fn pattern(&self, time: f64, heights: &[f64]) -> SurfaceSample {
+        let ([across, along], total) = (self.columns, heights.len() as f64);
+        let mean = heights.iter().sum::<f64>() / total;
+        let contrast = (heights.iter().map(|height| (height - mean).powi(2)).sum::<f64>() / total).sqrt();
+        let [hann, other] = self.columns.map(hann_window);
+        let weight = total * hann.iter().map(|w| w * w).sum::<f64>() * other.iter().map(|w| w * w).sum::<f64>();
+        // the transform of real numbers at -f is the conjugate of that at f, so one half of the plane is enough
+        let rows: Vec<Vec<Complex<f64>>> = heights
+            .chunks(across)
+            .zip(&other)
+            .map(|(row, w)| {
+                let row: Vec<f64> = row.iter().zip(&hann).map(|(height, v)| (height - mean) * v * w).collect();
+                (0..=across / 2).map(|n| transform(n as i64, &row)).collect()
+            })
+            .collect();
+        let longest = self.edges[0].max(self.edges[1]);
+        let shells = across.min(along) / 2;
+        let half = (along / 2) as i64;
+        let mut waves = Vec::new();
+        for n in 0..=across / 2 {
+            let column: Vec<Complex<f64>> = rows.iter().map(|row| row[n]).collect();
+            let from = if n == 0 { 1 } else { -half };
+            for m in from..=half {
+                let power = 2.0 * transform(m, &column).norm_sqr() / weight;
+                let f = [n as f64 / self.edges[0] * longest, m as f64 / self.edges[1] * longest];
+                waves.push((f[0].hypot(f[1]), f[1].atan2(f[0]), power));
+            }
+        }
+        let mut power = vec![0.0; shells + 1];
+        for (f, _, own) in &waves {
+            if let Some(shell) = power.get_mut(f.round() as usize) {
+                *shell += own;
+            }
+        }
+        let strongest = (2..power.len()).max_by(|a, b| power[*a].total_cmp(&power[*b])).unwrap_or(0);
+        let strongest = if power.get(strongest).is_some_and(|power| *power > 0.0) { strongest } else { 0 };
+        let near = |wave: &&(f64, f64, f64)| (wave.0 - strongest as f64).abs() <= HALF_WIDTH;
+        let all: f64 = waves.iter().filter(near).map(|wave| wave.2).sum();
+        let symmetry = ORDERS.map(|m| {
+            let turned = |wave: &(f64, f64, f64)| Complex::from_polar(wave.2, f64::from(m) * wave.1);
+            waves.iter().filter(near).map(turned).sum::<Complex<f64>>().norm() / all
+        });
+        SurfaceSample { time, contrast, power, strongest, symmetry }
+    }
+}
+
+/// Index of the column at `place`, which may be beyond the ends of a row of `count` columns.
+fn folded(place: i64, count: usize, is_periodic: bool) -> usize {
+    let count = count as i64;
+    if is_periodic {
+        return place.rem_euclid(count) as usize;
+    }
+    // mirrors at both ends repeat after two rows
+    let place = place.rem_euclid(2 * count);
+    place.min(2 * count - 1 - place) as usize
+}
+
+/// Hann window of `count` weights, which is zero at both ends.
+fn hann_window(count: usize) -> Vec<f64> {
+    let ends = (count as f64 - 1.0).max(1.0);
+    (0..count).map(|k| 0.5 - 0.5 * (TAU * k as f64 / ends).cos()).collect()
+}
+
+/// Sum Σ h_k exp(-2π i n k/N) over the N entries of a row.
+fn transform<T: Copy + Into<Complex<f64>>>(n: i64, row: &[T]) -> Complex<f64> {
+    let count = row.len() as i64;
+    let phase = |k: i64| -2.0 * PI * ((n * k).rem_euclid(count)) as f64 / count as f64;
+    row.iter().zip(0..).map(|(value, k)| (*value).into() * Complex::cis(phase(k))).sum()
+}
+
+impl Measurement for FreeSurface {
+    fn result(&self, _experiment: &Experiment, from: f64) -> Observation {
+        let samples: Vec<&SurfaceSample> = self.samples.iter().filter(|sample| sample.time >= from).collect();
+        let all =
+            |of: &dyn Fn(&SurfaceSample) -> f64| estimate(&samples.iter().map(|sample| of(sample)).collect::<Vec<_>>());
+        let contrast = all(&|sample| sample.contrast);
+        // a layer that oscillates is flat in some phases, in which nothing is to be seen of its pattern
+        let is_visible = |sample: &&&SurfaceSample| {
+            sample.strongest > 0 && contrast.is_some_and(|mean| sample.contrast >= mean.value)
+        };
+        let visible: Vec<&SurfaceSample> = samples.iter().filter(is_visible).copied().collect();
+        let seen =
+            |of: &dyn Fn(&SurfaceSample) -> f64| estimate(&visible.iter().map(|sample| of(sample)).collect::<Vec<_>>());
+        let longest = self.edges[0].max(self.edges[1]);
+        let number = |column: &str, symbol: &str, unit, value| ObservedNumber {
+            quantity: ObservedQuantity::new(column, symbol, unit),
+            value,
+            theory: None,
+        };
+        let shells = self.columns[0].min(self.columns[1]) / 2;
+        let mut numbers = vec![
+            number("contrast", "contrast of the surface", "m", contrast),
+            number("wavelength", "wavelength of the surface", "m", seen(&|sample| longest / sample.strongest as f64)),
+        ];
+        numbers.extend(ORDERS.iter().enumerate().map(|(k, m)| {
+            number(&format!("Q{m}"), &format!("symmetry Q_{m}"), "", seen(&|sample| sample.symmetry[k]))
+        }));
+        let spacing = [0, 1].map(|k| self.edges[k] / self.columns[k] as f64);
+        Observation {
+            name: "free_surface",
+            title: "Free surface",
+            axis: ObservedQuantity::new("inverse_wavelength_1_m", "1/λ", "1/m"),
+            places: (0..=shells).map(|n| n as f64 / longest).collect(),
+            curves: vec![ObservedCurve {
+                quantity: ObservedQuantity::new("variance_m2", "variance of the height by wavelength", "m²"),
+                values: (0..=shells).map(|n| all(&|sample| sample.power[n])).collect(),
+                theory: None,
+                is_logarithmic: false,
+            }],
+            numbers,
+            grid: self.map.as_ref().map(|map| {
+                let (mut cells, mut edges) = ([1; 3], [spacing[0].min(spacing[1]); 3]);
+                for k in 0..2 {
+                    (cells[self.level[k]], edges[self.level[k]]) = (self.columns[k], spacing[k]);
+                }
+                ObservedGrid { cells, spacing: edges.into(), fields: vec![("height_m", 1, map.heights.clone())] }
+            }),
+            ..Observation::default()
+        }
+    }
+}
+
+impl Observer for FreeSurface {
+    fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
+        Some(now + self.interval)
+    }
+
+    fn needs_velocities(&self) -> bool {
+        false
+    }
+
+    fn sight(&self) -> Needs {
+        Needs::Every(1)
+    }
+
+    fn see(&mut self, simulation: &Simulation) {
+        let Some(heights) = self.heights(simulation) else { return };
+        let heights = self.smooth(heights);
+        let sample = self.pattern(simulation.time, &heights);
+        let contrast = sample.contrast;
+        self.samples.push(sample);
+        if simulation.time >= self.half && self.map.as_ref().is_none_or(|map| contrast > map.contrast) {
+            self.map = Some(HeightMap { contrast, heights });
+        }
+    }
+
+    plain_data!();
+}
