@@ -1,7 +1,7 @@
 //! Free surface of a layer: waves made by hand, whose wavelength and symmetry are known, and messages.
 
 use crate::measurements::{gas, number, of_states};
-use crate::support::{case, close};
+use crate::support::{case, close, diptych, words};
 use diptych::Vector3;
 use diptych::domain::Domain;
 use diptych::experiment::{Experiment, FreeSurfaceSettings, Model};
@@ -165,5 +165,23 @@ fn cases_ask_for_the_surface() {
     ] {
         let why = with(keys, sets).unwrap_err();
         assert!(why.contains(words), "{why}");
+    }
+}
+
+#[test]
+fn a_report_has_a_map_with_the_unit_of_its_colours() {
+    let out = tempfile::tempdir().unwrap();
+    let folder = out.path().join("layer");
+    let sets = ["observe.free_surface.spacing=1 mm", "run.duration=20 ms", "run.average_from=0 s"];
+    let sets = sets.iter().flat_map(|set| ["--set", set]);
+    let arguments = ["run", "cases/driven/leidenfrost.toml", "--quiet", "--out", folder.to_str().unwrap()];
+    let done = diptych(&arguments.into_iter().chain(sets).collect::<Vec<_>>()).output().unwrap();
+    assert!(done.status.success(), "{}", words(&done.stderr));
+    let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    assert!(read("report.html").contains("Colours: height above its lowest value [mm]."));
+    assert!(read("figures/free-surface-map-hard.svg").contains("z  [mm]") && folder.join("vtk").is_dir());
+    let numbers = read("observables.csv");
+    for name in ["contrast,m,", "wavelength,m,", "Q2,,", "Q4,,", "Q6,,"] {
+        assert!(numbers.contains(&format!("hard,free_surface,{name}")), "{name}: {numbers}");
     }
 }

@@ -16,9 +16,9 @@ const MOST_CELLS: usize = 64;
 const MARGIN: f64 = 70.0;
 const SIDES: f64 = 190.0;
 
-/// SVG picture of the first field of a grid. `None` if the grid is thicker than one cell, or if the field is not a
-/// length.
-pub(super) fn map(grid: &ObservedGrid) -> Option<String> {
+/// SVG picture of the first field of a grid, and the meaning of its colours with their unit. `None` if the grid is
+/// thicker than one cell, or if the field is not a length.
+pub(super) fn map(grid: &ObservedGrid) -> Option<(String, String)> {
     let level: Vec<usize> = (0..3).filter(|axis| grid.cells[*axis] > 1).collect();
     let [across, along] = level[..] else { return None };
     let (name, _, values) =
@@ -42,10 +42,10 @@ pub(super) fn map(grid: &ObservedGrid) -> Option<String> {
     let length = Prefix::of(edges[0].max(edges[1]));
     let [x, y] = edges.map(|edge| (0.0, edge * length.factor));
     let quantity = name.trim_end_matches("_m");
-    let label = format!("{quantity} [{}m]", unit.symbol);
+    let meaning = format!("{quantity} above its lowest value [{}m]", unit.symbol);
     let axis = |axis: usize| format!("{}  [{}m]", ["x", "y", "z"][axis], length.symbol);
     let heat = Heatmap::new().with_data(data).with_x_range(x.0, x.1).with_y_range(y.0, y.1).with_cell_size(1.0);
-    let heat = heat.with_color_map(ColorMap::Cividis).with_legend(label);
+    let heat = heat.with_color_map(ColorMap::Cividis);
     let height = (MARGIN + (WIDTH - SIDES) * edges[1] / edges[0]).clamp(0.5 * HEIGHT, 2.0 * HEIGHT);
     let plots = vec![Plot::Heatmap(heat)];
     // only a layout made from the plots has the scale of the colours
@@ -59,5 +59,5 @@ pub(super) fn map(grid: &ObservedGrid) -> Option<String> {
         .with_y_tick_format(ticks(y))
         .with_x_label(axis(across))
         .with_y_label(axis(along));
-    Some(svg(&render_multiple(plots, layout.with_width(WIDTH).with_height(height))))
+    Some((svg(&render_multiple(plots, layout.with_width(WIDTH).with_height(height))), meaning))
 }

@@ -43,8 +43,10 @@ fn of_group(group: &PanelGroup) -> Vec<Figure> {
 fn maps(variant: &str, outcome: &Outcome) -> Vec<Figure> {
     let figure = |observed: &Observation| {
         let name = format!("{}-map-{}", of_measurement(observed.name), file_name(&outcome.experiment.name));
-        let caption = format!("{} of “{variant}” at the sample with the largest contrast.", observed.title);
-        Some(Figure::new(name, caption, map(observed.grid.as_ref()?)?))
+        let (picture, meaning) = map(observed.grid.as_ref()?)?;
+        let title = observed.title;
+        let caption = format!("{title} of “{variant}” at the sample with the largest contrast. Colours: {meaning}.");
+        Some(Figure::new(name, caption, picture))
     };
     outcome.observations.iter().filter_map(figure).collect()
 }
