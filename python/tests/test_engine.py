@@ -201,6 +201,9 @@ class ThreadsAndSignals(unittest.TestCase):
         self.assertEqual(simulation.positions.shape, kept.shape)
 
     def test_ctrl_c_stops_a_run_that_can_go_on(self):
+        # a program that a shell starts in the background ignores Ctrl-C, and Python then installs no handler
+        before = signal.signal(signal.SIGINT, signal.default_int_handler)
+        self.addCleanup(signal.signal, signal.SIGINT, before)
         simulation = long()
         threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
         with self.assertRaises(KeyboardInterrupt):
