@@ -281,7 +281,7 @@ impl GlobalCalendar {
     pub(super) fn new_epoch(&mut self, work: &mut Work<Recent>, time: f64) -> Result<(), Failure> {
         let (scene, horizon) = (work.scene, self.horizon - self.now);
         if is_built_each_epoch(scene) {
-            // the new frame must be at rest relative to the walls, and walls that move may be near other shells
+            // shells allow only for the motion of frame and walls within one epoch
             self.write(work.particles, scene);
             let met = self.history(work.particles, None);
             self.load(work.particles, scene, met, time)?;
@@ -406,8 +406,8 @@ fn crowds(bodies: &[FlightState], kinds: &[RadiusClass], volume: f64) -> Vec<(f6
 
 /// Distance [m] that a particle may move from the centre of its shell (ball in which its neighbour list is valid). A
 /// larger distance needs fewer new shells but longer lists. The cheapest distance is taken, by fixed weights that serve
-/// only for this choice, not for a prediction of run times. `density` [1/m³] is the number density, and `crowds` contains number densities [1/m³] and largest
-/// diameters [m] of groups of similar size.
+/// only for this choice, not for a prediction of run times. `density` [1/m³] is the number density, and `crowds` contains
+/// number densities [1/m³] and largest diameters [m] of groups of similar size.
 fn margin(particles: &Particles, density: f64, crowds: &[(f64, f64)], scene: &Scene) -> f64 {
     /// [ns] cost of making a new shell (ball in which a neighbour list is valid): a fixed part, the cost per distance
     /// computed, and the cost per neighbour.
