@@ -85,6 +85,7 @@ mod schema; // the schema for editors: values that it refuses or accepts
 mod seams; // drag laws and wall shapes of the calling program, with the required methods alone
 mod seen_gas; // the gas that particles see: plain means of one state, the variance of the gas, its share with particles
 mod sensitivity; // factors with a large effect, without effect, missing in a scene, or refused
+mod servo; // walls that particles press on with a given pressure: closed forms, a pressed crowd, bits, messages
 mod shapes; // walls of all kinds: closed forms, corners, the pressure of a gas on them (oracle D2)
 mod shear; // sheared boxes: across a side, translation, work of shear, engines, bits, kinetic theory
 mod size_and_power; // how often the verdict is wrong, on scenes of every kind and on known differences

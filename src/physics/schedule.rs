@@ -8,10 +8,12 @@
 mod heat;
 mod inlets;
 mod position;
+mod servo;
 
 pub use heat::longest_for_thermostat;
 pub use inlets::longest_for_inlets;
 pub use position::SchedulePosition;
+pub use servo::{impedance, longest_for_servo};
 
 use crate::experiment::{Amount, Experiment, Population};
 use crate::fluid::Profile;
@@ -104,7 +106,7 @@ impl Schedule {
     }
 
     /// Schedule of an experiment. The experiment can give the longest window. Otherwise no window is longer than the
-    /// splitting of drag, buoyancy, turbulence, coupling and heat from the motion allows. The duration is a whole
+    /// splitting of drag, buoyancy, turbulence, coupling and heat from the motion allows. Servo walls always limit it. The duration is a whole
     /// number of the shortest windows.
     pub fn new(experiment: &Experiment) -> Self {
         let duration = experiment.run.duration;
@@ -125,7 +127,7 @@ impl Schedule {
         let allowed = allowed.min(longest_with_kicks_of_buoyancy(&experiment.scene));
         let allowed = allowed.min(longest_for_eddies(experiment)).min(longest_for_coupling(experiment));
         let allowed = allowed.min(longest_for_thermostat(experiment)).min(longest_for_inlets(experiment));
-        let longest = experiment.run.window.unwrap_or(allowed).min(duration);
+        let longest = experiment.run.window.unwrap_or(allowed).min(longest_for_servo(experiment)).min(duration);
         // windows are shortened if samples are requested more often than windows end
         let interval = experiment.statistics.sample_interval.unwrap_or(often.max(longest)).min(duration);
         // the term 1e-9 keeps rounding of the quotient from adding a window

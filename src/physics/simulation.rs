@@ -11,6 +11,7 @@ mod inflow;
 mod kick;
 mod lift;
 mod own_force;
+mod servo;
 mod share;
 mod snapshot;
 mod thermostat;
@@ -44,6 +45,7 @@ use crate::walls::Repeated;
 use lift::LiftKick;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
+use servo::ServoControl;
 use share::{GatheredParticles, Order, SharedSimulation};
 use std::borrow::Cow;
 use std::time::Duration;
@@ -113,6 +115,8 @@ pub struct Simulation {
     through_flow: Option<Box<ThroughFlow>>,
     /// For each inlet, the space in which new particles are placed.
     inlet_rooms: Vec<FreeRoom>,
+    /// Data for the control of servo walls; `None` in a scene without them.
+    servo: Option<Box<ServoControl>>,
     /// Position in the schedule of windows that [`run_until`](Self::run_until) follows. Windows have the length 0 until
     /// their length is chosen.
     schedule_position: SchedulePosition,
@@ -163,7 +167,8 @@ impl Simulation {
         scene.seed_walls(experiment.run.seed);
         let simulation = Self::with_totals(scene, particles, totals, engine);
         let schedule_position = SchedulePosition::new(Schedule::new(experiment));
-        Self { refused, bound, unseen, schedule_position, seed: experiment.run.seed, ..simulation }
+        let servo = ServoControl::new(experiment);
+        Self { refused, bound, unseen, servo, schedule_position, seed: experiment.run.seed, ..simulation }
     }
 
     /// Creates a simulation at time 0 with an engine that the calling program supplies. If processes share the
@@ -214,6 +219,7 @@ impl Simulation {
             unseen: None,
             through_flow: through_flow.map(Box::new),
             inlet_rooms,
+            servo: None,
             schedule_position: SchedulePosition::default(),
         }
     }
@@ -394,6 +400,7 @@ impl Simulation {
             self.book_gravity(by_walls, [window, reached]);
         }
         self.move_scene();
+        self.steer_servo_walls();
         // kicks after the window find the fluctuations as they are after reflections
         turbulence::mirror_at_walls(&mut self.particles, &self.scene, window);
         self.add_differences_in_gravity(0.5 * window);

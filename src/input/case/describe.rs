@@ -195,6 +195,12 @@ fn motion_in_words(wall: &Wall) -> String {
                 write!(text, ", moves on a given path, at {} m/s at most", short(moving.largest_speed(), 4))
             }
             PrescribedMotion::Turning(turning) => write!(text, ", turns at {} rad/s", vector(&turning.spin)),
+            PrescribedMotion::Servo(servo) => write!(
+                text,
+                ", moves along its normal at {} m/s at most, so that particles press on it with {} Pa",
+                short(servo.largest_speed, 4),
+                short(servo.pressure, 4)
+            ),
         };
     }
     if let Some(roughness) = &wall.roughness {

@@ -34,7 +34,7 @@ pub use contact::{ContactFile, PairFile};
 pub use gas::{
     CouplingFile, DragFile, FluidFile, LangevinFile, ModulationFile, ProfileFile, SeenTurbulenceFile, TurbulenceFile,
 };
-pub use motion::{KnotFile, MotionFile, ShapeTurningFile, VibrationFile};
+pub use motion::{KnotFile, MotionFile, ServoFile, ShapeTurningFile, VibrationFile};
 pub use observe::{
     ClustersFile, ContactNetworkFile, DiffusionFile, FieldsFile, FreeSurfaceFile, ObserveFile, PairDistributionFile,
     SeenGasFile, StructureFactorFile, VelocityDistributionFile, ViscosityFile,

@@ -55,6 +55,12 @@ pub type Pressure = Quantity<-1, 1, -2>;
 /// [Pa/m] pressure drop per length.
 pub type PressureGradient = Quantity<-2, 1, -2>;
 
+/// [m²] area.
+pub type Area = Quantity<2, 0, 0>;
+
+/// [Pa s/m] pressure over speed: damping of a servo wall.
+pub type PressurePerSpeed = Quantity<-2, 1, -1>;
+
 /// Names of the common dimensions, each with its SI unit and an example.
 const DIMENSIONS: &[(Exponents, &str, &str, &str)] = &[
     ([0, 0, 0], "a plain number", "", "0.5"),
@@ -78,6 +84,7 @@ const DIMENSIONS: &[(Exponents, &str, &str, &str)] = &[
     ([-1, 1, -2], "a pressure", "Pa", "\"101 kPa\""),
     ([2, 1, -2], "an energy", "J", "\"1 uJ\""),
     ([-2, 1, -2], "a pressure gradient", "Pa/m", "\"12 Pa/m\""),
+    ([-2, 1, -1], "a pressure per speed", "Pa s/m", "\"500 Pa s/m\""),
 ];
 
 /// Units that take no prefix: name, exponents of the dimension, power of ten, factor.

@@ -265,7 +265,7 @@ pub enum Failure {
     /// Inelastic collapse. Impacts accumulate, for instance when a sphere comes to rest, and the intervals between them
     /// become too short to resolve.
     #[error(
-        "inelastic collapse at t = {time} s: particle {particle}, which now meets {partner}, met others {impacts} times within one window, the last time after {interval:.1e} s, at ({x:.6e}, {y:.6e}, {z:.6e}) m; {}: {}, or use the hybrid or the soft model",
+        "inelastic collapse at t = {time} s: particle {particle} collided {impacts} times within one window, the last time with {partner} after {interval:.1e} s, at ({x:.6e}, {y:.6e}, {z:.6e}) m; {}: {}, or use the hybrid or the soft model",
         sliding.map_or(
             "hard spheres cannot rest".to_string(),
             |speed| format!("it slides along the curved wall at {speed:.3} m/s, which for hard spheres that lose energy takes infinitely many impacts"),

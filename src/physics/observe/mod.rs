@@ -60,8 +60,8 @@ pub use second_moments::{Budgets, MOMENTS, SecondMoments, Terms};
 pub use seen_gas::SeenGas;
 pub use series::{GasMeans, RotationSums, Row, Series, ShearStress, TurbulenceMeans};
 pub use series_columns::{
-    CurveScale, FRICTION_COLUMNS, GAS_COLUMNS, OPENING_COLUMNS, SERIES_COLUMNS, SHEAR_COLUMNS, SONINE_COLUMNS,
-    SeriesColumn, THERMOSTAT_COLUMNS, TURBULENCE_COLUMNS,
+    CurveScale, FRICTION_COLUMNS, GAS_COLUMNS, OPENING_COLUMNS, SERIES_COLUMNS, SERVO_COLUMNS, SHEAR_COLUMNS,
+    SONINE_COLUMNS, SeriesColumn, THERMOSTAT_COLUMNS, TURBULENCE_COLUMNS,
 };
 pub use stress::{Stress, Stresses};
 pub use structure_factor::StructureFactor;

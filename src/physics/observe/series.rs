@@ -9,6 +9,7 @@ use crate::record::FrictionLosses;
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use crate::statistics::VelocitySpread;
+use crate::walls::ServoState;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -47,6 +48,8 @@ pub struct Row {
     pub gas: Option<GasMeans>,
     /// Stress in a sheared box; `None` without shear.
     pub shear: Option<ShearStress>,
+    /// State of the first servo wall; `None` without servo walls.
+    pub servo: Option<ServoState>,
     /// [J] energy that a thermostat and thermal walls have given to the particles since the start; `None` without any
     /// of them.
     pub thermostat_work: Option<f64>,
@@ -239,6 +242,7 @@ impl Row {
             turbulence: TurbulenceMeans::of(simulation),
             gas: GasMeans::of(simulation),
             shear: ShearStress::of(simulation, before),
+            servo: simulation.servo_states().first().copied(),
             particles: simulation.scene().has_openings().then_some(simulation.count() as u64),
             thermostat_work: simulation.scene().is_heated().then_some(simulation.record.ledger.thermostat_work),
             pair_impacts: simulation.record.pairs.count,
@@ -268,6 +272,7 @@ impl Row {
             turbulence: None,
             gas: None,
             shear: None,
+            servo: None,
             thermostat_work: None,
             particles: None,
             sonine: None,

@@ -131,6 +131,13 @@ pub const GAS_COLUMNS: [SeriesColumn; 4] = [
     sum("gas_momentum_z_kg_m_s", "momentum of the gas along z", "kg m/s", |row| row.gas.map(|gas| gas.momentum)),
 ];
 
+/// Further columns of `series.csv` for scenes with servo walls: state of the first of these walls.
+pub const SERVO_COLUMNS: [SeriesColumn; 3] = [
+    mean("servo_displacement_m", "displacement of the servo wall", "m", |row| row.servo.map(|of| of.displacement)),
+    mean("servo_speed_m_s", "speed of the servo wall", "m/s", |row| row.servo.map(|of| of.speed)),
+    mean("servo_pressure_Pa", "pressure on the servo wall", "Pa", |row| row.servo.map(|of| of.pressure)),
+];
+
 /// Further columns of `series.csv` for sheared boxes: the work of shear since the start, and the stress yz.
 pub const SHEAR_COLUMNS: [SeriesColumn; 3] = [
     sum("shear_work_J", "work of shear", "J", |row| row.shear.map(|of| of.work)),

@@ -9,6 +9,7 @@ use crate::particles::Particles;
 use crate::predict::energy::Bound;
 use crate::record::Record;
 use crate::stored::{StoreError, Stored};
+use crate::walls::ServoState;
 use serde::{Deserialize, Serialize};
 
 /// All data that a simulation needs to continue after a window. A simulation of an equal experiment continues from a
@@ -41,6 +42,8 @@ pub struct Snapshot {
     loaded_flow: Option<Box<LoadedFlow>>,
     /// Particles that have come in and left; `None` in a scene without inlets and outlets.
     through_flow: Option<Box<ThroughFlow>>,
+    /// States of the servo walls, in the order of the walls.
+    servo: Vec<ServoState>,
     /// State of the engine, as bytes.
     engine: Stored,
 }
@@ -79,6 +82,7 @@ impl Simulation {
             unseen: self.unseen,
             loaded_flow: self.loaded_flow.clone(),
             through_flow: self.through_flow.clone(),
+            servo: self.servo_states(),
             engine: self.engine.stored()?,
         })
     }
@@ -99,11 +103,12 @@ impl Simulation {
     /// The snapshot was taken with another engine.
     pub fn resume(mut self, snapshot: Snapshot) -> Result<Self, StoreError> {
         let Snapshot { particles, record, time, windows, spent, totals, .. } = snapshot;
-        let Snapshot { half_kicked, bound, unseen, loaded_flow, through_flow, engine, .. } = snapshot;
+        let Snapshot { half_kicked, bound, unseen, loaded_flow, through_flow, servo, engine, .. } = snapshot;
         self.engine.restore(&engine)?;
         self.take_gas(loaded_flow);
         let by_walls = record.ledger.by_walls();
         let mut run = Self { particles, record, time, windows, spent, totals, by_walls, ..self };
+        run.set_servo_states(&servo);
         run.scene.move_to(time);
         Ok(Self { half_kicked, bound, unseen, through_flow, ..run })
     }

@@ -28,7 +28,7 @@ mod turning;
 pub use drawing::Drawing;
 pub use hollow::{Cavity, Hollow};
 pub use mesh::{Continued, Fault, Findings, Mesh, Mismatch, Nested, Sides, continued};
-pub use moving::{MovingShape, PiecewisePath, PrescribedMotion};
+pub use moving::{MovingShape, PiecewisePath, PrescribedMotion, ServoMotion, ServoState};
 pub use near::NearWalls;
 pub use plane::Plane;
 pub use repeated::Repeated;

@@ -2,18 +2,18 @@
 
 use super::Three;
 use crate::case::de::Located;
-use crate::case::quantity::{Length, Ratio, Speed, Spin, Time};
+use crate::case::quantity::{Area, Length, Pressure, PressurePerSpeed, Ratio, Speed, Spin, Time};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// Table `[walls.motion]`: motion of the shape of a wall, an exact function of time. The shape that the case gives is
+/// Table `[walls.motion]`: motion of the shape of a wall, given in advance or by a servo control. The shape that the case gives is
 /// that without displacement.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MotionFile {
     /// Constant velocity of the shape, which is where the case puts it at time 0.
     #[schemars(extend("examples" = [["0 m/s", "-2 mm/s", "0 m/s"]], "x-range" = "-1e5 ..= 1e5 m/s"))]
-    #[schemars(extend("x-one-of" = "motion", "x-required" = "or `vibration`, `path`, `turning`"))]
+    #[schemars(extend("x-one-of" = "motion", "x-required" = "or `vibration`, `path`, `turning`, `servo`"))]
     pub translation: Option<Three<Speed>>,
     /// Harmonic vibration of the shape.
     #[schemars(extend("x-one-of" = "motion"))]
@@ -26,6 +26,31 @@ pub struct MotionFile {
     /// it.
     #[schemars(extend("x-one-of" = "motion"))]
     pub turning: Option<Located<ShapeTurningFile>>,
+    /// Motion of a plane along its normal, so that particles press on it with a given pressure. Soft and hybrid spheres
+    /// only.
+    #[schemars(extend("x-one-of" = "motion"))]
+    pub servo: Option<Located<ServoFile>>,
+}
+
+/// Table `[walls.motion.servo]`: a plane whose speed along its normal is V = (p - p_m)/c, with the measured pressure p_m of
+/// the particles on it.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ServoFile {
+    /// Wanted pressure p of the particles on the plane.
+    #[schemars(example = &"1 kPa", extend("x-required" = "always", "x-range" = "greater than 0, up to 1e12 Pa"))]
+    pub pressure: Option<Located<Pressure>>,
+    /// Largest speed of the plane.
+    #[schemars(example = &"50 mm/s", extend("x-required" = "always", "x-range" = "greater than 0, up to 1e5 m/s"))]
+    pub largest_speed: Option<Located<Speed>>,
+    /// Damping c of the plane.
+    #[schemars(example = &"500 Pa s/m", extend("x-range" = "greater than 0, up to 1e15 Pa s/m"))]
+    #[schemars(extend("x-default" = "π m/(t_c d²) with the mass, the diameter and the contact time of a sphere"))]
+    pub damping: Option<Located<PressurePerSpeed>>,
+    /// Area of the plane on which particles can press.
+    #[schemars(example = &"4 cm^2", extend("x-range" = "greater than 0, up to 1e8 m^2"))]
+    #[schemars(extend("x-default" = "the cross-section of the domain, if the plane is parallel to a side"))]
+    pub area: Option<Located<Area>>,
 }
 
 /// Table `[walls.motion.vibration]`: displacement A sin(2π f t + φ).

@@ -3,10 +3,10 @@
 use super::{Resolver, vector};
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
-use crate::case::file::{CaseFile, KnotFile, MotionFile, ShapeTurningFile, VibrationFile};
+use crate::case::file::{CaseFile, KnotFile, MotionFile, ServoFile, ShapeTurningFile, VibrationFile};
 use crate::domain::Domain;
 use crate::experiment::{Experiment, Model};
-use crate::walls::{MovingShape, PiecewisePath, PrescribedMotion, Turning, Wall};
+use crate::walls::{MovingShape, PiecewisePath, PrescribedMotion, ServoMotion, ServoState, Turning, Wall};
 use nalgebra::Vector3;
 
 /// [-] share of a length that counts as rounding. This number is also the allowed difference of a cosine from 1 for
@@ -29,7 +29,7 @@ impl Resolver {
             let help = "use the hard, the soft or the hybrid model";
             return Err(self.refuse_motion(typed, "is not for collisions by chance").help(help));
         }
-        let MotionFile { translation, vibration, path, turning } = &typed.value;
+        let MotionFile { translation, vibration, path, turning, servo } = &typed.value;
         let motion = if let Some(typed) = translation {
             for component in &typed.value {
                 self.in_range(component, "the velocity of a wall")?;
@@ -39,6 +39,8 @@ impl Resolver {
             self.vibration(&vibration.value)?
         } else if let Some(path) = path {
             self.path(path)?
+        } else if let Some(servo) = servo {
+            self.servo(servo, &wall, domain)?
         } else {
             let turning = self.need(turning, "walls.motion.turning")?;
             self.turning(turning, &wall, domain)?
@@ -85,6 +87,31 @@ impl Resolver {
         let few = || self.refuse(path, "has fewer than two times").help("give at least two, or leave `motion` out");
         let path = PiecewisePath::new(knots).filter(|_| path.value.len() > 1).ok_or_else(few)?;
         Ok(PrescribedMotion::Path(path.into()))
+    }
+
+    fn servo(&self, typed: &Located<ServoFile>, wall: &Wall, domain: &Domain) -> Result<PrescribedMotion, Diagnostic> {
+        let ServoFile { pressure, largest_speed, damping, area } = &typed.value;
+        let no = |what: &str, help: &str| Err(self.refuse_motion(typed, what).help(help));
+        if !self.model.has_contacts() {
+            return no("measures the force of contacts that last", "use the soft or the hybrid model");
+        }
+        let Some(plane) = wall.geometry.plane() else {
+            return no("moves only planes", "give the wall the shape `plane`");
+        };
+        let normal = plane.normal;
+        let area = match area {
+            Some(area) => self.in_range(area, "the part of the plane within the walls around the particles")?,
+            None => match (0..3).find(|axis| normal[*axis].abs() > 1.0 - ROUNDING) {
+                Some(axis) => domain.size.product() / domain.size[axis],
+                None => return no("needs an area, since the plane is inclined", "add `area` to the table"),
+            },
+        };
+        let pressure = self.in_range(self.need(pressure, "servo.pressure")?, "the pressure of the particles")?;
+        let fastest = self.need(largest_speed, "servo.largest_speed")?;
+        let largest_speed = self.in_range(fastest, "the speed at which the plane approaches the particles")?;
+        let damping = damping.as_ref().map(|damping| self.in_range(damping, "leave it out for the default"));
+        let (damping, state) = (damping.transpose()?, ServoState::default());
+        Ok(PrescribedMotion::Servo(ServoMotion { direction: normal, pressure, area, largest_speed, damping, state }))
     }
 
     fn turning(

@@ -9,7 +9,7 @@
 //!   neither of the two is in contact now;
 //! * gravity does not bring the sphere back to the wall that it leaves: 2 e u_n/g_n > θ T_c.
 //!
-//! All other touches begin soft contacts, which are resolved by time steps. θ is the argument `clearance` of
+//! All other touches, and those at servo walls, begin soft contacts, which are resolved by time steps. θ is the argument `clearance` of
 //! `Hybrid::new`. An impulse thus replaces only a contact that would end before another body could take part in it.
 //! Only soft contacts continue from one window to the next. An impulse conserves momentum exactly, and the energy that
 //! it dissipates is recorded.
@@ -88,6 +88,8 @@ impl InstantaneousRule for Impulses {
         let clear = self.clearance * self.law.contact_time(&touch.spring, approach);
         // a sphere that leaves a wall too slowly returns to the wall before the clear time ends
         let weight = match touch.couple.other {
+            // a servo wall measures the forces of contacts that last
+            Other::Wall(at) if scene.walls[at.wall as usize].servo().is_some() => return None,
             Other::Wall(_) => {
                 let wall = touch.couple.wall_motion(met, (particles, scene), *moment).unwrap_or_default();
                 wall.pressing(&scene.gravity, &met.normal)

@@ -1,15 +1,17 @@
 //! Walls whose shape moves: translation, vibration, a path, or rotation about an axis.
 //!
-//! The motion is an exact function of time. A [`Scene`](crate::scene::Scene) belongs to an instant, and so does the
+//! The motion is an exact function of time, for a servo wall within each window. A [`Scene`](crate::scene::Scene) belongs to an instant, and so does the
 //! geometry of its walls ([`Wall::at`]). Engines ask for the wall a time `ahead` of that instant.
 
 mod arcs;
 mod motion;
 mod path;
+mod servo;
 mod vibrating_plane;
 
 pub use motion::PrescribedMotion;
 pub use path::PiecewisePath;
+pub use servo::{ServoMotion, ServoState};
 
 use super::{Drawing, Flight, Geometry, Nearest, Plane, Repeated, Touch, Wall, WallGeometry};
 use crate::domain::Domain;
@@ -110,7 +112,7 @@ impl MovingShape {
     fn touch(&self, which: u32, flight: &Flight, radius: f64, (ahead, until): (f64, f64)) -> Option<Touch> {
         let start = self.time + ahead;
         match &self.motion {
-            PrescribedMotion::Translation { .. } => {
+            PrescribedMotion::Translation { .. } | PrescribedMotion::Servo(_) => {
                 self.shape.first_touch(which, &self.motion.seen(flight, start), radius, until)
             }
             PrescribedMotion::Path(path) => self.touch_on(path, which, (flight, start), radius, until),
@@ -299,6 +301,22 @@ impl Wall {
         let shape = Arc::new(Repeated::of(moving.shape().clone(), domain));
         let moving = MovingShape { shape, ..moving.clone() };
         Self { geometry: moving.geometry(), moving: Some(moving), ..self.clone() }
+    }
+
+    /// Servo motion of the wall; `None` for other walls.
+    pub fn servo(&self) -> Option<&ServoMotion> {
+        match self.moving.as_ref()?.motion() {
+            PrescribedMotion::Servo(servo) => Some(servo),
+            _ => None,
+        }
+    }
+
+    /// Servo motion of the wall, to change its state; `None` for other walls.
+    pub fn servo_mut(&mut self) -> Option<&mut ServoMotion> {
+        match &mut self.moving.as_mut()?.motion {
+            PrescribedMotion::Servo(servo) => Some(servo),
+            _ => None,
+        }
     }
 
     /// [m/s] largest speed of any point of the wall's shape; 0 if the shape does not move.

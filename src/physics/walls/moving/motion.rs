@@ -1,6 +1,8 @@
-//! Laws by which the shape of a wall moves: exact functions of time, without a state.
+//! Laws by which the shape of a wall moves: exact functions of time. Only a servo wall has a state, which changes between
+//! two windows.
 
 use super::path::PiecewisePath;
+use super::servo::ServoMotion;
 use crate::walls::{Flight, Turning};
 use nalgebra::{Rotation3, Unit, Vector3};
 use serde::Serialize;
@@ -8,7 +10,8 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// Prescribed motion of the shape of a wall. The wall is where its case puts it, displaced by d(t), or turned about an
-/// axis. All kinds but [`Turning`](Self::Turning) are translations without rotation.
+/// axis. All kinds but [`Turning`](Self::Turning) are translations without rotation. For [`Servo`](Self::Servo) the case
+/// prescribes a pressure, and d(t) is known until the end of the present window only.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PrescribedMotion {
@@ -30,6 +33,8 @@ pub enum PrescribedMotion {
     Path(Arc<PiecewisePath>),
     /// Rotation about an axis at a constant angular velocity. At time 0 the shape is where its case puts it.
     Turning(Turning),
+    /// Motion of a plane along its normal, so that particles press on it with a given pressure.
+    Servo(ServoMotion),
 }
 
 impl PrescribedMotion {
@@ -40,6 +45,7 @@ impl PrescribedMotion {
             Self::Vibration { amplitude, .. } => amplitude * self.angle(time).sin(),
             Self::Path(path) => path.displacement(time),
             Self::Turning(_) => Vector3::zeros(),
+            Self::Servo(servo) => servo.direction * servo.displacement(time),
         }
     }
 
@@ -51,6 +57,7 @@ impl PrescribedMotion {
             Self::Vibration { amplitude, frequency, .. } => amplitude * (TAU * frequency * self.angle(time).cos()),
             Self::Path(path) => path.velocity(time),
             Self::Turning(turning) => turning.spin.cross(&(point - turning.center)),
+            Self::Servo(servo) => servo.direction * servo.state.speed,
         }
     }
 
@@ -58,7 +65,7 @@ impl PrescribedMotion {
     /// rotation, and on a path, whose velocity jumps at the knots.
     pub fn acceleration(&self, time: f64) -> Vector3<f64> {
         match self {
-            Self::Translation { .. } | Self::Path(_) | Self::Turning(_) => Vector3::zeros(),
+            Self::Translation { .. } | Self::Path(_) | Self::Turning(_) | Self::Servo(_) => Vector3::zeros(),
             Self::Vibration { amplitude, frequency, .. } => {
                 amplitude * (-(TAU * frequency).powi(2) * self.angle(time).sin())
             }
@@ -68,7 +75,7 @@ impl PrescribedMotion {
     /// [rad/s] angular velocity of the shape; `None` for a translation.
     pub fn spin(&self) -> Option<Vector3<f64>> {
         match self {
-            Self::Translation { .. } | Self::Vibration { .. } | Self::Path(_) => None,
+            Self::Translation { .. } | Self::Vibration { .. } | Self::Path(_) | Self::Servo(_) => None,
             Self::Turning(turning) => Some(turning.spin),
         }
     }
@@ -95,7 +102,7 @@ impl PrescribedMotion {
     pub(super) fn direction(&self, vector: &Vector3<f64>, time: f64) -> Vector3<f64> {
         match self {
             Self::Turning(turning) => rotation(turning, time) * vector,
-            Self::Translation { .. } | Self::Vibration { .. } | Self::Path(_) => *vector,
+            Self::Translation { .. } | Self::Vibration { .. } | Self::Path(_) | Self::Servo(_) => *vector,
         }
     }
 
@@ -122,7 +129,7 @@ impl PrescribedMotion {
     /// × r)).
     pub(super) fn jerk(&self, flight: &Flight, time: f64) -> f64 {
         match self {
-            Self::Translation { .. } | Self::Path(_) => 0.0,
+            Self::Translation { .. } | Self::Path(_) | Self::Servo(_) => 0.0,
             Self::Vibration { amplitude, frequency, .. } => amplitude.norm() * (TAU * frequency).powi(3),
             Self::Turning(Turning { center, spin }) => {
                 let (rate, gravity) = (spin.norm(), flight.gravity.norm());
@@ -141,6 +148,7 @@ impl PrescribedMotion {
             Self::Vibration { amplitude, frequency, .. } => TAU * frequency * amplitude.norm(),
             Self::Path(path) => path.largest_speed(),
             Self::Turning(turning) => turning.spin.norm() * arm,
+            Self::Servo(servo) => servo.largest_speed,
         }
     }
 
@@ -148,7 +156,7 @@ impl PrescribedMotion {
     /// point from the axis of a rotation.
     pub(super) fn largest_excursion(&self, arm: f64) -> f64 {
         match self {
-            Self::Translation { .. } => f64::INFINITY,
+            Self::Translation { .. } | Self::Servo(_) => f64::INFINITY,
             Self::Vibration { amplitude, .. } => 2.0 * amplitude.norm(),
             Self::Path(path) => path.largest_excursion(),
             Self::Turning(_) => 2.0 * arm,
@@ -156,14 +164,15 @@ impl PrescribedMotion {
     }
 
     /// [m] least and largest component of the displacement along a unit vector, from time 0 to `duration` [s]; those of
-    /// all times for a vibration and a path. `None` for a rotation.
+    /// all times for a vibration and a path. `None` for a rotation and for a servo wall, whose displacement is not known
+    /// in advance.
     pub fn range_along(&self, direction: &Vector3<f64>, duration: f64) -> Option<[f64; 2]> {
         let two = |one: f64, other: f64| Some([one.min(other), one.max(other)]);
         match self {
             Self::Translation { velocity } => two(0.0, velocity.dot(direction) * duration),
             Self::Vibration { amplitude, .. } => two(amplitude.dot(direction), -amplitude.dot(direction)),
             Self::Path(path) => Some(path.range_along(direction)),
-            Self::Turning(_) => None,
+            Self::Turning(_) | Self::Servo(_) => None,
         }
     }
 
@@ -172,7 +181,7 @@ impl PrescribedMotion {
     pub(super) fn angle(&self, time: f64) -> f64 {
         match self {
             Self::Vibration { frequency, phase, .. } => TAU * (frequency * time).fract() + phase,
-            Self::Translation { .. } | Self::Path(_) | Self::Turning(_) => 0.0,
+            Self::Translation { .. } | Self::Path(_) | Self::Turning(_) | Self::Servo(_) => 0.0,
         }
     }
 }

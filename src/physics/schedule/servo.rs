@@ -1,0 +1,44 @@
+//! Lengths of windows in scenes with servo walls, whose speed changes at the ends of windows.
+
+use crate::experiment::Experiment;
+use crate::predict::contact::ContactTimes;
+use crate::scene::Species;
+use std::f64::consts::PI;
+
+/// [-] smallest number of windows within a contact of soft spheres at a servo wall.
+const WINDOWS_PER_CONTACT: f64 = 10.0;
+
+/// [-] largest share of the wanted correction of a pressure that a servo wall makes within one window. The value is far
+/// below 2, from which on the correction grows without limit.
+const LARGEST_CORRECTION: f64 = 1.0 / 3.0;
+
+/// [Pa s/m] acoustic impedance sqrt(K m)/d² of the smallest particles, with their mass m and diameter d. K is the
+/// stiffness that gives the contact time t_c at a wall: K = m (π/t_c)². A wall with this damping reflects waves of one
+/// row of particles least. Infinite if no contact is possible.
+pub fn impedance(experiment: &Experiment) -> f64 {
+    let over_square = |species: &Species| {
+        let diameter = species.smallest();
+        species.of_one_size(diameter).mass() / diameter.powi(2)
+    };
+    let least = experiment.scene.species.iter().map(over_square).fold(f64::INFINITY, f64::min);
+    contact_time(experiment).map_or(f64::INFINITY, |time| PI * least / time)
+}
+
+/// [s] shortest contact time of a particle at any wall; `None` without soft contacts.
+fn contact_time(experiment: &Experiment) -> Option<f64> {
+    ContactTimes::of(experiment, &experiment.law()?, experiment.most_that_touch(experiment.count())).wall
+}
+
+/// [s] longest window with servo walls; infinite without such walls. A contact lasts at least ten windows. The
+/// correction within a window is h K/(c d²) for particles of the stiffness K that cover the wall, where c is the damping
+/// of the wall. It is at most a third.
+pub fn longest_for_servo(experiment: &Experiment) -> f64 {
+    let impedance = impedance(experiment);
+    let Some(time) = contact_time(experiment) else { return f64::INFINITY };
+    let servos = experiment.scene.walls.iter().filter_map(|wall| wall.servo());
+    let longest = servos.map(|servo| {
+        let damping = servo.damping.unwrap_or(impedance);
+        (time / WINDOWS_PER_CONTACT).min(LARGEST_CORRECTION * damping / impedance * time / PI)
+    });
+    longest.fold(f64::INFINITY, f64::min)
+}

@@ -1,0 +1,166 @@
+//! Servo walls: equilibrium and relaxation of one sphere in closed form, the ledger, a stop and continuation, a pressed
+//! crowd, and messages.
+
+use crate::support::*;
+use diptych::Experiment;
+use diptych::experiment::Model;
+use diptych::placement::initial_state;
+use diptych::schedule::{Schedule, impedance};
+use diptych::simulation::Simulation;
+use std::f64::consts::PI;
+
+/// One sphere of 1 mm on a floor, and a servo plate 20 µm above it. Spheres and walls have one stiffness.
+const ONE: &str = r#"
+[domain]
+size = ["2 mm", "4 mm", "2 mm"]
+periodic = ["x", "z"]
+[[particles]]
+diameter = "1 mm"
+density = "2500 kg/m^3"
+at = [{ position = ["1 mm", "0.5 mm", "1 mm"] }]
+[[walls]]
+plane = { point = ["0 mm", "0 mm", "0 mm"], normal = [0, 1, 0] }
+restitution = 0.5
+[[walls]]
+plane = { point = ["0 mm", "1.02 mm", "0 mm"], normal = [0, -1, 0] }
+restitution = 0.5
+motion.servo = { pressure = "1 kPa", largest_speed = "50 mm/s" }
+[contact]
+restitution = 0.5
+[soft.linear_spring_dashpot]
+stiffness = "1000 N/m"
+[run]
+duration = "20 ms"
+"#;
+
+fn started(text: &str, model: Model, sets: &[&str]) -> (Experiment, Simulation) {
+    let experiment = case(text, model, sets).unwrap();
+    let start = initial_state(&experiment).unwrap();
+    let simulation = Simulation::new(&experiment, start);
+    (experiment, simulation)
+}
+
+#[test]
+fn a_sphere_between_floor_and_plate_comes_to_the_overlap_of_the_pressure() {
+    for model in [Model::Soft, Model::Hybrid] {
+        let (_, mut simulation) = started(ONE, model, &[]);
+        simulation.run_until(20e-3).unwrap();
+        // the force p A = 4 mN makes an overlap of 4 µm at both contacts, after the gap of 20 µm
+        let state = simulation.servo_states()[0];
+        close("displacement", state.displacement, 20e-6 + 2.0 * 4e-6, 1e-9);
+        close("pressure", state.pressure, 1e3, 1e-5);
+        assert!(state.speed.abs() < 1e-9, "{state:?}");
+        assert_eq!(simulation.contacts().len(), 2);
+        // the work of the plate is in the springs or lost in dashpots
+        let ledger = &simulation.record.ledger;
+        let explained = ledger.wall_work - ledger.dissipated();
+        close("energy", simulation.energy(), explained, 0.02);
+        assert!(ledger.wall_work > 2.0 * 0.5 * 1e3 * (4e-6_f64).powi(2));
+    }
+}
+
+#[test]
+fn the_pressure_relaxes_in_the_time_of_damping_over_stiffness() {
+    // a plate that touches the sphere without a gap, so damped that the sphere is always in equilibrium: the two springs
+    // of k in a row have k/2, and the time is A c/(k/2) = 4 ms
+    let close_by = ONE.replace("1.02 mm", "1 mm");
+    let sets = [r#"walls[1].motion.servo.damping="500 kPa s/m""#, r#"walls[1].motion.servo.area="4 mm^2""#];
+    let (_, mut simulation) = started(&close_by, Model::Soft, &sets);
+    simulation.run_until(4e-3).unwrap();
+    let reached = simulation.servo_states()[0].pressure / 1e3;
+    // the inertia of the sphere delays it by some of its contact time, 0.1 ms of 4 ms
+    close("pressure", reached, 1.0 - (-1.0_f64).exp(), 0.02);
+}
+
+/// Crowd of 200 spheres between a floor and a servo plate, periodic along x and z.
+const CROWD: &str = r#"
+[domain]
+size = ["5 mm", "16 mm", "5 mm"]
+periodic = ["x", "z"]
+[[particles]]
+diameter = "1 mm"
+density = "2500 kg/m^3"
+count = 200
+velocity_fluctuation = "10 mm/s"
+[[walls]]
+plane = { point = ["0 mm", "0 mm", "0 mm"], normal = [0, 1, 0] }
+restitution = 0.5
+[[walls]]
+plane = { point = ["0 mm", "14 mm", "0 mm"], normal = [0, -1, 0] }
+restitution = 0.5
+motion.servo = { pressure = "1 kPa", largest_speed = "100 mm/s" }
+[contact]
+restitution = 0.5
+friction = 0.3
+[soft.linear_spring_dashpot]
+stiffness = "500 N/m"
+[run]
+duration = "400 ms"
+"#;
+
+#[test]
+fn a_pressed_crowd_carries_the_pressure_of_the_plate_to_the_floor() {
+    let (experiment, mut simulation) = started(CROWD, Model::Soft, &[]);
+    simulation.run_until(380e-3).unwrap();
+    let before = simulation.record.ledger.clone();
+    simulation.run_until(400e-3).unwrap();
+    let state = simulation.servo_states()[0];
+    // the plate has come down on a packing between loose and close random packing
+    let volume = 25e-6 * (14e-3 - state.displacement);
+    let fraction = 200.0 * PI / 6.0 * 1e-9 / volume;
+    assert!((0.55..0.64).contains(&fraction), "{fraction}");
+    // the plate still follows a creep of the packing: what misses of the pressure is the damping times the speed
+    close("missing pressure", 1e3 - state.pressure, impedance(&experiment) * state.speed, 1e-9);
+    assert!((900.0..1000.0).contains(&state.pressure), "{state:?}");
+    // the packing hardly moves, so that floor and plate carry the same pressure
+    let ledger = &simulation.record.ledger;
+    let pressed = (ledger.wall_normal_impulse - before.wall_normal_impulse) / (2.0 * 25e-6 * 20e-3);
+    close("mean pressure on floor and plate", pressed, state.pressure, 0.02);
+    let net = (ledger.wall_impulse - before.wall_impulse).y / (25e-6 * 20e-3);
+    assert!(net.abs() < 0.02 * state.pressure, "{net}");
+}
+
+#[test]
+fn a_stopped_run_goes_on_with_the_same_bits() {
+    let bits = |simulation: &Simulation| {
+        let place = |x: &diptych::Vector3<f64>| [x.x, x.y, x.z].map(f64::to_bits);
+        let state = simulation.servo_states()[0];
+        (simulation.particles.position.iter().map(place).collect::<Vec<_>>(), state.displacement.to_bits())
+    };
+    for model in [Model::Soft, Model::Hybrid] {
+        let (experiment, mut whole) = started(CROWD, model, &["run.duration=\"60 ms\""]);
+        let window = Schedule::new(&experiment).window;
+        whole.run((50e-3 / window) as u64, window).unwrap();
+        let snapshot = whole.snapshot().unwrap();
+        whole.run(500, window).unwrap();
+        let mut parts = Simulation::restore(&experiment, snapshot).unwrap();
+        parts.run(500, window).unwrap();
+        assert_eq!(bits(&whole), bits(&parts), "{model:?}");
+        assert!(whole.servo_states()[0].displacement > 1e-3);
+    }
+}
+
+#[test]
+fn what_a_servo_wall_cannot_be_is_refused() {
+    let refused = |text: &str, model| case(text, model, &[]).unwrap_err();
+    for model in [Model::Hard, Model::Dsmc] {
+        let why = refused(ONE, model);
+        assert!(why.contains("soft or the hybrid"), "{why}");
+    }
+    let servo = "motion.servo = { pressure = \"1 kPa\", largest_speed = \"50 mm/s\" }";
+    for (from, to, words) in [
+        (servo, "motion.servo = { pressure = \"1 kPa\" }", "largest_speed"),
+        (servo, "motion.servo = { pressure = \"0 Pa\", largest_speed = \"50 mm/s\" }", "out of range"),
+        (servo, "motion.servo = { pressure = \"1 mm\", largest_speed = \"50 mm/s\" }", "a pressure"),
+        (
+            "plane = { point = [\"0 mm\", \"1.02 mm\", \"0 mm\"], normal = [0, -1, 0] }",
+            "cuboid = { from = [\"0 mm\", \"1.02 mm\", \"0 mm\"], to = [\"2 mm\", \"2 mm\", \"2 mm\"] }",
+            "moves only planes",
+        ),
+    ] {
+        let why = refused(&ONE.replace(from, to), Model::Soft);
+        assert!(why.contains(words), "{words}: {why}");
+    }
+    let inclined = ONE.replace("normal = [0, -1, 0]", "normal = [0, -1, 0.1]").replace("[\"x\", \"z\"]", "[]");
+    assert!(refused(&inclined, Model::Soft).contains("needs an area"));
+}
