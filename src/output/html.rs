@@ -52,6 +52,7 @@ pub(super) fn page(document: &Document) -> String {
                         @if !rest.is_empty() { ul.answers { @for verdict in rest { li { (verdict) } } } }
                     }
                     (failed(&document.failures))
+                    @for (label, text) in about(&provenance.case_text) { p.about { strong { (label) ": " } (text) } }
                     @if !front.is_empty() { div.front { @for block in front { (part(block, figures)) } } }
                     @if !further.is_empty() {
                         details.further { summary { "More findings" } ul { @for verdict in further { li { (verdict) } } } }
@@ -65,6 +66,22 @@ pub(super) fn page(document: &Document) -> String {
         }
     };
     legible::lines(&page.into_string()).into_owned()
+}
+
+/// Question of a case and the expected result, each with its label, from the comment at the top of the case file.
+fn about(case_text: &str) -> Vec<(&'static str, String)> {
+    const LABELS: [&str; 3] = ["Question", "Source", "What should come out"];
+    let mut parts: Vec<(&'static str, String)> = Vec::new();
+    for line in case_text.lines().map_while(|line| line.strip_prefix('#')).map(str::trim) {
+        let labelled = LABELS.into_iter().find_map(|label| Some((label, line.strip_prefix(label)?.strip_prefix(':')?)));
+        match (labelled, parts.last_mut()) {
+            (Some((label, text)), _) => parts.push((label, text.trim().to_owned())),
+            (None, Some((_, text))) => *text += &format!(" {line}"),
+            (None, None) => {}
+        }
+    }
+    parts.retain(|(label, _)| *label != "Source");
+    parts
 }
 
 /// Makes all parts of the page that have a heading, in the order of the page.
@@ -143,14 +160,13 @@ fn folded(fold: &Fold) -> Markup {
     }
 }
 
-/// List of the variants that stopped early, each with its failure as in `summary.json`.
+/// List of the variants that stopped early, each with its failure.
 fn failed(failures: &[(&str, &Failure)]) -> Markup {
     html! {
         @if !failures.is_empty() {
             div.failure role="alert" {
                 @for (name, failure) in failures {
                     p { strong { (name) " stopped early: " } (failure) }
-                    p.note { code { (serde_json::to_string(failure).unwrap_or_else(|error| error.to_string())) } }
                 }
                 p { "What these variants had gathered until then is shown below." }
             }

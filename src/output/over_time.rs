@@ -3,14 +3,14 @@
 use super::OutputError;
 use super::csv::{CsvTable, number};
 use crate::observe::{
-    FRICTION_COLUMNS, GAS_COLUMNS, OPENING_COLUMNS, PathSample, Row, SERIES_COLUMNS, SHEAR_COLUMNS, SONINE_COLUMNS,
-    SeriesColumn, THERMOSTAT_COLUMNS, TURBULENCE_COLUMNS,
+    FRICTION_COLUMNS, GAS_COLUMNS, OPENING_COLUMNS, PathSample, Row, SERIES_COLUMNS, SERVO_COLUMNS, SHEAR_COLUMNS,
+    SONINE_COLUMNS, SeriesColumn, THERMOSTAT_COLUMNS, TURBULENCE_COLUMNS,
 };
 use crate::outcome::Outcome;
 
 /// Contents of `series.csv`: averages over all particles, with one row per variant and instant. Impacts and losses are
 /// counted from the start. Columns of friction exist only if spheres rotate, and those of turbulence only if it acts on
-/// the particles. Columns of the gas, of shear, of a thermostat and of openings exist only in scenes that have them.
+/// the particles. Columns of the gas, of servo walls, of shear, of a thermostat and of openings exist only in scenes that have them.
 /// Columns of the velocity distribution exist only if it is measured.
 ///
 /// # Errors
@@ -18,10 +18,11 @@ use crate::outcome::Outcome;
 pub fn series(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     let mut table = CsvTable::new();
     let has = |part: fn(&Row) -> bool| rows(outcomes, |outcome| &outcome.series.rows).any(|(_, row)| part(row));
-    let further: [(&[SeriesColumn], bool); 7] = [
+    let further: [(&[SeriesColumn], bool); 8] = [
         (&FRICTION_COLUMNS, has(|row| row.friction.is_some())),
         (&TURBULENCE_COLUMNS, has(|row| row.turbulence.is_some())),
         (&GAS_COLUMNS, has(|row| row.gas.is_some())),
+        (&SERVO_COLUMNS, has(|row| row.servo.is_some())),
         (&SHEAR_COLUMNS, has(|row| row.shear.is_some())),
         (&THERMOSTAT_COLUMNS, has(|row| row.thermostat_work.is_some())),
         (&OPENING_COLUMNS, has(|row| row.particles.is_some())),

@@ -96,6 +96,14 @@ pub fn notes(outcomes: &[Outcome]) -> Vec<String> {
     notes
 }
 
+/// End of a sentence on a restitution that differs from the given one, if spheres touch several others at once.
+const SEVERAL: &str = ", since spheres touch several others at once and share their energy with them";
+
+/// True if at some instant of the series the particles had more than one contact each on average.
+pub(super) fn meets_several(outcome: &Outcome) -> bool {
+    outcome.series.rows.iter().any(|row| row.coordination > 1.0)
+}
+
 /// Adds a note if the mean restitution of the impacts of an outcome differs from the given one by more than 0.005.
 fn restitution(outcome: &Outcome, note: &mut impl FnMut(String)) {
     let scene = &outcome.experiment.scene;
@@ -103,7 +111,10 @@ fn restitution(outcome: &Outcome, note: &mut impl FnMut(String)) {
         && let Some(pairs) = outcome.record.pairs.summary().mean_restitution
         && (pairs - asked).abs() > MISS
     {
-        note(format!("pairs rebound with a restitution of {pairs:.4} on average where {asked} was asked for."));
+        let several = if meets_several(outcome) { SEVERAL } else { "" };
+        note(format!(
+            "pairs rebound with a restitution of {pairs:.4} on average where {asked} was asked for{several}."
+        ));
     }
     if let Some(asked) = scene.restitution_at_walls()
         && let Some(walls) = outcome.record.walls.summary().mean_restitution

@@ -1,6 +1,6 @@
 //! Trust sheet of a variant: numbers that show how reliable its results are, each with its expected value or its limit.
 
-use super::trust::{MISS, softness};
+use super::trust::{MISS, meets_several, softness};
 use crate::engine::Failure;
 use crate::experiment::{HardStepping, Model};
 use crate::outcome::Outcome;
@@ -89,9 +89,11 @@ fn restitutions(outcome: &Outcome) -> [TrustCheck; 2] {
         let Some(found) = found else {
             return unknown(name, "", if count == 0 { missing } else { "no interval between samples saw an impact" });
         };
-        let expected = asked.map_or(Expected::Anything, Expected::Equals);
+        let several = meets_several(outcome);
+        let expected = asked.filter(|_| !several).map_or(Expected::Anything, Expected::Equals);
         let remark = match (asked, found.error) {
             (None, _) => "the case asks for several restitutions, or one by speed: the mean over all of these impacts",
+            _ if several => "spheres touch several others at once and share their energy: not that of one impact",
             (Some(_), None) => "too few intervals between samples saw an impact: no standard error",
             (Some(_), Some(_)) => "suspect beyond 0.005 and 3 SE",
         };

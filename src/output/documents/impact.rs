@@ -25,6 +25,7 @@ pub fn write_impact(folder: &Folder, study: &ImpactStudy) -> Result<PathBuf, Out
         Block::heading("As computed, and in closed form"),
         values(study),
         Block::note("A collision of hard spheres is instantaneous: it has neither contact time nor overlap."),
+        softness(study),
         Block::heading("Work"),
         Block::table("variant | time step | steps or events", bounces.iter().map(work)),
         Block::note("What methods cost cannot be told from one impact; `diptych chart` measures it over many."),
@@ -89,6 +90,22 @@ fn values(study: &ImpactStudy) -> Block {
         "variant | model | restitution e | e − requested | e − closed form | contact time | largest overlap δ | δ/d",
         rows,
     )
+}
+
+/// Sentence on the price of a soft spring: deeper overlaps, of which the deepest variant is named.
+fn softness(study: &ImpactStudy) -> Block {
+    let share =
+        |bounce: &Bounce| Some(bounce.values.maximum_overlap.filter(|overlap| *overlap > 0.0)? / study.diameter);
+    let deepest = study.bounces.iter().filter_map(|bounce| Some((share(bounce)?, bounce)));
+    let words = deepest.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(share, bounce)| {
+        format!(
+            "A softer spring takes fewer steps, and a single impact has the restitution all the same. Its price is a deeper and longer contact: in a crowd the spheres act as if smaller, and more \
+             often touch several others at once. \"{}\" overlaps by {} % of the diameter here; the sheet “How far to trust this” of a run marks mean overlaps above 1 %.",
+            bounce.name,
+            significant(100.0 * share, 2),
+        )
+    });
+    Block::note(words.unwrap_or_default())
 }
 
 /// Row with the time step, and the number of time steps or events of a variant. Wall-clock time is left out, because it

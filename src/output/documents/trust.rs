@@ -43,7 +43,7 @@ pub(super) fn blocks(sheets: &[TrustSheet]) -> Vec<Block> {
 
 /// Text of a value with its unit and its standard error. An error that is only rounding is left out.
 fn value(found: impl Into<Option<Estimate>>, unit: &str) -> String {
-    let Some(found) = found.into() else { return format!("{UNKNOWN}{unit}") };
+    let Some(found) = found.into() else { return UNKNOWN.into() };
     let space = if unit.is_empty() { "" } else { " " };
     let text = if found.error.is_some_and(|error| error > 1e-12 * found.value.abs()) {
         with_error(found)

@@ -242,7 +242,7 @@ pub(super) fn ticks((low, high): (f64, f64)) -> TickFormat {
 pub(super) fn powers() -> TickFormat {
     TickFormat::Custom(Arc::new(|value| {
         let power = value.log10();
-        if (power - power.round()).abs() > 1e-6 || (-2.1..3.1).contains(&power) {
+        if !power.is_finite() || (power - power.round()).abs() > 1e-6 || (-2.1..3.1).contains(&power) {
             significant(value, 1)
         } else {
             format!("10{}", superscript(power.round() as i32))

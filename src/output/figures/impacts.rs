@@ -153,6 +153,10 @@ fn views(outcomes: &[Outcome], views: &[ImpactQuantity]) -> String {
             }
         }
     }
+    // pictures without impacts are left out, unless none would be left
+    if panels.iter().any(|panel| !panel.series.is_empty()) {
+        panels.retain(|panel| !panel.series.is_empty());
+    }
     chart::grid(&panels)
 }
 

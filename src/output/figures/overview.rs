@@ -77,7 +77,7 @@ pub fn differences(study: &Study) -> Option<Figure> {
     let picture = Differences { margin, rows: rows.collect() };
     let one = study.comparisons.len() == 1;
     let caption = format!(
-        "Differences in per cent of each quantity’s scale{}. Grey band: the margin of {} %. Dot and bar: the clearest difference ± 1 standard error. Pale bar: \
+        "Differences in per cent of each quantity’s scale{}. Grey band: the margin of {} %. Dot and bar: the difference of the means, or that in one slice or at one instant if it is clearer, ± 1 standard error. Pale bar: \
          the differences in all slices or at all instants with their 5 % limits; inside the band the two are equivalent.",
         if one { "" } else { ", a colour per variant" },
         significant(margin, 2)

@@ -2,7 +2,7 @@
 
 use super::{Player, RecordedVariant, RecordingFrame};
 use crate::observe::{Frame, Frames};
-use crate::output::numbers::significant;
+use crate::output::numbers::{quantity, significant};
 use crate::output::{Bounce, ImpactStudy, PathPoint};
 use nalgebra::Vector3;
 
@@ -48,8 +48,9 @@ impl Player {
             magnified: Some(magnified),
             words: format!(
                 "The impact in slow motion. Gaps and overlaps are drawn {} times as large as they are. Hard spheres turn round at one instant; soft ones press into \
-                 each other meanwhile.",
-                significant(magnified, 2)
+                 each other meanwhile. The clock starts {} before the first touch.",
+                significant(magnified, 2),
+                quantity(-times.0, "s", 3)
             ),
         };
         let variants: Vec<RecordedVariant> = variants.collect();

@@ -206,7 +206,7 @@ fn single(variant: &Outcome, reference: &Outcome, times: &[f64], why: &str) -> F
         (_, Some((share, time, curve))) => (
             Answer::Unresolved,
             format!(
-                "unresolved: {why}, and of one run each nothing is known of the error of a curve over time; they are apart by {} at most ({advice}).",
+                "unresolved: {why}, and of one run each nothing is known of the error of a curve over time; they are apart by {} at most, in per cent of the largest value ({advice}).",
                 named(share, curve, time)
             ),
         ),

@@ -26,7 +26,7 @@ pub fn not_steady(steadiness: &Steadiness) -> Option<String> {
     let why = match steadiness.drift {
         _ if steadiness.steady => return None,
         None => return Some("has too few samples to tell whether it is steady, and too few for error bars".into()),
-        Some(f64::INFINITY) => "it drifts, and has no scatter to compare the drift with".into(),
+        Some(f64::INFINITY) => "it changes all the time, without a steady state to average over".into(),
         Some(drift) if drift > LARGEST_DRIFT => {
             format!("the two halves of what is averaged differ by {} standard errors", significant(drift, 2))
         }
@@ -148,15 +148,16 @@ fn unresolved(comparison: &Comparison, across: &str, needed: &impl Fn(f64) -> St
     } else {
         String::new()
     };
+    let widest = open().max_by(|a, b| a.reached.total_cmp(&b.reached)).unwrap_or(worst);
     let blindest = comparison.judged.iter().max_by(|a, b| a.detectable.total_cmp(&b.detectable)).unwrap_or(worst);
     format!(
-        "unresolved: no difference is seen beyond the margin, and the smallest smooth one that these runs could see is {} of {} (in {}); one of up to {} of {} may be left{} (in {}).{smooth} {advice}",
+        "unresolved, neither equal within {limit} nor different: no difference is seen beyond the margin, and the smallest uniform one that these runs could see is {} of {} (in {}); one of up to {} of {} may be left{} (in {}).{smooth} {advice}",
         percent(blindest.detectable),
         blindest.tested.scale_is,
         in_prose(&blindest.tested.name),
-        percent(worst.reached),
-        worst.tested.scale_is,
+        percent(widest.reached),
+        widest.tested.scale_is,
         anywhere(across),
-        in_prose(&worst.tested.name),
+        in_prose(&widest.tested.name),
     )
 }
