@@ -72,6 +72,8 @@ cylinder = { center = ["35 mm", "35 mm", "10 mm"], axis = "x", radius = "2 mm", 
 box = { center = ["5 mm", "35 mm", "20 mm"], half_extents = ["2 mm", "2 mm", "2 mm"] }
 [[outlets]]
 cylinder = { center = ["5 mm", "20 mm", "20 mm"], axis = "x", radius = "2 mm", half_height = "2 mm" }
+[[outlets]]
+mesh = { file = "tests/inputs/block.stl", unit = "1 mm", position = ["35 mm", "20 mm", "35 mm"], axis = [0, 0, 1] }
 [contact]
 restitution = 0.9
 [[contact.pairs]]
@@ -91,6 +93,7 @@ fn place(table: &str) -> String {
         ("particles.at", _) => "particles[1].at[0]".into(),
         ("inlets.cylinder", _) => "inlets[1].cylinder".into(),
         ("outlets.cylinder", _) => "outlets[1].cylinder".into(),
+        ("outlets.mesh", _) => "outlets[2].mesh".into(),
         ("particles.in.cylinder", _) => "particles[2].in.cylinder".into(),
         (_, Some(index)) => table.replace("walls", &format!("walls[{index}]")),
         _ => indexed(table),

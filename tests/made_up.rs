@@ -237,6 +237,7 @@ pub fn comparisons() -> Vec<Verdict> {
         reason: "Both are steady.".into(),
         margin: 0.01,
         comparison: Some(comparison),
+        observed: Vec::new(),
         further: Vec::new(),
     }]
 }

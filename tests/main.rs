@@ -65,6 +65,7 @@ mod moving_bodies; // bodies and meshes that move: times of touch, vessels, rota
 mod moving_walls; // walls whose shape moves: exact map, period doubling, no missed touch, frames, ledger, bits, messages
 mod needs; // models that a scene needs, against closed forms
 mod numbers; // every number of the paper, and every claim with its words, in docs/paper.md
+mod observed_verdicts; // verdicts on numbers measured under [observe]: the rule, its rates of wrong answers, real rows
 mod observers; // measurements while a simulation runs, and their times
 mod openings; // inlets and outlets: books, ids, contacts that stay, resumed runs, threads, blocked inlets, messages
 mod order; // sums over particles: identical bits in any order of the store

@@ -418,7 +418,7 @@ fn diffusion_is_that_of_hard_spheres() {
 fn replicas_are_pooled_by_their_errors_or_by_their_scatter() {
     let run = |value: f64| {
         let quantity = ObservedQuantity::new("number", "n", "");
-        let number = ObservedNumber { quantity, value: Some(Estimate::new(value, 0.1)), theory: None };
+        let number = ObservedNumber { quantity, value: Some(Estimate::new(value, 0.1)), theory: None, batches: None };
         [Observation { name: "made up", numbers: vec![number], ..Observation::default() }]
     };
     let runs = [run(1.0), run(2.0), run(6.0)];

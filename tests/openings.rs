@@ -1,6 +1,8 @@
 //! Inlets and outlets: books, ids, contacts and histories of the particles that stay, resumed runs, threads, order of the
 //! store, blocked inlets, messages.
 
+mod surfaces;
+
 use crate::support::*;
 use diptych::engine::Engine;
 use diptych::engine::dsmc::Dsmc;

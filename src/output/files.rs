@@ -30,7 +30,7 @@ const REPORT: &str = "report.html";
 
 /// Names of tables that a run may write, apart from [`SUMMARY`]. They are removed when results are replaced, so that no
 /// file of an earlier run remains.
-const TABLES: [&str; 22] = [
+const TABLES: [&str; 23] = [
     "series.csv",
     "paths.csv",
     "profiles.csv",
@@ -38,6 +38,7 @@ const TABLES: [&str; 22] = [
     "overlaps.csv",
     "stress.csv",
     "observables.csv",
+    "observed-differences.csv",
     "rings.csv",
     "species.csv",
     "meetings.csv",

@@ -52,7 +52,7 @@ pub use state::StateFile;
 pub use trajectory::{TRAJECTORY, Trajectory};
 pub use trust::{Expected, Halved, HalvedStep, Judgement, TrustCheck, TrustSheet, Verification};
 pub use validation::{NotValidated, ValidationNumber, ValidationRow, ValidationRule, ValidationStudy, ValidationTier};
-pub use verdict::{Basis, Verdict, overall};
+pub use verdict::{Basis, ObservedDifference, Verdict, overall};
 
 use crate::observe::Frames;
 use crate::outcome::Outcome;

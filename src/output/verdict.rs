@@ -1,6 +1,6 @@
 //! Result of the comparison of a variant with its reference.
 
-use crate::statistics::{Answer, Comparison};
+use crate::statistics::{Answer, Comparison, Estimate};
 use serde::Serialize;
 
 /// Kind of data by which a variant is compared with its reference.
@@ -37,9 +37,49 @@ pub struct Verdict {
     pub margin: f64,
     /// Tests of the compared observables; `None` for a comparison of paths.
     pub comparison: Option<Comparison>,
+    /// Differences of the numbers that both variants measure under `[observe]`, which have no part in `answer`. Empty
+    /// unless averages were compared.
+    #[serde(rename = "observe")]
+    pub observed: Vec<ObservedDifference>,
     /// Further remarks about the variant and its reference, one sentence each.
     #[serde(skip)]
     pub further: Vec<String>,
+}
+
+/// Difference between a variant and its reference in a number that both measure under `[observe]`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ObservedDifference {
+    /// Name of the measurement in the case.
+    pub measurement: &'static str,
+    /// Name of the number in `observables.csv`.
+    pub quantity: String,
+    /// Name of the number in tables and sentences.
+    #[serde(skip)]
+    pub symbol: String,
+    /// SI unit of the number; empty for a pure number.
+    pub unit: &'static str,
+    /// Value of the variant minus value of the reference, in the unit of the number, with its standard error. The error
+    /// is unknown for too short runs.
+    pub difference: Estimate,
+    /// [%] difference in per cent of the magnitude of the reference. `None` if the reference is zero within its error.
+    pub percent: Option<Estimate>,
+    /// [-] probability that equal systems show a difference of at least this size, for this number alone. `None` without
+    /// a standard error.
+    pub chance: Option<f64>,
+    /// [-] smallest margin, as a share of the reference, with which the answer would be "equivalent". `None` if the
+    /// reference is zero within its error, or without a standard error.
+    pub reached: Option<f64>,
+    /// Answer for this number; `None` if there is none, for the reason in `remark`.
+    pub answer: Option<Answer>,
+    /// Remark on the answer, such as the reason why there is none; empty without a remark.
+    pub remark: &'static str,
+}
+
+impl ObservedDifference {
+    /// Answer as a word; "no answer" if there is none.
+    pub fn word(&self) -> &'static str {
+        self.answer.map_or("no answer", Answer::word)
+    }
 }
 
 /// Worst answer of several comparisons; "different" is worse than "unresolved". `None` without comparisons.

@@ -34,7 +34,7 @@ pub use check::{check, check_text};
 pub use compare::compare;
 pub use fluid::{ChannelSummary, FluidSummary, fluid, write_profile};
 pub use impact::impact;
-pub use judge::{Criteria, judge, judge_at};
+pub use judge::{Criteria, judge, judge_at, observed_differences};
 pub use judge_files::judge_files;
 pub use keys::{keys, markdown};
 pub use limits::limits;

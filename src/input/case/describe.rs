@@ -80,6 +80,7 @@ fn openings_in_words(text: &mut String, scene: &Scene) {
                 format!("behind the plane through ({}, {}, {}) m facing ({}, {}, {})", p.x, p.y, p.z, n.x, n.y, n.z)
             }
             OutletShape::Body(body) => format!("in a {}", body.in_words()),
+            OutletShape::Mesh(mesh) => format!("in a closed surface of {} triangles", mesh.triangles().1.len()),
         };
         let _ = writeln!(text, "Outlet \"{}\": particles leave {place}.", outlet.name);
     }

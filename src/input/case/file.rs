@@ -39,7 +39,7 @@ pub use observe::{
     ClustersFile, ContactNetworkFile, DiffusionFile, FieldsFile, FreeSurfaceFile, ObserveFile, PairDistributionFile,
     SeenGasFile, StructureFactorFile, VelocityDistributionFile, ViscosityFile,
 };
-pub use openings::{InletFile, OutletFile, OutletSideFile};
+pub use openings::{InletFile, OutletFile, OutletMeshFile, OutletSideFile};
 pub use region::{BlockRegionFile, CylinderRegionFile, RegionFile};
 pub use restitution::{RestitutionFile, RestitutionLawFile};
 pub use rotation::{HistoryFile, ImpactRuleFile, RollingFile, TangentialFile, TwistingFile};

@@ -43,6 +43,9 @@ fn matrix(study: &Study) -> Matrix {
     for name in quantities(verdicts.iter().copied()) {
         rows.push((symbol(name), verdicts.iter().map(|verdict| cell(verdict, name)).collect()));
     }
+    for name in observed_numbers(&verdicts) {
+        rows.push((format!("{name} [observe]"), verdicts.iter().map(|verdict| observed_cell(verdict, name)).collect()));
+    }
     let head =
         std::iter::once((String::new(), String::new())).chain(columns.into_iter().map(|(head, _)| head)).collect();
     turned(Matrix { head, rows })
@@ -72,6 +75,27 @@ fn turned(matrix: Matrix) -> Matrix {
 
 fn judged(verdict: &Verdict) -> &[Judged] {
     verdict.comparison.as_ref().map_or(&[], |comparison| &comparison.judged)
+}
+
+/// Symbols of the numbers that some variant measures and compares under `[observe]`, in order of first appearance.
+fn observed_numbers<'a>(verdicts: &[&'a Verdict]) -> Vec<&'a str> {
+    let mut names: Vec<&str> = Vec::new();
+    for one in verdicts.iter().flat_map(|verdict| &verdict.observed) {
+        if !names.contains(&one.symbol.as_str()) {
+            names.push(&one.symbol);
+        }
+    }
+    names
+}
+
+/// Cell with the answer for a measured number, and with the difference in % of the reference or the reason for no
+/// answer.
+fn observed_cell(verdict: &Verdict, symbol: &str) -> Cell {
+    let Some(one) = verdict.observed.iter().find(|one| one.symbol == symbol) else {
+        return Cell { answer: None, words: "not compared".into() };
+    };
+    let words = one.percent.map_or_else(|| one.remark.to_owned(), |percent| format!("{} %", with_error(percent)));
+    Cell { answer: one.answer, words }
 }
 
 /// Cell with the answer for one quantity, and with the difference on which it is based, in % of the scale of the

@@ -68,6 +68,7 @@ fn document<'a>(study: &Study<'a>) -> Result<Document<'a>, OutputError> {
         tables.push(("overlaps.csv".to_owned(), csv::overlaps(outcomes)?));
     }
     tables.extend(measurements::tables(outcomes)?);
+    tables.extend(verdict::observed_csv(study)?.map(|table| ("observed-differences.csv".to_owned(), table)));
     tables.extend(gas_flow::csv(outcomes)?.map(|table| ("gas.csv".to_owned(), table)));
     tables.extend(openings::csv(outcomes)?.map(|table| ("flow.csv".to_owned(), table)));
     tables.extend(over_time::paths(outcomes)?.map(|table| ("paths.csv".to_owned(), table)));

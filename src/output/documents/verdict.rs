@@ -1,10 +1,12 @@
 //! Part of a page with the answers of a comparison: which variants are equivalent or different, and by how much.
 
+use crate::output::OutputError;
+use crate::output::csv::{CsvTable, number};
 use crate::output::document::{Block, known};
 use crate::output::figures::symbol;
 use crate::output::numbers::{percent, quantity, significant, with_error};
-use crate::output::{Basis, Study, Verdict};
-use crate::statistics::{Deviation, Estimate, Judged};
+use crate::output::{Basis, ObservedDifference, Study, Verdict};
+use crate::statistics::{Answer, Deviation, Estimate, Judged};
 
 /// Answers for each compared pair of variants, with the numbers on which they are based; empty for a single run.
 pub fn blocks(study: &Study) -> Vec<Block> {
@@ -38,7 +40,60 @@ pub fn of_pair(verdict: &Verdict) -> Vec<Block> {
         );
         blocks.push(Block::table(&head, comparison.judged.iter().map(|one| (one.detected, row(one, place.1)))));
     }
+    if !verdict.observed.is_empty() {
+        let head = "measured under [observe] | answer | difference ± 1 SE | in % of the reference | chance | equivalent within | remark";
+        blocks.push(Block::table(head, verdict.observed.iter().map(observed_row)));
+        blocks.push(Block::note(
+            "Measured numbers have the same tests and the same margin, and a level of 1 % of their own. They are no part of the answer for all together.",
+        ));
+    }
     blocks
+}
+
+fn observed_row(one: &ObservedDifference) -> (bool, Vec<String>) {
+    let unit = if one.unit.is_empty() { String::new() } else { format!(" [{}]", one.unit) };
+    let cells = vec![
+        format!("{}{unit}", one.symbol),
+        one.word().to_owned(),
+        with_error(one.difference),
+        with_error(one.percent),
+        significant(one.chance, 2),
+        one.reached.map_or_else(String::new, |reached| percent(reached, 1.0)),
+        one.remark.to_owned(),
+    ];
+    (one.answer == Some(Answer::Different), cells)
+}
+
+/// Contents of `observed-differences.csv`: differences of measured numbers in the unit of each number and in per cent of
+/// the reference, with standard errors. `None` if no two variants were compared in any.
+///
+/// # Errors
+/// [`OutputError::Csv`] if a row cannot be encoded.
+pub(super) fn observed_csv(study: &Study) -> Result<Option<Vec<u8>>, OutputError> {
+    if study.comparisons.iter().all(|verdict| verdict.observed.is_empty()) {
+        return Ok(None);
+    }
+    let mut table = CsvTable::new();
+    table.head(
+        "variant,reference,measurement,quantity,unit,difference,difference_se,difference_percent,difference_percent_se,\
+         chance,equivalent_within,answer,remark",
+    )?;
+    for verdict in study.comparisons {
+        for one in &verdict.observed {
+            let names = [&verdict.variant, &verdict.reference, one.measurement, &one.quantity, one.unit];
+            let values = [
+                Some(one.difference.value),
+                one.difference.error,
+                one.percent.map(|percent| percent.value),
+                one.percent.and_then(|percent| percent.error),
+                one.chance,
+                one.reached,
+            ];
+            let words = [one.word(), one.remark].map(str::to_owned);
+            table.row(names.map(str::to_owned).into_iter().chain(values.map(number)).chain(words))?;
+        }
+    }
+    table.bytes().map(Some)
 }
 
 /// Table with one row per variant: its settings, its reference and its answer.

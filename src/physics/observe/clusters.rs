@@ -102,10 +102,10 @@ impl Measurement for ParticleClusters {
         let samples: Vec<&ClusterSample> = self.samples.iter().filter(is_used).collect();
         let mean =
             |of: &dyn Fn(&ClusterSample) -> f64| estimate(&samples.iter().map(|sample| of(sample)).collect::<Vec<_>>());
-        let number = |column: &str, symbol: &str, of: &dyn Fn(&ClusterSample) -> f64| ObservedNumber {
-            quantity: ObservedQuantity::new(column, symbol, ""),
-            value: mean(of),
-            theory: None,
+        let clock = [samples.first().map_or(from, |sample| sample.time), self.interval];
+        let number = |column: &str, symbol: &str, of: &dyn Fn(&ClusterSample) -> f64| {
+            let series: Vec<f64> = samples.iter().map(|sample| of(sample)).collect();
+            ObservedNumber::of_series(ObservedQuantity::new(column, symbol, ""), &series, clock, None)
         };
         let share = |k: usize| mean(&|sample| sample.by_size[k] as f64 / sample.particles as f64);
         Observation {

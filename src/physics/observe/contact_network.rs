@@ -168,11 +168,11 @@ impl NetworkSample {
 impl Measurement for ContactNetwork {
     fn result(&self, _experiment: &Experiment, from: f64) -> Observation {
         let samples: Vec<&NetworkSample> = self.samples.iter().filter(|sample| sample.time >= from).collect();
+        let clock = [samples.first().map_or(from, |sample| sample.time), self.interval];
         let number = |column: &str, symbol: &str, unit: &'static str, of: &dyn Fn(&NetworkSample) -> Option<f64>| {
             // samples without a contact have no force and no fabric
             let series: Vec<f64> = samples.iter().filter_map(|sample| of(sample)).collect();
-            let value = estimate(&series);
-            ObservedNumber { quantity: ObservedQuantity::new(column, symbol, unit), value, theory: None }
+            ObservedNumber::of_series(ObservedQuantity::new(column, symbol, unit), &series, clock, None)
         };
         let share = |k: usize| {
             let series = samples.iter().map(|sample| sample.by_contacts[k] as f64 / sample.count());

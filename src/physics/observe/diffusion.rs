@@ -174,6 +174,9 @@ impl Measurement for Diffusion {
         let (blocks, interval) = (self.complete(from), self.interval);
         let times: Vec<f64> = (0..=self.intervals).map(|k| k as f64 * interval).collect();
         let (longest, middle) = (self.intervals, self.intervals / 2);
+        // the value of a block is known at its end, where the next block begins
+        let length = longest as f64 * interval;
+        let clock = [blocks.first().map_or(from, |block| block.origin) + length, length];
         let over_blocks = |of: &dyn Fn(&MotionBlock) -> f64| -> Option<Estimate> {
             estimate(&blocks.iter().map(|block| of(block)).collect::<Vec<_>>())
         };
@@ -203,11 +206,12 @@ impl Measurement for Diffusion {
             };
             let temperature = over_blocks(&|block| block.samples[index][0].correlation);
             let exact = temperature.and_then(|found| theory(experiment, found.value)).map(|d| ("Enskog", d));
-            let mut number = |column: &str, symbol: &str, value: Option<Estimate>| {
-                numbers.push(ObservedNumber { quantity: quantity(column, symbol, "m²/s"), value, theory: exact });
+            let mut number = |column: &str, symbol: &str, of: &dyn Fn(&MotionBlock) -> f64| {
+                let series: Vec<f64> = blocks.iter().map(|block| of(block)).collect();
+                numbers.push(ObservedNumber::of_series(quantity(column, symbol, "m²/s"), &series, clock, exact));
             };
-            number("D_einstein_m2_s", "D by displacements", over_blocks(&einstein));
-            number("D_green_kubo_m2_s", "D by velocities", over_blocks(&green_kubo));
+            number("D_einstein_m2_s", "D by displacements", &einstein);
+            number("D_green_kubo_m2_s", "D by velocities", &green_kubo);
         }
         let remark = self.is_ambiguous.then_some(
             "Displacements are unknown: some particles move further than a quarter of a period between samples. \

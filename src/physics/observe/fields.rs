@@ -230,6 +230,7 @@ impl Measurement for Fields {
                 quantity: ObservedQuantity::new("mass_kg", "mass of all cells", "kg"),
                 value: (!all.is_empty()).then(|| Estimate::exact(mass)),
                 theory: exact,
+                batches: None,
             }],
             grid: (!fields.is_empty()).then(|| ObservedGrid {
                 cells: self.cells,

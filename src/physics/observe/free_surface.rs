@@ -224,21 +224,23 @@ impl Measurement for FreeSurface {
             sample.strongest > 0 && contrast.is_some_and(|mean| sample.contrast >= mean.value)
         };
         let visible: Vec<&SurfaceSample> = samples.iter().filter(is_visible).copied().collect();
-        let seen =
-            |of: &dyn Fn(&SurfaceSample) -> f64| estimate(&visible.iter().map(|sample| of(sample)).collect::<Vec<_>>());
         let longest = self.edges[0].max(self.edges[1]);
-        let number = |column: &str, symbol: &str, unit, value| ObservedNumber {
-            quantity: ObservedQuantity::new(column, symbol, unit),
-            value,
-            theory: None,
+        let number = |(column, symbol, unit): (&str, &str, &'static str),
+                      samples: &[&SurfaceSample],
+                      of: &dyn Fn(&SurfaceSample) -> f64| {
+            let series: Vec<f64> = samples.iter().map(|sample| of(sample)).collect();
+            let clock = [samples.first().map_or(from, |sample| sample.time), self.interval];
+            ObservedNumber::of_series(ObservedQuantity::new(column, symbol, unit), &series, clock, None)
         };
         let shells = self.columns[0].min(self.columns[1]) / 2;
         let mut numbers = vec![
-            number("contrast", "contrast of the surface", "m", contrast),
-            number("wavelength", "wavelength of the surface", "m", seen(&|sample| longest / sample.strongest as f64)),
+            number(("contrast", "contrast of the surface", "m"), &samples, &|sample| sample.contrast),
+            number(("wavelength", "wavelength of the surface", "m"), &visible, &|sample| {
+                longest / sample.strongest as f64
+            }),
         ];
         numbers.extend(ORDERS.iter().enumerate().map(|(k, m)| {
-            number(&format!("Q{m}"), &format!("symmetry Q_{m}"), "", seen(&|sample| sample.symmetry[k]))
+            number((&format!("Q{m}"), &format!("symmetry Q_{m}"), ""), &visible, &|sample| sample.symmetry[k])
         }));
         let spacing = [0, 1].map(|k| self.edges[k] / self.columns[k] as f64);
         Observation {

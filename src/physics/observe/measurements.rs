@@ -13,7 +13,7 @@ use super::velocity_distribution::VelocityDistribution;
 use super::viscosity::Viscosity;
 use crate::experiment::Experiment;
 use crate::schedule::Schedule;
-use crate::statistics::{Batches, Estimate};
+use crate::statistics::{Batches, Estimate, estimate};
 use nalgebra::Vector3;
 
 /// Quantity whose values a curve or a number of a measurement holds: its names and its unit.
@@ -56,6 +56,23 @@ pub struct ObservedNumber {
     pub value: Option<Estimate>,
     /// Name of a theory, and the value of the theory in the same unit; `None` without a theory.
     pub theory: Option<(&'static str, f64)>,
+    /// Values over blocks of time in the unit of the quantity, by which runs are compared. `None` if only `value` is
+    /// known; then its standard error counts as exact, so that differences are tested by the normal distribution.
+    pub batches: Option<Batches>,
+}
+
+impl ObservedNumber {
+    /// Creates a number that is the mean of `samples`, in the unit of the quantity and in the order of time. `clock` has
+    /// the time of the first sample and the interval between samples, both in s.
+    pub fn of_series(
+        quantity: ObservedQuantity,
+        samples: &[f64],
+        clock: [f64; 2],
+        theory: Option<(&'static str, f64)>,
+    ) -> Self {
+        let [from, interval] = clock;
+        Self { quantity, value: estimate(samples), theory, batches: Batches::of_series(samples, interval, from) }
+    }
 }
 
 /// Time averages on a grid of equal cells that fill the box.
@@ -114,6 +131,9 @@ impl Observation {
             }
             for (k, number) in result.numbers.iter_mut().enumerate() {
                 number.value = mean(&mut runs.iter().map(|run| run[place].numbers[k].value));
+                let parts: Option<Vec<&Batches>> =
+                    runs.iter().map(|run| run[place].numbers[k].batches.as_ref()).collect();
+                number.batches = parts.and_then(|parts| Batches::pool(&parts, by_runs));
             }
             result.remark = runs.iter().find_map(|run| run[place].remark);
         }

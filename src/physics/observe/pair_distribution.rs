@@ -122,15 +122,15 @@ impl PairDistribution {
 
     /// Pair distribution g [-] extrapolated to contact, where the centres have the distance `contact` [m]. `pair` is
     /// the index of the pair of species. `share` [m³] is the volume of the box divided by the number of pairs of this
-    /// kind.
-    fn at_contact(&self, samples: &[&PairSample], pair: usize, contact: f64, share: f64) -> Option<Estimate> {
+    /// kind. One value for each sample.
+    fn at_contact(&self, samples: &[&PairSample], pair: usize, contact: f64, share: f64) -> Option<Vec<f64>> {
         let weights = weights_at_contact()?;
         let edge = |k: usize| contact * (1.0 + k as f64 * NEAR_WIDTH);
         let per_count: Vec<f64> = (0..NEAR).map(|k| weights[k] * share / shell(edge(k), edge(k + 1))).collect();
         let value = |sample: &&PairSample| {
             sample.near[pair].iter().zip(&per_count).map(|(count, factor)| *count as f64 * factor).sum()
         };
-        estimate(&samples.iter().map(value).collect::<Vec<f64>>())
+        Some(samples.iter().map(value).collect())
     }
 }
 
@@ -152,6 +152,7 @@ impl Measurement for PairDistribution {
         let second = PI / 6.0 * squares.sum::<f64>() / volume;
         let width = self.reach / self.bins as f64;
         let (mut curves, mut numbers) = (Vec::new(), Vec::new());
+        let clock = [samples.first().map_or(from, |sample| sample.time), self.interval];
         let quantity = |kind: &str, symbol: &str, [a, b]: [usize; 2]| {
             let names = format!("{}-{}", species[a].name, species[b].name);
             if species.len() == 1 {
@@ -179,11 +180,10 @@ impl Measurement for PairDistribution {
             let exact = contact_value(species[a].diameter, species[b].diameter, fraction, second);
             let source =
                 if species.len() == 1 { "Carnahan and Starling 1969" } else { "Boublik 1970, Mansoori et al. 1971" };
-            numbers.push(ObservedNumber {
-                quantity: quantity("contact_value", "g at contact", [a, b]),
-                value: self.at_contact(&samples, pair, contact, share),
-                theory: (!scene.has_sizes()).then_some((source, exact)),
-            });
+            let series = self.at_contact(&samples, pair, contact, share).unwrap_or_default();
+            let quantity = quantity("contact_value", "g at contact", [a, b]);
+            let theory = (!scene.has_sizes()).then_some((source, exact));
+            numbers.push(ObservedNumber::of_series(quantity, &series, clock, theory));
         }
         Observation {
             name: "pair_distribution",

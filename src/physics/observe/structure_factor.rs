@@ -106,11 +106,12 @@ impl Measurement for StructureFactor {
             title: "Structure factor",
             axis: ObservedQuantity::new("k_1_m", "k", "1/m"),
             places: self.vectors.iter().map(mean).collect(),
-            numbers: vec![ObservedNumber {
-                quantity: ObservedQuantity::new("smallest_k", "S at the smallest k", ""),
-                value: values.first().copied().flatten(),
-                theory: fraction.map(|(_, fraction)| ("S(0), Carnahan and Starling 1969", compressibility(fraction))),
-            }],
+            numbers: vec![ObservedNumber::of_series(
+                ObservedQuantity::new("smallest_k", "S at the smallest k", ""),
+                &samples.iter().filter_map(|sample| sample.bins.first().copied()).collect::<Vec<_>>(),
+                [samples.first().map_or(from, |sample| sample.time), self.interval],
+                fraction.map(|(_, fraction)| ("S(0), Carnahan and Starling 1969", compressibility(fraction))),
+            )],
             curves: vec![ObservedCurve {
                 quantity: ObservedQuantity::new("S", "S(k)", ""),
                 values,

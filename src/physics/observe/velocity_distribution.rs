@@ -212,10 +212,11 @@ impl Measurement for VelocityDistribution {
                 is_logarithmic: true,
             }
         };
+        let clock = [samples.first().map_or(from, |sample| sample.time), self.interval];
         let number = |column: &str, symbol: &str, of: fn(Sonine) -> f64, theory: Option<(&'static str, f64)>| {
             let series: Option<Vec<f64>> = samples.iter().map(|sample| sample.sonine.map(of)).collect();
             let quantity = ObservedQuantity::new(column, symbol, "");
-            ObservedNumber { quantity, value: series.and_then(|series| estimate(&series)), theory }
+            ObservedNumber::of_series(quantity, &series.unwrap_or_default(), clock, theory)
         };
         Observation {
             name: "velocity_distribution",

@@ -71,24 +71,29 @@ impl Viscosity {
         let per_stress = -1.0 / (experiment.scene.domain.volume() * rate);
         let kinetic = |pair: &[ViscositySample]| 0.5 * (shear(&pair[0].kinetic) + shear(&pair[1].kinetic));
         let contact = |pair: &[ViscositySample]| (shear(&pair[1].contact) - shear(&pair[0].contact)) / self.interval;
-        let mean = |of: &dyn Fn(&[ViscositySample]) -> f64| {
-            estimate(&samples.windows(2).map(|pair| per_stress * of(pair)).collect::<Vec<_>>())
+        let series = |of: &dyn Fn(&[ViscositySample]) -> f64| -> Vec<f64> {
+            samples.windows(2).map(|pair| per_stress * of(pair)).collect()
+        };
+        // the value of an interval is known at its end
+        let clock = [samples.first().map_or(0.0, |sample| sample.time) + self.interval, self.interval];
+        let number = |column: &str, symbol: &str, series: &[f64], theory| {
+            ObservedNumber::of_series(ObservedQuantity::new(column, symbol, "Pa s"), series, clock, theory)
         };
         let exact = temperature(experiment, samples).and_then(|found| theory(experiment, found));
         vec![
-            number("viscosity_Pa_s", "viscosity", mean(&|pair| kinetic(pair) + contact(pair)), exact),
-            number("kinetic_viscosity_Pa_s", "kinetic part of the viscosity", mean(&kinetic), None),
+            number("viscosity_Pa_s", "viscosity", &series(&|pair| kinetic(pair) + contact(pair)), exact),
+            number("kinetic_viscosity_Pa_s", "kinetic part of the viscosity", &series(&kinetic), None),
         ]
     }
 
-    /// Viscosity at the times of the curve, and the mean over the second half of these times, in a gas in equilibrium.
-    /// `longest` is the number of intervals between samples in the longest time.
+    /// Viscosity at the times of the curve in a gas in equilibrium, and the viscosity by the second half of these times
+    /// for each origin. `longest` is the number of intervals between samples in the longest time.
     fn at_rest(
         &self,
         experiment: &Experiment,
         samples: &[ViscositySample],
         longest: usize,
-    ) -> (Vec<f64>, Vec<Option<Estimate>>, Option<Estimate>) {
+    ) -> (Vec<f64>, Vec<Option<Estimate>>, Vec<f64>) {
         let moments = self.moments(samples);
         let thermal_energy = thermal_energy(experiment, samples);
         let per_square = 0.5 / (experiment.scene.domain.volume() * thermal_energy * self.interval);
@@ -97,12 +102,12 @@ impl Viscosity {
             let since = |origin: usize, count: usize| square(&moments[origin], &moments[origin + count]);
             let origins = 0..moments.len().saturating_sub(late);
             let each = origins.map(|origin| since(origin, late) - since(origin, early));
-            estimate(&each.map(|growth| growth * per_square / (late - early) as f64).collect::<Vec<_>>())
+            each.map(|growth| growth * per_square / (late - early) as f64).collect::<Vec<f64>>()
         };
         let stride = longest.div_ceil(MOST_TIMES);
         let ends = (0..longest / stride).map(|k| [k * stride, (k + 1) * stride]);
         let times = ends.clone().map(|[early, late]| 0.5 * (early + late) as f64 * self.interval).collect();
-        (times, ends.map(growth).collect(), growth([longest / 2, longest]))
+        (times, ends.map(|ends| estimate(&growth(ends))).collect(), growth([longest / 2, longest]))
     }
 
     /// [J s] five shear components of G at each sample, from the first of `samples` on.
@@ -178,10 +183,6 @@ fn theory(experiment: &Experiment, temperature: f64) -> Option<(&'static str, f6
     Some((name, density * species.mass() * temperature / frequency * transport.viscosity))
 }
 
-fn number(column: &str, symbol: &str, value: Option<Estimate>, theory: Option<(&'static str, f64)>) -> ObservedNumber {
-    ObservedNumber { quantity: ObservedQuantity::new(column, symbol, "Pa s"), value, theory }
-}
-
 impl Measurement for Viscosity {
     fn result(&self, experiment: &Experiment, from: f64) -> Observation {
         let samples = self.used(from);
@@ -199,7 +200,11 @@ impl Measurement for Viscosity {
             );
         } else if let Some(longest) = self.longest {
             let exact = temperature(experiment, samples).and_then(|found| theory(experiment, found));
-            let (times, values, mean) = self.at_rest(experiment, samples, longest);
+            let (times, values, series) = self.at_rest(experiment, samples, longest);
+            // the value of an origin is known after the longest time
+            let known = samples.first().map_or(from, |sample| sample.time) + longest as f64 * self.interval;
+            let quantity = ObservedQuantity::new("viscosity_Pa_s", "viscosity", "Pa s");
+            result.numbers = vec![ObservedNumber::of_series(quantity, &series, [known, self.interval], exact)];
             result.curves = vec![ObservedCurve {
                 quantity: ObservedQuantity::new("viscosity_Pa_s", "viscosity by stresses up to t", "Pa s"),
                 values,
@@ -207,7 +212,6 @@ impl Measurement for Viscosity {
                 is_logarithmic: false,
             }];
             result.places = times;
-            result.numbers = vec![number("viscosity_Pa_s", "viscosity", mean, exact)];
             result.remark = Self::is_coarse(samples).then_some(
                 "The kinetic stress changes much between two samples, so that its integral is wrong by more than 1 %. \
                  Give a shorter statistics.sample_interval.",

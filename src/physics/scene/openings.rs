@@ -1,13 +1,14 @@
 //! Inlets and outlets: where particles come into a scene and where they leave it.
 
 use super::Scene;
-use crate::walls::{Geometry, Hollow, Plane};
+use crate::walls::{Geometry, Hollow, Mesh, Plane};
 use nalgebra::Vector3;
 use serde::Serialize;
+use std::sync::Arc;
 
 /// Part of space in which particles leave the scene. A particle leaves at the end of the first window (time between two
 /// exchanges with the gas) at which its centre is in this part.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Outlet {
     /// Name of the outlet in results.
     pub name: String,
@@ -16,13 +17,15 @@ pub struct Outlet {
 }
 
 /// Shape of an outlet.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum OutletShape {
     /// The half-space behind a plane, whose normal points to the particles that stay. A side of the box is such a plane.
     Behind(Plane),
     /// The interior of a hollow body.
     Body(Hollow),
+    /// The interior of a closed surface of triangles, without its cavities. An open surface has no interior.
+    Mesh(Arc<Mesh>),
 }
 
 impl Outlet {
@@ -32,6 +35,7 @@ impl Outlet {
         match &self.shape {
             OutletShape::Behind(plane) => plane.nearest(position).distance < 0.0,
             OutletShape::Body(body) => body.encloses(position),
+            OutletShape::Mesh(mesh) => mesh.interior_contains(position),
         }
     }
 }

@@ -71,6 +71,12 @@ impl Estimate {
         Self { value: self.value - other.value, error }
     }
 
+    /// True if the value is at most two standard errors from 0, so that it is no scale for differences. False if the
+    /// error is unknown.
+    pub fn is_zero_within_error(self) -> bool {
+        self.error.is_some_and(|error| self.value.abs() <= 2.0 * error)
+    }
+
     /// [-] value divided by its standard error; `None` if the error is unknown or 0.
     pub fn in_errors(self) -> Option<f64> {
         self.error.filter(|error| *error > 0.0).map(|error| self.value / error)

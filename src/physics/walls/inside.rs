@@ -1,6 +1,7 @@
-//! Tests whether a point is inside an open wall: a round shell that is open at its ends, or a sheet of triangles.
+//! Tests whether a point is inside an open wall (a round shell that is open at its ends, or a sheet of triangles), or inside
+//! a closed surface of triangles.
 
-use super::{Frustum, Mesh};
+use super::{Frustum, Geometry, Mesh, Sides};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
@@ -33,5 +34,19 @@ impl Mesh {
             })
             .sum();
         covered.abs() > 2.0 * PI
+    }
+
+    /// True if `point` [m] is inside a closed surface and not in a cavity of it; an open surface has no inside. The box
+    /// around the surface is tested first. Then the side of the nearest triangle decides, which takes a number of steps
+    /// that grows like the logarithm of the number of triangles.
+    pub fn interior_contains(&self, point: &Vector3<f64>) -> bool {
+        let [low, high] = self.bounds();
+        let is_near = (0..3).all(|axis| (low[axis]..=high[axis]).contains(&point[axis]));
+        is_near
+            && match self.sides() {
+                Sides::Outside => self.nearest(point).distance < 0.0,
+                Sides::Inside => self.nearest(point).distance > 0.0,
+                Sides::Both => false,
+            }
     }
 }

@@ -6,11 +6,13 @@
 
 mod averages;
 mod curves;
+mod observed;
 mod paths;
 mod shifts;
 mod table;
 mod words;
 
+pub use observed::observed_differences;
 pub use shifts::{ShiftReference, Shifts, widened};
 pub use words::{answer as answer_in_words, in_prose, margin as margin_in_words, not_steady, pair};
 
@@ -87,7 +89,12 @@ fn one(runs: &[ReplicaRuns; 2], asked: Criteria) -> Verdict {
     let [variant, reference] = [runs[0].outcome, runs[1].outcome];
     let found = stopped(&[variant, reference], found(runs, asked));
     let names = [&variant.experiment.name, &reference.experiment.name];
+    let observed = match found.basis {
+        Basis::Averages => observed::judge([variant, reference], asked),
+        Basis::Curves | Basis::Paths | Basis::Nothing => Vec::new(),
+    };
     let mut further = Vec::new();
+    further.extend(observed::sentence(names, &observed));
     further.extend([variant, reference].into_iter().filter_map(how_it_stopped));
     further.extend(soft_rate(variant, reference));
     further.extend(costs(variant, reference));
@@ -100,6 +107,7 @@ fn one(runs: &[ReplicaRuns; 2], asked: Criteria) -> Verdict {
         reason: found.reason,
         margin: asked.margin,
         comparison: found.comparison,
+        observed,
         further,
     }
 }

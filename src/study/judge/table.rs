@@ -22,6 +22,7 @@ pub fn judge(outcome: &Outcome, asked: Criteria) -> Option<Verdict> {
         reason: found.reason,
         margin: asked.margin,
         comparison: found.comparison,
+        observed: Vec::new(),
         further: how_it_stopped(outcome).into_iter().collect(),
     })
 }

@@ -132,6 +132,7 @@ fn verdict(group: &[&MeasuredQuantity], names: &[String; 2], share: f64) -> Verd
         reason: reason.into(),
         margin,
         comparison,
+        observed: Vec::new(),
         further: Vec::new(),
     }
 }
@@ -154,9 +155,8 @@ fn remarks(measured: &[MeasuredQuantity], sides: &[JudgeSide; 2]) -> Vec<String>
     }
     for one in measured {
         let [_, reference] = &one.summary.sides;
-        let near_zero = |mean: &Estimate| mean.error.is_some_and(|error| mean.value.abs() < 2.0 * error);
         let unscaled = one.observables.as_ref().is_some_and(|both| both[1].scale_is == "its value");
-        if unscaled && reference.mean.as_ref().is_some_and(near_zero) {
+        if unscaled && reference.mean.is_some_and(Estimate::is_zero_within_error) {
             remarks.push(format!("{}: the reference is zero within its error, so that its value is no scale; give `scale` in --settings.", one.summary.name));
         }
         if !one.remark.is_empty() {

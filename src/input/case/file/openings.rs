@@ -1,8 +1,8 @@
 //! Tables of inlets and outlets.
 
-use super::{BlockRegionFile, CylinderRegionFile, PlaneFile};
+use super::{BlockRegionFile, CylinderRegionFile, PlaneFile, Three};
 use crate::case::de::Located;
-use crate::case::quantity::{MassRate, Spin, Time};
+use crate::case::quantity::{Length, MassRate, Ratio, Spin, Time};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -39,7 +39,7 @@ pub struct OutletFile {
     pub name: Option<Located<String>>,
     /// Outlet behind a side of the box, which particles cross. The box must not be periodic along the axis of this
     /// side.
-    #[schemars(example = &"-y", extend("x-one-of" = "shape", "x-required" = "or `plane`, `box`, `cylinder`"))]
+    #[schemars(example = &"-y", extend("x-one-of" = "shape", "x-required" = "or `plane`, `box`, `cylinder`, `mesh`"))]
     pub side: Option<Located<OutletSideFile>>,
     /// Outlet behind a plane, whose normal points to the particles that stay.
     #[schemars(extend("x-one-of" = "shape"))]
@@ -53,6 +53,35 @@ pub struct OutletFile {
     /// not leave.
     #[schemars(extend("x-one-of" = "shape"))]
     pub cylinder: Option<Located<CylinderRegionFile>>,
+    /// Outlet inside a closed surface of triangles from a file. Particles in cavities of the surface, and those that fly
+    /// through it within one window, do not leave.
+    #[schemars(extend("x-one-of" = "shape"))]
+    pub mesh: Option<Located<OutletMeshFile>>,
+}
+
+/// Closed surface of triangles from a file, in which particles leave. It must not reach beyond periodic sides of the box.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OutletMeshFile {
+    /// Name of an STL or OBJ file, relative to the folder of the file that contains this key. The file must be in that
+    /// folder or below.
+    #[schemars(example = &"catcher.stl", extend("x-required" = "always"))]
+    pub file: Option<Located<String>>,
+    /// Length of one unit of the file, which STL and OBJ files do not state.
+    #[schemars(example = &"1 mm", extend("x-required" = "always", "x-range" = "greater than 0 m"))]
+    pub unit: Option<Located<Length>>,
+    /// Factor by which all lengths of the file are multiplied, in addition to `unit`.
+    #[schemars(example = 0.5, extend("default" = 1, "x-range" = "greater than 0"))]
+    pub scale: Option<Located<Ratio>>,
+    /// Position, in the box, of the origin of the coordinates in the file.
+    #[schemars(extend("examples" = [["10 mm", "0 mm", "10 mm"]], "default" = [0, 0, 0]))]
+    pub position: Option<Three<Length>>,
+    /// Axis of the rotation, through the origin of the file: a vector of any length.
+    #[schemars(extend("examples" = [[1, 0, 0]], "default" = [0, 0, 1]))]
+    pub axis: Option<Three<Ratio>>,
+    /// Angle of the rotation, counter-clockwise if the axis points towards the viewer.
+    #[schemars(example = &"90 deg", extend("default" = 0))]
+    pub angle: Option<Located<Ratio>>,
 }
 
 /// Table `[[inlets]]`: a place where particles come in, at random positions without overlap. Their sizes, velocities

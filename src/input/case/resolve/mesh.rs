@@ -42,6 +42,43 @@ impl Resolver {
         Ok(made)
     }
 
+    /// Makes the closed surface that the `mesh` table of an outlet describes.
+    ///
+    /// # Errors
+    /// A file that cannot be read, a surface without an inside, or one that reaches beyond a periodic side of the box.
+    pub(super) fn closed_mesh(&mut self, mesh: &Located<MeshFile>, domain: &Domain) -> Result<Mesh, Diagnostic> {
+        let name = self.need(&mesh.value.file, "mesh.file")?;
+        let scale = self.scale(mesh)?;
+        let TriangleFile { heap, welded, notes } = self.triangles(name)?;
+        let heap = self.in_place(mesh, scale, heap)?;
+        let (made, findings) = Mesh::new(&name.value, &heap, Some(Sides::Outside)).map_err(|why| {
+            let help = "close it in the program that made it, or use `plane`, `box` or `cylinder`";
+            self.refuse(name, format!("makes no outlet: {why}")).help(help)
+        })?;
+        let crossing = findings.nested.crossing;
+        if crossing > 0 {
+            let why = format!("makes no outlet: it has closed parts that are partly within others ({crossing})");
+            return Err(self.refuse(name, why).help("write one outlet for each of them, or unite them"));
+        }
+        self.warn_of_file(name, welded, notes);
+        self.check_extent(mesh, &made, domain)?;
+        let [low, high] = made.bounds();
+        let beyond = |axis: &usize| domain.periodic[*axis] && (low[*axis] < 0.0 || high[*axis] > domain.size[*axis]);
+        if let Some(axis) = (0..3).find(beyond) {
+            let place = mesh.value.position.as_ref().map_or(&mesh.origin, |position| &position.origin);
+            let message = format!(
+                "`{}` reaches beyond a periodic side: {} = {:.4e} ..= {:.4e} m; allowed: 0 ..= {:.4e} m, the domain",
+                mesh.path,
+                ["x", "y", "z"][axis],
+                low[axis],
+                high[axis],
+                domain.size[axis]
+            );
+            return Err(self.sources.error(place, message).help("cut it there: write one outlet on each side"));
+        }
+        Ok(made)
+    }
+
     /// Continues a surface of triangles beyond those periodic sides of the box that it crosses, by copies of its
     /// triangles.
     fn through_the_sides(
@@ -203,15 +240,8 @@ impl Resolver {
         }
     }
 
-    /// Checks that a mesh is within the domain, of about the size of the domain, and not too near its own periodic
-    /// images.
-    fn check_bounds(
-        &self,
-        mesh: &Located<MeshFile>,
-        made: &Mesh,
-        domain: &Domain,
-        largest: f64,
-    ) -> Result<(), Diagnostic> {
+    /// Checks that a mesh is of about the size of the domain, and not wholly outside.
+    fn check_extent(&self, mesh: &Located<MeshFile>, made: &Mesh, domain: &Domain) -> Result<(), Diagnostic> {
         let [low, high] = made.bounds();
         let unit = self.need(&mesh.value.unit, "mesh.unit")?;
         let (longest, edge) = ((high - low).max(), domain.size.max());
@@ -235,6 +265,24 @@ impl Resolver {
                 );
                 return Err(self.sources.error(place, message).help("see `position`, `unit` and `domain.size`"));
             }
+        }
+        Ok(())
+    }
+
+    /// Checks that a mesh is within the domain, of about the size of the domain, and not too near its own periodic
+    /// images.
+    fn check_bounds(
+        &self,
+        mesh: &Located<MeshFile>,
+        made: &Mesh,
+        domain: &Domain,
+        largest: f64,
+    ) -> Result<(), Diagnostic> {
+        self.check_extent(mesh, made, domain)?;
+        let [low, high] = made.bounds();
+        let place = mesh.value.position.as_ref().map_or(&mesh.origin, |position| &position.origin);
+        for axis in 0..3 {
+            let (name, size) = (["x", "y", "z"][axis], domain.size[axis]);
             if made.spans()[axis] {
                 continue;
             }

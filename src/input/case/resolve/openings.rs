@@ -4,7 +4,8 @@ use super::Resolver;
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{
-    BlockRegionFile, CaseFile, CylinderRegionFile, InletFile, ObserveFile, OutletFile, OutletSideFile,
+    BlockRegionFile, CaseFile, CylinderRegionFile, InletFile, MeshFile, ObserveFile, OutletFile, OutletMeshFile,
+    OutletSideFile,
 };
 use crate::case::source::Origin;
 use crate::domain::Domain;
@@ -13,13 +14,14 @@ use crate::placement::FreeRoom;
 use crate::scene::{Inlet, Outlet, OutletShape, Scene, Species, StartRegion};
 use crate::walls::{Hollow, Plane};
 use nalgebra::Vector3;
+use std::sync::Arc;
 
 impl Resolver {
     /// Outlets of a case (places where particles leave), in the order of the case.
     ///
     /// # Errors
-    /// A shape that is out of range, or a box whose images slide.
-    pub(super) fn outlets(&self, file: &CaseFile, scene: &Scene) -> Result<Vec<Outlet>, Diagnostic> {
+    /// A shape that is out of range, a surface that is not closed, or a box whose images slide.
+    pub(super) fn outlets(&mut self, file: &CaseFile, scene: &Scene) -> Result<Vec<Outlet>, Diagnostic> {
         let mut outlets = Vec::new();
         for (number, typed) in file.outlets.iter().flatten().enumerate() {
             self.refuse_sheared(typed, scene)?;
@@ -30,13 +32,19 @@ impl Resolver {
         Ok(outlets)
     }
 
-    fn outlet_shape(&self, typed: &OutletFile, scene: &Scene) -> Result<OutletShape, Diagnostic> {
-        let OutletFile { side, plane, block, cylinder, .. } = typed;
+    fn outlet_shape(&mut self, typed: &OutletFile, scene: &Scene) -> Result<OutletShape, Diagnostic> {
+        let OutletFile { side, plane, block, cylinder, mesh, .. } = typed;
         if let Some(side) = side {
             return Ok(OutletShape::Behind(self.side(side, &scene.domain)?));
         }
         if let Some(plane) = plane {
             return Ok(OutletShape::Behind(self.plane(plane, &scene.domain)?));
+        }
+        if let Some(Located { value, origin, path }) = mesh {
+            let OutletMeshFile { file, unit, scale, position, axis, angle } = value.clone();
+            let value = MeshFile { file, unit, scale, position, axis, angle, inside: None };
+            let mesh = Located { value, origin: origin.clone(), path: path.clone() };
+            return Ok(OutletShape::Mesh(Arc::new(self.closed_mesh(&mesh, &scene.domain)?)));
         }
         Ok(OutletShape::Body(self.opening_body((block, cylinder), scene, "outlets.side")?))
     }

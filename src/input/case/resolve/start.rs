@@ -196,7 +196,7 @@ impl Resolver {
         let lets_out = |axis: usize, sign: f64| {
             let behind = |outlet: &Outlet| match &outlet.shape {
                 OutletShape::Behind(plane) => sign * plane.normal[axis] > 0.1,
-                OutletShape::Body(_) => false,
+                OutletShape::Body(_) | OutletShape::Mesh(_) => false,
             };
             scene.outlets.iter().any(behind)
         };
