@@ -266,6 +266,18 @@ fn the_ends_of_every_slider_can_be_run() {
     }
 }
 
+/// Windows and samples follow the slider, so that the steps are nearly as long as it says.
+#[test]
+fn stepped_spheres_run_at_the_theta_of_the_slider() {
+    for theta in [0.03, 0.3, 1.0] {
+        let settings = [("theta".to_owned(), ParameterValue::Number(theta))].into();
+        let choice = SceneChoice { scene: "stepped".into(), settings, ..SceneChoice::default() };
+        let method = SceneState::open(&choice).unwrap().opened().sides[0].method.clone();
+        let real: f64 = method.split("θ = ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+        assert!((0.85 * theta..=theta).contains(&real), "{theta}: {method}");
+    }
+}
+
 #[test]
 fn what_is_beyond_the_limits_is_refused_and_the_scene_goes_on() {
     let lab = served();

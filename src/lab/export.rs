@@ -35,8 +35,9 @@ const ROWS: usize = 20;
 /// Wall time that a panel may take for one frame, which no scene needs.
 const LONGEST: Duration = Duration::from_secs(86_400);
 
-/// Digits of the measured numbers in a file; a picture has some hundred pixels.
-const DIGITS: usize = 5;
+/// Digits of the measured numbers in a file. A picture has some hundred pixels, but a curve may change by a small part of
+/// its values, such as the height of a heap.
+const DIGITS: usize = 8;
 
 /// Largest unsigned 16-bit number [-]. Recorded fractions from 0 to 1 are multiplied by it.
 const FULL: f32 = u16::MAX as f32;

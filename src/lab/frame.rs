@@ -34,7 +34,7 @@ pub struct Live {
     pub kinetic: f64,
     /// [J] elastic energy that is stored in contacts.
     pub elastic: f64,
-    /// [J] energy that the particles have lost in impacts since the start.
+    /// [J] energy that the particles have lost in impacts, lasting contacts and friction since the start.
     pub dissipated: f64,
     /// [J] energy that the particles have gained since the start other than by impacts, such as by gravity, drag and
     /// moving walls.
@@ -44,6 +44,8 @@ pub struct Live {
     /// [J] residual of the energy balance: change of the energy since the start, minus the work, plus the recorded
     /// losses.
     pub residual: f64,
+    /// [J] energy that all particles together gain in a fall by one diameter each; 0 without gravity.
+    pub fall: f64,
     /// Number of impacts between particles that have ended.
     pub pairs: u64,
     /// Number of impacts of particles on walls that have ended.
@@ -54,7 +56,8 @@ pub struct Live {
     pub overlap: Option<f64>,
     /// [s] mean duration of the impacts of pairs and at walls; `None` without an impact.
     pub duration: Option<f64>,
-    /// [s/s] wall time that the engine needs, divided by the simulated time; `None` at the start.
+    /// [s/s] wall time that the engine needs, divided by the simulated time; `None` at the start, and in scenes of a
+    /// few impacts, whose wall times are noise.
     pub cost: Option<f64>,
     /// Number of time steps of the engine since the start.
     pub steps: u64,
@@ -76,13 +79,16 @@ impl Live {
         let summaries = [record.pairs.summary(), record.walls.summary()];
         let largest = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).max_by(f64::total_cmp);
         let count = record.pairs.count + record.walls.count;
+        let particles = &simulation.particles;
+        let falls = particles.mass.iter().zip(&particles.radius).map(|(mass, radius)| mass * 2.0 * radius);
         Self {
-            kinetic: simulation.particles.kinetic_energy() + simulation.particles.rotational_energies().value(),
+            kinetic: particles.kinetic_energy() + particles.rotational_energies().value(),
             elastic: simulation.elastic_energy(),
             dissipated: ledger.dissipated(),
             work: ledger.work(),
             at_start,
             residual: ledger.residual(at_start, simulation.energy()),
+            fall: falls.sum::<f64>() * simulation.scene().gravity.norm(),
             pairs: record.pairs.count,
             walls: record.walls.count,
             restitution: (squares > 0.0).then(|| (rebound / squares).sqrt()),
@@ -122,8 +128,8 @@ pub struct PanelComparison {
     /// [s] simulated time at which averaging begins.
     pub from: f64,
     /// Profiles of the left and the right panel over the height. Each slice has the height y [mm], the streamwise
-    /// velocity and its standard error [m/s], and the granular temperature [m²/s²].
-    pub profiles: [Vec<[Option<f64>; 4]>; 2],
+    /// velocity and its standard error [m/s], and the granular temperature and its standard error [m²/s²].
+    pub profiles: [Vec<[Option<f64>; 5]>; 2],
 }
 
 /// Part of a frame that is sent as JSON.

@@ -57,6 +57,8 @@ pub struct Graph {
     pub logarithmic: bool,
     /// Ends of the horizontal axis, in its unit; `None` for the whole run.
     pub window: Option<[f64; 2]>,
+    /// True if negative overlaps, which are gaps, are drawn only down to a small part of the largest overlap.
+    pub short_gaps: bool,
     /// Name and points of a theoretical curve; `None` if there is no theory.
     pub theory: Option<(&'static str, Vec<[f64; 2]>)>,
 }
@@ -64,7 +66,7 @@ pub struct Graph {
 impl Graph {
     /// Creates a graph on linear axes, without theory.
     pub fn new(title: &'static str, x: (usize, &'static str), y: &'static str, columns: Vec<usize>) -> Self {
-        Self { title, x, y, columns, logarithmic: false, window: None, theory: None }
+        Self { title, x, y, columns, logarithmic: false, window: None, short_gaps: false, theory: None }
     }
 
     fn with(self, name: &'static str, points: Option<Vec<[f64; 2]>>) -> Self {
@@ -85,10 +87,14 @@ impl Gauge {
     pub fn graphs(self, experiment: &Experiment, start: &Particles) -> Vec<Graph> {
         const MICRO: (usize, &str) = (0, "time [µs]");
         const MILLI: (usize, &str) = (0, "time [ms]");
+        const SECONDS: (usize, &str) = (0, "time [s]");
         match self {
             Self::Impact => vec![
-                Graph::new("Overlap over time", MICRO, "overlap δ [µm]", vec![1]),
-                Graph::new("Force over overlap: the loop", (1, "overlap δ [µm]"), "force [mN]", vec![5]),
+                Graph { short_gaps: true, ..Graph::new("Overlap over time", MICRO, "overlap δ [µm]", vec![1]) },
+                Graph {
+                    short_gaps: true,
+                    ..Graph::new("Force over overlap: the loop", (1, "overlap δ [µm]"), "force [mN]", vec![5])
+                },
                 Graph::new("Relative velocity over time", MICRO, "normal velocity [m/s]", vec![2]),
             ],
             Self::Speeds => {
@@ -123,8 +129,8 @@ impl Gauge {
                 }]
             }
             Self::Channel => vec![
-                Graph::new("Mean velocity of the particles", MILLI, "velocity [m/s]", vec![1]),
-                Graph::new("Granular temperature", MILLI, "T [m²/s²]", vec![2]),
+                Graph::new("Mean velocity of the particles", SECONDS, "velocity [m/s]", vec![1]),
+                Graph::new("Granular temperature", SECONDS, "T [m²/s²]", vec![2]),
             ],
             Self::Column => {
                 let mut overlap = Graph::new("Deepest overlap", MILLI, "overlap/diameter [%]", vec![1]);
@@ -146,7 +152,7 @@ impl Gauge {
             ],
             Self::Missed => vec![
                 Graph::new("Collisions suffered by a sphere", MILLI, "collisions", vec![1]),
-                Graph::new("Collisions that were missed", MILLI, "share [%]", vec![2]),
+                Graph::new("Collisions that were missed, of all that should have been", MILLI, "share [%]", vec![2]),
             ],
         }
     }
@@ -154,6 +160,11 @@ impl Gauge {
     /// True if an impact has a restitution of its own. A sphere that presses on several others at once has none.
     pub fn has_lone_impacts(self) -> bool {
         !matches!(self, Self::Speeds | Self::Column | Self::Heap)
+    }
+
+    /// True if a run is long enough to compare the costs of the models. The wall time of a single impact is noise.
+    pub fn tells_cost(self) -> bool {
+        !matches!(self, Self::Impact | Self::Speeds | Self::Spin)
     }
 
     /// Quantities of this set at one instant: a row with one value for each column of the graphs, in the unit of the
@@ -177,7 +188,7 @@ impl Gauge {
             Self::Energy | Self::Explosion => vec![1e3 * time, simulation.energy() / at_start],
             Self::Channel => {
                 let mean = particles.velocity.iter().map(|v| v.z).sum::<f64>() / particles.len().max(1) as f64;
-                vec![1e3 * time, mean, temperature(particles)]
+                vec![time, mean, temperature(particles)]
             }
             Self::Column => {
                 let deepest = simulation.overlaps().into_iter().fold(0.0, f64::max);

@@ -114,7 +114,7 @@ impl LabParameter {
             Self::Count => ("number of particles", ""),
             Self::Row => ("number of spheres", ""),
             Self::Approach => ("speed of each sphere", "m/s"),
-            Self::Theta => ("step over diameter θ", ""),
+            Self::Theta => ("step over diameter θ, at most", ""),
             Self::Clearance => ("clearance θ", "contact times"),
             Self::Seed => ("seed", ""),
         }
@@ -128,7 +128,9 @@ impl LabParameter {
             Self::Stiffness => {
                 "Of the soft contact: stiffer contacts are shorter and less deep, and need shorter steps."
             }
-            Self::StepsPerContact => "Into how many time steps a soft contact is cut.",
+            Self::StepsPerContact => {
+                "Into how many time steps a soft contact is cut. More steps: a truer impact, in proportion more work. Take ten or more."
+            }
             Self::Integrator => "How a soft time step is made.",
             Self::Window => {
                 "Drag acts at both ends of a window. A whole number of windows fits between two samples, so they may be shorter than asked."
@@ -136,7 +138,9 @@ impl LabParameter {
             Self::Count => "The box grows with it, so that it stays as full.",
             Self::Row => "How many spheres stand in the row.",
             Self::Approach => "Both come at this speed, so that they meet at twice of it.",
-            Self::Theta => "How far a typical sphere flies in one step of stepped hard spheres.",
+            Self::Theta => {
+                "How far a typical pair comes in one step of stepped hard spheres, over the diameter. A step is shortened to fit the run; the panel states its θ."
+            }
             Self::Clearance => {
                 "A touch of hybrid spheres is an instant if no other particle can come within so many contact times."
             }
@@ -300,12 +304,15 @@ fn approach(experiment: &Experiment, speed: f64) -> Vec<String> {
     (0..placed.len()).flat_map(|k| (0..3).filter_map(move |axis| moving(k, axis))).collect()
 }
 
-/// Arguments of the form `key=value` that set the step criterion θ of hard spheres in time steps, and the window in
-/// proportion to it. A step cannot be longer than a window, so in these scenes a window is one step.
+/// Arguments of the form `key=value` that set the step criterion θ of hard spheres in time steps, and the window and the
+/// time between samples in proportion to it. A step cannot be longer than a window, and a window not longer than the
+/// time between samples. So in these scenes all three are equal.
 fn theta(experiment: &Experiment, theta: f64) -> Vec<String> {
     let mut sets = vec![format!("hard.theta={theta}")];
-    if let (Some(window), HardStepping::Steps { theta: before }) = (experiment.run.window, experiment.hard.stepping) {
-        sets.push(format!("run.window={} us", rounded(1e6 * window * theta / before)));
+    if let HardStepping::Steps { theta: before } = experiment.hard.stepping {
+        let scaled = |key: &str, time: f64| format!("{key}={} us", rounded(1e6 * time * theta / before));
+        sets.extend(experiment.run.window.map(|time| scaled("run.window", time)));
+        sets.extend(experiment.statistics.sample_interval.map(|time| scaled("statistics.sample_interval", time)));
     }
     sets
 }

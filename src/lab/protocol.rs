@@ -112,7 +112,7 @@ pub struct Opened {
     pub scene: &'static str,
     /// Heading of the scene.
     pub title: &'static str,
-    /// Description of the scene in three sentences.
+    /// Description of the scene in three parts of a sentence or two.
     pub sentences: [&'static str; 3],
     /// Equation that describes the scene, as text for the page.
     pub equation: &'static str,

@@ -5,7 +5,7 @@ use super::panel::LabPanel;
 use super::scene_state::SceneState;
 use crate::clock::Clock;
 use crate::outcome::Outcome;
-use crate::statistics::{U, UU, VV, WW};
+use crate::statistics::{Batches, U, UU, VV, WW};
 use crate::study::judge;
 use std::time::Duration;
 
@@ -110,13 +110,24 @@ impl<'a> StageRun<'a> {
 }
 
 /// Profile of a channel for the page, one row for each slice: height y [mm], streamwise velocity and its standard error
-/// [m/s], and granular temperature [m²/s²].
-fn profile(outcome: &Outcome) -> Vec<[Option<f64>; 4]> {
-    let rows = outcome.profiles.slices.iter().map(|row| {
+/// [m/s], and granular temperature and its standard error [m²/s²].
+fn profile(outcome: &Outcome) -> Vec<[Option<f64>; 5]> {
+    let table = &outcome.profiles;
+    let rows = table.slices.iter().enumerate().map(|(slice, row)| {
         let normal: Option<Vec<f64>> = [UU, VV, WW].into_iter().map(|one| Some(row.of(one)?.value)).collect();
         let temperature = normal.map(|normal| normal.iter().sum::<f64>() / 3.0);
+        // the three stresses belong to one run, so that their blocks are added before the error is computed
+        let parts: Option<Vec<_>> =
+            [UU, VV, WW].into_iter().map(|one| Some((1.0 / 3.0, table.batches(slice, one)?))).collect();
+        let blocks = parts.and_then(|parts| Batches::sum(&parts)).and_then(|blocks| blocks.estimate());
         let mean = row.of(U);
-        [Some(1e3 * row.y), mean.map(|mean| mean.value), mean.and_then(|mean| mean.error), temperature]
+        [
+            Some(1e3 * row.y),
+            mean.map(|mean| mean.value),
+            mean.and_then(|mean| mean.error),
+            temperature,
+            blocks.and_then(|blocks| blocks.error),
+        ]
     });
     rows.collect()
 }

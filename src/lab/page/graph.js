@@ -13,7 +13,7 @@ function make(name, attributes, parent) {
 }
 
 // Round numbers between two ends.
-function ticks(low, high, count) {
+export function ticks(low, high, count) {
   const raw = (high - low) / count;
   const power = 10 ** Math.floor(Math.log10(raw));
   const step = [1, 2, 5, 10].map((k) => k * power).find((k) => k >= raw * 0.999);
@@ -21,6 +21,20 @@ function ticks(low, high, count) {
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++) list.push(k * step);
   return list;
 }
+
+// Numbers at ticks with as many digits as tell them apart, the same number for all.
+export function labels(values) {
+  const size = Math.max(...values.map(Math.abs));
+  const step = values.length > 1 ? Math.abs(values[1] - values[0]) : size;
+  const power = (value) => Math.floor(Math.log10(value) + 1e-9);
+  const tiny = (value) => Math.abs(value) <= 1e-9 * size;
+  const large = size < 1e-3 || size >= 1e5;
+  const digits = Math.min(Math.max(large ? power(size) - power(step) : -power(step), 0), 12);
+  return values.map((value) => (tiny(value) ? "0" : large ? value.toExponential(digits) : value.toFixed(digits)));
+}
+
+const SMALLEST = 5e-6; // range of an axis over its values: ticks of a smaller one would have too many digits
+const GAPS = 0.08; // of the largest overlap: how far gaps are drawn
 
 const label = (value) => (value === 0 ? "0" : Math.abs(value) < 1e-3 || Math.abs(value) >= 1e5 ? value.toExponential(0) : String(Number(value.toPrecision(4))));
 
@@ -78,11 +92,17 @@ export class Graph {
     let [x0, x1] = window ?? (this.until === null ? this.range("x", []) : [0, this.until]);
     let [y0, y1] = this.range("y", theory);
     const log = this.spec.logarithmic;
+    // "x" or "y": the axis of an overlap, which shows gaps only as far as they matter
+    const gaps = this.spec.short_gaps ? (this.until === null ? "x" : "y") : null;
+    const short = (low, high) => [high > -1e-3 * low ? Math.max(low, -GAPS * high) : low, high];
+    if (gaps === "x") [x0, x1] = short(x0, x1);
+    if (gaps === "y") [y0, y1] = short(y0, y1);
     if (log) {
       [y0, y1] = [Math.floor(Math.log10(y0) - 0.1), Math.ceil(Math.log10(y1) + 0.1)];
     } else {
       if (y0 > 0 && y0 < 0.5 * y1) y0 = 0;
-      const room = 0.06 * (y1 - y0) || 0.5 * Math.abs(y1) || 0.5;
+      const least = SMALLEST * Math.max(Math.abs(y0), Math.abs(y1));
+      const room = y1 > y0 ? Math.max(0.06 * (y1 - y0), 0.5 * (least - (y1 - y0))) : 0.5 * Math.abs(y1) || 0.5;
       [y0, y1] = [y0 === 0 ? 0 : y0 - room, y1 + room];
     }
     if (!(x1 > x0)) [x0, x1] = [x0 - 1, x0 + 1];
@@ -93,7 +113,7 @@ export class Graph {
       let d = "";
       let pen = "M";
       for (const [x, y] of points) {
-        const outside = window && (x < x0 || x > x1);
+        const outside = (window && (x < x0 || x > x1)) || (gaps && (x < x0 || y < y0));
         if (outside || y === null || y === undefined || !Number.isFinite(y) || (log && y <= 0)) pen = "M";
         else [d, pen] = [`${d}${pen}${right(x).toFixed(1)} ${up(y).toFixed(1)}`, "L"];
       }
@@ -114,15 +134,18 @@ export class Graph {
     const [x0, x1, y0, y1] = ends;
     this.axes.replaceChildren();
     const [bottom, left] = [HEIGHT - EDGE.bottom, EDGE.left];
-    for (const x of ticks(x0, x1, 6)) {
+    const along = ticks(x0, x1, 6);
+    const words = labels(along);
+    along.forEach((x, k) => {
       make("path", { class: "grid", d: `M${right(x)} ${EDGE.top}V${bottom}` }, this.axes);
-      make("text", { x: right(x), y: bottom + 14, "text-anchor": "middle" }, this.axes).textContent = label(x);
-    }
+      make("text", { x: right(x), y: bottom + 14, "text-anchor": "middle" }, this.axes).textContent = words[k];
+    });
     const powers = log ? ticks(y0, y1, Math.min(6, y1 - y0)).filter(Number.isInteger).map((k) => 10 ** k) : ticks(y0, y1, 5);
-    for (const y of powers) {
+    const heights = log ? powers.map(label) : labels(powers);
+    powers.forEach((y, k) => {
       make("path", { class: "grid", d: `M${left} ${up(y)}H${WIDTH - EDGE.right}` }, this.axes);
-      make("text", { x: left - 5, y: up(y) + 4, "text-anchor": "end" }, this.axes).textContent = label(y);
-    }
+      make("text", { x: left - 5, y: up(y) + 4, "text-anchor": "end" }, this.axes).textContent = heights[k];
+    });
     make("path", { class: "axis", d: `M${left} ${EDGE.top}V${bottom}H${WIDTH - EDGE.right}` }, this.axes);
   }
 

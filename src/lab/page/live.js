@@ -55,6 +55,8 @@ ask = connect({
   told,
   framed,
   closed() {
-    if (!at("status").textContent) at("status").textContent = "The program has ended, or four pages are open already.";
+    if (at("status").textContent) return;
+    at("status").textContent = "The program has ended, or four pages are open already.";
+    at("status").classList.add("alarm");
   },
 });

@@ -32,17 +32,28 @@ function open() {
   }, Math.max(0, sent + THROTTLE - performance.now()));
 }
 
+// A sentence above the panels; `alarm` where something went wrong.
+function say(words, alarm = false) {
+  at("status").textContent = words;
+  at("status").classList.toggle("alarm", alarm);
+}
+
 function choose(name) {
   const known = state.scenes.some((scene) => scene.name === name) ? name : state.scenes[0].name;
   Object.assign(state, { scene: known, settings: {}, right: 0 });
-  at("status").textContent = "";
+  say("");
   open();
 }
 
 function play(on) {
   state.playing = on;
-  at("play").textContent = on ? "Pause" : "Play";
+  button();
   ask({ ask: "play", on });
+}
+
+// What the first button does.
+function button() {
+  at("play").textContent = state.over ? "Play again" : state.playing ? "Pause" : "Play";
 }
 
 // ---- what is told
@@ -63,7 +74,7 @@ function told(message) {
     choose(location.hash.slice(1));
     if (matchMedia("(prefers-reduced-motion: reduce)").matches) state.stand = true;
   } else if (message.tell === "refused") {
-    if (message.serial === state.serial) at("status").textContent = `This cannot be run: ${message.why}`;
+    if (message.serial === state.serial) say(`This cannot be run: ${message.why}`, true);
   } else if (message.tell === "opened") {
     opened(message);
   }
@@ -75,7 +86,8 @@ function opened(message) {
   state.stage = new Stage(message);
   state.over = false;
   state.frame = null;
-  at("status").textContent = message.warnings.map((words) => `Note: ${words}.`).join(" ");
+  button();
+  say(message.warnings.map((words) => `Note: ${words}.`).join(" "), message.warnings.length > 0);
   if (fresh) words(message);
   if (message.recorded) {
     // one setting at a time is recorded: the others go back to the case
@@ -109,6 +121,7 @@ function words(message) {
   at("right").replaceChildren(...message.rights.map((title, value) => Object.assign(document.createElement("option"), { value, textContent: title })));
   at("right").value = message.right;
   at("right").disabled = message.rights.length < 2;
+  at("rights-note").hidden = !message.rights.includes("hybrid");
   show(message.knobs);
   pace();
 }
@@ -125,7 +138,8 @@ function show(list) {
 function pictures(message) {
   const parent = at("graphs");
   parent.replaceChildren();
-  const unit = (graph) => (graph.x[1].includes("µs") ? 1e6 : 1e3);
+  const units = [["[µs]", 1e6], ["[ms]", 1e3]];
+  const unit = (graph) => units.find(([name]) => graph.x[1].includes(name))?.[1] ?? 1;
   state.graphs = message.graphs.map((graph) => new Graph(graph, message.duration * unit(graph), parent));
   state.profiles = message.scene === "channel" ? new Profiles(parent) : null;
   at("verdict").hidden = !state.profiles;
@@ -182,8 +196,9 @@ function draw(now) {
   }
   if (over && !state.over) {
     state.over = true;
+    button();
     const failed = frame.head.sides.some((side) => side.failure);
-    at("status").textContent = failed ? "The scene has stopped: see below the panels." : "The scene is over.";
+    say(failed ? "The scene has stopped: see below the panels." : "The scene is over.", failed);
   }
   state.drawn += 1;
   // for tests, and for who wonders
@@ -194,7 +209,7 @@ function draw(now) {
 function judged(verdict) {
   const words = { equivalent: "Equivalent so far", different: "Different", unresolved: "Unresolved so far" };
   const box = at("verdict").querySelector("p");
-  box.textContent = `${words[verdict.answer] ?? verdict.answer}. ${verdict.sentence} Averages are taken from ${si(verdict.from, "s")} on.`;
+  box.textContent = `${words[verdict.answer] ?? verdict.answer}. ${verdict.sentence} Averages are taken from ${si(verdict.from, "s")} on. The margin is wide because the spheres are few.`;
   state.profiles?.draw(verdict.profiles);
 }
 
@@ -238,6 +253,6 @@ ask = connect({
   told,
   framed,
   closed() {
-    at("status").textContent = "The lab has ended, or four pages are open already. Start `diptych lab` again and open the address that it prints.";
+    say("The lab has ended, or four pages are open already. Start `diptych lab` again and open the address that it prints.", true);
   },
 });

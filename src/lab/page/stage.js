@@ -16,8 +16,7 @@ export class Stage {
     const aspect = Math.min(Math.max(wide / high, 0.8), 4);
     const centre = opened.size.map((size) => size / 2);
     if (region) [centre[right], centre[up]] = [(region[0] + region[1]) / 2, (region[2] + region[3]) / 2];
-    // what is higher than the canvas gets more room beside it
-    this.focus = region ? { centre, width: Math.max(wide, aspect * high) * 1.03 } : undefined;
+    this.focus = region ? { centre, wide, high } : undefined;
     this.scenes = opened.sides.map(() => ({ size: opened.size, periodic: opened.periodic, radius: [], walls: opened.walls ?? [] }));
     this.panels.forEach((panel, k) => {
       const side = opened.sides[k];
@@ -34,17 +33,24 @@ export class Stage {
   scale(frames, colour) {
     if (colour === "plain") return undefined;
     this.looks = (this.looks ?? 0) + 1;
-    if (this.range?.colour === colour && this.looks % LOOKS) return this.range.ends;
+    if (this.range?.colour === colour && this.range.ends[1] > 0 && this.looks % LOOKS) return this.range.ends;
     const fresh = diptych.range(this.scenes[0], frames, colour);
     const known = this.range;
     if (known?.colour === colour && known.ends[0] <= fresh[0] && known.ends[1] >= fresh[1] * 0.999) return known.ends;
-    if (!(fresh[1] > 0)) return [0, 1];
+    if (!(fresh[1] > 0) && colour !== "overlap") return [0, 1];
     // from 0, unless nothing is slow: then the scale begins a little below the slowest
     const lowest = fresh[0] < 0.5 * fresh[1] ? Math.min(fresh[0], 0) : 0.9 * fresh[0];
     this.range = { colour, ends: [lowest, 1.1 * fresh[1]] };
     const legend = document.getElementById("legend");
     legend.replaceChildren(diptych.legend(this.scenes[0], colour, this.range.ends));
     return this.range.ends;
+  }
+
+  // Part of the box that a canvas shows. What is higher than the canvas gets more room beside it; the style of the page limits the height.
+  seen(canvas) {
+    if (!this.focus) return undefined;
+    const { centre, wide, high } = this.focus;
+    return { centre, width: Math.max(wide, (high * canvas.clientWidth) / (canvas.clientHeight || 1)) * 1.03 };
   }
 
   draw(frame, colour) {
@@ -56,10 +62,11 @@ export class Stage {
     const range = this.scale(frame.panels, colour);
     if (colour === "plain") document.getElementById("legend").replaceChildren();
     this.panels.forEach((panel, k) => {
-      const options = { view: this.view, colour, range, focus: this.focus };
+      const canvas = panel.querySelector("canvas");
+      const options = { view: this.view, colour, range, focus: this.seen(canvas) };
       let shown = frame.panels[k];
       if (this.opened.view.magnify) [shown, options.arrows] = this.magnified(shown, frame.head.sides[k]);
-      diptych.drawScene(panel.querySelector("canvas"), this.scenes[k], shown, options);
+      diptych.drawScene(canvas, this.scenes[k], shown, options);
       if (tell) this.numbers(panel, frame.head.sides[k], k);
     });
   }

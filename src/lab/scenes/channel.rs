@@ -24,11 +24,11 @@ pub(super) const SCENE: LabScene = LabScene {
     view: BoxView { right: 2, up: 1, region: None, magnify: None },
     sentences: [
         "Air blows particles of 1.5 mm to the right against gravity, between an upper and a lower wall; they meet the walls and one another.",
-        "The profiles below are averages over height slices: they fill in, and their error bars shrink as more is averaged.",
-        "The verdict is that of the command compare: first nothing can be said, and later the models are found equal within a margin, or not.",
+        "The profiles below are averages over height slices: they fill in, and their error bars, drawn from eight blocks of time on, shrink as more is averaged.",
+        "The verdict is that of the command compare: first nothing can be said, and later the models are found equal within a margin, or not. Here the margin is 10 %, since few spheres in 20 s cannot decide a smaller one.",
     ],
     equation: "error ~ 1/√(averaging time)",
     symbols: "error: standard error of an average, from how far averages over blocks of time scatter.",
     question: "Both profiles differ a little at every moment. When is that a difference between the models?",
-    answer: "When it is larger than its error explains. Two runs of the same model with other starts differ as well; the error bars tell by how much. A difference that shrinks as the errors shrink is chance, one that stays is the model.",
+    answer: "When it is larger than its error explains. Two runs of the same model with other starts differ as well; the error bars tell by how much. A difference that shrinks as the errors shrink is chance. It is a difference of the models if it stays, at three or more of its standard errors, while these shrink, and other seeds give it again.",
 };

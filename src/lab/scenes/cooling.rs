@@ -23,7 +23,7 @@ pub(super) const SCENE: LabScene = LabScene {
     view: WHOLE,
     sentences: [
         "Spheres fly in a periodic box, start with the same velocities on both sides, and lose energy in every collision.",
-        "After some collisions no sphere is where its twin of the other panel is: paths are chaotic and cannot be compared one by one.",
+        "After some collisions no sphere is where its twin of the other panel is: paths are chaotic and cannot be compared one by one. Two hard runs that differ in the last digit part in the same way.",
         "The temperature of both follows the same curve all the same, which kinetic theory gives.",
     ],
     equation: "T(t) = T₀ (1 + (1 − e²) G₀ t / 6)⁻²",

@@ -25,8 +25,8 @@ pub(super) const SCENE: LabScene = LabScene {
         "Hard spheres hand the blow on, one pair after the other: only the last one leaves.",
         "Soft spheres press on all their neighbours at the same time, so that several of them leave and the first one comes back.",
     ],
-    equation: "hard: v = 0, 0, 0, 0, u    soft: v = −0.132, −0.075, −0.031, 0.296, 0.942 u",
+    equation: "hard: v = 0, 0, 0, 0, u\nsoft: v = (−0.132, −0.075, −0.031, 0.296, 0.942) u",
     symbols: "v: velocities at the end of five elastic spheres, from the first to the last; u: velocity of the blow.",
     question: "Make the spheres stiffer by ten times. Does the soft cradle come closer to the hard one?",
-    answer: "No. A stiffer spring makes all contacts shorter by the same factor, but they still last at the same time, so that the velocities at the end stay the same. The two models differ where spheres touch several others at once, at any stiffness.",
+    answer: "No. A stiffer spring makes all contacts shorter by the same factor, but they still last at the same time, so that the velocities at the end stay the same. The two models differ where spheres touch several others at once, at any stiffness. The numbers of impacts differ as well: soft contacts that open and close again count anew. So these numbers say nothing about accuracy.",
 };

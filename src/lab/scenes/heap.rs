@@ -26,9 +26,9 @@ pub(super) const SCENE: LabScene = LabScene {
     sentences: [
         "Two balls lie on a floor, a third one lies on both; only weight acts.",
         "Each lower ball must neither turn nor move aside: friction at the ball above and at the floor holds it, if there is enough.",
-        "Without rotation a lower ball can only move aside, and half of the friction is enough.",
+        "Without rotation a lower ball can only move aside, and half of the friction is enough. Hard spheres are not offered here: they cannot rest on one another, and their run would stop at once.",
     ],
-    equation: "μ ≥ tan 15° = 0.268;   without rotation μ ≥ 0.136",
+    equation: "μ ≥ tan 15° = 0.268\nwithout rotation: μ ≥ 0.136",
     symbols: "μ: friction between the balls and at the floor.",
     question: "Lower the friction step by step: when does the heap collapse, and does the stiffness matter?",
     answer: "At 0.268 with rotation. The top ball presses at 30 degrees from the vertical, and the force between two balls must lie half way between this direction and the vertical, so that the lower ball does not turn. Stiffness does not enter, since forces at rest follow from the weight alone.",

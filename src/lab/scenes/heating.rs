@@ -28,5 +28,5 @@ pub(super) const SCENE: LabScene = LabScene {
     equation: "amplification per step ≈ 1 + (ω₀Δt)⁴ / 8",
     symbols: "By this factor one step of Heun's scheme makes a swing wider. ω₀Δt: step in units of the contact's own frequency, π/N_c without damping.",
     question: "Choose velocity Verlet, or twice as many steps per contact. Which helps more, and why?",
-    answer: "Velocity Verlet. It is symmetric in time: what it adds in the first half of a contact it takes in the second. Heun's scheme makes every swing wider; twice the steps make each step's gain sixteen times as small, and a contact's eight times as small, but never zero.",
+    answer: "Velocity Verlet. It is symmetric in time: what it adds in the first half of a contact it takes in the second. Heun's scheme makes every swing wider; twice the steps make each step's gain sixteen times as small, and a contact's eight times as small, but never zero. In numbers: at N_c = 7.7 a step gains (π/N_c)⁴/8 = 0.34 %, and the N_c steps of a contact gain 2.6 %. The page shows this gain as the realised e of about 1.025.",
 };

@@ -29,5 +29,5 @@ pub(super) const SCENE: LabScene = LabScene {
     equation: "T_c = π / √(kₙ/M − γₙ²),   δ_max ≈ u √(M/kₙ)",
     symbols: "T_c: time in contact. kₙ: stiffness. M: half the mass of a sphere. γₙ: damping, from the restitution e. u: speed of approach.",
     question: "Four times the stiffness: what happens to the time in contact, to the largest overlap and to the cost?",
-    answer: "Time and overlap both halve, since both go with 1/√kₙ. A step is a fixed part of the contact, so it halves too. Here all spheres take every step, so a simulated second costs twice as much. The hard sphere is what is left when kₙ has no limit: no time, no overlap, an impulse.",
+    answer: "Time and overlap both halve, since both go with 1/√kₙ. One impact costs the same: N_c steps, whatever the stiffness. A step is a fixed part of the contact, so it halves too. Here all spheres take every step, in contact or not, so a simulated second costs twice as much: its cost grows with √kₙ. The energy that an impact loses is the area of the loop of force over overlap. It becomes heat inside the spheres, which is not simulated. The hard sphere is what is left when kₙ has no limit: no time, no overlap, an impulse.",
 };

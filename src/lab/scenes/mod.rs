@@ -42,9 +42,9 @@ pub struct LabScene {
     pub lasts: f64,
     /// Part of the box that the page draws, and its axes.
     pub view: BoxView,
-    /// Description of the scene in three sentences.
+    /// Description of the scene in three parts of a sentence or two.
     pub sentences: [&'static str; 3],
-    /// Equation that describes the scene, as text for the page.
+    /// Equation that describes the scene, as text for the page, with a line break between two equations.
     pub equation: &'static str,
     /// Meaning of the symbols in the equation.
     pub symbols: &'static str,

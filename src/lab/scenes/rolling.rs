@@ -26,7 +26,7 @@ pub(super) const SCENE: LabScene = LabScene {
     sentences: [
         "A ball of 1 mm starts along a floor at 0.1 m/s, without spin.",
         "With rotation, friction brakes the ball and turns it until its lowest point stands still: from then on it rolls.",
-        "Without rotation the same friction brakes it all the time, until it stands.",
+        "Without rotation the same friction brakes it all the time, until it stands. Hard spheres are not offered here: they cannot lie on a floor, and their run would stop at once.",
     ],
     equation: "t = 2 u₀ / (7 μ g),   u = 5 u₀ / 7",
     symbols: "t: when it begins to roll. u₀: velocity at the start. u: velocity from then on. μ: friction. g: gravity.",

@@ -38,6 +38,7 @@ var diptych = diptych || {};
   const SCALE = [[50, 56, 138], [36, 86, 150], [27, 121, 142], [62, 157, 121], [142, 188, 82], [236, 214, 70]];
   const SOLVERS = ["flew straight", "in an island: may touch within this window", "moved together with all others"];
   const MARGIN = 10; // [px] around the box
+  const TOUCH = 1e-9; // overlap over diameter up to which spheres only touch: such numbers are rounding
 
   // [r, g, b] of a custom property of the page that is written as #rrggbb
   const hex = (text) => [1, 3, 5].map((k) => parseInt(text.trim().slice(k, k + 2), 16) || 0);
@@ -163,7 +164,10 @@ var diptych = diptych || {};
     if (colour === "speed" && frame.velocity) {
       return Math.hypot(frame.velocity[3 * k], frame.velocity[3 * k + 1], frame.velocity[3 * k + 2]);
     }
-    if (colour === "overlap" && frame.overlap) return frame.overlap[k] > 0 ? frame.overlap[k] / (2 * scene.radius[k]) : null;
+    if (colour === "overlap" && frame.overlap) {
+      const share = frame.overlap[k] / (2 * scene.radius[k]);
+      return share > TOUCH ? share : null;
+    }
     if (colour === "spin" && frame.spin) return frame.spin[k];
     if (colour === "solver" && frame.solver) return frame.solver[k];
     if (colour === "species" && scene.species) return scene.species[k];
@@ -268,7 +272,12 @@ var diptych = diptych || {};
     if (arrow.label) {
       context.font = "12px Helvetica, Arial, sans-serif";
       context.textAlign = dx < -0.3 ? "right" : "left";
-      context.fillText(arrow.label, to[0] + (dx < -0.3 ? -5 : 5), to[1] - 5);
+      const at = [to[0] + (dx < -0.3 ? -5 : 5), to[1] - 5];
+      // a rim in the colour of the page, so that the words can be read on any sphere
+      [context.lineWidth, context.lineJoin] = [4, "round"];
+      [context.strokeStyle, context.fillStyle] = [colours.paper, colours.ink].map(css);
+      context.strokeText(arrow.label, ...at);
+      context.fillText(arrow.label, ...at);
     }
   }
 
@@ -294,7 +303,7 @@ var diptych = diptych || {};
         if (one !== null && Number.isFinite(one)) found.push(one);
       }
     }
-    if (found.length === 0) return [0, 1];
+    if (found.length === 0) return colour === "overlap" ? [0, 0] : [0, 1];
     found.sort((a, b) => a - b);
     // one particle that is much faster than all others must not take the whole scale
     const highest = found[Math.min(Math.floor(found.length * 0.995), found.length - 1)];
@@ -334,7 +343,8 @@ var diptych = diptych || {};
     if (isScale(colour)) {
       const words = colour === "overlap" ? "overlap over diameter" : colour;
       const unit = colour === "speed" ? "m/s" : "rad/s";
-      const show = (number) => (colour === "overlap" ? `${(100 * number).toPrecision(2)} %` : diptych.si(number, unit));
+      const share = (number) => (range[1] > TOUCH ? `${Number((100 * number).toPrecision(2))} %` : "–");
+      const show = (number) => (colour === "overlap" ? share(number) : diptych.si(number, unit));
       const bar = element("span", "scene-scale");
       bar.style.background = `linear-gradient(to right, ${SCALE.map(css).join(", ")})`;
       legend.append(`${words}: ${show(range[0])} `, bar, ` ${show(range[1])}`);
