@@ -117,14 +117,7 @@ impl<'a> LabPanel<'a> {
         let mut live = Live::of(&self.simulation, self.at_start);
         live.restitution = live.restitution.filter(|_| self.meter.gauge.has_lone_impacts());
         live.cost = live.cost.filter(|_| self.meter.gauge.tells_cost());
-        Now { time: self.simulation.time, state, failure: self.failure.as_ref().map(|why| self.told(why)), rows, live }
-    }
-
-    /// Reason why the run failed, as one word and as a sentence for the page. A particle that is alone meets walls only.
-    fn told(&self, failure: &Failure) -> (&'static str, String) {
-        let (kind, sentence) = words(failure);
-        let alone = self.simulation.particles.len() == 1;
-        (kind, if alone { sentence.replace("met others", "met this wall") } else { sentence })
+        Now { time: self.simulation.time, state, failure: self.failure.as_ref().map(words), rows, live }
     }
 
     /// Particles of the panel as the page draws them, in the order of ids.
