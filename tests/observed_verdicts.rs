@@ -128,8 +128,7 @@ fn wrong_answers_are_as_rare_as_the_levels_say() {
     assert!(different > 0.95, "{different}");
 }
 
-/// A gas with measurements: two runs of hard spheres at 1 % other density of spheres, which no number under `[observe]`
-/// depends on, and soft ones.
+/// A gas with measurements, of hard spheres and of soft ones with deep overlaps.
 const CASE: &str = r#"
 [domain]
 size = ["3 mm", "3 mm", "3 mm"]
@@ -153,6 +152,7 @@ seed = 1
 slices = 1
 sample_interval = "0.1 ms"
 [observe.pair_distribution]
+reach = "1 mm"
 [observe.velocity_distribution]
 [observe.clusters]
 gap = "20 um"
