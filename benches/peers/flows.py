@@ -61,6 +61,7 @@ def case_on(beads):
     ground = '[[walls]]\nname = "ground"' + rest.split('[[walls]]\nname = "ground"')[1].split("[[compare]]")[0]
     # e = 0.88 of two beads has this value for a bead and a fixed one in LAMMPS, where the mass is twice as large
     wall = '[[walls]]\nsphere = {{ center = ["{} mm", "{} mm", "{} mm"], radius = "0.5 mm" }}\nrestitution = 0.835\nfriction = 0.5\n\n'
+    head = head.replace('diameter = "1 mm"', 'sizes.uniform = { from = "0.9 mm", to = "1.1 mm" }')
     case = WORK / "incline.toml"
     case.write_text(head + "".join(wall.format(x, height, y) for x, y, height in beads) + ground)
     return case
@@ -82,7 +83,17 @@ def incline():
             break
         speed, error = (float(mine[key]) / SPEED for key in ("U", "U_se"))
         count = mean * float(mine["number_density_ratio"])
-        print(f"| {peer[1]:.1f} | {peer[2]:.1f} | {count:.1f} | {peer[3]:.2f} | {speed:.2f} ± {error:.2f} |", flush=True)
+        print(f"| {peer[1]:.1f} | {peer[2]:.1f} | {count:.1f} | {peer[4]:.2f} | {speed:.2f} ± {error:.2f} |", flush=True)
+    # a layer of half the height, for the growth of the mean speed with the height
+    measure.diptych(case_on(beads), "flows-half", "soft", {**keys, "particles[0].count": BEADS // 2})
+    speeds = [mean_speed(WORK / out / "series.csv") for out in ("flows-incline", "flows-half")]
+    print(f"\nmean speed {speeds[0]:.3f} and {speeds[1]:.3f}: grows with the height to the power {math.log2(speeds[0] / speeds[1]):.2f}")
+
+
+def mean_speed(series):
+    """[sqrt(g d)] mean speed of all beads down the slope in the second half of the run."""
+    late = [row for row in rows(series) if float(row["t_s"]) > 100 * TIME]
+    return sum(float(row["mean_velocity_z_m_s"]) for row in late) / len(late) / SPEED
 
 
 def main():

@@ -168,7 +168,7 @@ fn failed(failures: &[(&str, &Failure)]) -> Markup {
                 @for (name, failure) in failures {
                     p { strong { (name) " stopped early: " } (failure) }
                 }
-                p { "What these variants had gathered until then is shown below." }
+                p { "Everything measured until then is shown below." }
             }
         }
     }

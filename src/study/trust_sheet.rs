@@ -18,8 +18,9 @@ const MEAN_OVERLAP: f64 = 0.01;
 /// [-] limit of the largest overlap, divided by the diameter of the smaller particle. It is the weaker of the two
 /// limits below Eq. 10 of the paper.
 const LARGEST_OVERLAP: f64 = 0.1;
-/// [-] relative reduction of the effective diameter by softness that lowers the collision rate by 1 %. The rate of a
-/// dilute gas is proportional to the diameter squared.
+/// [-] relative reduction of the effective diameter by softness from which the sheet marks it. Impacts of a dilute gas
+/// then make the agitation of the three directions equal at a rate lower by π/2 times this, 0.8 %
+/// (docs/theory/softness.md).
 const SOFTNESS: f64 = 0.005;
 
 /// Makes the trust sheet (checks of reliability) of the outcome of one variant. `halved_step` is the comparison with a
@@ -217,7 +218,7 @@ fn soft_diameter(outcome: &Outcome) -> TrustCheck {
     match softness(outcome) {
         Some(shrink) => remarked(
             check(NAME, "", certain(shrink), Expected::AtMost(SOFTNESS), 0.0),
-            "sqrt(π m T/(2 k_n))/d; at 0.005 a dilute gas meets 1 % less often",
+            "sqrt(π m T/(2 k_n))/d; at 0.005 impacts make the agitation of the directions equal 0.8 % more slowly",
         ),
         None => unknown(NAME, "", "nothing was sampled, so the agitation is not known"),
     }

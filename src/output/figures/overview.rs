@@ -215,7 +215,7 @@ pub fn cost(study: &Study) -> Option<Figure> {
     });
     let bars: Vec<Bar> = rows.collect();
     let caption = "Wall-clock time per simulated time over that of the cheapest. Full colour: the reference, and what is shown to be as \
-                   accurate, so that costs are those of equal accuracy; outlined: what is not.";
+                   accurate, so that costs are those of equal accuracy; outlined: what is not, so that the cost of the same answer is not known here.";
     Some(Figure::new(COST, caption, draw(&bars).into_string()))
 }
 

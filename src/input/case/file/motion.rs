@@ -40,7 +40,7 @@ pub struct ServoFile {
     /// Wanted pressure p of the particles on the plane.
     #[schemars(example = &"1 kPa", extend("x-required" = "always", "x-range" = "greater than 0, up to 1e12 Pa"))]
     pub pressure: Option<Located<Pressure>>,
-    /// Largest speed of the plane.
+    /// Largest speed of the plane. A plane without contacts moves at p/c, if this is less.
     #[schemars(example = &"50 mm/s", extend("x-required" = "always", "x-range" = "greater than 0, up to 1e5 m/s"))]
     pub largest_speed: Option<Located<Speed>>,
     /// Damping c of the plane.
