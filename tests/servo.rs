@@ -72,6 +72,25 @@ fn the_pressure_relaxes_in_the_time_of_damping_over_stiffness() {
     close("pressure", reached, 1.0 - (-1.0_f64).exp(), 0.02);
 }
 
+#[test]
+fn damping_and_windows_follow_from_the_contact_time() {
+    let (experiment, _) = started(ONE, Model::Soft, &[]);
+    // a linear spring with a dashpot turns at ω = sqrt(k/m) π/sqrt(π² + ln² e), so that t_c = π/ω
+    let mass = 2500.0 * PI / 6.0 * 1e-9;
+    let frequency = (1e3 / mass).sqrt() * PI / PI.hypot(0.5_f64.ln());
+    close("impedance over m ω/d²", impedance(&experiment) / (mass * frequency / 1e-6), 1.0, 1e-6);
+    // the window corrects a third of the pressure, h K/(c d²) = h ω = 1/3, and is shorter than that by rounding of the run
+    let share = |sets: &[&str]| Schedule::new(&started(ONE, Model::Soft, sets).0).window * frequency;
+    assert!((0.32..1.0 / 3.0).contains(&share(&[])), "{}", share(&[]));
+    let tenth = format!("walls[1].motion.servo.damping=\"{} Pa s/m\"", 0.1 * impedance(&experiment));
+    assert!((0.032..0.1 / 3.0).contains(&share(&[&tenth])), "{}", share(&[&tenth]));
+    // no window is longer than a tenth of a contact, however large the damping is, nor longer because the case asks for it
+    let most = PI / 10.0;
+    let heavy = share(&[r#"walls[1].motion.servo.damping="1 MPa s/m""#]);
+    assert!((0.95 * most..=most).contains(&heavy), "{heavy}");
+    assert!(share(&[r#"run.window="1 ms""#]) <= 1.0 / 3.0);
+}
+
 /// Crowd of 200 spheres between a floor and a servo plate, periodic along x and z.
 const CROWD: &str = r#"
 [domain]
