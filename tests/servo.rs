@@ -54,7 +54,9 @@ fn a_sphere_between_floor_and_plate_comes_to_the_overlap_of_the_pressure() {
         // the work of the plate is in the springs or lost in dashpots
         let ledger = &simulation.record.ledger;
         let explained = ledger.wall_work - ledger.dissipated();
-        close("energy over what the ledger explains", simulation.energy() / explained, 1.0, 0.02);
+        let unexplained = (simulation.energy() - explained) / ledger.wall_work;
+        // the speed of the wall jumps between windows, so that its work is of first order in the step
+        assert!(unexplained.abs() < 0.01, "{unexplained}");
         assert!(ledger.wall_work > 2.0 * 0.5 * 1e3 * (4e-6_f64).powi(2));
     }
 }
