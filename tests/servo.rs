@@ -43,7 +43,7 @@ fn started(text: &str, model: Model, sets: &[&str]) -> (Experiment, Simulation) 
 #[test]
 fn a_sphere_between_floor_and_plate_comes_to_the_overlap_of_the_pressure() {
     for model in [Model::Soft, Model::Hybrid] {
-        let (_, mut simulation) = started(ONE, model, &[]);
+        let (_, mut simulation) = started(ONE, model, &["soft.steps_per_contact=200"]);
         simulation.run_until(20e-3).unwrap();
         // the force p A = 4 mN makes an overlap of 4 µm at both contacts, after the gap of 20 µm
         let state = simulation.servo_states()[0];
@@ -55,7 +55,7 @@ fn a_sphere_between_floor_and_plate_comes_to_the_overlap_of_the_pressure() {
         let ledger = &simulation.record.ledger;
         let explained = ledger.wall_work - ledger.dissipated();
         let unexplained = (simulation.energy() - explained) / ledger.wall_work;
-        // the speed of the wall jumps between windows, so that its work is of first order in the step
+        // the loss is computed as if each contact were alone: an error of first order, 4 % at 20 steps per contact
         assert!(unexplained.abs() < 0.01, "{unexplained}");
         assert!(ledger.wall_work > 2.0 * 0.5 * 1e3 * (4e-6_f64).powi(2));
     }
