@@ -12,6 +12,7 @@ pub mod levels;
 pub mod packed;
 pub mod plan;
 pub mod region;
+mod sieve;
 
 use crate::clock::Clock;
 use crate::encounter::{AtWall, Couple, Other};
@@ -25,6 +26,7 @@ use packed::PackedBalls;
 use plan::ListSettings;
 use region::Region;
 use serde::{Deserialize, Serialize};
+use sieve::Sieve;
 use std::ops::Range;
 use std::time::Duration;
 
@@ -417,38 +419,6 @@ impl NeighbourList {
                 apart = Some(couple);
             }
         }
-    }
-}
-
-/// Selects items in their order, without branches. Each item is stored, but the count increases only for wanted items,
-/// so that the next item overwrites an unwanted one. This costs less than a branch that the processor often predicts
-/// wrongly.
-struct Sieve<T> {
-    held: [T; 64],
-    count: usize,
-}
-
-impl<T: Copy> Sieve<T> {
-    /// Makes an empty sieve, whose unused entries contain `any`.
-    fn new(any: T) -> Self {
-        Self { held: [any; 64], count: 0 }
-    }
-
-    /// Stores the item `item` in the sieve. If `wanted` is false, the next item overwrites it. A full sieve is emptied
-    /// into `picked`.
-    #[inline(always)]
-    fn offer(&mut self, item: T, wanted: bool, picked: &mut Vec<T>) {
-        self.held[self.count] = item;
-        self.count += usize::from(wanted);
-        if self.count == self.held.len() {
-            self.empty(picked);
-        }
-    }
-
-    /// Appends the items selected so far to `picked`, and empties the sieve.
-    fn empty(&mut self, picked: &mut Vec<T>) {
-        picked.extend_from_slice(&self.held[..self.count]);
-        self.count = 0;
     }
 }
 
