@@ -155,7 +155,8 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         false
     }
 
-    /// True if the contacts of a sphere are numbered by their distance from its centre, the nearest first.
+    /// True if the contacts of a sphere are numbered by their distance from its centre, the nearest first. Then
+    /// [`first_touch`](Self::first_touch) finds every touch for contact 0, and none for the others.
     fn is_nearest_first(&self) -> bool {
         false
     }

@@ -36,6 +36,10 @@ pub(super) fn first_touch(
     until: f64,
 ) -> Option<Touch> {
     let shape = &moving.shape;
+    // such a shape finds every touch as one of contact 0
+    if which > 0 && shape.law().is_nearest_first() {
+        return None;
+    }
     let longest = moving.motion.spin().map_or(f64::INFINITY, |spin| TURN / spin.norm());
     let mut t = 0.0;
     while t <= until {
@@ -47,8 +51,12 @@ pub(super) fn first_touch(
         let arc = |error: f64| (6.0 * error / jerk).cbrt().min(most);
         let nearest = shape.contact(which, &seen.position, radius);
         let gap = nearest.distance - radius;
+        let whole = jerk * most.powi(3) / 6.0;
         let (error, length) = if gap <= 2.0 * close {
             (0.0, arc(close))
+        } else if whole <= SHARE * gap {
+            // one search of the shape for all the time that remains, as for a shape at rest
+            (whole, most)
         } else {
             let closing = -seen.velocity.dot(&nearest.normal);
             let wanted = if closing > 0.0 { AHEAD * gap / closing } else { f64::INFINITY };

@@ -110,18 +110,14 @@ impl PrescribedMotion {
     /// acceleration. In a rotating frame y'' = g - 2 ω × v + ω × (ω × r), with v in the frame at rest.
     pub(super) fn seen(&self, flight: &Flight, time: f64) -> Flight {
         let velocity = flight.velocity - self.velocity(&flight.position, time);
-        let gravity = match self {
-            Self::Turning(Turning { center, spin }) => {
-                let carried = spin.cross(&(flight.position - center));
-                flight.gravity - spin.cross(&(flight.velocity * 2.0 - carried))
-            }
-            _ => flight.gravity - self.acceleration(time),
+        let Self::Turning(turning @ Turning { center, spin }) = self else {
+            let gravity = flight.gravity - self.acceleration(time);
+            return Flight { position: self.to_shape(&flight.position, time), velocity, gravity };
         };
-        let back = |vector: Vector3<f64>| match self {
-            Self::Turning(turning) => rotation(turning, -time) * vector,
-            _ => vector,
-        };
-        Flight { position: self.to_shape(&flight.position, time), velocity: back(velocity), gravity: back(gravity) }
+        let from_center = flight.position - center;
+        let gravity = flight.gravity - spin.cross(&(flight.velocity * 2.0 - spin.cross(&from_center)));
+        let back = rotation(turning, -time);
+        Flight { position: back * from_center + center, velocity: back * velocity, gravity: back * gravity }
     }
 
     /// [m/s³] upper limit of the third derivative of a flight in the frame of the shape, for `time` [s] from its
