@@ -1,4 +1,4 @@
-//! Servo walls: equilibrium and relaxation of one sphere in closed form, the ledger, a stop and continuation, a pressed
+//! Servo walls: equilibrium, relaxation and fast motion of one sphere against other solutions, the ledger, a stop and continuation, a pressed
 //! crowd, and messages.
 
 use crate::support::*;
@@ -72,6 +72,72 @@ fn the_pressure_relaxes_in_the_time_of_damping_over_stiffness() {
     let reached = simulation.servo_states()[0].pressure / 1e3;
     // the inertia of the sphere delays it by some of its contact time, 0.1 ms of 4 ms
     close("pressure", reached, 1.0 - (-1.0_f64).exp(), 0.02);
+}
+
+/// Distances [m] of a plate that presses a sphere of `mass` [kg] on a floor, at the ends of windows of `window` [s]:
+/// independent integration of both bodies in small steps. Both contacts are a spring of 1000 N/m with the dashpot of e = 0.5.
+fn pressed_sphere(mass: f64, damping: f64, window: f64, windows: usize) -> Vec<f64> {
+    const STEPS: u32 = 200;
+    let (stiffness, area) = (1e3, 4e-6);
+    let log = 0.5_f64.ln();
+    let dashpot = -2.0 * log * (stiffness * mass).sqrt() / PI.hypot(log);
+    let force = |overlap: f64, rate: f64| if overlap > 0.0 { stiffness * overlap + dashpot * rate } else { 0.0 };
+    // the sphere has sunk by x into the floor; the plate has come down by y, and begins 20 µm above the sphere
+    let (mut x, mut speed, mut y, mut plate) = (0.0, 0.0, 0.0, 0.0_f64);
+    let mut places = Vec::new();
+    for _ in 0..windows {
+        let step = window / f64::from(STEPS);
+        for _ in 0..STEPS {
+            let push = |x: f64, v: f64, y: f64| (force(y - 20e-6 - x, plate - v) - force(x, v)) / mass;
+            // the midpoint rule: its error is far below that of the windows
+            let (half_x, half_v) = (x + 0.5 * step * speed, speed + 0.5 * step * push(x, speed, y));
+            let middle = push(half_x, half_v, y + 0.5 * step * plate);
+            (x, speed, y) = (x + step * half_v, speed + step * middle, y + step * plate);
+        }
+        let pressure = force(y - 20e-6 - x, plate - speed) / area;
+        plate = ((1e3 - pressure) / damping).clamp(-50e-3, 50e-3);
+        places.push(y);
+    }
+    places
+}
+
+#[test]
+fn a_plate_that_comes_down_fast_moves_as_an_independent_solution_says() {
+    let (experiment, mut simulation) = started(ONE, Model::Soft, &["soft.steps_per_contact=200"]);
+    let window = Schedule::new(&experiment).window;
+    let mass = 2500.0 * PI / 6.0 * 1e-9;
+    // the touch is after 0.4 ms, and the contact time 0.1 ms: all of the first swings, in which dashpots give a third of the force
+    let count = (1e-3 / window) as usize;
+    let expected = pressed_sphere(mass, impedance(&experiment), window, count);
+    for (k, expected) in expected.iter().enumerate() {
+        simulation.run(1, window).unwrap();
+        let reached = simulation.servo_states()[0].displacement;
+        assert!((reached - expected).abs() < 2e-9, "window {k}: {reached:e} and {expected:e}");
+    }
+}
+
+#[test]
+fn a_sphere_thrown_at_the_plate_presses_on_it_in_both_models() {
+    // a single impact, which hybrid spheres replace by an impulse at other walls; the impulse would press at no instant
+    let thrown = ONE
+        .replace(
+            "position = [\"1 mm\", \"0.5 mm\", \"1 mm\"]",
+            "position = [\"1 mm\", \"0.51 mm\", \"1 mm\"], velocity = [\"0 m/s\", \"0.1 m/s\", \"0 m/s\"]",
+        )
+        .replace("largest_speed = \"50 mm/s\"", "largest_speed = \"1 um/s\"");
+    let [soft, hybrid] = [Model::Soft, Model::Hybrid].map(|model| {
+        let (experiment, mut simulation) = started(&thrown, model, &["soft.steps_per_contact=200"]);
+        let window = Schedule::new(&experiment).window;
+        let mut most: f64 = 0.0;
+        while simulation.time < 0.5e-3 {
+            simulation.run(1, window).unwrap();
+            most = most.max(simulation.servo_states()[0].pressure);
+        }
+        most
+    });
+    // of the order of u sqrt(k m)/A = 0.9 kPa, less what the dashpot takes
+    assert!((500.0..1500.0).contains(&soft), "{soft}");
+    close("largest pressure, hybrid over soft", hybrid / soft, 1.0, 1e-6);
 }
 
 #[test]
