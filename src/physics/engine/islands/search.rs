@@ -285,13 +285,16 @@ impl Search {
         let way = || particles.position[i] + particles.velocity[i] * (0.5 * part);
         let look = |(wall, shape): (usize, &Wall)| {
             // the frame moves along planes, so the ball of the flight has the right distance from planes; for other
-            // shapes the path relative to the frame at rest is used
+            // shapes the path relative to the frame at rest is used, or relative to the shape if it moves
             let reach = spot.reach + falls;
             let geometry = &shape.geometry;
-            let is_near = if geometry.is_flat() {
-                geometry.is_within(&spot.middle, reach)
-            } else {
-                geometry.is_within(&way(), reach)
+            let is_near = match &shape.moving {
+                _ if geometry.is_flat() => geometry.is_within(&spot.middle, reach),
+                None => geometry.is_within(&way(), reach),
+                Some(moving) => {
+                    let flight = FrameTime::fallen(elapsed).flight(particles, scene, i);
+                    moving.may_reach(&flight, particles.radius[i], part)
+                }
             };
             if !is_near {
                 return None;

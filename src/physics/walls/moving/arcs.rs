@@ -18,6 +18,9 @@ const ROUNDINGS: f64 = 16.0;
 /// [-] length by which a sphere is enlarged on an arc (short piece of its flight), over its gap to the shape.
 const SHARE: f64 = 0.125;
 
+/// [-] length by which a sphere is enlarged for all the time that remains, over its gap to the shape. The limit is 1.
+const WHOLE: f64 = 0.5;
+
 /// [-] length of an arc (short piece of a flight), over the time in which the gap would close at the present speed.
 const AHEAD: f64 = 1.5;
 
@@ -42,38 +45,58 @@ pub(super) fn first_touch(
     }
     let longest = moving.motion.spin().map_or(f64::INFINITY, |spin| TURN / spin.norm());
     let mut t = 0.0;
+    let mut enlarged: Option<EnlargedTouch> = None;
     while t <= until {
         let real = flight.from(t);
         let seen = moving.motion.seen(&real, start + t);
         let close = CLOSE * radius + ROUNDINGS * f64::EPSILON * seen.position.amax();
         let most = (until - t).min(longest);
         let jerk = moving.motion.jerk(&real, most);
+        let deviation = |time: f64| jerk * time.powi(3) / 6.0;
         let arc = |error: f64| (6.0 * error / jerk).cbrt().min(most);
-        let nearest = shape.contact(which, &seen.position, radius);
-        let gap = nearest.distance - radius;
-        let whole = jerk * most.powi(3) / 6.0;
+        // after a touch of an enlarged sphere, only the feature that it touched is asked
+        let (nearest, least) = match enlarged.take() {
+            Some(EnlargedTouch { place, gap }) => (shape.struck(which, place, &seen.position, radius), Some(gap)),
+            None => (shape.contact(which, &seen.position, radius), None),
+        };
+        let expected = nearest.distance - radius;
+        let gap = least.unwrap_or(expected);
         let (error, length) = if gap <= 2.0 * close {
             (0.0, arc(close))
-        } else if whole <= SHARE * gap {
+        } else if deviation(most) <= WHOLE * gap {
             // one search of the shape for all the time that remains, as for a shape at rest
-            (whole, most)
+            (deviation(most), most)
         } else {
             let closing = -seen.velocity.dot(&nearest.normal);
-            let wanted = if closing > 0.0 { AHEAD * gap / closing } else { f64::INFINITY };
+            let wanted = if closing > 0.0 { AHEAD * expected.max(gap) / closing } else { f64::INFINITY };
             let length = arc(SHARE * gap).min(wanted.max(arc(close)));
-            ((jerk * length.powi(3) / 6.0).min(SHARE * gap), length)
+            (deviation(length).min(SHARE * gap), length)
         };
         match shape.first_touch(which, &seen, radius + error, length) {
             Some(touch) if error <= close && touch.time <= length => {
                 return (t + touch.time <= until).then_some(Touch { time: t + touch.time, ..touch });
             }
-            // the time in which the gap cannot close passes in any case
-            Some(touch) if touch.time <= length => t += touch.time.max(free_time(gap - error, &seen)),
+            Some(touch) if touch.time <= length => {
+                // the time in which the gap cannot close passes in any case
+                let free = free_time(gap - error, &seen);
+                if touch.time >= free {
+                    enlarged = Some(EnlargedTouch { place: touch.place, gap: error - deviation(touch.time) });
+                }
+                t += touch.time.max(free);
+            }
             _ if length >= until - t => return None,
             _ => t += length,
         }
     }
     None
+}
+
+/// First touch of a sphere that is enlarged by the largest deviation from its parabola.
+struct EnlargedTouch {
+    /// Number of the surface feature that is touched.
+    place: u32,
+    /// [m] lower limit of the gap between the sphere itself and the shape: the enlargement less the deviation so far.
+    gap: f64,
 }
 
 /// [s] shortest time in which a flight can cover a distance [m]: the root of |v| t + |g| t²/2 = distance.

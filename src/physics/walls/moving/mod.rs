@@ -82,6 +82,26 @@ impl MovingShape {
         way.min(self.motion.largest_excursion(self.arm))
     }
 
+    /// False if a sphere of `radius` [m] certainly does not touch the shape in a flight of `duration` [s] from the stored
+    /// instant `time` on.
+    ///
+    /// Seen from the shape, the distance from the middle of the flight is |v| h + |a| h²/2 + J h³/6 at most. Here h is half
+    /// the duration; v and a are velocity and acceleration in the middle, and J bounds the third derivative. On a path,
+    /// whose velocity jumps, the largest speed of the shape is added to the speed of the sphere.
+    pub fn may_reach(&self, flight: &Flight, radius: f64, duration: f64) -> bool {
+        let half = 0.5 * duration;
+        let middle = flight.from(half);
+        let seen = self.motion.seen(&middle, self.time + half);
+        let speed = match &self.motion {
+            PrescribedMotion::Path(path) => middle.velocity.norm() + path.largest_speed(),
+            _ => seen.velocity.norm(),
+        };
+        let third = self.motion.jerk(&middle, half) / 6.0;
+        let way = half * (speed + half * (0.5 * seen.gravity.norm() + half * third));
+        // the limit is enlarged, so that rounding does not make it too small
+        self.shape.is_within(&seen.position, (radius + way) * (1.0 + 1e-12))
+    }
+
     /// Shape at the stored instant `time`: a displaced plane for a plane that does not rotate, otherwise this moving
     /// shape.
     fn geometry(&self) -> WallGeometry {
