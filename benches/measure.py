@@ -1,7 +1,12 @@
 """What the benchmark scripts share: building, pinned runs, rates, ratios. Needs Linux, cargo and python3 3.9 or newer."""
+import csv
+import datetime
+import functools
 import json
 import os
+import platform
 import re
+import shutil
 import statistics
 import subprocess
 import sys
@@ -10,11 +15,13 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 WORK = ROOT / "target" / "peers"
-BINARY = ROOT / "target" / "release" / "diptych"
+# The variable DIPTYCH names a program that is measured in place of the one that is built here
+BINARY = Path(os.environ.get("DIPTYCH", ROOT / "target" / "release" / "diptych"))
 
 
 def build():
-    subprocess.run(["cargo", "build", "--release", "--locked", "--quiet"], cwd=ROOT, check=True)
+    if "DIPTYCH" not in os.environ:
+        subprocess.run(["cargo", "build", "--release", "--locked", "--quiet"], cwd=ROOT, check=True)
     WORK.mkdir(parents=True, exist_ok=True)
     print(f"load average at the start: {os.getloadavg()[0]:.2f} on {os.cpu_count()} processors", flush=True)
 
@@ -78,6 +85,45 @@ def spread(values, form=".3g"):
     return f"{statistics.median(values):{form}} [{min(values):{form}} - {max(values):{form}}]"
 
 
+RESULTS = WORK / "results.csv"
+HEADER = ["date", "processor", "versions", "load", "scene", "run", "quantity", "unit", "rounds", "median", "least", "greatest"]
+
+
+@functools.cache
+def processor():
+    """Name of the processor as the system states it, and the number of processors."""
+    names = re.findall(r"^(?:model name|cpu family|model)\s*: (.*)$", Path("/proc/cpuinfo").read_text(), re.M)[:3]
+    return f"{' / '.join(names) or platform.machine()} x {os.cpu_count()}"
+
+
+@functools.cache
+def versions():
+    """Versions of the programs that are compared."""
+    ours = subprocess.run([BINARY, "--version"], capture_output=True, text=True).stdout.strip()
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True).stdout.strip()
+    found = [f"{ours} {commit}"]
+    if shutil.which("lmp"):
+        told = subprocess.run(["lmp", "-h"], capture_output=True, text=True).stdout
+        found += re.findall(r"Large-scale Atomic/Molecular Massively Parallel Simulator - (.*)", told)[:1]
+    if os.environ.get("EDMD"):
+        told = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=os.environ["EDMD"], capture_output=True, text=True)
+        found.append(f"EDMD {told.stdout.strip()}")
+    return "; ".join(found)
+
+
+def save(scene, run, quantity, unit, values):
+    """Adds the median and the range of the values of all rounds to results.csv, from which `benches/page.py` makes tables."""
+    new = not RESULTS.exists()
+    RESULTS.parent.mkdir(parents=True, exist_ok=True)
+    middle = [f"{number:.6g}" for number in (statistics.median(values), min(values), max(values))]
+    with open(RESULTS, "a", newline="") as file:
+        table = csv.writer(file)
+        if new:
+            table.writerow(HEADER)
+        date = datetime.date.today().isoformat()
+        table.writerow([date, processor(), versions(), f"{os.getloadavg()[0]:.1f}", scene, run, quantity, unit, len(values), *middle])
+
+
 def ratios(title, rates, base):
     """Prints the rates over those of `base` in the same round, as rows of a table: median [least - greatest]."""
     print(f"\n{title}: simulated time per wall time over {base}, {len(rates[base])} rounds; ", end="")
@@ -86,3 +132,5 @@ def ratios(title, rates, base):
     for name, values in rates.items():
         ratio = [value / reference for value, reference in zip(values, rates[base])]
         print(f"| {name} | {spread(ratio)} | {spread([1 / value for value in values], '.4g')} |", flush=True)
+        save(title, name, f"simulated time per wall time over {base}", "-", ratio)
+        save(title, name, "wall time per simulated time", "-", [1 / value for value in values])

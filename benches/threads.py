@@ -44,6 +44,8 @@ def compare(scene, case, model, keys, rounds):
     ratios = [a["wall_seconds"] / b["wall_seconds"] for a, b in zip(one, two)]
     held = statistics.median(run["share"] for run in two)
     times = measure.spread([run["wall_seconds"] for run in two])
+    measure.save(scene, model, "wall time of one thread over two", "-", ratios)
+    measure.save(scene, model, "time of a memory word to the other core and back", "ns", words)
     print(f"| {scene}, {model} | {measure.spread(ratios)} | {times} | {held:.2f} | {measure.spread(words)} |", flush=True)
 
 

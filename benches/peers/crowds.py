@@ -106,6 +106,10 @@ def beside_edmd(rounds):
         rates = measure.in_turn(rounds, {"EDMD": theirs, "ours": mine})
         ratio = sorted(a / b for a, b in zip(rates["ours"], rates["EDMD"]))
         columns = [measure.spread([1e-6 * collisions(count, fraction) * rate for rate in rates[name]], ".2f") for name in ("EDMD", "ours")]
+        scene = f"{count} hard spheres, volume fraction {fraction}"
+        for name in ("EDMD", "ours"):
+            measure.save(scene, name, "collisions per processor time", "1/s", [collisions(count, fraction) * rate for rate in rates[name]])
+        measure.save(scene, "ours", "collisions per processor time over EDMD", "-", ratio)
         print(f"| {fraction} | {count} | {columns[0]} | {columns[1]} | {measure.spread(ratio, '.2f')} |", flush=True)
 
 
@@ -131,4 +135,7 @@ def growth(rounds):
                 median = sorted(costs)[len(costs) // 2]
                 smallest = smallest or median
                 per = (memory - few) / (count - 1000)
+                scene = f"{count} {model} spheres, volume fraction {fraction}"
+                measure.save(scene, "ours", "processor time per particle and d/sqrt(T)", "us", costs)
+                measure.save(scene, "ours", "memory per particle", "byte", [per])
                 print(f"| {model} | {fraction} | {count} | {measure.spread(costs)} | {median / smallest:.2f} | {per:.0f} |", flush=True)

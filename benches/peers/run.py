@@ -4,7 +4,7 @@
     apt-get install lammps liggghts python3
     benches/peers/run.py [ROUNDS] [s1] [d] [f] [dense] [rough] [hard] [growth]
 
-README.md beside this file says what is compared and what is not equal. Prints ratios per round; a peer that is not
+README.md beside this file says what is compared and what is not equal. Prints ratios and adds them to target/peers/results.csv, from which ../page.py makes tables; a peer that is not
 installed is left out; LAMMPS is needed for all but `hard` (EDMD, see crowds.py) and `growth` (ours alone).
 """
 import os
@@ -101,7 +101,9 @@ def dense(rounds):
     for name, values in rates.items():
         print(f"{name}: {measure.spread([value * count / DENSE_STEP / 1e6 for value in values])} million particle-steps/s")
     if two:
-        print(f"two threads over one, wall time: {measure.spread([b / a for a, b in zip(rates['soft, same step'], two)])}")
+        gains = [b / a for a, b in zip(rates["soft, same step"], two)]
+        measure.save(f"Dense gas, {count} spheres", "soft, same step, two threads", "wall time of one thread over two", "-", gains)
+        print(f"two threads over one, wall time: {measure.spread(gains)}")
 
 
 # Friction, k_t/k_n and c_t/c_n of the rough scenes: usual values of the peers' examples.
