@@ -5,8 +5,10 @@ use crate::support::*;
 use diptych::Experiment;
 use diptych::experiment::Model;
 use diptych::placement::initial_state;
+use diptych::predict::EngineChoice;
 use diptych::schedule::{Schedule, impedance};
 use diptych::simulation::Simulation;
+use diptych::study::plan_of;
 use std::f64::consts::PI;
 
 /// One sphere of 1 mm on a floor, and a servo plate 20 µm above it. Spheres and walls have one stiffness.
@@ -226,6 +228,17 @@ fn a_stopped_run_goes_on_with_the_same_bits() {
         assert_eq!(bits(&whole), bits(&parts), "{model:?}");
         assert!(whole.servo_states()[0].displacement > 1e-3);
     }
+}
+
+#[test]
+fn a_plan_leaves_out_models_without_lasting_contacts() {
+    let (experiment, _) = started(CROWD, Model::Soft, &["run.duration=\"2 ms\""]);
+    let planned = plan_of(&experiment, 0.01, true).unwrap();
+    let refused = &planned.recommendation.refused;
+    assert!(refused.iter().any(|why| why.contains("hard spheres: a servo wall measures")), "{refused:?}");
+    let timed: Vec<EngineChoice> = planned.plan.costs.iter().map(|cost| cost.model).collect();
+    assert_eq!(timed, [EngineChoice::SoftLocal, EngineChoice::SoftUniform, EngineChoice::Hybrid]);
+    assert!(timed.contains(&planned.recommendation.engine.unwrap()));
 }
 
 #[test]

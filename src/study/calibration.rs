@@ -255,8 +255,12 @@ fn temperature_error(outcome: &Outcome) -> Option<f64> {
 }
 
 /// Copy of the experiment with the collision model and the time stepping of `choice`. Soft and hybrid spheres get the
-/// contact law `law`; without it, that of the case. `None` if they need a contact law and neither gives one.
+/// contact law `law`; without it, that of the case. `None` if they need a contact law and neither gives one, and for
+/// models without lasting contacts if the scene has servo walls.
 pub fn with_choice(experiment: &Experiment, choice: EngineChoice, law: Option<ContactLaw>) -> Option<Experiment> {
+    if matches!(choice, EngineChoice::Hard | EngineChoice::Dsmc) && experiment.scene.has_servo_walls() {
+        return None;
+    }
     let mut chosen = experiment.clone();
     chosen.soft.law = law.or(experiment.soft.law);
     match choice {

@@ -73,6 +73,9 @@ impl Obstacles {
                 self.lying
             ));
         }
+        if experiment.scene.has_servo_walls() {
+            list.push("a servo wall measures the force of contacts that last".into());
+        }
         if self.overlapping {
             list.push("the start has spheres that overlap, which hard ones cannot".into());
         }

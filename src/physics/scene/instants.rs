@@ -49,6 +49,11 @@ impl Scene {
     pub fn wall_speed(&self) -> f64 {
         self.walls.iter().map(Wall::largest_speed).fold(0.0, f64::max)
     }
+
+    /// True if a wall moves so that particles press on it with a given pressure.
+    pub fn has_servo_walls(&self) -> bool {
+        self.walls.iter().any(|wall| wall.servo().is_some())
+    }
 }
 
 /// Scene for code that asks for the scene at a sequence of instants. A scene that changes is copied once, and the copy

@@ -19,8 +19,8 @@ pub(super) struct ServoControl {
 impl ServoControl {
     /// Makes the data for an experiment; `None` if it has no servo wall, or a model without lasting contacts.
     pub(super) fn new(experiment: &Experiment) -> Option<Box<Self>> {
-        experiment.scene.walls.iter().find_map(|wall| wall.servo())?;
-        Some(Box::new(Self { law: experiment.law()?, damping: impedance(experiment) }))
+        let law = experiment.law().filter(|_| experiment.scene.has_servo_walls())?;
+        Some(Box::new(Self { law, damping: impedance(experiment) }))
     }
 }
 
