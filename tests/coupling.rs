@@ -6,7 +6,9 @@ use diptych::ContactLaw;
 use diptych::engine::distributed::Distributed;
 use diptych::engine::soft::Soft;
 use diptych::experiment::{Experiment, Integrator, Model, SoftStepping};
-use diptych::fluid::{ChannelFlow, Coupling, HeldFlow, LoadedFlow, Modulation, SliceSums, TurbulenceModel};
+use diptych::fluid::{
+    ChannelFlow, Coupling, HeldFlow, LoadedFlow, Modulation, SliceSums, TurbulenceModel, TurbulenceStatistics,
+};
 use diptych::placement::initial_state;
 use diptych::schedule::Schedule;
 use diptych::simulation::Simulation;
@@ -357,6 +359,44 @@ fn dissipation_is_damped_faster_than_turbulence() {
     // a slip shortens the eddies that particles see, and so the Stokes number and the damping grow
     let [crossing_k, _] = middle(Modulation::Simonin, 5.0);
     assert!(crossing_k < damped_k - 0.01 * (k - damped_k), "{crossing_k} {damped_k} {k}");
+    // in full: 2 r St/(1 + St), St = τ/T, T = k/ε/(1/2 + 3/4 C_0)/sqrt(1 + β² s²/(2k/3)), C_0 = 2.1 and β² = 0.45
+    let node = alone.nodes.last().unwrap();
+    let crossing = (1.0 + 0.45 * 25.0 / (2.0 / 3.0 * node.k)).sqrt();
+    let stokes = 0.05 / (node.k / node.epsilon / (0.5 + 0.75 * 2.1) / crossing);
+    let wanted = 2.0 * 20.0 * stokes / (1.0 + stokes);
+    close("rate of damping", (k - crossing_k) / 1e-5, wanted, 2e-3 * wanted);
+}
+
+/// Turbulence that particles see is that of the present gas, which they have changed.
+#[test]
+fn particles_see_the_turbulence_of_the_present_gas() {
+    let experiment = case(CHANNEL, Model::Hard, &["fluid.turbulence.langevin={}"]).unwrap();
+    let seen = |simulation: &Simulation| {
+        let fluid = simulation.scene().fluid.as_ref().unwrap();
+        format!("{:?}", fluid.turbulence.as_ref().unwrap().statistics)
+    };
+    let (start, later) = (begin(&experiment), run(&experiment, 50));
+    assert_ne!(seen(&start), seen(&later));
+    let present = TurbulenceStatistics::of(&later.loaded_flow().unwrap().flow().unwrap()).unwrap();
+    assert_eq!(seen(&later), format!("{present:?}"));
+}
+
+#[test]
+fn the_gas_fills_the_channel_and_the_pipe() {
+    let volume = |text: &str| {
+        let experiment = case(text, Model::Hard, &["particles[0].count=20"]).unwrap();
+        begin(&experiment).loaded_flow().unwrap().box_volume()
+    };
+    close("channel", volume(CHANNEL) / 8e-6, 1.0, 1e-9);
+    let walls = CHANNEL.find("[[walls]]").unwrap()..CHANNEL.find("[contact]").unwrap();
+    let cylinder = "[[walls]]\nrestitution = 1\ncylinder = { center = [\"20 mm\", \"20 mm\", \"0 m\"], axis = \"z\", radius = \"20 mm\", inside = true }\n";
+    let mut pipe = CHANNEL.to_owned();
+    pipe.replace_range(walls, cylinder);
+    let pipe = pipe
+        .replace("[\"10 mm\", \"40 mm\", \"20 mm\"]", "[\"40 mm\", \"40 mm\", \"20 mm\"]")
+        .replace("periodic = [\"x\", \"z\"]", "periodic = [\"z\"]")
+        .replace("k_epsilon_channel]", "k_epsilon_pipe]\ndiameter = \"40 mm\"");
+    close("pipe", volume(&pipe) / (std::f64::consts::PI * 0.02_f64.powi(2) * 0.02), 1.0, 1e-9);
 }
 
 /// `fluid --after` draws the gas of a finished run beside the gas alone, and refuses the run of another gas and a folder

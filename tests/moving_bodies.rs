@@ -11,7 +11,8 @@ use diptych::experiment::Integrator;
 use diptych::rotation::{ImpactRule, Rotation, TangentialLaw};
 use diptych::simulation::Simulation;
 use diptych::walls::{
-    Cavity, Flight, Frustum, Hollow, Mesh, Obstacle, PrescribedMotion, RoundAxis, Sides, Turning, Wall, WallGeometry,
+    Cavity, Flight, Frustum, Hollow, Mesh, Obstacle, PiecewisePath, PrescribedMotion, RoundAxis, Sides, Turning, Wall,
+    WallGeometry,
 };
 use diptych::{Particles, Scene, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -88,11 +89,15 @@ fn the_time_of_touch_is_that_of_a_search_in_small_steps() {
     let (radius, until) = (0.3, 3.0);
     for (name, geometry, is_vessel) in bodies() {
         let mut touched = 0;
-        for k in 0..60 {
-            let motion = match k % 3 {
+        for k in 0..80 {
+            let motion = match k % 4 {
                 0 => vibration(any(0.3).into(), 2.0),
                 1 => turning(Vector3::repeat(5.0) + any(0.4), any(2.0).into()),
-                _ => PrescribedMotion::Translation { velocity: any(0.5) },
+                2 => PrescribedMotion::Translation { velocity: any(0.5) },
+                _ => {
+                    let knots = [0.0, 0.2, 0.3, 3.0].map(|time| (time, any(0.5) * f64::min(time, 1.0)));
+                    PrescribedMotion::Path(Arc::new(PiecewisePath::new(knots.to_vec()).unwrap()))
+                }
             };
             let wall = Wall::new(geometry.clone(), surface(1.0, 0.0)).moving(motion.clone()).unwrap();
             let far = if is_vessel { 0.8 } else { 4.0 };
@@ -107,6 +112,13 @@ fn the_time_of_touch_is_that_of_a_search_in_small_steps() {
             let contacts = 0..wall.geometry.contacts();
             let touches = contacts.filter_map(|which| wall.first_touch(which, &flight, radius, (0.0, until)));
             let found = touches.map(|touch| touch.time).filter(|time| *time <= until).reduce(f64::min);
+            // the test before the search finds it possible, also if the flight ends at the touch
+            for duration in found.into_iter().flat_map(|time| [time, 1.5 * time, until]) {
+                assert!(
+                    wall.moving.as_ref().unwrap().may_reach(&flight, radius * (1.0 + 1e-9), duration),
+                    "{name} {k}"
+                );
+            }
             // the steps are of 1.5e-4: they see a touch later by a step at most, and miss overlaps shorter than one
             match (found, by_steps(&wall, &flight, radius, until)) {
                 (found, Some(seen)) => {

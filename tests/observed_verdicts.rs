@@ -91,6 +91,20 @@ fn made_up_numbers_get_the_answers_that_they_must_get() {
     assert!(of("coarse").reached.unwrap() > 0.05, "{:?}", of("coarse"));
 }
 
+/// Two runs of different lengths are compared up to the end of the shorter one.
+#[test]
+fn samples_after_the_common_time_do_not_count() {
+    let series = |late: f64| {
+        let samples: Vec<f64> = (0..400).map(|k| if k < 200 { 2.0 + 0.01 * f64::from(k % 3) } else { late }).collect();
+        vec![ObservedNumber::of_series(ObservedQuantity::new("a", "a", "m"), &samples, [0.0, 1.0], None)]
+    };
+    let [own, other] = [series(5.0), series(2.01)].map(measured);
+    let difference = |until: f64| observed_differences([&own, &other], until, ASKED)[0].difference.value;
+    // the samples have the times 0, 1, 2, ...
+    assert!(difference(199.0).abs() < 1e-12, "{}", difference(199.0));
+    close("all", difference(f64::INFINITY), 0.5 * (5.0 - 2.01), 0.02);
+}
+
 /// Shares of the answers "different" and "equivalent" for many pairs of runs with three numbers each, of which the last
 /// differs by `shift` [-] of its value.
 fn shares(count: usize, deviation: f64, shift: f64, pairs: u64) -> [f64; 2] {

@@ -120,26 +120,23 @@ fn a_plate_that_comes_down_fast_moves_as_an_independent_solution_says() {
 
 #[test]
 fn a_sphere_thrown_at_the_plate_presses_on_it_in_both_models() {
-    // a single impact, which hybrid spheres replace by an impulse at other walls; the impulse would press at no instant
+    // a single impact far from the floor: hybrid spheres replace it by an impulse at other walls, which presses at no instant
     let thrown = ONE
         .replace(
             "position = [\"1 mm\", \"0.5 mm\", \"1 mm\"]",
-            "position = [\"1 mm\", \"0.51 mm\", \"1 mm\"], velocity = [\"0 m/s\", \"0.1 m/s\", \"0 m/s\"]",
+            "velocity = [\"0 m/s\", \"0.1 m/s\", \"0 m/s\"], position = [\"1 mm\", \"1.5 mm\", \"1 mm\"]",
         )
+        .replace("\"1.02 mm\"", "\"2.02 mm\"")
         .replace("largest_speed = \"50 mm/s\"", "largest_speed = \"1 um/s\"");
     let [soft, hybrid] = [Model::Soft, Model::Hybrid].map(|model| {
-        let (experiment, mut simulation) = started(&thrown, model, &["soft.steps_per_contact=200"]);
-        let window = Schedule::new(&experiment).window;
-        let mut most: f64 = 0.0;
-        while simulation.time < 0.5e-3 {
-            simulation.run(1, window).unwrap();
-            most = most.max(simulation.servo_states()[0].pressure);
-        }
-        most
+        let (_, mut simulation) = started(&thrown, model, &["soft.steps_per_contact=200"]);
+        // one long window from 0.2 ms before the touch to the middle of the contact, which lasts 0.12 ms
+        simulation.run(1, 0.25e-3).unwrap();
+        simulation.servo_states()[0].pressure
     });
-    // of the order of u sqrt(k m)/A = 0.9 kPa, less what the dashpot takes
-    assert!((500.0..1500.0).contains(&soft), "{soft}");
-    close("largest pressure, hybrid over soft", hybrid / soft, 1.0, 1e-6);
+    // the largest elastic pressure is of the order of u sqrt(k m)/A = 0.9 kPa
+    assert!((300.0..1500.0).contains(&soft), "{soft}");
+    close("pressure, hybrid over soft", hybrid / soft, 1.0, 1e-6);
 }
 
 #[test]
