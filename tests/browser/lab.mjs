@@ -16,6 +16,7 @@ if (pictures) mkdirSync(pictures, { recursive: true });
 const { check, end } = checks();
 
 const lab = spawn(program, ["lab"], { stdio: ["ignore", "pipe", "inherit"] });
+process.once("exit", () => lab.kill()); // the lab does not outlive a test that ends early
 const gone = new Promise((resolve) => lab.once("exit", resolve));
 const url = await new Promise((resolve) => {
   lab.stdout.on("data", (text) => {

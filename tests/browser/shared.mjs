@@ -64,6 +64,7 @@ async function recorded() {
 async function live() {
   const options = ["--model", "hard", "--out", join(work, "run"), "--live", "--set", "run.duration=2 s"];
   const run = spawn(program, ["run", "cases/quick.toml", ...options], { stdio: ["ignore", "ignore", "pipe"] });
+  process.once("exit", () => run.kill());
   const gone = new Promise((resolve) => run.once("exit", resolve));
   const url = await new Promise((resolve) => {
     run.stderr.on("data", (text) => {

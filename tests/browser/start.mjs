@@ -8,6 +8,8 @@
 //     await page.screenshot("page.png");
 //     await page.close();                               // then page.faults is final: it should be empty
 //     browser.end();
+//
+// A browser that ends by itself ends the process with exit code ENDED: a page is not to blame, and `check` tries again.
 import { spawn, spawnSync } from "node:child_process";
 import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -16,6 +18,7 @@ import { join } from "node:path";
 
 const NAMES = [process.env.CHROMIUM, "chromium", "chromium-browser", "google-chrome"].filter(Boolean);
 const KEYS = { " ": [32, "Space"], Enter: [13, "Enter"], Tab: [9, "Tab"], ArrowLeft: [37, "ArrowLeft"], ArrowRight: [39, "ArrowRight"] };
+const ENDED = 75; // EX_TEMPFAIL of sysexits.h
 const PATIENCE = 60_000; // [ms] for an answer of the browser, which may share a busy machine
 
 // The command of a Chromium on this machine; null: there is none.
@@ -39,8 +42,9 @@ export function axe() {
 export async function start({ width = 1280, height = 800 } = {}) {
   const home = mkdtempSync(join(tmpdir(), "diptych-browser-"));
   const flags = ["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--no-first-run", "--disable-extensions"];
-  flags.push("--disable-background-networking", "--remote-debugging-pipe", `--user-data-dir=${home}`, `--window-size=${width},${height}`);
-  const child = spawn(chromium(), flags, { stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"] });
+  flags.push("--disable-background-networking", "--disable-dev-shm-usage", "--remote-debugging-pipe", `--user-data-dir=${home}`, `--window-size=${width},${height}`);
+  const child = spawn(chromium(), flags, { stdio: ["ignore", "ignore", "pipe", "pipe", "pipe"] });
+  const ending = watch(child);
   const waiting = new Map();
   const listeners = new Set();
   let [last, rest] = [0, ""];
@@ -66,10 +70,28 @@ export async function start({ width = 1280, height = 800 } = {}) {
       child.stdio[3].write(`${JSON.stringify({ id, method, params, sessionId })}\0`);
     });
   const end = () => {
+    ending.wanted = true;
     child.kill();
     child.once("exit", () => remove(home, 20));
   };
   return { open: (url, options = {}) => open({ send, listeners }, url, { width, height, ...options }), end };
+}
+
+// Ends this process when the browser ends unasked, with the last that it said; its pipes may break before its end is known.
+function watch(child) {
+  const ending = { wanted: false };
+  let said = "";
+  child.stderr.setEncoding("utf8");
+  child.stderr.on("data", (chunk) => (said = (said + chunk).slice(-2000)));
+  const ended = (how) => {
+    if (ending.wanted) return;
+    console.error(`the browser ended (${how}); the last it said:\n${said}`);
+    process.exit(ENDED);
+  };
+  const broken = (why) => setTimeout(ended, 1000, why.message);
+  for (const pipe of [child.stderr, child.stdio[3], child.stdio[4]]) pipe.on("error", broken);
+  child.once("exit", (code, signal) => ended(signal || `exit code ${code}`));
+  return ending;
 }
 
 // Helpers of the browser end a little later than itself, and may still write into the folder that is removed.
