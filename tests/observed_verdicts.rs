@@ -103,6 +103,10 @@ fn samples_after_the_common_time_do_not_count() {
     // the samples have the times 0, 1, 2, ...
     assert!(difference(199.0).abs() < 1e-12, "{}", difference(199.0));
     close("all", difference(f64::INFINITY), 0.5 * (5.0 - 2.01), 0.02);
+    // no block of samples ends so early
+    let none = &observed_differences([&own, &other], 0.5, ASKED)[0];
+    assert!(none.answer.is_none() && none.remark.contains("too few samples"), "{none:?}");
+    assert!(none.difference.value.is_finite(), "{none:?}");
 }
 
 /// Shares of the answers "different" and "equivalent" for many pairs of runs with three numbers each, of which the last

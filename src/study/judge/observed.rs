@@ -138,10 +138,12 @@ fn shared(runs: [&[Observation]; 2]) -> Vec<SharedNumber<'_>> {
 }
 
 /// Values over blocks of time up to `until` [s]. A number without blocks counts as one with an exactly known standard
-/// error; its error is independent of those with other values of `place`. `None` without a standard error.
+/// error; its error is independent of those with other values of `place`. `None` without a standard error, and if the
+/// first block ends after `until`.
 fn batches(number: &ObservedNumber, place: usize, until: f64) -> Option<Batches> {
     let stated = || number.value.and_then(|found| Some(Batches::of_stated(found.value, found.error?, place)));
-    number.batches.as_ref().map_or_else(stated, |batches| Some(batches.until(until)))
+    let blocks = |batches: &Batches| Some(batches.until(until)).filter(|kept| kept.per_run > 0);
+    number.batches.as_ref().map_or_else(stated, blocks)
 }
 
 /// Sentence on the differences of measured numbers of two variants with the given `names`; `None` if there are none.
