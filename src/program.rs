@@ -3,7 +3,8 @@
 use crate::cli::{Cli, Command};
 use crate::legible;
 use crate::statistics::Answer;
-use crate::study::{self, Ranks, StudyError};
+use crate::study::CommandOrigin::Typed;
+use crate::study::{self, Question, Ranks, StudyError};
 use clap::Parser;
 use clap::error::ErrorKind;
 use std::ffi::OsString;
@@ -67,13 +68,20 @@ fn command(command: Command, ranks: &Ranks) -> Result<u8, StudyError> {
     let done = match command {
         #[cfg(feature = "lab")]
         Command::Run(args) if args.live => crate::lab::run_live(&args, ranks),
-        Command::Run(args) => study::run(&args, ranks),
-        Command::Compare(args) => return Ok(verdict(args.exit_code, study::compare(&args, ranks)?)),
-        Command::Sensitivity(args) => return Ok(verdict(args.runs.exit_code, study::sensitivity(&args, ranks)?)),
-        Command::Needs(args) => return Ok(verdict(args.runs.exit_code, study::needs(&args, ranks)?)),
+        Command::Run(args) => study::run(&args, Typed, ranks, None),
+        Command::Compare(args) => return Ok(verdict(args.exit_code, study::compare(&args, Typed, ranks)?)),
+        Command::Sensitivity(args) => {
+            return Ok(verdict(args.runs.exit_code, study::sensitivity(&args, Question::Sensitivity, Typed, ranks)?));
+        }
+        Command::Needs(args) => {
+            return Ok(verdict(
+                args.runs.exit_code,
+                study::sensitivity(&args.as_sensitivity(), Question::Needs, Typed, ranks)?,
+            ));
+        }
         Command::Judge(args) => return Ok(verdict(args.exit_code, ranks.by_lead(|| study::judge_files(&args))?)),
         Command::Validate(args) => return Ok(verdict(args.exit_code, ranks.by_lead(|| study::validate(&args))?)),
-        Command::Sweep(args) => study::sweep(&args, ranks),
+        Command::Sweep(args) => study::sweep(&args, Typed, ranks),
         Command::Resume(args) => study::resume(&args, ranks),
         Command::Plan(args) => ranks.by_lead(|| study::plan(&args)),
         Command::Check(args) => ranks.by_lead(|| study::check(&args)),

@@ -240,7 +240,7 @@ fn the_gas_is_the_same_on_processes_and_after_a_snapshot() {
     first
         .run_while(40, window, &mut |simulation, windows| {
             done = windows;
-            simulation.look(0.5 * window, |_| ());
+            simulation.with_synchronised_velocities(0.5 * window, |_| ());
             windows < 17
         })
         .unwrap();

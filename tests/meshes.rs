@@ -146,7 +146,7 @@ fn a_block_of_triangles_is_hit_when_a_block_is() {
             assert!((want - found).abs() < 1e-12 / along.max(1e-6), "{n}: {want} {found} {flight:?}");
             // the point of touch that is found lies on the surface
             let touch = triangles.first_touch(0, &flight, radius, 6.0).unwrap();
-            let struck = triangles.struck(0, touch.place, &flight.position_at(touch.time), radius);
+            let struck = triangles.struck(0, touch.feature, &flight.position_at(touch.time), radius);
             assert!((struck.distance - radius).abs() < 1e-12, "{:e}", struck.distance - radius);
             assert!((struck.normal - normal).norm() < 1e-6, "{} {normal}", struck.normal);
         }

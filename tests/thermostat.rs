@@ -210,7 +210,7 @@ fn random_accelerations_are_the_same_on_processes_after_a_snapshot_and_in_any_or
     first
         .run_while(40, window, &mut |simulation, windows| {
             done = windows;
-            simulation.look(0.5 * window, |_| ());
+            simulation.with_synchronised_velocities(0.5 * window, |_| ());
             windows < 17
         })
         .unwrap();

@@ -36,7 +36,7 @@ fn watched(experiment: &Experiment, folder: &Folder, asked: Trajectories) -> (di
         fn see(&mut self, simulation: &Simulation) {
             let mut touching = vec![(0, 0.0_f64); simulation.particles.len()];
             for (couple, overlap) in simulation.contacts() {
-                for place in couple.places().into_iter().flatten() {
+                for place in couple.indices().into_iter().flatten() {
                     let (count, most) = &mut touching[simulation.particles.id[place as usize] as usize];
                     (*count, *most) = (*count + 1, most.max(overlap));
                 }

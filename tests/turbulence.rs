@@ -367,7 +367,9 @@ fn last(scene: &Scene, start: &Particles) {
     other.run(12, window).unwrap();
     assert_eq!(whole.fingerprint(), other.fingerprint(), "order of the store");
     let mut watched = run(start);
-    watched.run_while(12, window, &mut |simulation, _| simulation.look(0.5 * window, |_| true)).unwrap();
+    watched
+        .run_while(12, window, &mut |simulation, _| simulation.with_synchronised_velocities(0.5 * window, |_| true))
+        .unwrap();
     assert_eq!(whole.fingerprint(), watched.fingerprint(), "looks of an observer");
     let mut stopped = run(start);
     stopped.run_while(12, window, &mut |_, done| done < 5).unwrap();

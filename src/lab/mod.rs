@@ -36,7 +36,7 @@ pub use server::{LabError, LabServer};
 
 use crate::cli;
 use crate::output::put;
-use crate::study::{self, Ranks, Signals, StudyError};
+use crate::study::{self, CommandOrigin, Ranks, Signals, StudyError};
 use std::path::Path;
 use std::time::Duration;
 
@@ -88,16 +88,21 @@ fn write_page(scene: &str, file: &Path) -> Result<(), StudyError> {
 pub fn run_live(args: &cli::Run, ranks: &Ranks) -> Result<(), StudyError> {
     let mut server = None;
     let title = args.case.display().to_string();
-    let result = study::run_watched(args, ranks, &mut |experiment| {
-        let view = LiveView::new(experiment, &title, true);
-        let lab = LabServer::start_live(view.feed());
-        let lab = server.insert(lab.map_err(|why| StudyError::Input(format!("error: {why}")))?);
-        study::tell(format!(
-            "The run is shown at {} until it ends. Open this in a browser on this machine.",
-            lab.url()
-        ));
-        Ok(Box::new(view))
-    });
+    let result = study::run(
+        args,
+        CommandOrigin::Typed,
+        ranks,
+        Some(&mut |experiment| {
+            let view = LiveView::new(experiment, &title, true);
+            let lab = LabServer::start_live(view.feed());
+            let lab = server.insert(lab.map_err(|why| StudyError::Input(format!("error: {why}")))?);
+            study::tell(format!(
+                "The run is shown at {} until it ends. Open this in a browser on this machine.",
+                lab.url()
+            ));
+            Ok(Box::new(view))
+        }),
+    );
     if let Some(server) = server {
         server.stop();
     }

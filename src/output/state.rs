@@ -48,7 +48,7 @@ impl Observer for StateFile<'_> {
 
     fn see(&mut self, _simulation: &Simulation) {}
 
-    fn sight_of_end(&self, _now: f64) -> Needs {
+    fn needs_at_end(&self, _now: f64) -> Needs {
         Needs::Every(1)
     }
 

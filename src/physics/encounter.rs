@@ -118,22 +118,22 @@ impl FrameTime {
         Self { ahead: time, sunk: time, fallen: time, lag: 0.0 }
     }
 
-    /// [m] centre of the particle at index `place` after a straight flight of `ahead` [s] from its position in the
+    /// [m] centre of the particle at index `index` after a straight flight of `ahead` [s] from its position in the
     /// particle store. Gravity is left out.
     #[inline(always)]
-    fn position(&self, particles: &Particles, place: usize) -> Vector3<f64> {
-        let x = particles.position[place];
-        if self.ahead == 0.0 { x } else { x + particles.velocity[place] * self.ahead }
+    fn position(&self, particles: &Particles, index: usize) -> Vector3<f64> {
+        let x = particles.position[index];
+        if self.ahead == 0.0 { x } else { x + particles.velocity[index] * self.ahead }
     }
 
-    /// Position [m], velocity [m/s] and acceleration [m/s²] of the particle at index `place` relative to a wall at
+    /// Position [m], velocity [m/s] and acceleration [m/s²] of the particle at index `index` relative to a wall at
     /// rest, with the effect of gravity.
     #[inline(always)]
-    pub fn flight(&self, particles: &Particles, scene: &Scene, place: usize) -> Flight {
+    pub fn flight(&self, particles: &Particles, scene: &Scene, index: usize) -> Flight {
         let fall = scene.gravity * (0.5 * self.sunk * self.sunk);
         Flight {
-            position: self.position(particles, place) + fall,
-            velocity: particles.velocity[place] + scene.gravity * self.fallen,
+            position: self.position(particles, index) + fall,
+            velocity: particles.velocity[index] + scene.gravity * self.fallen,
             gravity: scene.gravity,
         }
     }
@@ -215,18 +215,18 @@ impl Couple {
     }
 
     /// Indices of the particles of the couple in the particle store: two for a pair, one and `None` for a wall.
-    pub fn places(&self) -> [Option<u32>; 2] {
+    pub fn indices(&self) -> [Option<u32>; 2] {
         [Some(self.i), self.j()]
     }
 
-    /// Returns this couple with new indices of its particles, after the particle store was reordered. `place_of`
+    /// Returns this couple with new indices of its particles, after the particle store was reordered. `index_of`
     /// returns the new index for an old one.
-    pub fn moved(self, place_of: impl Fn(u32) -> u32) -> Self {
+    pub fn moved(self, index_of: impl Fn(u32) -> u32) -> Self {
         let other = match self.other {
-            Other::Particle(j) => Other::Particle(place_of(j)),
+            Other::Particle(j) => Other::Particle(index_of(j)),
             wall @ Other::Wall(_) => wall,
         };
-        Self { i: place_of(self.i), other }
+        Self { i: index_of(self.i), other }
     }
 
     /// True if `self` and `couple` consist of the same two bodies, in either order.
@@ -305,11 +305,11 @@ impl Couple {
     /// moments of inertia.
     pub fn tangential_mass(&self, particles: &Particles) -> f64 {
         let Some(inertia) = &particles.inertia else { return 0.0 };
-        let of = |place: u32| {
-            let place = place as usize;
-            (particles.mass[place], particles.radius[place], inertia[place])
+        let of = |index: u32| {
+            let index = index as usize;
+            (particles.mass[index], particles.radius[index], inertia[index])
         };
-        tangential_mass(self.places().into_iter().flatten().map(of))
+        tangential_mass(self.indices().into_iter().flatten().map(of))
     }
 
     /// [m/s] relative velocity w = l_i ω_i + l_j ω_j of two surfaces due to the spins ω, from which the slip follows.
@@ -319,7 +319,7 @@ impl Couple {
     #[inline(always)]
     pub fn surface_velocity(&self, particles: &Particles, reach: f64, gap: f64) -> (Vector3<f64>, f64) {
         let (radii, spins) = (&particles.radius, particles.spins());
-        let of = |place: u32| spins[place as usize] * radii[place as usize];
+        let of = |index: u32| spins[index as usize] * radii[index as usize];
         match self.other {
             _ if spins.is_empty() => (Vector3::zeros(), 1.0),
             Other::Particle(j) => {
@@ -373,15 +373,15 @@ impl Couple {
         }
     }
 
-    /// Relative position and velocity of the two bodies at the instant of a predicted touch. For a wall, `place` is the
+    /// Relative position and velocity of the two bodies at the instant of a predicted touch. For a wall, `index` is the
     /// number of the surface feature (such as a triangle) that is touched; for a pair it is not used.
     #[inline(always)]
-    pub fn strike(&self, particles: &Particles, scene: &Scene, moment: FrameTime, place: u32) -> Encounter {
+    pub fn strike(&self, particles: &Particles, scene: &Scene, moment: FrameTime, index: u32) -> Encounter {
         let Other::Wall(at) = self.other else { return self.meet(particles, scene, moment) };
         let i = self.i as usize;
         let (flight, radius) = (moment.flight(particles, scene, i), particles.radius[i]);
         let wall = &scene.walls[at.wall as usize];
-        let nearest = wall.struck([at.which, place], &flight.position, radius, moment.sunk);
+        let nearest = wall.struck([at.which, index], &flight.position, radius, moment.sunk);
         let touched = flight.position - nearest.normal * nearest.distance;
         let surface = wall.surface_velocity(&touched, moment.sunk - moment.lag);
         let (normal, velocity) = (nearest.normal, flight.velocity - surface);

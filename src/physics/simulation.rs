@@ -251,7 +251,7 @@ impl Simulation {
     /// than errors of the scheme explain. The state is then that at which the failure was detected.
     pub fn run(&mut self, windows: u64, window: f64) -> Result<(), Failure> {
         let result = self.run_while(windows, window, &mut |_, _| true).map(drop);
-        self.show(1);
+        self.gather(1);
         result
     }
 
@@ -261,11 +261,11 @@ impl Simulation {
     /// identical bits.
     ///
     /// If several processes share the run, each may hold only its part of the particles when `go_on` is called and
-    /// after the run. [`show`](Self::show) gathers the parts, and [`sample`](Self::sample) is used for sums over all
+    /// after the run. [`gather`](Self::gather) gathers the parts, and [`sample`](Self::sample) is used for sums over all
     /// particles.
     ///
     /// When `go_on` is called, and after a run that was stopped, velocities lack a half-kick of drag.
-    /// [`look`](Self::look) and [`settle`](Self::settle) apply this half-kick.
+    /// [`with_synchronised_velocities`](Self::with_synchronised_velocities) and [`finish_half_kick`](Self::finish_half_kick) apply this half-kick.
     ///
     /// # Errors
     /// Errors of [`run`](Self::run).
@@ -282,7 +282,7 @@ impl Simulation {
             return Err(failure.clone());
         }
         // successive half-kicks are one kick, because the solution for drag alone is exact
-        self.hide();
+        self.scatter();
         if self.half_kicked {
             self.kick(0.5 * window, self.number_of_first_half());
         } else {
@@ -300,7 +300,7 @@ impl Simulation {
                 self.half_kicked = false;
                 return Ok(k);
             }
-            self.hide();
+            self.scatter();
             self.kick(if k < windows { window } else { 0.5 * window }, self.number_of_kick());
         }
         self.check()?;
@@ -309,9 +309,9 @@ impl Simulation {
 
     /// Applies the half-kick that velocities lack after a run was stopped. `window` [s] is the length of the windows of
     /// that run. Call this method only if the run is not continued.
-    pub fn settle(&mut self, window: f64) {
+    pub fn finish_half_kick(&mut self, window: f64) {
         if !self.half_kicked {
-            self.hide();
+            self.scatter();
             self.kick(0.5 * window, self.number_of_kick());
             self.half_kicked = true;
         }
@@ -422,10 +422,10 @@ impl Simulation {
         self.totals.momentum = self.particles.momentum();
     }
 
-    /// Calls `show` during a run, at a time when velocities lack a half-kick of drag. `kick` [s] is the duration of
+    /// Calls `gather` during a run, at a time when velocities lack a half-kick of drag. `kick` [s] is the duration of
     /// this half-kick, which is applied before the call. Afterwards all velocities are restored, so that the call
     /// changes no bit of the run. If each process has a part of the particles, all processes apply the half-kick.
-    pub fn look<T>(&mut self, kick: f64, show: impl FnOnce(&mut Self) -> T) -> T {
+    pub fn with_synchronised_velocities<T>(&mut self, kick: f64, show: impl FnOnce(&mut Self) -> T) -> T {
         let kicked = self.is_dragged() || self.scene.thermostat.is_some();
         let kept = kicked.then(|| {
             let mut before = Particles::default();
@@ -471,12 +471,12 @@ impl Simulation {
             }
         }
         let domain = &self.scene.domain;
-        let [outside] = self.sample().sums(|place| [f64::from(!domain.contains(&self.particles.position[place]))]);
+        let [outside] = self.sample().sums(|index| [f64::from(!domain.contains(&self.particles.position[index]))]);
         if outside > 0.0 && !self.is_follower() {
-            self.show(1);
+            self.gather(1);
             let is_outside = |x: &Vector3<f64>| !self.scene.domain.contains(x);
-            let place = self.particles.position.iter().position(is_outside).unwrap_or_default();
-            let (x, particle) = (self.particles.position[place], self.particles.id[place]);
+            let index = self.particles.position.iter().position(is_outside).unwrap_or_default();
+            let (x, particle) = (self.particles.position[index], self.particles.id[index]);
             return Err(Failure::Escaped { time: self.time, particle, x: x.x, y: x.y, z: x.z });
         }
         if let Some(engine) = self.engine.distributed_mut() {

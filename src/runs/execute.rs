@@ -129,7 +129,7 @@ fn simulate_with_checkpoints(
     let (experiment, start, run) = (&run.experiment, run.start()?, &run.identity);
     let mut seen = StandardObservers::new(experiment, start.fingerprint);
     let schedule = seen.schedule;
-    let in_parts = others.iter().take_while(|other| other.sight() == Needs::Parts).count();
+    let in_parts = others.iter().take_while(|other| other.needs() == Needs::Parts).count();
     let common = seen.with(&mut []).len() + in_parts;
     let mut observers = seen.with(others);
     let (is_part, earlier) = (start.is_part, checkpointer.earlier(run));
@@ -174,21 +174,21 @@ fn simulate_with_checkpoints(
         let parts = store_parts(&mut simulation, (run, checkpointer), over.is_some());
         let pause = course.store(&simulation, &observers).map_err(unfit)?;
         if let Some(why) = observers.iter().find_map(|observer| observer.stop()) {
-            course.settle(&mut simulation);
+            course.finish_half_kick(&mut simulation);
             break Some(Failure::Unwritten { time: simulation.time, why });
         }
         let kept = StoredRun { pause, over: over.clone() };
         if over.is_some() {
             checkpointer.finish(run, &kept, parts).map_err(unfit)?;
         } else if checkpointer.keep(run, &kept, parts) {
-            course.settle(&mut simulation);
+            course.finish_half_kick(&mut simulation);
             break Some(Failure::Stopped { time: simulation.time });
         }
     };
     course.end(&mut simulation, &mut observers, failure.as_ref());
     drop(observers);
     if gives_end {
-        simulation.show(1);
+        simulation.gather(1);
         simulation.end();
     }
     let hash = simulation.fingerprint();
@@ -204,7 +204,7 @@ fn store_parts(
     over: bool,
 ) -> Result<(), OutputError> {
     if simulation.parts_of_state() == 0 {
-        simulation.show(1);
+        simulation.gather(1);
         return Ok(());
     }
     let (mut written, mut number) = (Ok(()), 0);

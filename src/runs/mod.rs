@@ -26,8 +26,8 @@ pub(crate) use executor::{Executor, RunResult};
 pub(crate) use progress::{INTERVAL, Progress, span};
 pub use ranks::Ranks;
 pub(crate) use resumable::{ResumableRun, mark, mark_of_experiments, refuse_too_large, start};
-pub use settings::quoted;
-pub(crate) use settings::{CommandOrigin, CommandSettings, command_line, folder, provenance, read};
+pub use settings::{CommandOrigin, quoted};
+pub(crate) use settings::{CommandSettings, command_line, folder, provenance, read};
 pub use signals::Signals;
 #[cfg(feature = "lab")]
 pub(crate) use standard_observers::StandardObservers;

@@ -228,7 +228,7 @@ pub struct Watch {
 }
 
 impl Observer for Watch {
-    fn sight(&self) -> Needs {
+    fn needs(&self) -> Needs {
         Needs::Nothing
     }
 

@@ -21,18 +21,13 @@ const PIECE: usize = 4;
 /// further replicas each.
 const MOST: usize = 64;
 
-/// Runs all variants of a case and writes their results to one folder. Returns one answer for all comparisons of the
-/// variants; `None` if there is a single variant.
+/// Begins or resumes the runs of all variants of a case, and writes their results to one folder. Runs that are complete
+/// are not repeated. Returns one answer for all comparisons of the variants; `None` if there is a single variant.
 ///
 /// # Errors
 /// Returns an error for bad input, before anything is computed, or for failures of engines, after everything has been
 /// written.
-pub fn compare(args: &Compare, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
-    compare_on(args, CommandOrigin::Typed, ranks)
-}
-
-/// Begins or resumes a comparison of variants. Runs that are complete are not repeated.
-pub(super) fn compare_on(args: &Compare, origin: CommandOrigin, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
+pub fn compare(args: &Compare, origin: CommandOrigin, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
     let settings = CommandSettings {
         checkpoint_every: args.keep.checkpoint_every,
         ..CommandSettings::new(origin, "compare", &args.case, &args.output, &args.effort)

@@ -1,9 +1,9 @@
 //! `diptych resume`: continues a run, a comparison, a sweep or a study of sensitivity that was stopped or killed.
 
-use super::compare::compare_on;
-use super::run::{MakeObserver, run_on};
-use super::sensitivity::{Question, sensitivity_on};
-use super::sweep::sweep_on;
+use super::compare::compare;
+use super::run::{MakeObserver, run};
+use super::sensitivity::{Question, sensitivity};
+use super::sweep::sweep;
 use crate::checkpoint::{Store, Unreadable};
 use crate::cli::{Cli, Command, Effort, Output, Resume, Run};
 use crate::output::{CHECKPOINT, COMMAND, SUMMARY};
@@ -19,41 +19,41 @@ use std::path::Path;
 /// Returns an error if the folder has nothing that could be resumed, if another version of the program wrote it, or if
 /// its case has changed. Other errors are those of the resumed command.
 pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
-    let typed = args.folder.display();
+    let shown = args.folder.display();
     let input = |message: String| StudyError::Input(format!("error: {message}"));
-    let folder = std::path::absolute(&args.folder).map_err(|why| input(format!("no folder {typed}: {why}")))?;
+    let folder = std::path::absolute(&args.folder).map_err(|why| input(format!("no folder {shown}: {why}")))?;
     let command = Store::of(&folder).command().map_err(|why| refusal(&folder, why))?;
     let cli = Cli::try_parse_from(&command.arguments)
-        .map_err(|why| input(format!("{typed} cannot be gone on with: {why}")))?;
+        .map_err(|why| input(format!("{shown} cannot be gone on with: {why}")))?;
     // paths in the command line are relative to the folder in which the command was typed
     std::env::set_current_dir(&command.folder).map_err(|why| {
         input(format!(
             "{} was started in {}, which cannot be entered: {why}",
-            typed,
+            shown,
             Path::new(&command.folder).display()
         ))
     })?;
     let origin = CommandOrigin::Resumed { folder, command, quiet: args.quiet };
     // only these commands store their state
-    if let Command::Run(mut run) = cli.command {
-        adopt(args, &mut run.output, &mut run.effort);
+    if let Command::Run(mut typed) = cli.command {
+        adopt(args, &mut typed.output, &mut typed.effort);
         // an observer that displays has stored no data, so an idle one takes its place
         let idle: MakeObserver = &mut |_| Ok(Box::new(|_: &Simulation| ()));
-        run_on(&run, origin, ranks, is_watched(&run).then_some(idle))
-    } else if let Command::Compare(mut compare) = cli.command {
-        adopt(args, &mut compare.output, &mut compare.effort);
-        compare_on(&compare, origin, ranks).map(|_| ())
-    } else if let Command::Sensitivity(mut study) = cli.command {
-        adopt(args, &mut study.runs.output, &mut study.runs.effort);
-        sensitivity_on(&study, Question::Sensitivity, origin, ranks).map(|_| ())
-    } else if let Command::Needs(mut study) = cli.command {
-        adopt(args, &mut study.runs.output, &mut study.runs.effort);
-        sensitivity_on(&study.as_sensitivity(), Question::Needs, origin, ranks).map(|_| ())
-    } else if let Command::Sweep(mut sweep) = cli.command {
-        adopt(args, &mut sweep.output, &mut sweep.effort);
-        sweep_on(&sweep, origin, ranks)
+        run(&typed, origin, ranks, is_watched(&typed).then_some(idle))
+    } else if let Command::Compare(mut typed) = cli.command {
+        adopt(args, &mut typed.output, &mut typed.effort);
+        compare(&typed, origin, ranks).map(|_| ())
+    } else if let Command::Sensitivity(mut typed) = cli.command {
+        adopt(args, &mut typed.runs.output, &mut typed.runs.effort);
+        sensitivity(&typed, Question::Sensitivity, origin, ranks).map(|_| ())
+    } else if let Command::Needs(mut typed) = cli.command {
+        adopt(args, &mut typed.runs.output, &mut typed.runs.effort);
+        sensitivity(&typed.as_sensitivity(), Question::Needs, origin, ranks).map(|_| ())
+    } else if let Command::Sweep(mut typed) = cli.command {
+        adopt(args, &mut typed.output, &mut typed.effort);
+        sweep(&typed, origin, ranks)
     } else {
-        Err(input(format!("{typed} holds neither a run nor a comparison")))
+        Err(input(format!("{shown} holds neither a run nor a comparison")))
     }
 }
 

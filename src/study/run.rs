@@ -15,33 +15,16 @@ use crate::runs::{CommandOrigin, CommandSettings, Ranks, StudyError, read, share
 use crate::schedule::Schedule;
 use crate::statistics::Estimate;
 
-/// Runs a case with one model and writes the results to one folder.
-///
-/// # Errors
-/// Returns an error for bad input, before anything is computed, or for a failure of the engine, after all results up to
-/// it have been written.
-pub fn run(args: &Run, ranks: &Ranks) -> Result<(), StudyError> {
-    run_on(args, CommandOrigin::Typed, ranks, None)
-}
-
 /// Makes a further observer of a run of the experiment.
 pub type MakeObserver<'a> = &'a mut dyn FnMut(&Experiment) -> Result<Box<dyn Observer>, StudyError>;
 
-/// Runs a case like [`run`], with a further observer, which must not store data. Only the lead process makes it.
+/// Begins or resumes the run of a case with one model, and writes the results to one folder. `make` makes a further
+/// observer, which must not store data; only the lead process calls it.
 ///
 /// # Errors
-/// Errors of [`run`], and those of `make`.
-pub fn run_watched(args: &Run, ranks: &Ranks, make: MakeObserver) -> Result<(), StudyError> {
-    run_on(args, CommandOrigin::Typed, ranks, Some(make))
-}
-
-/// Begins or resumes the run of a case with one model.
-pub(super) fn run_on(
-    args: &Run,
-    origin: CommandOrigin,
-    ranks: &Ranks,
-    make: Option<MakeObserver>,
-) -> Result<(), StudyError> {
+/// Returns an error for bad input, before anything is computed, or for a failure of the engine, after all results up to
+/// it have been written. Other errors are those of `make`.
+pub fn run(args: &Run, origin: CommandOrigin, ranks: &Ranks, make: Option<MakeObserver>) -> Result<(), StudyError> {
     let settings = CommandSettings {
         checkpoint_every: args.keep.checkpoint_every,
         ..CommandSettings::new(origin, "run", &args.case, &args.output, &args.effort)

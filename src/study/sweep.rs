@@ -24,17 +24,12 @@ use std::path::Path;
 /// Largest number of rows in the table of a sweep. A reader would not read more rows one by one.
 const MOST: usize = 10_000;
 
-/// Does the missing runs of a sweep and writes its results to a folder.
+/// Begins or resumes a sweep, and writes its results to a folder. Runs that are complete are not repeated.
 ///
 /// # Errors
 /// Returns an error for bad input, before anything is computed, or for runs that stopped early, after everything has
 /// been written.
-pub fn sweep(args: &Sweep, ranks: &Ranks) -> Result<(), StudyError> {
-    sweep_on(args, CommandOrigin::Typed, ranks)
-}
-
-/// Begins or resumes a sweep. Runs that are complete are not repeated.
-pub(super) fn sweep_on(args: &Sweep, origin: CommandOrigin, ranks: &Ranks) -> Result<(), StudyError> {
+pub fn sweep(args: &Sweep, origin: CommandOrigin, ranks: &Ranks) -> Result<(), StudyError> {
     let mut settings = CommandSettings {
         in_turn: args.in_turn,
         keeps_results: true,

@@ -73,7 +73,7 @@ pub fn left_and_resumed(sizes: [Option<usize>; 2], of: &(Scene, Particles)) -> (
             let mut simulation = if size.is_some() { plain().shared(lead, 0) } else { plain() };
             let windows = WINDOWS - simulation.windows;
             simulation.run_while(windows, window, &mut |_, k| snapshot.is_some() || k < left).unwrap();
-            simulation.show(1);
+            simulation.gather(1);
             let end = (simulation.state().fingerprint(), simulation.record.ledger.clone());
             (simulation.snapshot().unwrap(), end)
         })

@@ -62,9 +62,9 @@ impl Cast {
     /// Sorts the data in the order of the ids of the particles.
     pub(super) fn sort(&mut self) {
         let (id, radius, species) = (self.id.clone(), self.radius.clone(), self.species.clone());
-        for (place, rank) in ranks(&id).iter().enumerate() {
+        for (index, rank) in ranks(&id).iter().enumerate() {
             let rank = *rank as usize;
-            (self.id[rank], self.radius[rank], self.species[rank]) = (id[place], radius[place], species[place]);
+            (self.id[rank], self.radius[rank], self.species[rank]) = (id[index], radius[index], species[index]);
         }
     }
 }
@@ -77,10 +77,10 @@ fn ranks(ids: &[u32]) -> Cow<'_, [u32]> {
         return Cow::Borrowed(ids);
     }
     let mut order: Vec<u32> = (0..count).collect();
-    order.sort_unstable_by_key(|place| ids[*place as usize]);
+    order.sort_unstable_by_key(|index| ids[*index as usize]);
     let mut ranks = vec![0; ids.len()];
-    for (rank, place) in (0..).zip(order) {
-        ranks[place as usize] = rank;
+    for (rank, index) in (0..).zip(order) {
+        ranks[index as usize] = rank;
     }
     Cow::Owned(ranks)
 }
@@ -89,7 +89,7 @@ fn ranks(ids: &[u32]) -> Cow<'_, [u32]> {
 #[derive(Clone, Copy, Debug, Default)]
 struct Own {
     /// Index of the particle in the store.
-    place: u32,
+    index: u32,
     /// [m] largest overlap among the contacts of the particle.
     overlap: f64,
     contacts: u16,
@@ -108,7 +108,7 @@ impl TrajectoryFrame {
         self.id.clone_from(&particles.id);
         self.contacts.clear();
         simulation.for_each_contact(|couple, overlap| {
-            self.contacts.extend(couple.places().into_iter().flatten().map(|place| (place, overlap)));
+            self.contacts.extend(couple.indices().into_iter().flatten().map(|index| (index, overlap)));
         });
         self.contacts.extend(simulation.contacts_abroad());
         self.islands = simulation.in_islands().map(<[u32]>::to_vec);
@@ -120,14 +120,14 @@ impl TrajectoryFrame {
         let ranks = ranks(id);
         let solver = if islands.is_some() { FLEW } else { EVERYONE };
         own.resize(id.len(), Own::default());
-        for (place, rank) in (0..).zip(&*ranks) {
-            own[*rank as usize] = Own { place, solver, ..Own::default() };
+        for (index, rank) in (0..).zip(&*ranks) {
+            own[*rank as usize] = Own { index, solver, ..Own::default() };
         }
-        for place in islands.iter().flatten() {
-            own[ranks[*place as usize] as usize].solver = ISLAND;
+        for index in islands.iter().flatten() {
+            own[ranks[*index as usize] as usize].solver = ISLAND;
         }
-        for (place, overlap) in contacts {
-            let own = &mut own[ranks[*place as usize] as usize];
+        for (index, overlap) in contacts {
+            let own = &mut own[ranks[*index as usize] as usize];
             own.overlap = own.overlap.max(*overlap);
             own.contacts += 1;
         }
@@ -152,9 +152,9 @@ impl TrajectoryFrame {
         let count = own.len();
         let mut file = Vtp::begin(memory, self.time, [count, usize::from(count > 0), 0]);
         file.part("PointData", |file| {
-            file.array::<f64, 3>("velocity", own.iter().map(|own| self.velocity[own.place as usize].into()));
+            file.array::<f64, 3>("velocity", own.iter().map(|own| self.velocity[own.index as usize].into()));
             if let Some(spins) = &self.spin {
-                file.array::<f64, 3>("spin", own.iter().map(|own| spins[own.place as usize].into()));
+                file.array::<f64, 3>("spin", own.iter().map(|own| spins[own.index as usize].into()));
             }
             file.array("radius", cast.radius.iter().map(|radius| [*radius]));
             file.array("id", cast.id.iter().map(|id| [*id]));
@@ -163,7 +163,7 @@ impl TrajectoryFrame {
             file.array("contacts", own.iter().map(|own| [own.contacts]));
             file.array("solver", own.iter().map(|own| [own.solver]));
         });
-        let wrapped = own.iter().map(|own| cast.domain.wrap(&self.position[own.place as usize]).into());
+        let wrapped = own.iter().map(|own| cast.domain.wrap(&self.position[own.index as usize]).into());
         file.part("Points", |file| file.array::<f64, 3>("Points", wrapped));
         // all points belong to one vertex cell, because viewers draw only cells
         file.part("Verts", |file| {
@@ -193,8 +193,8 @@ impl TrajectoryFrame {
             env!("CARGO_PKG_VERSION")
         );
         for (rank, own) in own.iter().enumerate() {
-            let place = own.place as usize;
-            let (position, velocity) = (cast.domain.wrap(&self.position[place]), self.velocity[place]);
+            let index = own.index as usize;
+            let (position, velocity) = (cast.domain.wrap(&self.position[index]), self.velocity[index]);
             for number in position.iter().chain(&velocity).chain([&cast.radius[rank]]) {
                 let _ = write!(text, "{number:?} ");
             }
@@ -202,7 +202,7 @@ impl TrajectoryFrame {
             let kind = u32::from(cast.species[rank]) + 1;
             let id = cast.id[rank];
             let _ = write!(text, "{id} {kind} {:?} {} {}", own.overlap, own.contacts, own.solver);
-            for number in self.spin.iter().flat_map(|spins| &spins[place]) {
+            for number in self.spin.iter().flat_map(|spins| &spins[index]) {
                 let _ = write!(text, " {number:?}");
             }
             text.push('\n');

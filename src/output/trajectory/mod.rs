@@ -269,7 +269,7 @@ impl Observer for Trajectory<'_> {
 
     /// Particles that the trajectory requires. Extended XYZ and files of contacts have one file per frame, and require
     /// all particles in one process. For other VTK files, each process requires its own particles.
-    fn sight(&self) -> Needs {
+    fn needs(&self) -> Needs {
         if self.asked.format.is_xyz() || self.contacts.is_some() { Needs::Every(1) } else { Needs::Parts }
     }
 
@@ -280,8 +280,8 @@ impl Observer for Trajectory<'_> {
         }
     }
 
-    fn sight_of_end(&self, now: f64) -> Needs {
-        if self.is_done(now) { Needs::Nothing } else { self.sight() }
+    fn needs_at_end(&self, now: f64) -> Needs {
+        if self.is_done(now) { Needs::Nothing } else { self.needs() }
     }
 
     fn end(&mut self, simulation: &Simulation) {

@@ -121,7 +121,7 @@ pub trait Solver: Send {
     ///
     /// # Errors
     /// The engine fails; the store then contains the state at the time of the failure.
-    fn everyone(&mut self, work: &mut Work<Lasting<Self>>, window: Window) -> Result<(), Failure>;
+    fn advance_all(&mut self, work: &mut Work<Lasting<Self>>, window: Window) -> Result<(), Failure>;
 
     /// Counts of all work: that of the classical algorithm (all particles at once) plus that in islands.
     fn counters(&self, islands: &IslandCounters) -> Counters;
@@ -323,16 +323,16 @@ impl<S: DistributedSolver> Engine for Driver<S> {
         Ok(())
     }
 
-    fn repopulate(&mut self, place_of: &[Option<u32>]) -> f64 {
+    fn repopulate(&mut self, index_of: &[Option<u32>]) -> f64 {
         self.solver.hand_over(&mut self.lasting);
         self.solver.repopulate();
         self.islands.repopulate();
         let (islands, mut cut) = (self.solver.islands(), ExactSum::default());
         let follow = |carried: Lasting<S>| {
-            let new_place = |place: u32| place_of.get(place as usize).copied().flatten();
-            let places = S::Islands::places(&carried).into_iter().flatten();
-            if places.map(new_place).all(|place| place.is_some()) {
-                return Some(S::Islands::moved(&carried, &|place| new_place(place).unwrap_or(place)));
+            let new_index = |index: u32| index_of.get(index as usize).copied().flatten();
+            let indices = S::Islands::indices(&carried).into_iter().flatten();
+            if indices.map(new_index).all(|index| index.is_some()) {
+                return Some(S::Islands::moved(&carried, &|index| new_index(index).unwrap_or(index)));
             }
             cut.add(islands.energy(&carried));
             None

@@ -116,11 +116,11 @@ pub trait Engine: Send {
     /// The bytes are not the state of an engine of this type; this engine then remains unchanged.
     fn restore(&mut self, stored: &Stored) -> Result<(), StoreError>;
 
-    /// Follows a change of the population between two windows. `place_of` contains, for each index in the store before the
+    /// Follows a change of the population between two windows. `index_of` contains, for each index in the store before the
     /// change, the index after it, or `None` for a particle that has left. Particles that have come in are at the end of
     /// the store. The engine keeps the contacts and collision histories of the particles that stay. Returns the energy [J]
     /// that was stored in contacts of the particles that have left.
-    fn repopulate(&mut self, place_of: &[Option<u32>]) -> f64;
+    fn repopulate(&mut self, index_of: &[Option<u32>]) -> f64;
 }
 
 /// Overlap of two touching bodies, and the diameter to which it is compared.
@@ -413,10 +413,10 @@ impl Failure {
     }
 }
 
-/// Largest absolute component [m/s] of the velocity of the particle at index `place`; 0 if there is no such particle.
+/// Largest absolute component [m/s] of the velocity of the particle at index `index`; 0 if there is no such particle.
 /// This value may be finite although the square of the speed is not.
-fn speed(particles: &Particles, place: usize) -> f64 {
-    particles.velocity.get(place).map_or(0.0, |velocity| velocity.amax())
+fn speed(particles: &Particles, index: usize) -> f64 {
+    particles.velocity.get(index).map_or(0.0, |velocity| velocity.amax())
 }
 
 /// Makes the failure that names the first particle, in the order of the particle store, whose position or velocity is not
@@ -429,6 +429,6 @@ fn not_a_number(particles: &Particles, time: f64) -> Failure {
         .position(|(x, v)| !(x.iter().chain(v.iter()).all(|value| value.is_finite())));
     // if all numbers are finite, the square of the largest speed is not, so this particle is the fastest
     let fastest = || (0..particles.len()).max_by(|a, b| speed(particles, *a).total_cmp(&speed(particles, *b)));
-    let place = bad.or_else(fastest).unwrap_or_default();
-    Failure::NotANumber { time, particle: particles.id.get(place).copied().unwrap_or_default() }
+    let index = bad.or_else(fastest).unwrap_or_default();
+    Failure::NotANumber { time, particle: particles.id.get(index).copied().unwrap_or_default() }
 }

@@ -92,9 +92,9 @@ fn local_density(positions: &[Vector3<f64>], domain: &Domain, diameter: f64) -> 
     let [across, up, along] = [cells.x, cells.y, cells.z].map(|count| count as usize);
     let mut counts = vec![0_u64; across * up * along];
     for position in positions {
-        let place = domain.wrap(position).component_div(&domain.size).component_mul(&cells);
-        let [x, y, z] = [(place.x, across), (place.y, up), (place.z, along)]
-            .map(|(place, count)| (place.max(0.0) as usize).min(count - 1));
+        let cell = domain.wrap(position).component_div(&domain.size).component_mul(&cells);
+        let [x, y, z] = [(cell.x, across), (cell.y, up), (cell.z, along)]
+            .map(|(cell, count)| (cell.max(0.0) as usize).min(count - 1));
         counts[(z * up + y) * across + x] += 1;
     }
     let pairs: u64 = counts.iter().map(|count| count * count.saturating_sub(1)).sum();

@@ -33,16 +33,16 @@ impl NeighbourList {
             return;
         }
         let (mut packed, known) = (PackedBalls::default(), self.pairs.len());
-        let places: Vec<u32> = (0..particles.len() as u32).collect();
+        let indices: Vec<u32> = (0..particles.len() as u32).collect();
         let ball = |i: usize| (particles.position[i], particles.radius[i] + 0.5 * skin);
-        packed.fill(&places, ball, region);
+        packed.fill(&indices, ball, region);
         for i in 0..particles.len() {
             let (position, reach) = ball(i);
-            let sight = reach + levels.largest_reach();
-            if position.y >= sight {
+            let search_radius = reach + levels.largest_reach();
+            if position.y >= search_radius {
                 continue;
             }
-            scene.domain.for_each_across(&position, sight, |image| {
+            scene.domain.for_each_across(&position, search_radius, |image| {
                 packed.for_each_beside((image, reach), levels, region, |others| {
                     let pairs = others.iter().map(|&j| Pair { i: i as u32, j });
                     let near = |pair: &Pair| pair.is_within(pair.reach(particles) + skin, particles, scene);

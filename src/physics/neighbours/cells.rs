@@ -169,7 +169,7 @@ impl CellGrid {
                 for k in used.clone() {
                     let (from, to) = runs[k];
                     if from <= to {
-                        visit(self.places(base + from as usize, base + to as usize), across || k != 1);
+                        visit(self.indices(base + from as usize, base + to as usize), across || k != 1);
                     }
                 }
             }
@@ -206,7 +206,7 @@ impl CellGrid {
     /// Range of the items of the cell number `cell` in the cell order (the list of all items, cell by cell).
     #[inline]
     pub fn items_of(&self, cell: usize) -> Range<usize> {
-        self.places(cell, cell)
+        self.indices(cell, cell)
     }
 
     /// Number of rows of cells along x in the grid.
@@ -229,7 +229,7 @@ impl CellGrid {
         let turns = self.periodic[0] && nx > 1;
         let at_side = self.is_at_side(1, cy) || self.is_at_side(2, cz);
         for cx in 0..nx {
-            let own = self.places(base + cx, base + cx);
+            let own = self.indices(base + cx, base + cx);
             if own.is_empty() {
                 continue;
             }
@@ -237,15 +237,15 @@ impl CellGrid {
             let mut around = Around { first: [0; RANGES], end: [0; RANGES], count: 0 };
             around.add(own.end..self.start[base + last + 1] as usize);
             if turns && cx + 1 == nx {
-                around.add(self.places(base, base));
+                around.add(self.indices(base, base));
             }
             for &other in ahead.iter().flatten() {
-                around.add(self.places(other + first, other + last));
+                around.add(self.indices(other + first, other + last));
                 if turns && cx == 0 {
-                    around.add(self.places(other + nx - 1, other + nx - 1));
+                    around.add(self.indices(other + nx - 1, other + nx - 1));
                 }
                 if turns && cx + 1 == nx {
-                    around.add(self.places(other, other));
+                    around.add(self.indices(other, other));
                 }
             }
             visit(own, &mut around, at_side || self.is_at_side(0, cx));
@@ -275,7 +275,7 @@ impl CellGrid {
     }
 
     /// Range of the items of the cells `first ..= last`, which are in one row, in the cell order.
-    fn places(&self, first: usize, last: usize) -> Range<usize> {
+    fn indices(&self, first: usize, last: usize) -> Range<usize> {
         self.start[first] as usize..self.start[last + 1] as usize
     }
 }
@@ -368,20 +368,20 @@ mod tests {
             };
             let (grid, order) = sort(1);
             let mut want: Vec<u32> = (0..items.len() as u32).collect();
-            want.sort_by_key(|&place| grid.cell_of(&items[place as usize]));
+            want.sort_by_key(|&index| grid.cell_of(&items[index as usize]));
             assert_eq!(order, want);
             for threads in [2, 3, 8] {
                 let (other, again) = sort(threads);
                 assert!(again == order && other.start == grid.start, "{threads} threads");
             }
             let (mut cells, mut found) = (order.clone(), std::sync::Mutex::new(0));
-            grid.for_each_cell_of(&mut cells, |places| {
-                let cell = |place: &u32| grid.cell_of(&items[*place as usize]);
-                assert!(places.windows(2).all(|two| cell(&two[0]) == cell(&two[1])));
-                *found.lock().unwrap() += places.len();
+            grid.for_each_cell_of(&mut cells, |indices| {
+                let cell = |index: &u32| grid.cell_of(&items[*index as usize]);
+                assert!(indices.windows(2).all(|two| cell(&two[0]) == cell(&two[1])));
+                *found.lock().unwrap() += indices.len();
             });
             assert_eq!(*found.get_mut().unwrap(), items.len());
-            items = order.iter().map(|&place| items[place as usize]).collect();
+            items = order.iter().map(|&index| items[index as usize]).collect();
             let half = (grid.start.len() - 1).div_ceil(2);
             items.swap(10, grid.start[half] as usize);
             items.swap(4 * CHUNK, grid.start[half] as usize - 1);

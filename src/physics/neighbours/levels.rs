@@ -49,12 +49,12 @@ pub struct SortedSizes<'a> {
     pub skin: f64,
     /// Sizes of the spheres in all processes that share a run, from which the sizes of cells are chosen. `None` if this
     /// process stores all spheres.
-    pub everyone: Option<&'a Everyone>,
+    pub of_all: Option<&'a SizesOfAll>,
 }
 
 /// Sizes of the spheres in all processes that share a run, for each level (range of sizes).
 #[derive(Clone, Debug)]
-pub struct Everyone {
+pub struct SizesOfAll {
     /// [m] largest and smallest radius of the spheres in all processes.
     pub range: [f64; 2],
     /// Number of spheres in each level (range of sizes).
@@ -63,11 +63,11 @@ pub struct Everyone {
     pub largest: [f64; MOST_LEVELS],
 }
 
-impl Everyone {
+impl SizesOfAll {
     /// Counts the spheres of this process in each level (range of sizes), from their radii `radius` [m]. `range` [m]
     /// contains the largest and the smallest radius in all processes.
     pub fn of(radius: &[f64], range: [f64; 2]) -> Self {
-        let sizes = SortedSizes { radius, range, skin: 0.0, everyone: None };
+        let sizes = SortedSizes { radius, range, skin: 0.0, of_all: None };
         let mut all = Self { range, count: [0; MOST_LEVELS], largest: [0.0; MOST_LEVELS] };
         for &r in radius {
             let level = if is_wide(range) { sizes.level(r) } else { 0 };
@@ -81,7 +81,7 @@ impl Everyone {
 impl<'a> SortedSizes<'a> {
     /// Sizes of items with the given radii [m], for a search of pairs with gaps of up to `skin` [m].
     pub fn new(radius: &'a [f64], skin: f64) -> Self {
-        Self { radius, range: range(radius), skin, everyone: None }
+        Self { radius, range: range(radius), skin, of_all: None }
     }
 
     /// Number of the level (range of sizes) to which the radius `radius` [m] belongs; level 0 has the largest radii.
@@ -128,7 +128,7 @@ impl Census {
             return None;
         }
         let radius = &sample.particles.radius;
-        let sizes = SortedSizes { radius, range, skin: 0.0, everyone: None };
+        let sizes = SortedSizes { radius, range, skin: 0.0, of_all: None };
         let (mut counts, mut diameters) = ([0.0; MOST_LEVELS], [0.0f64; MOST_LEVELS]);
         for &r in radius {
             let level = sizes.level(r);
@@ -175,7 +175,7 @@ impl SizeLevels {
             let spacing = (region.volume() / count.max(1) as f64).cbrt();
             (2.0 * reach + sizes.skin).max(0.8 * spacing)
         };
-        let of_all = |level: usize| sizes.everyone.map(|all| (all.largest[level], all.count[level] as usize));
+        let of_all = |level: usize| sizes.of_all.map(|all| (all.largest[level], all.count[level] as usize));
         if !is_wide(sizes.range) {
             self.levels.resize(1, SizeLevel::default());
             let level = &mut self.levels[0];
@@ -190,20 +190,20 @@ impl SizeLevels {
             return;
         }
         let mut members: Vec<Vec<u32>> = vec![Vec::new(); MOST_LEVELS];
-        for (place, &radius) in (0u32..).zip(sizes.radius) {
-            members[sizes.level(radius)].push(place);
+        for (index, &radius) in (0u32..).zip(sizes.radius) {
+            members[sizes.level(radius)].push(index);
         }
         let members: Vec<_> = members.into_iter().enumerate().filter(|(_, level)| !level.is_empty()).collect();
         self.levels.resize(members.len(), SizeLevel::default());
         let mut first = 0;
         for (level, (number, members)) in self.levels.iter_mut().zip(&members) {
-            let item = |place: &u32| &items[*place as usize];
-            let here = || (members.iter().map(|place| reach(*place as usize)).fold(0.0, f64::max), members.len());
+            let item = |index: &u32| &items[*index as usize];
+            let here = || (members.iter().map(|index| reach(*index as usize)).fold(0.0, f64::max), members.len());
             let (reach, count) = of_all(*number).unwrap_or_else(here);
             (level.reach, level.first) = (reach, first);
             first += members.len();
             let edge = edge(reach, count);
-            level.grid.sort(members, |place| position(item(place)), region, edge, &mut level.order);
+            level.grid.sort(members, |index| position(item(index)), region, edge, &mut level.order);
             level.order.iter_mut().for_each(|k| *k = members[*k as usize]);
         }
     }
@@ -217,7 +217,7 @@ impl SizeLevels {
         reach: impl Fn(usize) -> f64 + Sync,
         region: &Region,
     ) {
-        let sizes = SortedSizes { radius: &[], range: [0.0, f64::INFINITY], skin: 0.0, everyone: None };
+        let sizes = SortedSizes { radius: &[], range: [0.0, f64::INFINITY], skin: 0.0, of_all: None };
         self.sort(items, &sizes, position, reach, region);
     }
 
@@ -226,7 +226,7 @@ impl SizeLevels {
     pub fn sort_cells(&mut self, key: &[u32]) {
         for level in &mut self.levels {
             let SizeLevel { grid, order, .. } = level;
-            grid.for_each_cell_of(order, |places| places.sort_unstable_by_key(|&place| key[place as usize]));
+            grid.for_each_cell_of(order, |indices| indices.sort_unstable_by_key(|&index| key[index as usize]));
         }
     }
 
@@ -255,7 +255,7 @@ impl SizeLevels {
     /// Indices of the items in a range of the order of all levels (level by level, cell by cell). The range must be
     /// within one level.
     #[inline]
-    pub fn places(&self, range: Range<usize>) -> &[u32] {
+    pub fn indices(&self, range: Range<usize>) -> &[u32] {
         let of = |level: &SizeLevel| level.first <= range.start && range.start < level.first + level.order.len();
         let level = self.levels.iter().find(|level| of(level));
         level.map_or(&[], |level| &level.order[range.start - level.first..range.end - level.first])

@@ -71,8 +71,8 @@ impl NearWall {
     /// smaller than the gap.
     #[inline]
     pub fn gap(&self, particles: &Particles, scene: &Scene) -> f64 {
-        let place = self.particle as usize;
-        let (x, radius) = (&particles.position[place], particles.radius[place]);
+        let index = self.particle as usize;
+        let (x, radius) = (&particles.position[index], particles.radius[index]);
         scene.walls[self.at.wall as usize].contact(self.at.which, x, radius, 0.0).distance - radius
     }
 }
@@ -202,14 +202,12 @@ impl NeighbourList {
         self.frame = plan.frame;
         particles.wrap(&scene.domain);
         let mut levels = SizeLevels::default();
-        let sizes = match &plan.everyone {
-            Some(everyone) => {
-                SortedSizes { radius: &particles.radius, range: everyone.range, skin, everyone: Some(everyone) }
-            }
+        let sizes = match &plan.of_all {
+            Some(of_all) => SortedSizes { radius: &particles.radius, range: of_all.range, skin, of_all: Some(of_all) },
             None => SortedSizes::new(&particles.radius, skin),
         };
         self.common_reach = (sizes.range[0] == sizes.range[1]).then(|| 2.0 * sizes.range[0]);
-        levels.sort(&particles.position, &sizes, |x| *x, |place| particles.radius[place], region);
+        levels.sort(&particles.position, &sizes, |x| *x, |index| particles.radius[index], region);
         levels.sort_cells(&particles.id);
         let order = levels.take_order();
         particles.reorder(&order);
@@ -236,7 +234,7 @@ impl NeighbourList {
     pub fn build_again(&mut self, particles: &mut Particles, scene: &Scene) -> Vec<u32> {
         let (travelled, builds) = (self.travelled, self.builds);
         let plan =
-            ListSettings { frame: self.frame, largest_speed: 0.0, skin: self.skin, uses: self.uses, everyone: None };
+            ListSettings { frame: self.frame, largest_speed: 0.0, skin: self.skin, uses: self.uses, of_all: None };
         let order = self.build_by(&Region::from(&scene.domain), particles, scene, &plan);
         (self.travelled, self.builds) = (travelled, builds);
         order
@@ -245,9 +243,9 @@ impl NeighbourList {
     fn find_pairs(&mut self, levels: &SizeLevels, region: &Region, particles: &Particles, scene: &Scene, skin: f64) {
         let mut packed = PackedBalls::default();
         // the particles are sorted into cell order already
-        let places: Vec<u32> = (0..particles.len() as u32).collect();
-        packed.fill(&places, |i| (particles.position[i], particles.radius[i] + 0.5 * skin), region);
-        drop(places);
+        let indices: Vec<u32> = (0..particles.len() as u32).collect();
+        packed.fill(&indices, |i| (particles.position[i], particles.radius[i] + 0.5 * skin), region);
+        drop(indices);
         let find = |rows: &[(usize, usize)]| {
             let (mut pairs, mut sieve) = (Vec::new(), Sieve::new(Pair { i: 0, j: 0 }));
             let mut look = |i, others: &[u32]| {
@@ -281,7 +279,7 @@ impl NeighbourList {
     /// Removes every candidate that contains no chosen particle. `chosen` has one entry for each particle, by index:
     /// true if the particle is chosen.
     pub fn keep_of(&mut self, chosen: &[bool]) {
-        let is_chosen = |place: u32| chosen[place as usize];
+        let is_chosen = |index: u32| chosen[index as usize];
         self.pairs.retain(|pair| is_chosen(pair.i) || is_chosen(pair.j));
         self.walls.retain(|near| is_chosen(near.particle));
         self.note_first_pairs(chosen.len());
@@ -310,9 +308,9 @@ impl NeighbourList {
                 }
             });
         }
-        let place = |near: &NearWall| (near.at.wall, near.particle, near.at.which);
-        self.walls.sort_unstable_by_key(place);
-        self.walls.dedup_by_key(|near| place(near));
+        let index = |near: &NearWall| (near.at.wall, near.particle, near.at.which);
+        self.walls.sort_unstable_by_key(index);
+        self.walls.dedup_by_key(|near| index(near));
     }
 
     /// Two bodies of the candidate number `slot` of the list.
@@ -444,16 +442,16 @@ pub fn overlapping(particles: &Particles, scene: &Scene) -> Vec<Couple> {
     let (mut sorted, mut list, mut slots) = (particles.clone(), NeighbourList::default(), Vec::new());
     let order = list.build(&mut sorted, scene, 0.0);
     list.overlapping(&sorted, scene, &mut slots);
-    slots.iter().map(|&slot| list.couple(slot as usize).moved(|place| order[place as usize])).collect()
+    slots.iter().map(|&slot| list.couple(slot as usize).moved(|index| order[index as usize])).collect()
 }
 
 /// All pairs of particles with a gap below `gap` [m], by their indices in `particles`. Along periodic axes, the largest
 /// diameter and the gap together are at most half the edge of the box.
 pub fn pairs_with_gap(particles: &Particles, scene: &Scene, gap: f64) -> Vec<[usize; 2]> {
     let (mut sorted, mut list) = (particles.clone(), NeighbourList::default());
-    let plan = ListSettings { frame: Vector3::zeros(), largest_speed: 0.0, skin: gap, uses: 1.0, everyone: None };
+    let plan = ListSettings { frame: Vector3::zeros(), largest_speed: 0.0, skin: gap, uses: 1.0, of_all: None };
     let order = list.build_by(&Region::from(&scene.domain), &mut sorted, scene, &plan);
-    list.pairs.iter().map(|pair| [pair.i, pair.j].map(|place| order[place as usize] as usize)).collect()
+    list.pairs.iter().map(|pair| [pair.i, pair.j].map(|index| order[index as usize] as usize)).collect()
 }
 
 /// Component of a common velocity or acceleration `vector` of all particles that changes no gap to a wall. It is parallel

@@ -17,7 +17,7 @@ const AT_ONCE: usize = 4;
 /// A ball, prepared for comparison with several others at the same time.
 struct PackedBall<W> {
     /// Index of the ball in the particle store.
-    place: u32,
+    index: u32,
     /// [m] centre and radius, each repeated in all lanes of a vector.
     spot: [W; 4],
 }
@@ -48,17 +48,17 @@ const ROOM: usize = 64;
 /// and the count increases by the number of balls that may overlap. This costs less than a branch that the processor
 /// often predicts wrongly.
 struct Picked {
-    places: [u32; ROOM],
+    indices: [u32; ROOM],
     count: usize,
 }
 
 impl Picked {
-    /// Adds those of the four indices `places` whose bits are set in the mask `bits`; the lowest bit belongs to the
+    /// Adds those of the four indices `indices` whose bits are set in the mask `bits`; the lowest bit belongs to the
     /// first index.
     #[inline(always)]
-    fn add(&mut self, bits: usize, places: &[u32; AT_ONCE]) {
-        let chosen = LANES_OF[bits].map(|lane| places[lane % AT_ONCE]);
-        if let Some(room) = self.places.get_mut(self.count..self.count + AT_ONCE) {
+    fn add(&mut self, bits: usize, indices: &[u32; AT_ONCE]) {
+        let chosen = LANES_OF[bits].map(|lane| indices[lane % AT_ONCE]);
+        if let Some(room) = self.indices.get_mut(self.count..self.count + AT_ONCE) {
             room.copy_from_slice(&chosen);
         }
         self.count += bits.count_ones() as usize;
@@ -67,7 +67,7 @@ impl Picked {
     /// Passes all collected indices to `visit` as neighbours of the ball `one`, and empties the collection.
     #[inline(always)]
     fn hand_over(&mut self, one: u32, visit: &mut impl FnMut(u32, &[u32])) {
-        visit(one, self.places.get(..self.count).unwrap_or_default());
+        visit(one, self.indices.get(..self.count).unwrap_or_default());
         self.count = 0;
     }
 }
@@ -90,7 +90,7 @@ fn spot_of((middle, radius): (Vector3<f64>, f64), region: &Region, rounding: f64
 #[derive(Default)]
 pub struct PackedBalls {
     /// Indices of the balls in the particle store; the padding at the end has no meaning.
-    places: Vec<u32>,
+    indices: Vec<u32>,
     /// [m] centres along x, y, z, and radii, as four lists, from which eight consecutive numbers are loaded at a time.
     /// The padding at the end has no meaning.
     spots: [Vec<f32>; 4],
@@ -101,14 +101,14 @@ pub struct PackedBalls {
 }
 
 impl PackedBalls {
-    /// Stores the balls with the indices `places`, in this order. `ball` returns the centre and the radius [m] of the
+    /// Stores the balls with the indices `indices`, in this order. `ball` returns the centre and the radius [m] of the
     /// ball at an index.
-    pub fn fill(&mut self, places: &[u32], ball: impl Fn(usize) -> (Vector3<f64>, f64) + Sync, region: &Region) {
+    pub fn fill(&mut self, indices: &[u32], ball: impl Fn(usize) -> (Vector3<f64>, f64) + Sync, region: &Region) {
         // each thread fills a part of the lists, which is then in the cache of this thread
         for numbers in &mut self.spots {
-            numbers.resize(places.len() + LANES, 0.0);
+            numbers.resize(indices.len() + LANES, 0.0);
         }
-        self.places.resize(places.len() + LANES, 0);
+        self.indices.resize(indices.len() + LANES, 0);
         let periodic = region.periodic();
         self.period =
             std::array::from_fn(|axis| if periodic[axis] { region.size()[axis] as f32 } else { f32::INFINITY });
@@ -117,11 +117,11 @@ impl PackedBalls {
         let rounding = 8.0 * f64::from(f32::EPSILON) * region.size().amax();
         self.rounding = rounding;
         let [x, y, z, radii] = self.spots.each_mut().map(|numbers| numbers.chunks_mut(CHUNK));
-        let chunks = x.zip(y).zip(z.zip(radii)).zip(self.places.chunks_mut(CHUNK).zip(places.chunks(CHUNK)));
-        work_sharing::for_each(chunks, |(((x, y), (z, radii)), (own, places))| {
-            own[..places.len()].copy_from_slice(places);
-            for (k, place) in places.iter().enumerate() {
-                [x[k], y[k], z[k], radii[k]] = spot_of(ball(*place as usize), region, rounding);
+        let chunks = x.zip(y).zip(z.zip(radii)).zip(self.indices.chunks_mut(CHUNK).zip(indices.chunks(CHUNK)));
+        work_sharing::for_each(chunks, |(((x, y), (z, radii)), (own, indices))| {
+            own[..indices.len()].copy_from_slice(indices);
+            for (k, index) in indices.iter().enumerate() {
+                [x[k], y[k], z[k], radii[k]] = spot_of(ball(*index as usize), region, rounding);
             }
         });
     }
@@ -131,7 +131,7 @@ impl PackedBalls {
     fn one<L: Lanes>(&self, number: usize, lanes: L) -> PackedBall<L::Wide> {
         let [x, y, z, radii] = &self.spots;
         let spot = [x[number], y[number], z[number], radii[number]];
-        PackedBall { place: self.places[number], spot: spot.map(|number| lanes.splat(number)) }
+        PackedBall { index: self.indices[number], spot: spot.map(|number| lanes.splat(number)) }
     }
 
     /// Calls `visit` with the index of each ball of a row of cells, and the indices of balls that may overlap it. Each
@@ -169,7 +169,7 @@ impl PackedBalls {
         let mut checks = 0;
         let (grid, _, first) = levels.level(level);
         let has_smaller = levels.has_smaller(level);
-        let mut picked = Picked { places: [0; ROOM], count: 0 };
+        let mut picked = Picked { indices: [0; ROOM], count: 0 };
         grid.for_each_cell(
             row,
             #[inline(always)]
@@ -183,7 +183,7 @@ impl PackedBalls {
                         self.pick::<CROWDED, L>(lanes, &one, range, across, &mut picked, &mut visit);
                     }
                     if has_smaller {
-                        let (middle, reach) = smaller(one.place as usize);
+                        let (middle, reach) = smaller(one.index as usize);
                         levels.for_each_smaller(
                             level,
                             &middle,
@@ -196,7 +196,7 @@ impl PackedBalls {
                         );
                     }
                     if picked.count > 0 {
-                        picked.hand_over(one.place, &mut visit);
+                        picked.hand_over(one.index, &mut visit);
                     }
                 }
             },
@@ -233,9 +233,9 @@ impl PackedBalls {
         mut visit: impl FnMut(&[u32]),
     ) {
         let spot = spot_of((middle, radius), region, self.rounding);
-        let one = PackedBall { place: 0, spot: spot.map(|x| lanes.splat(x)) };
-        let mut picked = Picked { places: [0; ROOM], count: 0 };
-        let mut visit = |_: u32, places: &[u32]| visit(places);
+        let one = PackedBall { index: 0, spot: spot.map(|x| lanes.splat(x)) };
+        let mut picked = Picked { indices: [0; ROOM], count: 0 };
+        let mut visit = |_: u32, indices: &[u32]| visit(indices);
         levels.for_each_near(
             &middle,
             radius,
@@ -244,7 +244,7 @@ impl PackedBalls {
                 self.pick::<false, L>(lanes, &one, range, across, &mut picked, &mut visit);
             },
         );
-        picked.hand_over(one.place, &mut visit);
+        picked.hand_over(one.index, &mut visit);
     }
 
     /// Centres and radii [m] of eight consecutive balls of the cell order, beginning with ball `number`; `None` if
@@ -277,11 +277,11 @@ impl PackedBalls {
             };
             if CROWDED || bits != 0 {
                 for half in 0..LANES / AT_ONCE {
-                    let places =
-                        self.places.get(others.start + half * AT_ONCE..).and_then(|places| places.first_chunk());
-                    picked.add(bits >> (half * AT_ONCE) & 0b1111, places.unwrap_or(&[0; AT_ONCE]));
+                    let indices =
+                        self.indices.get(others.start + half * AT_ONCE..).and_then(|indices| indices.first_chunk());
+                    picked.add(bits >> (half * AT_ONCE) & 0b1111, indices.unwrap_or(&[0; AT_ONCE]));
                     if picked.count > ROOM - AT_ONCE {
-                        picked.hand_over(one.place, visit);
+                        picked.hand_over(one.index, visit);
                     }
                 }
             }
@@ -315,11 +315,11 @@ mod tests {
     ) -> Vec<(u32, u32)> {
         let mut levels = SizeLevels::default();
         let region = Region::from(domain);
-        levels.sort(middles, &SortedSizes::new(radii, 0.0), |x| *x, |place| radii[place], &region);
-        packed.fill(&levels.order(), |place| (middles[place], radii[place]), &region);
+        levels.sort(middles, &SortedSizes::new(radii, 0.0), |x| *x, |index| radii[index], &region);
+        packed.fill(&levels.order(), |index| (middles[index], radii[index]), &region);
         let mut pairs = Vec::new();
         for row in levels.rows() {
-            let smaller = |place: usize| (middles[place], radii[place]);
+            let smaller = |index: usize| (middles[index], radii[index]);
             packed.for_each_near::<CROWDED>(&levels, row, smaller, |i, others| {
                 pairs.extend(others.iter().map(|&j| (i.min(j), i.max(j))));
             });
@@ -343,8 +343,8 @@ mod tests {
             };
             // coordinates are rounded to 2^-24 of the box, 16 times in total
             assert!(pairs.iter().all(|&(i, j)| gap(i, j) < 32.0 * 10.0 * f64::from(f32::EPSILON)));
-            let places = 0..count as u32;
-            let overlap = places.clone().flat_map(|i| (i + 1..count as u32).map(move |j| (i, j)));
+            let indices = 0..count as u32;
+            let overlap = indices.clone().flat_map(|i| (i + 1..count as u32).map(move |j| (i, j)));
             let overlapping: Vec<_> = overlap.filter(|&(i, j)| gap(i, j) < 0.0).collect();
             assert!(overlapping.len() > 3, "{count}: {} pairs", overlapping.len());
             let missed: Vec<_> = overlapping.iter().filter(|pair| pairs.binary_search(pair).is_err()).collect();
@@ -357,14 +357,14 @@ mod tests {
         let (domain, middles, radii) = balls(2000, 0.1..0.4);
         let (mut levels, mut packed) = (SizeLevels::default(), PackedBalls::default());
         let region = Region::from(&domain);
-        levels.sort(&middles, &SortedSizes::new(&radii, 0.0), |x| *x, |place| radii[place], &region);
-        packed.fill(&levels.order(), |place| (middles[place], radii[place]), &region);
+        levels.sort(&middles, &SortedSizes::new(&radii, 0.0), |x| *x, |index| radii[index], &region);
+        packed.fill(&levels.order(), |index| (middles[index], radii[index]), &region);
         let (middle, radius) = (Vector3::new(9.8, 0.3, 0.2), 1.1);
         let mut beside = Vec::new();
-        packed.for_each_beside((middle, radius), &levels, &region, |places| beside.extend_from_slice(places));
-        let gap = |place: usize| domain.separation(&middles[place], &middle).norm() - (radii[place] + radius);
-        let overlapping: Vec<_> = (0..2000).filter(|&place| gap(place as usize) < 0.0).collect();
-        assert!(overlapping.len() > 5 && overlapping.iter().all(|place| beside.contains(place)));
-        assert!(beside.iter().all(|&place| gap(place as usize) < 1e-4));
+        packed.for_each_beside((middle, radius), &levels, &region, |indices| beside.extend_from_slice(indices));
+        let gap = |index: usize| domain.separation(&middles[index], &middle).norm() - (radii[index] + radius);
+        let overlapping: Vec<_> = (0..2000).filter(|&index| gap(index as usize) < 0.0).collect();
+        assert!(overlapping.len() > 5 && overlapping.iter().all(|index| beside.contains(index)));
+        assert!(beside.iter().all(|&index| gap(index as usize) < 1e-4));
     }
 }

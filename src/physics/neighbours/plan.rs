@@ -2,7 +2,7 @@
 //! contain the sizes of all particles.
 
 use super::along_walls;
-use super::levels::{Everyone, range};
+use super::levels::{SizesOfAll, range};
 use crate::communicator::Communicator;
 use crate::domain::Domain;
 use crate::exact;
@@ -22,7 +22,7 @@ pub struct ListSettings {
     /// [-] number of times that the list can be used before it must be rebuilt, at the present speeds of the particles.
     pub uses: f64,
     /// Sizes of the particles in all processes that share a run; `None` if this process stores all particles.
-    pub everyone: Option<Everyone>,
+    pub of_all: Option<SizesOfAll>,
 }
 
 impl ListSettings {
@@ -37,7 +37,7 @@ impl ListSettings {
 
     /// Settings as [`of`](Self::of) returns them, for a run that several processes share. `particles` are those of this
     /// process. All processes together have `count` particles with the mean radius `mean_radius` [m].
-    pub fn together(
+    pub fn across_processes(
         particles: &Particles,
         (count, mean_radius): (usize, f64),
         scene: &Scene,
@@ -52,11 +52,11 @@ impl ListSettings {
         let least = if particles.is_empty() { f64::INFINITY } else { least };
         let mut largest = [particles.largest_speed(frame), most, -least];
         communicator.largest(&mut largest);
-        let mut everyone = Everyone::of(&particles.radius, [largest[1], -largest[2]]);
-        communicator.sum(&mut everyone.count);
-        communicator.largest(&mut everyone.largest);
+        let mut of_all = SizesOfAll::of(&particles.radius, [largest[1], -largest[2]]);
+        communicator.sum(&mut of_all.count);
+        communicator.largest(&mut of_all.largest);
         let plan = Self::new((frame, largest[0]), (count, mean_radius), scene, between_uses);
-        Self { everyone: Some(everyone), ..plan }
+        Self { of_all: Some(of_all), ..plan }
     }
 
     fn new((frame, largest_speed): (Vector3<f64>, f64), sizes: (usize, f64), scene: &Scene, between_uses: f64) -> Self {
@@ -65,7 +65,7 @@ impl ListSettings {
         let strain = scene.domain.strain_rate() * 2.0 * sizes.1;
         let speed = largest_speed + fall.norm() * between_uses + strain + scene.wall_speed();
         let skin = cheapest_skin(sizes, &scene.domain, speed * between_uses);
-        Self { frame, largest_speed, skin, uses: skin / (2.0 * speed * between_uses), everyone: None }
+        Self { frame, largest_speed, skin, uses: skin / (2.0 * speed * between_uses), of_all: None }
     }
 }
 

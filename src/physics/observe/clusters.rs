@@ -139,7 +139,7 @@ impl Observer for ParticleClusters {
         Some(now + self.interval)
     }
 
-    fn sight(&self) -> Needs {
+    fn needs(&self) -> Needs {
         Needs::Every(1)
     }
 

@@ -219,7 +219,7 @@ impl Observer for ContactNetwork {
         self.law.map(|_| now + self.interval)
     }
 
-    fn sight(&self) -> Needs {
+    fn needs(&self) -> Needs {
         Needs::Every(1)
     }
 
@@ -229,7 +229,7 @@ impl Observer for ContactNetwork {
         }
     }
 
-    fn sight_of_end(&self, _now: f64) -> Needs {
+    fn needs_at_end(&self, _now: f64) -> Needs {
         Needs::Every(1)
     }
 

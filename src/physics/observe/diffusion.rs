@@ -235,7 +235,7 @@ impl Observer for Diffusion {
         Some(now + self.interval)
     }
 
-    fn sight(&self) -> Needs {
+    fn needs(&self) -> Needs {
         Needs::Every(1)
     }
 

@@ -34,7 +34,7 @@ impl EnergyBooks {
 }
 
 impl Observer for EnergyBooks {
-    fn sight(&self) -> Needs {
+    fn needs(&self) -> Needs {
         Needs::Sums
     }
 

@@ -252,7 +252,7 @@ impl Observer for Fields {
         Some(now + self.interval)
     }
 
-    fn sight(&self) -> Needs {
+    fn needs(&self) -> Needs {
         Needs::Every(1)
     }
 

@@ -106,7 +106,7 @@ impl Observer for Flows {
         false
     }
 
-    fn sight(&self) -> Needs {
+    fn needs(&self) -> Needs {
         Needs::Nothing
     }
 

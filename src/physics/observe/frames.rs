@@ -122,7 +122,7 @@ impl Observer for Frames {
         false
     }
 
-    fn sight(&self) -> Needs {
+    fn needs(&self) -> Needs {
         Needs::Every(u32::try_from(self.every()).unwrap_or(1))
     }
 
@@ -167,8 +167,8 @@ impl Observer for Frames {
         self.spacing = self.space(simulation);
     }
 
-    fn sight_of_end(&self, now: f64) -> Needs {
-        if self.lacks(now) { self.sight() } else { Needs::Nothing }
+    fn needs_at_end(&self, now: f64) -> Needs {
+        if self.lacks(now) { self.needs() } else { Needs::Nothing }
     }
 
     fn end(&mut self, simulation: &Simulation) {

@@ -276,7 +276,7 @@ impl Observer for FreeSurface {
         false
     }
 
-    fn sight(&self) -> Needs {
+    fn needs(&self) -> Needs {
         Needs::Every(1)
     }
 

@@ -94,7 +94,7 @@ impl Observer for GasFlows {
         Some(now + self.interval)
     }
 
-    fn sight(&self) -> Needs {
+    fn needs(&self) -> Needs {
         Needs::Nothing
     }
 

@@ -142,7 +142,7 @@ impl ImpactSeries {
 }
 
 impl Observer for ImpactSeries {
-    fn sight(&self) -> Needs {
+    fn needs(&self) -> Needs {
         Needs::Sums
     }
 

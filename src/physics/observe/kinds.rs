@@ -371,7 +371,7 @@ fn energy(sample: Sample, slices: usize, height: f64) -> Option<f64> {
 }
 
 impl Observer for Kinds {
-    fn sight(&self) -> Needs {
+    fn needs(&self) -> Needs {
         Needs::Sums
     }
 

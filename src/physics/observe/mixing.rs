@@ -94,7 +94,7 @@ impl Observer for Mixing {
         false
     }
 
-    fn sight(&self) -> Needs {
+    fn needs(&self) -> Needs {
         Needs::Sums
     }
 

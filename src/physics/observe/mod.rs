@@ -128,7 +128,7 @@ pub trait Observer: Send {
 
     /// Particles that the observer requires if several processes share a run; by default all. The observer must also
     /// work if all particles are present.
-    fn sight(&self) -> Needs {
+    fn needs(&self) -> Needs {
         Needs::Every(1)
     }
 
@@ -144,7 +144,7 @@ pub trait Observer: Send {
 
     /// Particles that the observer requires at the end of the run, at the time `now` [s]. With [`Needs::Sums`],
     /// [`see`](Self::see) is called once more before [`end`](Self::end). By default, none.
-    fn sight_of_end(&self, _now: f64) -> Needs {
+    fn needs_at_end(&self, _now: f64) -> Needs {
         Needs::Nothing
     }
 
@@ -179,7 +179,7 @@ impl<F: FnMut(&Simulation) + Send> Observer for F {
 /// Adds the particles to the averages of slices at every sample. In a sheared box, velocities are relative to the mean
 /// flow.
 impl Observer for Accumulator {
-    fn sight(&self) -> Needs {
+    fn needs(&self) -> Needs {
         Needs::Sums
     }
 

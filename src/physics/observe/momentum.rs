@@ -68,7 +68,7 @@ impl Balance {
 }
 
 impl Observer for MomentumBooks {
-    fn sight(&self) -> Needs {
+    fn needs(&self) -> Needs {
         Needs::Sums
     }
 

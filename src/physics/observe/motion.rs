@@ -162,7 +162,7 @@ impl Motion {
 }
 
 impl Observer for Motion {
-    fn sight(&self) -> Needs {
+    fn needs(&self) -> Needs {
         Needs::Sums
     }
 

@@ -206,7 +206,7 @@ impl Observer for PairDistribution {
         false
     }
 
-    fn sight(&self) -> Needs {
+    fn needs(&self) -> Needs {
         Needs::Every(1)
     }
 

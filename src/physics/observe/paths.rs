@@ -75,8 +75,8 @@ impl Observer for Paths {
         self.points[first..].sort_unstable_by_key(|point| point.id);
     }
 
-    fn sight_of_end(&self, now: f64) -> Needs {
-        if self.lacks(now) { self.sight() } else { Needs::Nothing }
+    fn needs_at_end(&self, now: f64) -> Needs {
+        if self.lacks(now) { self.needs() } else { Needs::Nothing }
     }
 
     fn end(&mut self, simulation: &Simulation) {

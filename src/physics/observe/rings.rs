@@ -80,7 +80,7 @@ impl Rings {
 }
 
 impl Observer for Rings {
-    fn sight(&self) -> Needs {
+    fn needs(&self) -> Needs {
         Needs::Sums
     }
 

@@ -37,7 +37,7 @@ impl RunLoop {
     /// exchanges with the gas) if `pause` returns true. Returns true if the run is over.
     ///
     /// A stopped run continues at the next call of this method, also after it was restored from a [`Pause`]. A caller
-    /// that does not continue the run calls [`settle`](Self::settle).
+    /// that does not continue the run calls [`finish_half_kick`](Self::finish_half_kick).
     ///
     /// # Errors
     /// The failure that stopped the run.
@@ -48,24 +48,13 @@ impl RunLoop {
         pause: &mut dyn FnMut() -> bool,
     ) -> Result<bool, Failure> {
         let clock = simulation.clock();
-        let start = clock.now();
-        let over = self.through_samples(simulation, observers, pause);
-        simulation.spent.whole += clock.now() - start;
-        over
-    }
-
-    fn through_samples(
-        &mut self,
-        simulation: &mut Simulation,
-        observers: &mut [&mut dyn Observer],
-        pause: &mut dyn FnMut() -> bool,
-    ) -> Result<bool, Failure> {
-        let clock = simulation.clock();
         let mut has_moved = false;
         loop {
             let began = clock.now();
             self.sample(simulation, observers);
-            simulation.spent.observers += clock.now() - began;
+            let sampled = clock.now() - began;
+            simulation.spent.observers += sampled;
+            simulation.spent.whole += sampled;
             if let Some(why) = observers.iter().find_map(|observer| observer.stop()) {
                 return Err(Failure::Unwritten { time: simulation.time, why });
             }
@@ -80,10 +69,13 @@ impl RunLoop {
             has_moved = true;
             let step = self.schedule_position.next(f64::INFINITY);
             let (windows, window) = self.schedule_position.lengths(step);
+            let began = clock.now();
             let ran = simulation.run_while(windows, window, &mut |simulation, ran| {
                 self.see_between(simulation, (self.schedule_position.after(ran), 0.5 * window), observers);
                 !pause()
-            })?;
+            });
+            simulation.spent.whole += clock.now() - began;
+            let ran = ran?;
             self.schedule_position.advance(step, ran);
             if ran < windows {
                 return Ok(false);
@@ -100,18 +92,18 @@ impl RunLoop {
         (now, kick): (f64, f64),
         observers: &mut [&mut dyn Observer],
     ) {
-        let by_parts = |place: &usize| observers[*place].sight() == Needs::Parts && simulation.is_seen_by_all(*place);
+        let by_parts = |index: &usize| observers[*index].needs() == Needs::Parts && simulation.is_seen_by_all(*index);
         let (parts, due): (Vec<usize>, Vec<usize>) = self.due(now).into_iter().partition(by_parts);
         if !parts.is_empty() {
-            simulation.look(kick, |simulation| {
-                show_parts(simulation, observers, &parts);
+            simulation.with_synchronised_velocities(kick, |simulation| {
+                see_parts(simulation, observers, &parts);
                 self.see(simulation, now, observers, &parts);
             });
         }
         if !due.is_empty() {
-            show(simulation, due.iter().map(|place| observers[*place].sight()));
-            if due.iter().any(|place| observers[*place].needs_velocities()) {
-                simulation.look(kick, |simulation| self.see(simulation, now, observers, &due));
+            gather(simulation, due.iter().map(|index| observers[*index].needs()));
+            if due.iter().any(|index| observers[*index].needs_velocities()) {
+                simulation.with_synchronised_velocities(kick, |simulation| self.see(simulation, now, observers, &due));
             } else {
                 self.see(simulation, now, observers, &due);
             }
@@ -120,21 +112,21 @@ impl RunLoop {
 
     /// Adds the missing half step of drag to the velocities of a run that was stopped between two samples. A caller
     /// that does not continue the run must call this function.
-    pub fn settle(&self, simulation: &mut Simulation) {
-        simulation.settle(self.schedule_position.window());
+    pub fn finish_half_kick(&self, simulation: &mut Simulation) {
+        simulation.finish_half_kick(self.schedule_position.window());
     }
 
     /// Calls the observers whose time has come, at a sample (instant of measurement). If several processes share the
     /// run, observers that require sums or parts are called in every process, with the particles of this process.
     fn sample(&mut self, simulation: &mut Simulation, observers: &mut [&mut dyn Observer]) {
-        let by_parts = |place: &usize| {
-            matches!(observers[*place].sight(), Needs::Sums | Needs::Parts) && simulation.is_seen_by_all(*place)
+        let by_parts = |index: &usize| {
+            matches!(observers[*index].needs(), Needs::Sums | Needs::Parts) && simulation.is_seen_by_all(*index)
         };
         let (parts, others): (Vec<usize>, Vec<usize>) =
             self.due(self.schedule_position.now()).into_iter().partition(by_parts);
-        show_parts(simulation, observers, &parts);
+        see_parts(simulation, observers, &parts);
         self.see(simulation, self.schedule_position.now(), observers, &parts);
-        show(simulation, others.iter().map(|place| observers[*place].sight()));
+        gather(simulation, others.iter().map(|index| observers[*index].needs()));
         self.see(simulation, self.schedule_position.now(), observers, &others);
     }
 
@@ -142,39 +134,39 @@ impl RunLoop {
     /// the run was stopped on request, observers that require [`Needs::Parts`] are first called with the particles of
     /// their process.
     pub fn end(&mut self, simulation: &mut Simulation, observers: &mut [&mut dyn Observer], failure: Option<&Failure>) {
-        let sight: Vec<Needs> = observers.iter().map(|observer| observer.sight_of_end(simulation.time)).collect();
-        let by_parts = |place: &usize| match sight[*place] {
+        let needs: Vec<Needs> = observers.iter().map(|observer| observer.needs_at_end(simulation.time)).collect();
+        let by_parts = |index: &usize| match needs[*index] {
             Needs::Parts => {
-                matches!(failure, None | Some(Failure::Stopped { .. })) && simulation.is_seen_by_all(*place)
+                matches!(failure, None | Some(Failure::Stopped { .. })) && simulation.is_seen_by_all(*index)
             }
-            Needs::Sums => failure.is_none() && simulation.is_seen_by_all(*place),
+            Needs::Sums => failure.is_none() && simulation.is_seen_by_all(*index),
             Needs::Nothing | Needs::Every(_) => false,
         };
         let (parts, others): (Vec<usize>, Vec<usize>) = (0..observers.len()).partition(by_parts);
-        show_parts(simulation, observers, &parts);
+        see_parts(simulation, observers, &parts);
         self.see(simulation, self.schedule_position.now(), observers, &parts);
         if failure.is_none() {
-            show(simulation, others.iter().map(|place| sight[*place]));
+            gather(simulation, others.iter().map(|index| needs[*index]));
         } else {
-            simulation.show(1);
+            simulation.gather(1);
         }
         observers.iter_mut().for_each(|observer| observer.end(simulation));
     }
 
-    /// Calls the observers with the indices `places` at `now` [s], and stores the next time of each.
-    fn see(&mut self, simulation: &Simulation, now: f64, observers: &mut [&mut dyn Observer], places: &[usize]) {
-        for &place in places {
-            observers[place].see(simulation);
+    /// Calls the observers with the indices `indices` at `now` [s], and stores the next time of each.
+    fn see(&mut self, simulation: &Simulation, now: f64, observers: &mut [&mut dyn Observer], indices: &[usize]) {
+        for &index in indices {
+            observers[index].see(simulation);
             // the next time is later than `now`, so that no observer is called twice at one time
             let later = now + 2.0 * self.schedule_position.schedule().rounding();
-            self.due[place] = observers[place].next(now, self.schedule_position.schedule()).map(|time| time.max(later));
+            self.due[index] = observers[index].next(now, self.schedule_position.schedule()).map(|time| time.max(later));
         }
     }
 
     /// Indices of the observers whose next time is `now` [s] or earlier.
     fn due(&self, now: f64) -> Vec<usize> {
         let reached = now + self.schedule_position.schedule().rounding();
-        let is_due = |(place, due): (usize, &Option<f64>)| due.filter(|due| *due <= reached).map(|_| place);
+        let is_due = |(index, due): (usize, &Option<f64>)| due.filter(|due| *due <= reached).map(|_| index);
         self.due.iter().enumerate().filter_map(is_due).collect()
     }
 
@@ -188,23 +180,23 @@ impl RunLoop {
     }
 }
 
-/// Calls the observers with the indices `places` in every process, with the particles of this process. Every process
+/// Calls the observers with the indices `indices` in every process, with the particles of this process. Every process
 /// has a copy of each of these observers.
-fn show_parts(simulation: &mut Simulation, observers: &[&mut dyn Observer], places: &[usize]) {
-    simulation.show_parts(places, |place| observers[place].stored().unwrap_or_default());
+fn see_parts(simulation: &mut Simulation, observers: &[&mut dyn Observer], indices: &[usize]) {
+    simulation.see_parts(indices, |index| observers[index].stored().unwrap_or_default());
 }
 
-/// Gathers, in the lead process, the particles that observers require. `sights` holds the particles that each of them
+/// Gathers, in the lead process, the particles that observers require. `needs` holds the particles that each of them
 /// requires.
-fn show(simulation: &mut Simulation, sights: impl Iterator<Item = Needs>) {
-    let asked = sights.filter_map(|sight| match sight {
+fn gather(simulation: &mut Simulation, needs: impl Iterator<Item = Needs>) {
+    let asked = needs.filter_map(|need| match need {
         Needs::Nothing => None,
         Needs::Sums | Needs::Parts => Some(1),
         Needs::Every(every) => Some(every),
     });
     // a part of the particles is enough only if all observers require the same part
     if let Some(every) = asked.reduce(|one, other| if one == other { one } else { 1 }) {
-        simulation.show(every);
+        simulation.gather(every);
     }
 }
 

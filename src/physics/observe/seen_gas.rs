@@ -83,7 +83,7 @@ impl Observer for SeenGas {
         Some(now + self.interval)
     }
 
-    fn sight(&self) -> Needs {
+    fn needs(&self) -> Needs {
         Needs::Sums
     }
 

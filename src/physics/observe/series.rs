@@ -371,7 +371,7 @@ impl Observer for Series {
         Some(now + self.interval)
     }
 
-    fn sight(&self) -> Needs {
+    fn needs(&self) -> Needs {
         Needs::Sums
     }
 
@@ -380,7 +380,7 @@ impl Observer for Series {
         self.rows.push(Row { sonine, ..Row::of(simulation, self.slices, self.rows.last()) });
     }
 
-    fn sight_of_end(&self, now: f64) -> Needs {
+    fn needs_at_end(&self, now: f64) -> Needs {
         if self.lacks(now) { Needs::Sums } else { Needs::Nothing }
     }
 

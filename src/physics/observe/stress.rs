@@ -131,7 +131,7 @@ impl Observer for Stresses {
         Some(now + self.interval)
     }
 
-    fn sight(&self) -> Needs {
+    fn needs(&self) -> Needs {
         Needs::Sums
     }
 

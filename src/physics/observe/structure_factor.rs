@@ -132,7 +132,7 @@ impl Observer for StructureFactor {
         false
     }
 
-    fn sight(&self) -> Needs {
+    fn needs(&self) -> Needs {
         Needs::Sums
     }
 

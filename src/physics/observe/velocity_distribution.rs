@@ -245,7 +245,7 @@ impl Observer for VelocityDistribution {
         Some(now + self.interval)
     }
 
-    fn sight(&self) -> Needs {
+    fn needs(&self) -> Needs {
         Needs::Sums
     }
 

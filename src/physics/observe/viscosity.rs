@@ -222,7 +222,7 @@ impl Measurement for Viscosity {
 }
 
 impl Observer for Viscosity {
-    fn sight(&self) -> Needs {
+    fn needs(&self) -> Needs {
         Needs::Sums
     }
 

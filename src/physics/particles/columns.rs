@@ -59,14 +59,14 @@ pub trait Column {
         }
     }
 
-    /// Appends the values at the indices `places` of the same column of another store. `count` is the number of
+    /// Appends the values at the indices `indices` of the same column of another store. `count` is the number of
     /// particles in this store before the call.
-    fn copy_from(&mut self, other: &Self, places: &[u32], count: usize) {
+    fn copy_from(&mut self, other: &Self, indices: &[u32], count: usize) {
         self.adopt(other.values().is_some(), count);
         let Some(own) = self.values_mut() else { return };
         match other.values() {
-            Some(values) => own.extend(places.iter().map(|&place| values[place as usize])),
-            None => own.resize(own.len() + places.len(), Self::Value::default()),
+            Some(values) => own.extend(indices.iter().map(|&index| values[index as usize])),
+            None => own.resize(own.len() + indices.len(), Self::Value::default()),
         }
     }
 
@@ -82,11 +82,11 @@ pub trait Column {
         1 + self.values().map_or(0, |_| count * Self::Value::SIZE)
     }
 
-    /// Appends to `bytes` a byte that states whether the column exists, and then the values at the indices `places`.
-    fn pack(&self, places: &[u32], bytes: &mut Vec<u8>) {
+    /// Appends to `bytes` a byte that states whether the column exists, and then the values at the indices `indices`.
+    fn pack(&self, indices: &[u32], bytes: &mut Vec<u8>) {
         bytes.push(u8::from(self.values().is_some()));
         if let Some(values) = self.values() {
-            places.iter().for_each(|&place| values[place as usize].pack(bytes));
+            indices.iter().for_each(|&index| values[index as usize].pack(bytes));
         }
     }
 
@@ -109,12 +109,12 @@ pub trait Column {
         Some(rest)
     }
 
-    /// Reads the value of the particle at index `place` from the beginning of `bytes`. Returns the remaining bytes, or
+    /// Reads the value of the particle at index `index` from the beginning of `bytes`. Returns the remaining bytes, or
     /// `None` if there are too few bytes.
-    fn unpack_at<'a>(&mut self, place: usize, bytes: &'a [u8]) -> Option<&'a [u8]> {
+    fn unpack_at<'a>(&mut self, index: usize, bytes: &'a [u8]) -> Option<&'a [u8]> {
         let Some(values) = self.values_mut() else { return Some(bytes) };
         let (own, rest) = bytes.split_at_checked(Self::Value::SIZE)?;
-        *values.get_mut(place)? = Self::Value::unpack(own);
+        *values.get_mut(index)? = Self::Value::unpack(own);
         Some(rest)
     }
 }
@@ -413,9 +413,9 @@ macro_rules! columns {
             }
 
             /// Appends copies of the particles at the given indices of another store.
-            pub fn copy_from(&mut self, other: &Self, places: &[u32]) {
+            pub fn copy_from(&mut self, other: &Self, indices: &[u32]) {
                 let count = self.count();
-                $(Column::copy_from(&mut self.$column, &other.$column, places, count);)+
+                $(Column::copy_from(&mut self.$column, &other.$column, indices, count);)+
             }
 
             /// Reserves memory for exactly `count` more particles.
@@ -439,11 +439,11 @@ macro_rules! columns {
             }
 
             /// Appends the particles at the given indices to `bytes`.
-            pub(crate) fn pack(&self, places: &[u32], bytes: &mut Vec<u8>) {
+            pub(crate) fn pack(&self, indices: &[u32], bytes: &mut Vec<u8>) {
                 // reserves exactly the bytes needed, because spare capacity would be large for millions of particles
-                bytes.reserve_exact(size_of::<u64>() $(+ Column::packed_size(&self.$column, places.len()))+);
-                bytes.extend_from_slice(&(places.len() as u64).to_le_bytes());
-                $(Column::pack(&self.$column, places, bytes);)+
+                bytes.reserve_exact(size_of::<u64>() $(+ Column::packed_size(&self.$column, indices.len()))+);
+                bytes.extend_from_slice(&(indices.len() as u64).to_le_bytes());
+                $(Column::pack(&self.$column, indices, bytes);)+
             }
 
             /// Appends all particles from `bytes`, which [`pack`](Self::pack) has written. `None` if `bytes` cannot be
@@ -464,24 +464,24 @@ macro_rules! columns {
                 names
             }
 
-            /// Numbers [SI] of the particle at index `place` in a saved state, in the order of
+            /// Numbers [SI] of the particle at index `index` in a saved state, in the order of
             /// [`state_names`](Self::state_names).
-            pub fn state_numbers(&self, place: usize) -> Vec<f64> {
+            pub fn state_numbers(&self, index: usize) -> Vec<f64> {
                 let mut numbers = Vec::new();
                 $($(if let Some(values) = Column::values(&self.$column) {
                     let _: [&str; _] = [$($name),+];
-                    numbers.extend_from_slice(values[place].clone().numbers_mut());
+                    numbers.extend_from_slice(values[index].clone().numbers_mut());
                 })?)+
                 numbers
             }
 
-            /// Sets the numbers [SI] of the particle at index `place`, in the order of
+            /// Sets the numbers [SI] of the particle at index `index`, in the order of
             /// [`state_names`](Self::state_names).
-            pub fn set_state(&mut self, place: usize, numbers: &[f64]) {
+            pub fn set_state(&mut self, index: usize, numbers: &[f64]) {
                 let mut numbers = numbers.iter();
                 $($(if let Some(values) = Column::values_mut(&mut self.$column) {
                     let _: [&str; _] = [$($name),+];
-                    for (own, number) in values[place].numbers_mut().iter_mut().zip(&mut numbers) {
+                    for (own, number) in values[index].numbers_mut().iter_mut().zip(&mut numbers) {
                         *own = *number;
                     }
                 })?)+

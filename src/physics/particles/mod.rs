@@ -109,14 +109,14 @@ impl Particles {
     /// Appends a sphere with a position [m], a velocity [m/s], a radius [m] and a mass [kg]. `species` is an index in
     /// the scene. The id of the sphere is its index.
     pub fn push(&mut self, position: Vector3<f64>, velocity: Vector3<f64>, radius: f64, mass: f64, species: u16) {
-        let place = self.len();
+        let index = self.len();
         self.grow();
-        self.position[place] = position;
-        self.velocity[place] = velocity;
-        self.radius[place] = radius;
-        self.mass[place] = mass;
-        self.species[place] = species;
-        self.id[place] = place as u32;
+        self.position[index] = position;
+        self.velocity[index] = velocity;
+        self.radius[index] = radius;
+        self.mass[index] = mass;
+        self.species[index] = species;
+        self.id[index] = index as u32;
     }
 
     /// Appends all particles of another store, with their new indices as ids.
@@ -130,7 +130,7 @@ impl Particles {
     /// Sorts the particles by id, which is the order of the initial state.
     pub fn sort_by_id(&mut self) {
         let mut order: Vec<u32> = (0..self.len() as u32).collect();
-        order.sort_unstable_by_key(|&place| self.id[place as usize]);
+        order.sort_unstable_by_key(|&index| self.id[index as usize]);
         self.reorder(&order);
     }
 

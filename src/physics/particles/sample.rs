@@ -111,13 +111,13 @@ impl<'a> Sample<'a> {
 
     /// [kg] total mass of the particles in all processes.
     pub fn total_mass(&self) -> f64 {
-        let [mass] = self.sums(|place| [self.particles.mass[place]]);
+        let [mass] = self.sums(|index| [self.particles.mass[index]]);
         mass
     }
 
     /// [kg m/s] total momentum of the particles in all processes.
     pub fn momentum(&self) -> Vector3<f64> {
-        let [x, y, z] = self.sums(|place| (self.particles.velocity[place] * self.particles.mass[place]).into());
+        let [x, y, z] = self.sums(|index| (self.particles.velocity[index] * self.particles.mass[index]).into());
         Vector3::new(x, y, z)
     }
 

@@ -16,12 +16,12 @@ pub fn for_each_slice(
     visit: &mut dyn FnMut(&Particles),
 ) {
     let mut order: Vec<u32> = (0..particles.len() as u32).collect();
-    order.sort_unstable_by_key(|&place| particles.id[place as usize]);
+    order.sort_unstable_by_key(|&index| particles.id[index as usize]);
     let mut slice = Particles::default();
     let Some(communicator) = communicator else {
-        for places in order.chunks(CHUNK) {
+        for indices in order.chunks(CHUNK) {
             slice.clear();
-            slice.copy_from(particles, places);
+            slice.copy_from(particles, indices);
             visit(&slice);
         }
         return;
@@ -31,7 +31,7 @@ pub fn for_each_slice(
     let mut rest = order.as_slice();
     for last in (0..count[0] as usize).step_by(SLICE).map(|first| first + SLICE) {
         let own;
-        (own, rest) = rest.split_at(rest.partition_point(|&place| (particles.id[place as usize] as usize) < last));
+        (own, rest) = rest.split_at(rest.partition_point(|&index| (particles.id[index as usize] as usize) < last));
         let mut bytes = Vec::new();
         particles.pack(own, &mut bytes);
         slice.clear();

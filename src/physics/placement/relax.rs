@@ -40,7 +40,7 @@ pub fn push_placed_apart(particles: &mut Particles, scene: &Scene) -> Result<Mov
     particles.radius.iter_mut().for_each(|radius| *radius *= 1.0 + PLACED_MARGIN);
     particles.velocity.fill(Vector3::zeros());
     let left =
-        work_sharing::keep_workers_spinning(|| settle(particles, &vec![true; given.len()], &room, PLACED_MARGIN));
+        work_sharing::keep_workers_spinning(|| push_apart(particles, &vec![true; given.len()], &room, PLACED_MARGIN));
     particles.sort_by_id();
     (particles.radius, particles.velocity) = (given.radius, given.velocity);
     if left > 0 {
@@ -63,13 +63,13 @@ pub fn push_placed_apart(particles: &mut Particles, scene: &Scene) -> Result<Mov
 /// equations for equal springs and masses, and turns the velocities towards the forces. When the forces do negative
 /// work, all velocities are set to zero.
 pub fn relax(particles: &mut Particles, is_free: &[bool], room: &FreeRoom) -> usize {
-    settle(particles, is_free, room, MARGIN)
+    push_apart(particles, is_free, room, MARGIN)
 }
 
 /// Moves the free particles (those for whose id `is_free` is true) until no overlap is too deep, and returns the number
 /// of overlaps that are still too deep. The caller has already enlarged the radii by the fraction `margin` [-]. An
 /// overlap is too deep if it exceeds half of this enlargement.
-fn settle(particles: &mut Particles, is_free: &[bool], room: &FreeRoom, margin: f64) -> usize {
+fn push_apart(particles: &mut Particles, is_free: &[bool], room: &FreeRoom, margin: f64) -> usize {
     let scene = &room.scene;
     let (mut list, mut slots) = (NeighbourList::default(), Vec::new());
     let mut force = vec![Vector3::zeros(); particles.len()];
@@ -129,10 +129,10 @@ fn overlaps(
         let couple = list.couple(slot as usize);
         let met = couple.meet(particles, scene, FrameTime::default());
         // pairs of fixed particles may nearly touch, but are not moved
-        if !couple.places().into_iter().flatten().any(|place| is_free[particles.id[place as usize] as usize]) {
+        if !couple.indices().into_iter().flatten().any(|index| is_free[particles.id[index as usize] as usize]) {
             continue;
         }
-        let reach: f64 = couple.places().into_iter().flatten().map(|place| particles.radius[place as usize]).sum();
+        let reach: f64 = couple.indices().into_iter().flatten().map(|index| particles.radius[index as usize]).sum();
         deep += usize::from(met.overlap() > 0.5 * margin * reach);
         force[couple.i as usize] += met.normal * met.overlap();
         if let Some(j) = couple.j() {

@@ -64,8 +64,8 @@ impl Simulation {
     pub fn overlaps(&self) -> Vec<f64> {
         let mut overlaps = vec![0.0_f64; self.particles.len()];
         self.for_each_contact(|couple, overlap| {
-            for place in couple.places().into_iter().flatten() {
-                overlaps[place as usize] = overlaps[place as usize].max(overlap);
+            for index in couple.indices().into_iter().flatten() {
+                overlaps[index as usize] = overlaps[index as usize].max(overlap);
             }
         });
         overlaps
@@ -75,7 +75,7 @@ impl Simulation {
     /// [m] (soft engine). Both processes list the contact. The list is empty unless each process has a part of the
     /// particles.
     pub fn contacts_abroad(&self) -> Vec<(u32, f64)> {
-        self.touching_abroad().into_iter().map(|(place, overlap)| (place, overlap.depth)).collect()
+        self.touching_abroad().into_iter().map(|(index, overlap)| (index, overlap.depth)).collect()
     }
 
     fn touching_abroad(&self) -> Vec<(u32, Overlap)> {
@@ -88,7 +88,7 @@ impl Simulation {
         let deepest = abroad.iter().map(|(_, overlap)| overlap.depth / overlap.diameter).fold(0.0, f64::max);
         let (mut ends, mut largest) = ([abroad.len() as i64], [deepest]);
         self.for_each_contact(|couple, overlap| {
-            ends[0] += couple.places().iter().flatten().count() as i64;
+            ends[0] += couple.indices().iter().flatten().count() as i64;
             largest[0] = largest[0].max(overlap / couple.diameter(&self.particles));
         });
         if let Some(share) = self.parts() {

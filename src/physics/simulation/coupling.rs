@@ -33,14 +33,14 @@ impl Simulation {
         let (flow, fluid) = (self.loaded_flow()?, self.scene.fluid.as_ref()?);
         let kick = kick.filter(|_| flow.coupling().modulation != Modulation::None);
         let particles = &self.particles;
-        let sums = self.sample().sums_in_groups(flow.slices(), |place| {
+        let sums = self.sample().sums_in_groups(flow.slices(), |index| {
             let (position, velocity, radius) =
-                (&particles.position[place], particles.velocity[place], particles.radius[place]);
-            let mass = particles.mass[place];
+                (&particles.position[index], particles.velocity[index], particles.radius[index]);
+            let mass = particles.mass[index];
             let exchange = kick.map_or(0.0, |(kick, fractions)| {
                 let mut slip = velocity;
                 slip.z -= fluid.profile.velocity_at(position);
-                let (species, square) = (particles.species[place], slip.norm_squared());
+                let (species, square) = (particles.species[index], slip.norm_squared());
                 let ratio = match fractions {
                     Some(fractions) => kick.change_among(species, radius, fractions.at(position, radius), square),
                     None => kick.change_of(species, radius, square),

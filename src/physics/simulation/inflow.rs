@@ -76,8 +76,8 @@ impl Simulation {
         for number in 0..self.scene.inlets.len() {
             let due = self.scene.inlets[number].due(self.time).saturating_sub(flow.inlets[number].count());
             let placed = if due > 0 { self.insert(number, due, (flow, leaving), &mut fresh) } else { 0 };
-            for place in fresh.len() - placed..fresh.len() {
-                entries.push(flow.inlets[number].add(&fresh, place, self.scene.gravity));
+            for index in fresh.len() - placed..fresh.len() {
+                entries.push(flow.inlets[number].add(&fresh, index, self.scene.gravity));
             }
             flow.inlets[number].set_waiting(due - placed as u64);
         }
@@ -144,9 +144,9 @@ impl Simulation {
             let reaches = (0..3).all(|axis| apart[axis].abs() <= half[axis] + radius);
             reaches.then_some(SphereInTheWay { position, radius: *radius })
         };
-        let stays = |place: &u32| leaving.binary_search_by_key(place, |(place, _)| *place).is_err();
+        let stays = |index: &u32| leaving.binary_search_by_key(index, |(index, _)| *index).is_err();
         let old = (0u32..).zip(self.particles.position.iter().zip(&self.particles.radius));
-        let old = old.filter_map(|(place, sphere)| obstacle(sphere).filter(|_| stays(&place)));
+        let old = old.filter_map(|(index, sphere)| obstacle(sphere).filter(|_| stays(&index)));
         old.chain(fresh.position.iter().zip(&fresh.radius).filter_map(obstacle)).collect()
     }
 }

@@ -43,7 +43,7 @@ impl Simulation {
         let Some(fluid) = &self.scene.fluid else { return };
         let Some(law) = &fluid.drag else { return };
         let began = self.clock.now();
-        let place = self.kicks.iter().position(|kick| kick.duration() == duration).unwrap_or_else(|| {
+        let index = self.kicks.iter().position(|kick| kick.duration() == duration).unwrap_or_else(|| {
             self.kicks.truncate(1);
             // a population that changes may cross the limit, and a resumed run must have the same kicks
             let is_small = self.totals.count < TABULATE && !self.scene.has_openings();
@@ -59,7 +59,7 @@ impl Simulation {
             0
         });
         let fractions = law.law().cells().map(|cells| self.fractions(cells));
-        let kick = &self.kicks[place];
+        let kick = &self.kicks[index];
         let before = self.slice_sums(Some((kick, fractions.as_ref())));
         let sums = match &fluid.turbulence {
             None => kick_among(&mut self.particles, &fluid.profile, kick, fractions.as_ref()),

@@ -39,41 +39,41 @@ impl Simulation {
 /// Applies a kick of lift over `duration` [s] to all particles. Returns sums over all particles: impulse [kg m/s] along
 /// x, y and z, and work [J].
 fn apply(particles: &mut Particles, gas: (&Fluid, Lift), duration: f64, kick: LiftKick) -> [ExactSum; 4] {
-    let places: Vec<usize> = (0..particles.len()).collect();
-    let one = |places: &[usize]| -> Vec<Lifted> {
-        places.iter().map(|&place| lifted(particles, place, gas, duration, kick)).collect()
+    let indices: Vec<usize> = (0..particles.len()).collect();
+    let one = |indices: &[usize]| -> Vec<Lifted> {
+        indices.iter().map(|&index| lifted(particles, index, gas, duration, kick)).collect()
     };
-    let all = work_sharing::map(places.chunks(CHUNK), one);
+    let all = work_sharing::map(indices.chunks(CHUNK), one);
     let all: Vec<Lifted> = all.into_iter().flatten().collect();
-    for (place, (velocity, spin, _)) in all.iter().enumerate() {
-        particles.velocity[place] = *velocity;
+    for (index, (velocity, spin, _)) in all.iter().enumerate() {
+        particles.velocity[index] = *velocity;
         if let (Some(spins), Some(spin)) = (&mut particles.spin, spin) {
-            spins[place] = *spin;
+            spins[index] = *spin;
         }
     }
-    exact::sums(all.len(), |place| all[place].2)
+    exact::sums(all.len(), |index| all[index].2)
 }
 
-/// Computes a kick of lift over `duration` [s] for the particle at index `place`, which itself is not changed.
-fn lifted(particles: &Particles, place: usize, (fluid, lift): (&Fluid, Lift), duration: f64, kick: LiftKick) -> Lifted {
-    let (position, velocity) = (&particles.position[place], particles.velocity[place]);
-    let (mass, inertia) = (particles.mass[place], particles.inertia.as_ref().map_or(0.0, |inertia| inertia[place]));
+/// Computes a kick of lift over `duration` [s] for the particle at index `index`, which itself is not changed.
+fn lifted(particles: &Particles, index: usize, (fluid, lift): (&Fluid, Lift), duration: f64, kick: LiftKick) -> Lifted {
+    let (position, velocity) = (&particles.position[index], particles.velocity[index]);
+    let (mass, inertia) = (particles.mass[index], particles.inertia.as_ref().map_or(0.0, |inertia| inertia[index]));
     let sphere = LiftedSphere {
         gas_density: fluid.density,
         kinematic_viscosity: fluid.kinematic_viscosity,
-        diameter: 2.0 * particles.radius[place],
+        diameter: 2.0 * particles.radius[index],
         mass,
         inertia,
     };
     let vorticity = fluid.profile.vorticity_at(position);
-    let before = particles.spin.as_ref().map(|spins| spins[place]);
+    let before = particles.spin.as_ref().map(|spins| spins[index]);
     let spun = before.map(|spin| lift.spun(&sphere, spin, vorticity, duration));
     // before a window the torque acts first
     let during = if kick == LiftKick::BeforeWindow { spun } else { before };
     let mean = Vector3::new(0.0, 0.0, fluid.profile.velocity_at(position));
     let seen = fluid.turbulence.as_ref().zip(particles.eddies.as_ref());
     let gas = seen.map_or(mean, |(turbulence, eddies)| {
-        mean + turbulence.seen(&eddies[place], &turbulence.at(&fluid.profile, position))
+        mean + turbulence.seen(&eddies[index], &turbulence.at(&fluid.profile, position))
     });
     let slip = gas - velocity;
     let change = slip - lift.turned(&sphere, slip, (vorticity, during), duration);

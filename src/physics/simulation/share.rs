@@ -47,7 +47,7 @@ pub enum Order {
     /// Restore the velocities and the state of the gas that the order `Keep` has stored.
     TakeBack,
     /// Send particles to the lead: every n-th particle by id, where n is the given number.
-    Show(u32),
+    Gather(u32),
     /// Check that the particles of the process are inside the domain.
     Check,
     /// Compute the checksum of the state of all processes.
@@ -152,15 +152,15 @@ impl Simulation {
                     // only the lead reports failures
                     let _ = self.advance(window);
                 }
-                Order::Show(every) => self.show(every),
+                Order::Gather(every) => self.gather(every),
                 Order::Check => {
                     let _ = self.check();
                 }
                 Order::Give => self.give_parts(&mut |_| ()),
                 Order::Fingerprint => drop(self.fingerprint()),
-                Order::See(time, momentum, places) => {
+                Order::See(time, momentum, indices) => {
                     (self.time, self.totals.momentum) = (time, momentum);
-                    places.iter().for_each(|(place, kept)| see(&self, *place, kept.as_ref()));
+                    indices.iter().for_each(|(index, kept)| see(&self, *index, kept.as_ref()));
                 }
                 Order::End => break,
             }
@@ -170,15 +170,15 @@ impl Simulation {
     /// If processes share the run, gathers every `every`-th particle by id and the particles in contact with one of
     /// them in the lead process. With `every` = 1, all particles and all records are gathered. The next window replaces
     /// the gathered particles by those of the process.
-    pub fn show(&mut self, every: u32) {
+    pub fn gather(&mut self, every: u32) {
         if self.share.is_none() || self.shown.as_ref().is_some_and(|shown| [1, every].contains(&shown.every)) {
             return;
         }
-        self.hide();
-        self.order(&Order::Show(every));
+        self.scatter();
+        self.order(&Order::Gather(every));
         let agitation = if every > 1 && self.engine.is_cut() { Some(self.sample().agitation()) } else { None };
         if let Some(engine) = self.engine.distributed_mut() {
-            engine.show(&mut self.particles, &self.scene, every);
+            engine.gather(&mut self.particles, &self.scene, every);
         }
         if every <= 1 {
             self.collect_records();
@@ -189,22 +189,22 @@ impl Simulation {
     }
 
     /// True if the observer at an index exists in all processes that share the run.
-    pub(crate) fn is_seen_by_all(&self, place: usize) -> bool {
-        self.share.as_ref().is_none_or(|share| place < share.informed.len())
+    pub(crate) fn is_seen_by_all(&self, index: usize) -> bool {
+        self.share.as_ref().is_none_or(|share| index < share.informed.len())
     }
 
-    /// Makes the other processes call the observers at the indices `places`, each for its own particles. The lead must
+    /// Makes the other processes call the observers at the indices `indices`, each for its own particles. The lead must
     /// call this method before its own observers. `kept` returns the stored data of the observer at an index.
-    pub(crate) fn show_parts(&mut self, places: &[usize], kept: impl Fn(usize) -> Stored) {
+    pub(crate) fn see_parts(&mut self, indices: &[usize], kept: impl Fn(usize) -> Stored) {
         if self.shown.as_ref().is_some_and(|shown| shown.every > 1) {
-            self.hide();
+            self.scatter();
         }
-        if self.engine.is_cut() && !places.is_empty() {
+        if self.engine.is_cut() && !indices.is_empty() {
             let mut told = Vec::new();
             if let Some(share) = &mut self.share {
                 let mut news =
-                    |place: usize| (!std::mem::replace(&mut share.informed[place], true)).then(|| kept(place));
-                told = places.iter().map(|&place| (place, news(place))).collect();
+                    |index: usize| (!std::mem::replace(&mut share.informed[index], true)).then(|| kept(index));
+                told = indices.iter().map(|&index| (index, news(index))).collect();
             }
             self.order(&Order::See(self.time, self.totals.momentum, told));
         }
@@ -217,10 +217,10 @@ impl Simulation {
     }
 
     /// Replaces the particles gathered from all processes by the particles that this process moves.
-    pub(super) fn hide(&mut self) {
+    pub(super) fn scatter(&mut self) {
         self.shown = None;
         if let Some(engine) = self.engine.distributed_mut() {
-            engine.hide(&mut self.particles);
+            engine.scatter(&mut self.particles);
         }
     }
 
@@ -239,7 +239,7 @@ impl Simulation {
     /// Number of parts into which the state is divided between processes; 0 if this process has the whole state.
     pub fn parts_of_state(&mut self) -> usize {
         if self.shown.as_ref().is_some_and(|shown| shown.every > 1) {
-            self.hide();
+            self.scatter();
         }
         let gives_parts = self.engine.distributed().is_some_and(Distributed::gives_parts);
         self.parts().filter(|_| gives_parts).map_or(0, Communicator::size)
@@ -295,7 +295,7 @@ impl Simulation {
     /// it.
     pub fn fingerprint(&mut self) -> u64 {
         if self.shown.as_ref().is_some_and(|shown| shown.every > 1) {
-            self.hide();
+            self.scatter();
         }
         if !self.engine.is_cut() {
             self.particles.wrap(&self.scene.domain);

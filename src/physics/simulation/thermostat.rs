@@ -20,15 +20,15 @@ impl Simulation {
         };
         // the mean change is subtracted, so that the heating gives no momentum
         let mass = &self.particles.mass;
-        let [all, x, y, z] = self.sample().sums(|place| {
-            let momentum = changes[place] * mass[place];
-            [mass[place], momentum.x, momentum.y, momentum.z]
+        let [all, x, y, z] = self.sample().sums(|index| {
+            let momentum = changes[index] * mass[index];
+            [mass[index], momentum.x, momentum.y, momentum.z]
         });
         if all > 0.0 {
             let mean = Vector3::new(x, y, z) / all;
             work_sharing::for_each(changes.chunks_mut(CHUNK), |chunk| chunk.iter_mut().for_each(|one| *one -= mean));
         }
-        let sums = accelerate(&mut self.particles, |place| changes[place]);
+        let sums = accelerate(&mut self.particles, |index| changes[index]);
         self.book_kick(sums, |thermostat_impulse, thermostat_work| Ledger {
             thermostat_work,
             thermostat_impulse,

@@ -74,15 +74,15 @@ impl OpeningFlow {
         self.count
     }
 
-    /// Adds the particle at the index `place` to the sums. Returns the entry in the ledger for a particle that comes
+    /// Adds the particle at the index `index` to the sums. Returns the entry in the ledger for a particle that comes
     /// into the scene; for one that leaves, the sign is opposite.
-    pub(super) fn add(&mut self, particles: &Particles, place: usize, gravity: Vector3<f64>) -> Ledger {
-        let (mass, velocity) = (particles.mass[place], particles.velocity[place]);
+    pub(super) fn add(&mut self, particles: &Particles, index: usize, gravity: Vector3<f64>) -> Ledger {
+        let (mass, velocity) = (particles.mass[index], particles.velocity[index]);
         let momentum = velocity * mass;
-        let moment = particles.inertia.as_ref().map_or(0.0, |inertia| inertia[place]);
+        let moment = particles.inertia.as_ref().map_or(0.0, |inertia| inertia[index]);
         let kinetic = 0.5 * mass * velocity.norm_squared();
-        let rotational = 0.5 * moment * particles.spin_of(place).norm_squared();
-        let potential = -mass * gravity.dot(&particles.position[place]);
+        let rotational = 0.5 * moment * particles.spin_of(index).norm_squared();
+        let potential = -mass * gravity.dot(&particles.position[index]);
         let [x, y, z] = momentum.into();
         let amounts = [mass, x, y, z, kinetic, rotational, potential, velocity.norm()];
         self.sums.iter_mut().zip(amounts).for_each(|(sum, amount)| sum.add(amount));
@@ -166,7 +166,7 @@ impl Simulation {
             self.scene.outlets.iter().position(|outlet| outlet.takes(&inside))
         };
         let positions = (0u32..).zip(&self.particles.position);
-        positions.filter_map(|(place, position)| Some((place, outlet_of(position)?))).collect()
+        positions.filter_map(|(index, position)| Some((index, outlet_of(position)?))).collect()
     }
 
     /// Removes the particles that leave and appends those that come in, which are already counted at their inlets.
@@ -177,17 +177,17 @@ impl Simulation {
         (fresh, mut entries): (Particles, Vec<Ledger>),
     ) {
         let gravity = self.scene.gravity;
-        for &(place, outlet) in leaving {
-            entries.push(-flow.outlets[outlet].add(&self.particles, place as usize, gravity));
+        for &(index, outlet) in leaving {
+            entries.push(-flow.outlets[outlet].add(&self.particles, index as usize, gravity));
         }
-        let mut place_of = vec![None; self.particles.len()];
-        let mut gone = leaving.iter().map(|(place, _)| *place).peekable();
-        let stays = |place: &u32| gone.next_if_eq(place).is_none();
+        let mut index_of = vec![None; self.particles.len()];
+        let mut gone = leaving.iter().map(|(index, _)| *index).peekable();
+        let stays = |index: &u32| gone.next_if_eq(index).is_none();
         let order: Vec<u32> = (0..self.particles.len() as u32).filter(stays).collect();
-        (0u32..).zip(&order).for_each(|(new, old)| place_of[*old as usize] = Some(new));
+        (0u32..).zip(&order).for_each(|(new, old)| index_of[*old as usize] = Some(new));
         self.particles.reorder(&order);
         self.particles.copy_from(&fresh, &(0..fresh.len() as u32).collect::<Vec<_>>());
-        let cut = self.engine.repopulate(&place_of);
+        let cut = self.engine.repopulate(&index_of);
         flow.cut.add(cut);
         entries.push(Ledger { flow_energy: -cut, ..Ledger::default() });
         self.record.ledger.add(&entries.iter().map(Ledger::to_array).collect::<Vec<_>>());

@@ -60,15 +60,15 @@ pub(super) fn mirror_at_walls(particles: &mut Particles, scene: &Scene, window: 
     let Some(mut eddies) = particles.eddies.take() else { return };
     let all = &*particles;
     let each = |(chunk, eddies): (usize, &mut [Vector3<f64>])| {
-        for (place, eddy) in (chunk * CHUNK..).zip(eddies) {
-            let speed = all.velocity[place].norm() + scene.gravity.norm() * window + scene.wall_speed();
-            let reach = all.radius[place] + 2.0 * speed * window;
+        for (index, eddy) in (chunk * CHUNK..).zip(eddies) {
+            let speed = all.velocity[index].norm() + scene.gravity.norm() * window + scene.wall_speed();
+            let reach = all.radius[index] + 2.0 * speed * window;
             for (number, wall) in (0..).zip(&scene.walls) {
-                if wall.geometry.nearest(&all.position[place]).distance > reach {
+                if wall.geometry.nearest(&all.position[index]).distance > reach {
                     continue;
                 }
                 for which in 0..wall.geometry.contacts() {
-                    let couple = Couple::at_wall(place as u32, AtWall { wall: number, which });
+                    let couple = Couple::at_wall(index as u32, AtWall { wall: number, which });
                     let now = couple.meet(all, scene, FrameTime::default());
                     if now.gap >= 0.0 && couple.meet(all, scene, FrameTime::ahead(-window)).gap < 0.0 {
                         *eddy -= now.normal * (2.0 * eddy.dot(&now.normal));
@@ -121,9 +121,9 @@ impl TurbulentKick<'_> {
         let blocks = velocity.chunks_mut(BLOCK).zip(eddies.chunks_mut(BLOCK));
         for (start, (velocity, eddies)) in (first..).step_by(BLOCK).zip(blocks) {
             let rows = &mut rows[..velocity.len()];
-            for (place, ((v, eddy), row)) in (start..).zip(velocity.iter_mut().zip(eddies).zip(&mut *rows)) {
-                let change = self.change(all, place, (v, eddy), &mut noise);
-                let mass = all.mass[place];
+            for (index, ((v, eddy), row)) in (start..).zip(velocity.iter_mut().zip(eddies).zip(&mut *rows)) {
+                let change = self.change(all, index, (v, eddy), &mut noise);
+                let mass = all.mass[index];
                 *row = [change.x * mass, change.y * mass, change.z * mass, mass * change.dot(&(*v + 0.5 * change))];
                 *v += change;
             }
@@ -132,25 +132,25 @@ impl TurbulentKick<'_> {
         sums
     }
 
-    /// [m/s] change of the velocity `v` [m/s] of the particle at index `place` in this kick. Also advances `eddy`, the
+    /// [m/s] change of the velocity `v` [m/s] of the particle at index `index` in this kick. Also advances `eddy`, the
     /// fluctuation of the gas velocity that the particle sees.
     #[inline]
     fn change(
         &self,
         all: &Particles,
-        place: usize,
+        index: usize,
         (v, eddy): (&Vector3<f64>, &mut Vector3<f64>),
         noise: &mut Noise,
     ) -> Vector3<f64> {
-        let position = &all.position[place];
+        let position = &all.position[index];
         let local = self.turbulence.at(self.profile, position);
         let velocity = v - Vector3::new(0.0, 0.0, self.profile.velocity_at(position));
-        let ratio = |slip: Vector3<f64>| self.ratio(all, place, slip.norm_squared());
+        let ratio = |slip: Vector3<f64>| self.ratio(all, index, slip.norm_squared());
         // the share of the slip that remains is exp(-h/τ); for a long kick it is 0 up to rounding of the table
         let lost = ratio(velocity - self.turbulence.seen(eddy, &local)).max(-1.0);
         let (langevin, duration) = (&self.turbulence.langevin, self.kick.duration());
         let seen = EddySeen { fluctuation: *eddy, velocity, response: -duration / lost.ln_1p() };
-        let id = all.id[place];
+        let id = all.id[index];
         let [end, mean] = match self.turbulence.law {
             EddyLaw::Langevin => langevin.advance(&seen, &local, duration, &noise.normals(id)),
             EddyLaw::Eddy => langevin.walk(&seen, &local, duration, noise.of(id)),
@@ -160,14 +160,14 @@ impl TurbulentKick<'_> {
         slip * ratio(slip)
     }
 
-    /// [-] change of the slip velocity of the particle at the index `place`, divided by the slip velocity. `square`
+    /// [-] change of the slip velocity of the particle at the index `index`, divided by the slip velocity. `square`
     /// [m²/s²] is the square of the magnitude of the slip velocity.
     #[inline]
-    fn ratio(&self, all: &Particles, place: usize, square: f64) -> f64 {
-        let (species, radius) = (all.species[place], all.radius[place]);
+    fn ratio(&self, all: &Particles, index: usize, square: f64) -> f64 {
+        let (species, radius) = (all.species[index], all.radius[index]);
         match self.fractions {
             Some(fractions) => {
-                self.kick.change_among(species, radius, fractions.at(&all.position[place], radius), square)
+                self.kick.change_among(species, radius, fractions.at(&all.position[index], radius), square)
             }
             None => self.kick.change_of(species, radius, square),
         }

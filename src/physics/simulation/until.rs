@@ -39,7 +39,7 @@ impl Simulation {
     /// Errors of [`run`](Self::run).
     pub fn run_until_while(&mut self, time: f64, go_on: &mut dyn FnMut(&mut Self) -> bool) -> Result<bool, Failure> {
         let result = self.in_pieces(time, go_on);
-        self.show(1);
+        self.gather(1);
         result
     }
 
@@ -52,7 +52,7 @@ impl Simulation {
         if self.half_kicked {
             return Ok(());
         }
-        self.settle(self.schedule_position.window());
+        self.finish_half_kick(self.schedule_position.window());
         self.check()
     }
 
@@ -108,7 +108,7 @@ impl Simulation {
     /// Schedule with windows of one length for the particles of this simulation, which move for `duration` [s].
     fn chosen(&self, duration: f64) -> Schedule {
         let population = |species: u16| {
-            let is_own = |place: &u32| self.particles.species[*place as usize] == species;
+            let is_own = |index: &u32| self.particles.species[*index as usize] == species;
             let mut own = Particles::default();
             own.copy_from(&self.particles, &(0..self.particles.len() as u32).filter(is_own).collect::<Vec<u32>>());
             Population::placed(species, own)

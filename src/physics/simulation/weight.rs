@@ -47,7 +47,7 @@ impl Simulation {
         let began = self.clock.now();
         let changes: Vec<Vector3<f64>> = differences.iter().map(|difference| difference * duration).collect();
         let species = std::mem::take(&mut self.particles.species);
-        let sums = accelerate(&mut self.particles, |place| changes[usize::from(species[place])]);
+        let sums = accelerate(&mut self.particles, |index| changes[usize::from(species[index])]);
         self.particles.species = species;
         self.book_kick(sums, |gravity_impulse, gravity_work| Ledger {
             gravity_impulse,
@@ -68,8 +68,8 @@ pub(super) fn accelerate(particles: &mut Particles, change: impl Fn(usize) -> Ve
         let blocks = velocity.chunks_mut(BLOCK).zip(mass.chunks(BLOCK));
         for (first, (velocity, mass)) in (chunk * CHUNK..).step_by(BLOCK).zip(blocks) {
             let rows = &mut rows[..velocity.len()];
-            for (place, ((v, m), row)) in (first..).zip(velocity.iter_mut().zip(mass).zip(&mut *rows)) {
-                let change = change(place);
+            for (index, ((v, m), row)) in (first..).zip(velocity.iter_mut().zip(mass).zip(&mut *rows)) {
+                let change = change(index);
                 *row = [change.x * m, change.y * m, change.z * m, m * change.dot(&(*v + 0.5 * change))];
                 *v += change;
             }

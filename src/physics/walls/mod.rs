@@ -67,13 +67,13 @@ pub struct Touch {
     pub time: f64,
     /// Number of the surface feature that is touched, such as a triangle. Its meaning depends on the shape. 0 if the
     /// surface is not divided into features.
-    pub place: u32,
+    pub feature: u32,
 }
 
 impl Touch {
     /// Touch at `time` [s] from the beginning of the flight, of a surface that is not divided into features.
     pub fn at(time: f64) -> Self {
-        Self { time, place: 0 }
+        Self { time, feature: 0 }
     }
 }
 
@@ -124,9 +124,9 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
     }
 
     /// Nearest point to the centre `point` [m] of a sphere of `radius` [m], at the instant of a touch of contact number
-    /// `which`. `place` is the number of the touched surface feature, from [`first_touch`](Self::first_touch).
-    fn struck(&self, which: u32, place: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
-        let _ = place;
+    /// `which`. `feature` is the number of the touched surface feature, from [`first_touch`](Self::first_touch).
+    fn struck(&self, which: u32, feature: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
+        let _ = feature;
         self.contact(which, point, radius)
     }
 
@@ -332,8 +332,8 @@ impl WallGeometry {
     /// Nearest point at the instant of a touch, as [`Geometry::struck`] defines it. For planes a virtual call is
     /// avoided.
     #[inline]
-    pub fn struck(&self, which: u32, place: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
-        self.plane().map_or_else(|| self.law().struck(which, place, point, radius), |plane| plane.nearest(point))
+    pub fn struck(&self, which: u32, feature: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
+        self.plane().map_or_else(|| self.law().struck(which, feature, point, radius), |plane| plane.nearest(point))
     }
 
     /// True if contact number `which` may begin, as [`Geometry::may_touch`] defines it.

@@ -40,11 +40,11 @@ impl Repeated {
         &self.shape
     }
 
-    /// Number of the image of the body that is nearest to the coordinate `place` [m] along an axis. The body itself has
+    /// Number of the image of the body that is nearest to the coordinate `coordinate` [m] along an axis. The body itself has
     /// the number 0, and the images follow at whole periods.
-    fn image(&self, axis: usize, place: f64) -> f64 {
+    fn image(&self, axis: usize, coordinate: f64) -> f64 {
         let center = 0.5 * (self.around[0][axis] + self.around[1][axis]);
-        self.periods[axis].map_or(0.0, |period| ((place - center) / period).round())
+        self.periods[axis].map_or(0.0, |period| ((coordinate - center) / period).round())
     }
 
     /// [m] `point` shifted by whole periods, so that the body itself, and none of its images, is nearest to it.
@@ -80,7 +80,7 @@ impl Repeated {
     fn any_near(&self, point: &Vector3<f64>, reach: f64, is_true: impl Fn(&Vector3<f64>) -> bool) -> bool {
         let range = |axis: usize| {
             let here = self.image(axis, point[axis]);
-            let end = |place: f64| self.image(axis, place).clamp(here - 1.0, here + 1.0) as i32;
+            let end = |coordinate: f64| self.image(axis, coordinate).clamp(here - 1.0, here + 1.0) as i32;
             end(point[axis] - reach)..=end(point[axis] + reach)
         };
         for x in range(0) {
@@ -165,8 +165,8 @@ impl Geometry for Repeated {
         first
     }
 
-    fn struck(&self, which: u32, place: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
-        self.shape.law().struck(which, place, &self.near(point), radius)
+    fn struck(&self, which: u32, feature: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
+        self.shape.law().struck(which, feature, &self.near(point), radius)
     }
 
     fn may_touch(&self, which: u32, point: &Vector3<f64>, radius: f64, skin: f64) -> bool {

@@ -17,7 +17,7 @@ mod words;
 use super::replicas::replicas;
 use crate::case::{Case, Checked, describe};
 use crate::checkpoint::checksum;
-use crate::cli::{NeededModels, Sensitivity};
+use crate::cli::Sensitivity;
 use crate::outcome::Outcome;
 use crate::runs::{
     CommandOrigin, CommandSettings, Executor, INTERVAL, Ranks, ResumableRun, StudyError, answer, failures, read,
@@ -30,7 +30,7 @@ use table::SensitivityTable;
 
 /// Question that a study answers by changing a case by one factor at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Question {
+pub enum Question {
     /// Factors with the largest effect on the case as it is.
     Sensitivity,
     /// Models that can be left out without changing the results of the case. The study begins with all models that the
@@ -55,26 +55,13 @@ impl Question {
     }
 }
 
-/// Runs a sensitivity study and writes its results to one folder. Returns one answer for all factors together.
+/// Begins or resumes a study that answers `question`, and writes its results to one folder. Runs that are complete are
+/// not repeated. Returns one answer for all factors together.
 ///
 /// # Errors
 /// Returns an error for bad input, before anything is computed, or for failures of engines, after everything has been
 /// written.
-pub fn sensitivity(args: &Sensitivity, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
-    sensitivity_on(args, Question::Sensitivity, CommandOrigin::Typed, ranks)
-}
-
-/// Finds the models that a scene needs, and writes the results to one folder. Returns one answer for all factors
-/// together.
-///
-/// # Errors
-/// Returns the errors of [`sensitivity`].
-pub fn needs(args: &NeededModels, ranks: &Ranks) -> Result<Option<Answer>, StudyError> {
-    sensitivity_on(&args.as_sensitivity(), Question::Needs, CommandOrigin::Typed, ranks)
-}
-
-/// Begins or resumes a study of the kind `question`. Runs that are complete are not repeated.
-pub(super) fn sensitivity_on(
+pub fn sensitivity(
     args: &Sensitivity,
     question: Question,
     origin: CommandOrigin,

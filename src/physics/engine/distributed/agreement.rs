@@ -49,7 +49,7 @@ impl<C> Domains<C> {
         view: &LocalParticles<C>,
         failed: bool,
     ) -> PartDecision {
-        let room = islands.least_room(|place| view.is_mine(place));
+        let room = islands.least_room(|index| view.is_mine(index));
         let agrees = self.compare(islands, view, failed) && view.complete;
         let status = LocalStatus { reach: islands.reach(), room, failed, agrees };
         self.vote(&status, islands.half_period(), islands.domain().size.amax())
@@ -64,7 +64,7 @@ impl<C> Domains<C> {
             let space = (&self.block(islands.domain()), islands.domain());
             tell(
                 islands,
-                |place| view.is_mine(place),
+                |index| view.is_mine(index),
                 |middle| !self.blocks.is_deep(middle, space.0, self.lent()),
                 |one, middle| self.for_each_borrower(middle, space, |rank| told[rank].push(one.clone())),
             );
@@ -73,7 +73,7 @@ impl<C> Domains<C> {
         let heard = self.communicator.exchange(outgoing);
         let heard = heard.iter().filter_map(|bytes| unpacked::<Vec<HotParticleDigest>>(bytes)).flatten();
         let heard: Vec<_> = heard.filter_map(|one| Some((*view.strangers.get(&one.id)?, one))).collect();
-        !failed && agree_with(islands, |place| view.is_mine(place), &heard)
+        !failed && agree_with(islands, |index| view.is_mine(index), &heard)
     }
 
     /// Derives the joint decision of all processes about a part, and adapts the distance from which particles are
@@ -89,7 +89,7 @@ impl<C> Domains<C> {
         if failed > 0.0 || !reach.fits(half_period) {
             return PartDecision::Failed;
         }
-        let missing = reach.sight() + nearest;
+        let missing = reach.search_radius() + nearest;
         let needed = self.width + missing;
         if missing > 0.0 {
             self.width = SPARE * needed;
@@ -101,7 +101,7 @@ impl<C> Domains<C> {
             if self.width > size {
                 return PartDecision::Failed;
             }
-            self.width = SPARE * (self.width + reach.sight());
+            self.width = SPARE * (self.width + reach.search_radius());
             return PartDecision::Again;
         }
         self.width = (SPARE * needed).clamp(0.9 * self.width, self.width.max(SPARE * needed));

@@ -135,34 +135,34 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         // distance, which is known only after the first part
         let least = if self.width > 0.0 { SEEN } else { SEEN_AT_FIRST };
         self.width = self.width.max(least * flight);
-        let (mut mine, places) = self.sort_out(work, (frame, part), flight);
-        let outgoing = places.iter().map(|places| self.cargo::<S>(work, places)).collect();
+        let (mut mine, indices) = self.sort_out(work, (frame, part), flight);
+        let outgoing = indices.iter().map(|indices| self.cargo::<S>(work, indices)).collect();
         let (count, before) = (work.particles.len(), (work.lasting.clone(), self.abroad.clone()));
         let leavers = (0u32..).zip(&mine).filter(|(_, mine)| !**mine);
         let mut strangers: FxHashMap<u32, u32> =
-            leavers.map(|(place, _)| (work.particles.id[place as usize], place)).collect();
+            leavers.map(|(index, _)| (work.particles.id[index as usize], index)).collect();
         let mut lasting = Vec::new();
         for bytes in self.communicator.exchange(outgoing) {
             let first = work.particles.len();
             lasting.extend(take_aboard::<C>(&bytes, work.particles).into_iter().flatten());
             mine.extend(work.particles.position[first..].iter().map(|x| self.is_mine(x)));
-            strangers.extend((first as u32..).zip(&work.particles.id[first..]).map(|(place, &id)| (id, place)));
+            strangers.extend((first as u32..).zip(&work.particles.id[first..]).map(|(index, &id)| (id, index)));
         }
         let mut agrees = true;
         for CrossRankContact { carried, own, .. } in self.abroad.drain(..) {
             let id = work.particles.id[own as usize];
-            let place = |other: u32| if other == id { Some(own) } else { strangers.get(&other).copied() };
+            let index = |other: u32| if other == id { Some(own) } else { strangers.get(&other).copied() };
             // a partner in contact is near, so it was borrowed; otherwise the part must be repeated
-            agrees &= S::places(&carried).iter().flatten().all(|id| place(*id).is_some());
-            work.lasting.push(S::moved(&carried, &|id| place(id).unwrap_or(own)));
+            agrees &= S::indices(&carried).iter().flatten().all(|id| index(*id).is_some());
+            work.lasting.push(S::moved(&carried, &|id| index(id).unwrap_or(own)));
         }
         // state that involves a particle of this process is stored already
         for carried in lasting {
-            if S::places(&carried).iter().flatten().all(|id| strangers.contains_key(id)) {
+            if S::indices(&carried).iter().flatten().all(|id| strangers.contains_key(id)) {
                 work.lasting.push(S::moved(&carried, &|id| strangers.get(&id).copied().unwrap_or(id)));
             }
         }
-        strangers.retain(|_, place| !mine[*place as usize]);
+        strangers.retain(|_, index| !mine[*index as usize]);
         let domain = &work.scene.domain;
         let region = Region::around(domain, self.block(domain), self.width);
         LocalParticles { mine, count, lasting: before, strangers, complete: agrees, region }
@@ -174,21 +174,21 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     fn sort_out(&self, work: &Work<C>, (frame, part): (Vector3<f64>, f64), flight: f64) -> (Vec<bool>, Vec<Vec<u32>>) {
         let domain = &work.scene.domain;
         let block = self.block(domain);
-        let mut places: Vec<Vec<u32>> = vec![Vec::new(); self.communicator.size()];
+        let mut indices: Vec<Vec<u32>> = vec![Vec::new(); self.communicator.size()];
         let mut mine = Vec::with_capacity(work.particles.len());
         // a particle this deep inside the block stays in it, and no other process borrows it
         let deep = (self.width + flight) * (1.0 + 1e-9);
-        for place in 0..work.particles.len() {
-            if self.blocks.is_deep(&work.particles.position[place], &block, deep) {
+        for index in 0..work.particles.len() {
+            if self.blocks.is_deep(&work.particles.position[index], &block, deep) {
                 mine.push(true);
                 continue;
             }
-            let owner = self.blocks.owner(&work.particles.position[place]);
+            let owner = self.blocks.owner(&work.particles.position[index]);
             mine.push(owner == self.communicator.rank());
-            let middle = BoundingSphere::of(work.particles, place, domain, frame, part).middle;
+            let middle = BoundingSphere::of(work.particles, index, domain, frame, part).middle;
             let mut to = |rank: usize| {
-                if places[rank].last() != Some(&(place as u32)) {
-                    places[rank].push(place as u32);
+                if indices[rank].last() != Some(&(index as u32)) {
+                    indices[rank].push(index as u32);
                 }
             };
             self.for_each_borrower(&middle, (&block, domain), &mut to);
@@ -196,20 +196,20 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
                 to(owner);
             }
         }
-        (mine, places)
+        (mine, indices)
     }
 
-    /// Packs the particles with the indices `places`, and all their carried contacts, into bytes for another process.
-    fn cargo<S: Solve<Carried = C>>(&self, work: &Work<C>, places: &[u32]) -> Vec<u8> {
-        if places.is_empty() {
+    /// Packs the particles with the indices `indices`, and all their carried contacts, into bytes for another process.
+    fn cargo<S: Solve<Carried = C>>(&self, work: &Work<C>, indices: &[u32]) -> Vec<u8> {
+        if indices.is_empty() {
             return Vec::new();
         }
-        let goes = |place: &u32| places.binary_search(place).is_ok();
-        let home = work.lasting.iter().filter(|carried| S::places(carried).iter().flatten().any(goes));
+        let goes = |index: &u32| indices.binary_search(index).is_ok();
+        let home = work.lasting.iter().filter(|carried| S::indices(carried).iter().flatten().any(goes));
         let mut lasting = ids_of::<S>(work.particles, home);
         let abroad = self.abroad.iter().filter(|abroad| goes(&abroad.own));
         lasting.extend(abroad.map(|abroad| abroad.carried));
-        pack(work.particles, places, &lasting)
+        pack(work.particles, indices, &lasting)
     }
 
     /// Sends particles that have left the block to the processes that now own them, and copies all particles of other
@@ -221,8 +221,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         let LocalParticles { mine, .. } = self.trade::<S>(work, (Vector3::zeros(), 0.0), 0.0);
         let (domain, mut lent) = (&work.scene.domain, vec![Vec::new(); self.communicator.size()]);
         let block = self.block(domain);
-        for (place, x) in (0u32..).zip(&work.particles.position).filter(|(place, _)| mine[*place as usize]) {
-            self.for_each_borrower(x, (&block, domain), |rank| lent[rank].push(place));
+        for (index, x) in (0u32..).zip(&work.particles.position).filter(|(index, _)| mine[*index as usize]) {
+            self.for_each_borrower(x, (&block, domain), |rank| lent[rank].push(index));
         }
         self.width = before;
         (mine, lent)
@@ -294,8 +294,8 @@ impl<C> LocalParticles<C> {
         }
     }
 
-    /// True if this process owns the particle at index `place` in the store.
-    pub fn is_mine(&self, place: u32) -> bool {
-        self.mine.get(place as usize).is_none_or(|mine| *mine)
+    /// True if this process owns the particle at index `index` in the store.
+    pub fn is_mine(&self, index: u32) -> bool {
+        self.mine.get(index as usize).is_none_or(|mine| *mine)
     }
 }

@@ -46,7 +46,7 @@ impl<S: DistributedSolver> Driver<S> {
                 return Ok(());
             }
         }
-        self.solver.everyone(work, window)
+        self.solver.advance_all(work, window)
     }
 
     /// Calls `change` with this engine and its data in the form used during a window. Impacts and energies that
@@ -79,32 +79,32 @@ impl<S: DistributedSolver> Distributed for Driver<S> {
         }
     }
 
-    fn show(&mut self, particles: &mut Particles, scene: &Scene, every: u32) {
+    fn gather(&mut self, particles: &mut Particles, scene: &Scene, every: u32) {
         if !self.is_cut() {
             return;
         }
         self.between_windows((particles, scene), |engine, work| {
-            let together = engine.solver.steps_together();
+            let together = engine.solver.has_uniform_steps();
             let Some(domains) = engine.islands.processes.domains() else { return };
-            domains.show(engine.solver.islands(), work, &mut engine.islands.members, every);
+            domains.gather(engine.solver.islands(), work, &mut engine.islands.members, every);
             if together && every <= 1 {
-                engine.solver.show(work, domains);
+                engine.solver.gather(work, domains);
             }
         });
     }
 
-    fn hide(&mut self, particles: &mut Particles) {
+    fn scatter(&mut self, particles: &mut Particles) {
         let members = &mut self.islands.members;
         if let Some(domains) = self.islands.processes.domains()
-            && domains.hide(particles, &mut self.lasting, members)
+            && domains.scatter(particles, &mut self.lasting, members)
         {
-            self.solver.hide();
+            self.solver.scatter();
         }
     }
 
     fn gives_parts(&self) -> bool {
         // if processes share the steps, the neighbour list is stored once for all particles
-        self.is_cut() && !self.solver.steps_together()
+        self.is_cut() && !self.solver.has_uniform_steps()
     }
 
     fn packed(&self, particles: &Particles) -> Vec<u8> {

@@ -2,7 +2,7 @@
 
 use super::CrossRankContact;
 use super::domains::Domains;
-use super::packing::{ids_of, pack, packed, settle, take_aboard, unpacked};
+use super::packing::{add_received_contacts, ids_of, pack, packed, take_aboard, unpacked};
 use crate::domain::Domain;
 use crate::domain::blocks::Blocks;
 use crate::engine::driver::Work;
@@ -47,10 +47,10 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         if lead {
             let owners: Vec<usize> = work.particles.position.iter().map(|x| self.blocks.owner(x)).collect();
             for (rank, bytes) in outgoing.iter_mut().enumerate().skip(1) {
-                let is_theirs = |place: &u32| owners[*place as usize] == rank;
-                let places: Vec<u32> = (0..work.particles.len() as u32).filter(is_theirs).collect();
-                let lasting = work.lasting.iter().filter(|carried| S::places(carried).iter().flatten().any(is_theirs));
-                *bytes = pack(work.particles, &places, &ids_of::<S>(work.particles, lasting));
+                let is_theirs = |index: &u32| owners[*index as usize] == rank;
+                let indices: Vec<u32> = (0..work.particles.len() as u32).filter(is_theirs).collect();
+                let lasting = work.lasting.iter().filter(|carried| S::indices(carried).iter().flatten().any(is_theirs));
+                *bytes = pack(work.particles, &indices, &ids_of::<S>(work.particles, lasting));
             }
             let mine: Vec<bool> = owners.iter().map(|owner| *owner == 0).collect();
             self.keep_own(solver, work, &mine);
@@ -66,13 +66,13 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         else {
             return;
         };
-        self.abroad = settle::<S>(lasting, work);
+        self.abroad = add_received_contacts::<S>(lasting, work);
     }
 
     /// Moves all particles and contacts to the lead process, so that the other processes have none. `members` lists the
     /// particles that were last in islands (groups of particles that may meet); their indices are adapted.
     pub fn assemble<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, members: &mut Vec<u32>) {
-        drop(self.bring_together(solver, work, members, 1));
+        drop(self.gather_sample(solver, work, members, 1));
         if !self.is_lead() {
             *work.particles = Particles::default();
             work.lasting.clear();
@@ -82,16 +82,22 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         self.is_cut = false;
     }
 
-    /// Replaces the particles of the lead process by copies of particles of all processes, until [`hide`](Self::hide)
+    /// Replaces the particles of the lead process by copies of particles of all processes, until [`scatter`](Self::scatter)
     /// is called. Copies are made of all particles whose id is divisible by `every`, and of those that are in contact
     /// with them. All processes must call this function.
-    pub fn show<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, members: &mut Vec<u32>, every: u32) {
-        self.gathered = self.bring_together(solver, work, members, every);
+    pub fn gather<S: Solve<Carried = C>>(
+        &mut self,
+        solver: &S,
+        work: &mut Work<C>,
+        members: &mut Vec<u32>,
+        every: u32,
+    ) {
+        self.gathered = self.gather_sample(solver, work, members, every);
     }
 
-    /// Restores the own particles of the lead process and their contacts in progress, after [`show`](Self::show) has
+    /// Restores the own particles of the lead process and their contacts in progress, after [`gather`](Self::gather) has
     /// replaced them by copies. Returns false, and changes nothing, if they were not replaced.
-    pub fn hide(&mut self, particles: &mut Particles, lasting: &mut Vec<C>, members: &mut Vec<u32>) -> bool {
+    pub fn scatter(&mut self, particles: &mut Particles, lasting: &mut Vec<C>, members: &mut Vec<u32>) -> bool {
         let Some(part) = self.gathered.take() else { return false };
         (*particles, *lasting, self.abroad, *members) = (part.particles, part.lasting, part.abroad, part.members);
         true
@@ -114,10 +120,10 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         // borders are computed from a sample of all particles, chosen by id
         let every = count.div_ceil(ASKED).max(1) as u32;
         let asked = particles.id.iter().zip(&particles.position).filter(|(id, _)| id.is_multiple_of(every));
-        let mut places = Particles::default();
-        asked.for_each(|(_, x)| places.push(domain.wrap(x), Vector3::zeros(), 0.0, 0.0, 0));
+        let mut sample = Particles::default();
+        asked.for_each(|(_, x)| sample.push(domain.wrap(x), Vector3::zeros(), 0.0, 0.0, 0));
         let mut bytes = Vec::new();
-        places.pack(&places.id, &mut bytes);
+        sample.pack(&sample.id, &mut bytes);
         let mut all = Particles::default();
         for bytes in self.communicator.collect(bytes) {
             // unpacking cannot fail, since `pack` wrote these bytes
@@ -129,7 +135,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     /// Fills the store of the lead process with copies of particles of all processes: those with an id divisible by
     /// `every`, and those in contact with them. Returns, in the lead process, its own data that were in the store; in
     /// other processes, `None`.
-    fn bring_together<S: Solve<Carried = C>>(
+    fn gather_sample<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,
         work: &mut Work<C>,
@@ -142,8 +148,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         self.communicator.largest(&mut most);
         let mut slices = chosen.chunks(SLICE);
         let rounds = (most[0] as usize).div_ceil(SLICE).max(1);
-        let is_chosen = |place: &&u32| chosen.binary_search(place).is_ok();
-        let ids = members.iter().filter(is_chosen).map(|&place| work.particles.id[place as usize]);
+        let is_chosen = |index: &&u32| chosen.binary_search(index).is_ok();
+        let ids = members.iter().filter(is_chosen).map(|&index| work.particles.id[index as usize]);
         let mut ids: Vec<u32> = ids.collect();
         if !self.is_lead() {
             self.communicator.collect(packed(&ids));
@@ -165,17 +171,17 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
                 lasting.extend(take_aboard::<C>(bytes, all).into_iter().flatten());
             }
         }
-        let mut place_of = vec![0; all.id.iter().map(|&id| id as usize + 1).max().unwrap_or(0)];
-        for (place, &id) in (0u32..).zip(&all.id) {
-            place_of[id as usize] = place;
+        let mut index_of = vec![0; all.id.iter().map(|&id| id as usize + 1).max().unwrap_or(0)];
+        for (index, &id) in (0u32..).zip(&all.id) {
+            index_of[id as usize] = index;
         }
-        let place = |id: u32| place_of[id as usize];
-        let lasting = lasting.iter().map(|carried| S::moved(carried, &place)).collect();
+        let index = |id: u32| index_of[id as usize];
+        let lasting = lasting.iter().map(|carried| S::moved(carried, &index)).collect();
         let part = GatheredPart {
             particles: own,
             lasting: std::mem::replace(work.lasting, lasting),
             abroad: std::mem::take(&mut self.abroad),
-            members: std::mem::replace(members, ids.into_iter().map(place).collect()),
+            members: std::mem::replace(members, ids.into_iter().map(index).collect()),
         };
         in_order(solver, work);
         Some(part)
@@ -195,16 +201,16 @@ fn chosen<S: Solve>(
     let home = work
         .lasting
         .iter()
-        .filter(|carried| S::places(carried).iter().flatten().any(|&place| followed(id[place as usize])));
-    let abroad = abroad.iter().filter(|abroad| S::places(&abroad.carried).iter().flatten().any(|&id| followed(id)));
-    let mut places: Vec<u32> = (0..id.len() as u32).filter(|&place| followed(id[place as usize])).collect();
+        .filter(|carried| S::indices(carried).iter().flatten().any(|&index| followed(id[index as usize])));
+    let abroad = abroad.iter().filter(|abroad| S::indices(&abroad.carried).iter().flatten().any(|&id| followed(id)));
+    let mut indices: Vec<u32> = (0..id.len() as u32).filter(|&index| followed(id[index as usize])).collect();
     if every > 1 {
-        places.extend(home.clone().flat_map(|carried| S::places(carried).into_iter().flatten()));
-        places.extend(abroad.clone().map(|abroad| abroad.own));
-        places.sort_unstable();
-        places.dedup();
+        indices.extend(home.clone().flat_map(|carried| S::indices(carried).into_iter().flatten()));
+        indices.extend(abroad.clone().map(|abroad| abroad.own));
+        indices.sort_unstable();
+        indices.dedup();
     }
     let mut lasting = ids_of::<S>(work.particles, home);
     lasting.extend(abroad.map(|abroad| abroad.carried));
-    (places, lasting)
+    (indices, lasting)
 }

@@ -32,8 +32,8 @@ pub fn tell<'a>(
     for (which, cluster) in islands.list.iter().enumerate().filter(|(_, cluster)| cluster.alive) {
         let members = cluster.hot.iter().map(|&member| &islands.members[member as usize]);
         let mut known = None;
-        for member in members.filter(|member| chosen(member.place) && near(&member.flight.middle)) {
-            let id = islands.particles.id[member.place as usize];
+        for member in members.filter(|member| chosen(member.index) && near(&member.flight.middle)) {
+            let id = islands.particles.id[member.index as usize];
             let mark = *known.get_or_insert_with(|| mark(islands, which));
             let turns = islands.velocity_changes(member).map(<[VelocityChange]>::to_vec);
             tell(HotParticleDigest { id, mark, ball: member.ball, turns }, &member.flight.middle);
@@ -50,17 +50,17 @@ pub fn agree_with<'a>(
     told: &[(u32, HotParticleDigest)],
 ) -> bool {
     let own: Vec<bool> = (0..islands.list.len()).map(|which| islands.has(which, &chosen)).collect();
-    let marks: FxHashMap<u32, u64> = told.iter().map(|(place, told)| (*place, told.mark)).collect();
-    let mut known = islands.members.iter().filter(|member| own[member.cluster as usize] && !chosen(member.place));
-    let alike = known.all(|member| marks.get(&member.place) == Some(&mark(islands, member.cluster as usize)));
+    let marks: FxHashMap<u32, u64> = told.iter().map(|(index, told)| (*index, told.mark)).collect();
+    let mut known = islands.members.iter().filter(|member| own[member.cluster as usize] && !chosen(member.index));
+    let alike = known.all(|member| marks.get(&member.index) == Some(&mark(islands, member.cluster as usize)));
     let widest = told.iter().map(|(_, told)| told.ball.reach).fold(islands.widest, f64::max);
     let late = late_near(islands, &own, told, widest);
     let domain = islands.domain;
-    let meets = |place: u32, told: &HotParticleDigest| {
-        let flight = islands.search.flights[place as usize];
+    let meets = |index: u32, told: &HotParticleDigest| {
+        let flight = islands.search.flights[index as usize];
         let meets = |member: &Member| {
             own[member.cluster as usize]
-                && islands.may_meet(member, place, told.turns.as_deref())
+                && islands.may_meet(member, index, told.turns.as_deref())
                 && (told.ball.meets(&member.flight, domain)
                     || told.ball.meets(&member.ball, domain)
                     || flight.meets(&member.ball, domain))
@@ -71,11 +71,11 @@ pub fn agree_with<'a>(
         }
         met
     };
-    let is_known = |place: u32| {
-        let label = islands.search.label[place as usize];
+    let is_known = |index: u32| {
+        let label = islands.search.label[index as usize];
         label.is_some_and(|label| own[islands.members[label.member()].cluster as usize])
     };
-    alike && told.iter().all(|(place, told)| is_known(*place) || !meets(*place, told))
+    alike && told.iter().all(|(index, told)| is_known(*index) || !meets(*index, told))
 }
 
 /// Members of own islands that are not sorted into cells and may meet a particle in the messages `told`. Members too
@@ -88,8 +88,8 @@ fn late_near<'i, 'a: 'i>(
     widest: f64,
 ) -> Vec<&'i Member> {
     let depth = |middle: &Vector3<f64>| islands.search.region.depth(middle, islands.domain);
-    let deeper = |deepest: f64, (place, told): &(u32, HotParticleDigest)| {
-        deepest.max(depth(&told.ball.middle)).max(depth(&islands.search.flights[*place as usize].middle))
+    let deeper = |deepest: f64, (index, told): &(u32, HotParticleDigest)| {
+        deepest.max(depth(&told.ball.middle)).max(depth(&islands.search.flights[*index as usize].middle))
     };
     let deep = told.iter().fold(f64::NEG_INFINITY, deeper) + 2.0 * widest.max(islands.search.levels.largest_reach());
     let is_near = |one: &&Member| depth(&one.flight.middle).min(depth(&one.ball.middle)) <= deep;
@@ -100,11 +100,11 @@ fn late_near<'i, 'a: 'i>(
 /// checksums solve the same island.
 fn mark(islands: &Clusters, which: usize) -> u64 {
     let cluster = &islands.list[which];
-    let id = |place: u32| u64::from(islands.particles.id[place as usize]);
-    let hot = cluster.hot.iter().map(|&member| id(islands.members[member as usize].place));
+    let id = |index: u32| u64::from(islands.particles.id[index as usize]);
+    let hot = cluster.hot.iter().map(|&member| id(islands.members[member as usize].index));
     let ([one, other], [fast, next]) = (cluster.energies, cluster.speeds);
     let bounds = [cluster.floor, cluster.first, cluster.stored, one, other, fast, next];
-    let all = hot.chain([u64::MAX]).chain(cluster.bystanders.iter().map(|&place| id(place)));
+    let all = hot.chain([u64::MAX]).chain(cluster.bystanders.iter().map(|&index| id(index)));
     let mut mark = std::hash::DefaultHasher::new();
     all.chain(bounds.map(f64::to_bits)).chain([u64::from(cluster.lasts)]).for_each(|part| mark.write_u64(part));
     mark.finish()

@@ -65,14 +65,14 @@ impl Halo {
     /// other processes within `width` [m] of the block. Afterwards the store contains own particles and copies, and
     /// `work.lasting` their contacts. The lists `own`, `lent` and `borrowed` are filled later, by `follow`.
     pub fn borrow(domains: &mut Domains<Contact>, work: &mut Work<Contact>, width: f64) -> (Self, Names) {
-        let (mine, places) = domains.borrow::<SoftIslands>(work, width);
+        let (mine, indices) = domains.borrow::<SoftIslands>(work, width);
         let id = &work.particles.id;
-        let ids = |places: &Vec<u32>| {
-            let mut ids: Vec<u32> = places.iter().map(|&place| id[place as usize]).collect();
+        let ids = |indices: &Vec<u32>| {
+            let mut ids: Vec<u32> = indices.iter().map(|&index| id[index as usize]).collect();
             ids.sort_unstable();
             ids
         };
-        let lent: Vec<Vec<u32>> = places.iter().map(ids).collect();
+        let lent: Vec<Vec<u32>> = indices.iter().map(ids).collect();
         let outgoing = lent.iter().map(|ids| ids.iter().flat_map(|id| id.to_le_bytes()).collect()).collect();
         let number = |bytes: &[u8; 4]| u32::from_le_bytes(*bytes);
         let borrowed = domains.communicator().exchange(outgoing);
@@ -81,17 +81,17 @@ impl Halo {
         // removes particles that have left the block and are not borrowed again
         let wanted: FxHashSet<u32> = borrowed.iter().flatten().copied().collect();
         let stays: Vec<bool> = id.iter().zip(&mine).map(|(id, mine)| *mine || wanted.contains(id)).collect();
-        let kept: Vec<u32> = (0..id.len() as u32).filter(|&place| stays[place as usize]).collect();
-        let mut place_of = vec![0; id.len()];
-        kept.iter().zip(0..).for_each(|(&from, place)| place_of[from as usize] = place);
-        let is_kept = |place: &u32| stays[*place as usize];
-        let is_mine = |place: &u32| mine[*place as usize];
+        let kept: Vec<u32> = (0..id.len() as u32).filter(|&index| stays[index as usize]).collect();
+        let mut index_of = vec![0; id.len()];
+        kept.iter().zip(0..).for_each(|(&from, index)| index_of[from as usize] = index);
+        let is_kept = |index: &u32| stays[*index as usize];
+        let is_mine = |index: &u32| mine[*index as usize];
         work.lasting.retain(|contact| {
-            let places = Solving::places(contact);
-            places.iter().flatten().all(is_kept) && places.iter().flatten().any(is_mine)
+            let indices = Solving::indices(contact);
+            indices.iter().flatten().all(is_kept) && indices.iter().flatten().any(is_mine)
         });
         for contact in work.lasting.iter_mut() {
-            *contact = Solving::moved(contact, &|place| place_of[place as usize]);
+            *contact = Solving::moved(contact, &|index| index_of[index as usize]);
         }
         work.particles.reorder(&kept);
         let mine = kept.iter().map(is_mine).collect();
@@ -99,16 +99,16 @@ impl Halo {
     }
 
     /// Adopts the order of particles in a new neighbour list: the particle that was at index `p` is now at
-    /// `place_of[p]`. Fills the lists of indices by the ids in `names`.
-    pub fn follow(&mut self, place_of: &[u32], names: Names) {
-        let mut mine = vec![false; place_of.len()];
-        self.mine.iter().zip(place_of).for_each(|(is_mine, &place)| mine[place as usize] = *is_mine);
-        self.own = (0u32..).zip(&mine).filter(|(_, mine)| **mine).map(|(place, _)| place).collect();
+    /// `index_of[p]`. Fills the lists of indices by the ids in `names`.
+    pub fn follow(&mut self, index_of: &[u32], names: Names) {
+        let mut mine = vec![false; index_of.len()];
+        self.mine.iter().zip(index_of).for_each(|(is_mine, &index)| mine[index as usize] = *is_mine);
+        self.own = (0u32..).zip(&mine).filter(|(_, mine)| **mine).map(|(index, _)| index).collect();
         self.mine = mine;
-        let place: FxHashMap<u32, u32> = names.id.iter().copied().zip(place_of.iter().copied()).collect();
-        let places = |ids: Vec<u32>| ids.iter().filter_map(|id| place.get(id).copied()).collect();
-        self.lent = names.lent.into_iter().map(places).collect();
-        self.borrowed = names.borrowed.into_iter().map(places).collect();
+        let index: FxHashMap<u32, u32> = names.id.iter().copied().zip(index_of.iter().copied()).collect();
+        let indices = |ids: Vec<u32>| ids.iter().filter_map(|id| index.get(id).copied()).collect();
+        self.lent = names.lent.into_iter().map(indices).collect();
+        self.borrowed = names.borrowed.into_iter().map(indices).collect();
     }
 
     /// Marks the particles on which the forces in `pushes` act. [`pack`](Self::pack) reads the marks.
@@ -136,10 +136,10 @@ impl Halo {
     /// `lent`.
     pub fn pack(&self, lent: &[u32], particles: &Particles) -> Vec<u8> {
         let mut bytes = Vec::new();
-        for (k, &place) in (0u32..).zip(lent) {
-            if self.pushed[place as usize] {
+        for (k, &index) in (0u32..).zip(lent) {
+            if self.pushed[index as usize] {
                 bytes.extend(k.to_le_bytes());
-                particles.pack_kicked(place as usize, &mut bytes);
+                particles.pack_kicked(index as usize, &mut bytes);
             }
         }
         bytes
@@ -148,27 +148,27 @@ impl Halo {
     /// Returns own particles and copies at the start of a window, the time between two exchanges with the gas. Drag,
     /// for instance, may have changed the velocities of own particles; the new ones are sent to the processes that have
     /// copies of them.
-    pub fn look(&mut self, own: &Particles, domains: &Domains<Contact>) -> Particles {
+    pub fn synchronised_view(&mut self, own: &Particles, domains: &Domains<Contact>) -> Particles {
         let mut seen = std::mem::take(&mut self.seen);
-        for (k, &place) in self.own.iter().enumerate() {
-            seen.set_motion(place as usize, &own.motion(k));
+        for (k, &index) in self.own.iter().enumerate() {
+            seen.set_motion(index as usize, &own.motion(k));
         }
         // kicks also change the gas fluctuations (`eddies`) at the particles; those of borrowed particles are not used
         if let (Some(eddies), Some(of_own)) = (&mut seen.eddies, &own.eddies) {
-            self.own.iter().zip(of_own).for_each(|(&place, own)| eddies[place as usize] = *own);
+            self.own.iter().zip(of_own).for_each(|(&index, own)| eddies[index as usize] = *own);
         }
-        let pack = |places: &Vec<u32>| {
+        let pack = |indices: &Vec<u32>| {
             let mut bytes = Vec::new();
-            places.iter().for_each(|&place| seen.pack_motion(place as usize, &mut bytes));
+            indices.iter().for_each(|&index| seen.pack_motion(index as usize, &mut bytes));
             bytes
         };
         let outgoing = self.lent.iter().map(pack).collect();
         let incoming = domains.communicator().exchange(outgoing);
-        for (places, bytes) in self.borrowed.iter().zip(&incoming) {
+        for (indices, bytes) in self.borrowed.iter().zip(&incoming) {
             let mut rest = bytes.as_slice();
-            for &place in places {
+            for &index in indices {
                 // unpacking succeeds, since all processes have the same columns
-                rest = seen.unpack_motion(place as usize, rest).unwrap_or_default();
+                rest = seen.unpack_motion(index as usize, rest).unwrap_or_default();
             }
         }
         seen
@@ -185,16 +185,16 @@ impl Halo {
     ) -> Vec<CrossRankContact<Contact>> {
         work.particles.clear();
         work.particles.copy_from(seen, &self.own);
-        let mut place_of = vec![None; self.mine.len()];
-        self.own.iter().zip(0u32..).for_each(|(&from, place)| place_of[from as usize] = Some(place));
+        let mut index_of = vec![None; self.mine.len()];
+        self.own.iter().zip(0u32..).for_each(|(&from, index)| index_of[from as usize] = Some(index));
         work.lasting.clear();
         let mut abroad = Vec::new();
         for contact in contacts {
-            let of = Solving::places(contact);
-            let mut here = of.iter().flatten().filter_map(|&place| place_of[place as usize]);
+            let of = Solving::indices(contact);
+            let mut here = of.iter().flatten().filter_map(|&index| index_of[index as usize]);
             match here.next() {
-                Some(own) if of.iter().flatten().any(|&place| place_of[place as usize].is_none()) => {
-                    let carried = Solving::moved(contact, &|place| seen.id[place as usize]);
+                Some(own) if of.iter().flatten().any(|&index| index_of[index as usize].is_none()) => {
+                    let carried = Solving::moved(contact, &|index| seen.id[index as usize]);
                     let overlap = solver.touching(contact).map(|couple| Overlap {
                         depth: couple.meet(seen, work.scene, FrameTime::default()).overlap(),
                         diameter: couple.diameter(seen),
@@ -202,8 +202,8 @@ impl Halo {
                     abroad.push(CrossRankContact { carried, own, overlap });
                 }
                 Some(_) => {
-                    let place = |place: u32| place_of[place as usize].unwrap_or(place);
-                    work.lasting.push(Solving::moved(contact, &place));
+                    let index = |index: u32| index_of[index as usize].unwrap_or(index);
+                    work.lasting.push(Solving::moved(contact, &index));
                 }
                 None => {}
             }
@@ -215,14 +215,14 @@ impl Halo {
     /// the forces that are not yet applied.
     pub fn packed(&self, pushes: &[ForceBuffer]) -> Vec<u8> {
         let mut due = Vec::new();
-        let id = |place: u32| self.seen.id[place as usize];
+        let id = |index: u32| self.seen.id[index as usize];
         for (ForceIncrement { i, j, force }, torque) in pushes.iter().flat_map(ForceBuffer::iter) {
             due.push((id(i), force, torque));
             due.extend(j.map(|j| (id(j.get()), -force, torque.map(ContactTorque::reversed))));
         }
         let told = ListSummary {
-            id: self.own.iter().map(|&place| id(place)).collect(),
-            built_at: self.own.iter().map(|&place| self.built_at[place as usize]).collect(),
+            id: self.own.iter().map(|&index| id(index)).collect(),
+            built_at: self.own.iter().map(|&index| self.built_at[index as usize]).collect(),
             due,
         };
         postcard::to_stdvec(&told).unwrap_or_default()
@@ -232,28 +232,28 @@ impl Halo {
 /// Makes, in the lead process, the neighbour list of all particles and the list of forces that are not yet applied,
 /// from the data `parts` of all processes. Sorts the particles and contacts of `work` in the order of that list.
 pub fn list_of_all(parts: &[Vec<u8>], own: &NeighbourList, work: &mut Work<Contact>) -> (NeighbourList, ForceBuffer) {
-    let place: FxHashMap<u32, u32> = work.particles.id.iter().copied().zip(0..).collect();
+    let index: FxHashMap<u32, u32> = work.particles.id.iter().copied().zip(0..).collect();
     let mut then = work.particles.clone();
     let mut due = Vec::new();
     for told in parts.iter().filter_map(|bytes| postcard::from_bytes::<ListSummary>(bytes).ok()) {
         for (id, position) in told.id.iter().zip(told.built_at) {
-            if let Some(&place) = place.get(id) {
-                then.position[place as usize] = position;
+            if let Some(&index) = index.get(id) {
+                then.position[index as usize] = position;
             }
         }
         due.extend(told.due);
     }
     let mut list = own.without_pairs();
     let order = list.build_again(&mut then, work.scene);
-    let mut place_of = vec![0u32; order.len()];
-    order.iter().zip(0..).for_each(|(&from, place)| place_of[from as usize] = place);
+    let mut index_of = vec![0u32; order.len()];
+    order.iter().zip(0..).for_each(|(&from, index)| index_of[from as usize] = index);
     work.particles.reorder(&order);
     for contact in work.lasting.iter_mut() {
-        *contact = Solving::moved(contact, &|place| place_of[place as usize]);
+        *contact = Solving::moved(contact, &|index| index_of[index as usize]);
         contact.slot = list.slot(&contact.touch.couple).map_or(contact.slot, |slot| slot as u32);
     }
     work.lasting.sort_unstable_by_key(|contact| contact.slot);
-    let now = |id: u32| place.get(&id).map_or(0, |&place| place_of[place as usize]);
+    let now = |id: u32| index.get(&id).map_or(0, |&index| index_of[index as usize]);
     let mut pending = ForceBuffer::default();
     for (id, force, torque) in due {
         let push = ForceIncrement { i: now(id), j: None, force };

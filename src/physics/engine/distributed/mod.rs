@@ -50,13 +50,13 @@ pub trait Distributed: Engine {
     fn balance(&mut self, particles: &Particles, scene: &Scene);
 
     /// Replaces the particles of the lead process by copies of particles of all processes: those with an id divisible
-    /// by `every` (1: all), and those in contact with them. [`hide`](Self::hide) undoes this. All processes must call
+    /// by `every` (1: all), and those in contact with them. [`scatter`](Self::scatter) undoes this. All processes must call
     /// this function, between two windows.
-    fn show(&mut self, particles: &mut Particles, scene: &Scene, every: u32);
+    fn gather(&mut self, particles: &mut Particles, scene: &Scene, every: u32);
 
-    /// Restores the own particles of the lead process, which [`show`](Self::show) has replaced by copies. Does nothing
+    /// Restores the own particles of the lead process, which [`gather`](Self::gather) has replaced by copies. Does nothing
     /// if they have not been replaced.
-    fn hide(&mut self, particles: &mut Particles);
+    fn scatter(&mut self, particles: &mut Particles);
 
     /// True if each process can store its own part of the state of the run by [`packed`](Self::packed). Otherwise all
     /// particles must first be copied to the lead process, which then stores the state.
@@ -107,20 +107,20 @@ pub trait DistributedSolver: Solver {
         window: Window,
         _domains: &mut Domains<Lasting<Self>>,
     ) -> Result<(), Failure> {
-        self.everyone(work, window)
+        self.advance_all(work, window)
     }
 
     /// True if the processes shared the last uniform time steps and still have the data with which they can continue.
-    fn steps_together(&self) -> bool {
+    fn has_uniform_steps(&self) -> bool {
         false
     }
 
     /// Stores in the lead process, which has copies of all particles, the joint neighbour list and forces of all
     /// processes. They become part of a stored run.
-    fn show(&mut self, _work: &mut Work<Lasting<Self>>, _domains: &Domains<Lasting<Self>>) {}
+    fn gather(&mut self, _work: &mut Work<Lasting<Self>>, _domains: &Domains<Lasting<Self>>) {}
 
-    /// Removes the joint data that [`show`](Self::show) has stored in the lead process.
-    fn hide(&mut self) {}
+    /// Removes the joint data that [`gather`](Self::gather) has stored in the lead process.
+    fn scatter(&mut self) {}
 }
 
 /// A contact in progress (or other carried state) between a particle of this process and one of another process.

@@ -28,17 +28,20 @@ pub fn packed_part<S: Solve>(
 
 /// Adds received contacts to `work`, in the process that stores their particles, and replaces ids by indices. Contacts
 /// with a particle of another process are not added but returned.
-pub fn settle<S: Solve>(lasting: Vec<S::Carried>, work: &mut Work<S::Carried>) -> Vec<CrossRankContact<S::Carried>> {
+pub fn add_received_contacts<S: Solve>(
+    lasting: Vec<S::Carried>,
+    work: &mut Work<S::Carried>,
+) -> Vec<CrossRankContact<S::Carried>> {
     let mut abroad = Vec::new();
-    let places: FxHashMap<u32, u32> = work.particles.id.iter().copied().zip(0..).collect();
+    let indices: FxHashMap<u32, u32> = work.particles.id.iter().copied().zip(0..).collect();
     for carried in lasting {
-        let here: Vec<Option<u32>> = S::places(&carried).iter().flatten().map(|id| places.get(id).copied()).collect();
+        let here: Vec<Option<u32>> = S::indices(&carried).iter().flatten().map(|id| indices.get(id).copied()).collect();
         match here.iter().flatten().next() {
             // for state between two processes, the overlap is computed at the end of the next part
             Some(&own) if here.iter().any(Option::is_none) => {
                 abroad.push(CrossRankContact { carried, own, overlap: None })
             }
-            Some(_) => work.lasting.push(S::moved(&carried, &|id| places.get(&id).copied().unwrap_or(id))),
+            Some(_) => work.lasting.push(S::moved(&carried, &|id| indices.get(&id).copied().unwrap_or(id))),
             None => {}
         }
     }
@@ -57,23 +60,23 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
             let owners: Vec<usize> = part.position.iter().map(|x| self.blocks.owner(x)).collect();
             let owner_of: FxHashMap<u32, usize> = part.id.iter().copied().zip(owners.iter().copied()).collect();
             for (rank, bytes) in outgoing.iter_mut().enumerate() {
-                let is_theirs = |place: &u32| owners[*place as usize] == rank;
-                let places: Vec<u32> = (0..part.len() as u32).filter(is_theirs).collect();
+                let is_theirs = |index: &u32| owners[*index as usize] == rank;
+                let indices: Vec<u32> = (0..part.len() as u32).filter(is_theirs).collect();
                 let touches = |carried: &&S::Carried| {
-                    S::places(carried).iter().flatten().any(|id| owner_of.get(id) == Some(&rank))
+                    S::indices(carried).iter().flatten().any(|id| owner_of.get(id) == Some(&rank))
                 };
-                *bytes = pack(&part, &places, &lasting.iter().filter(touches).copied().collect::<Vec<_>>());
+                *bytes = pack(&part, &indices, &lasting.iter().filter(touches).copied().collect::<Vec<_>>());
             }
         }
         self.communicator.exchange(outgoing).into_iter().next().unwrap_or_default()
     }
 }
 
-/// Packs the particles with the indices `places`, and the contacts `lasting`, into bytes for sending. The bytes contain
+/// Packs the particles with the indices `indices`, and the contacts `lasting`, into bytes for sending. The bytes contain
 /// the length of the particles' data, these data, then the contacts.
-pub fn pack<C: Serialize>(particles: &Particles, places: &[u32], lasting: &[C]) -> Vec<u8> {
+pub fn pack<C: Serialize>(particles: &Particles, indices: &[u32], lasting: &[C]) -> Vec<u8> {
     let mut bytes = vec![0; LENGTH];
-    particles.pack(places, &mut bytes);
+    particles.pack(indices, &mut bytes);
     let length = (bytes.len() - LENGTH) as u64;
     bytes[..LENGTH].copy_from_slice(&length.to_le_bytes());
     let lasting = packed(&lasting);
@@ -99,7 +102,7 @@ pub fn ids_of<'a, S: Solve>(particles: &Particles, lasting: impl Iterator<Item =
 where
     S::Carried: 'a,
 {
-    lasting.map(|carried| S::moved(carried, &|place| particles.id[place as usize])).collect()
+    lasting.map(|carried| S::moved(carried, &|index| particles.id[index as usize])).collect()
 }
 
 /// Converts a value to bytes, for sending to other processes.

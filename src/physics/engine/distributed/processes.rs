@@ -4,7 +4,7 @@
 use super::CrossRankContact;
 use super::agreement::PartDecision;
 use super::domains::{Domains, LocalParticles};
-use super::packing::{settle, take_aboard};
+use super::packing::{add_received_contacts, take_aboard};
 use crate::communicator::Communicator;
 use crate::domain::Domain;
 use crate::engine::driver::Work;
@@ -129,10 +129,10 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
     }
 
     /// Adapts stored indices to a new order of the particle store: the particle that was at index `p` is now at
-    /// `place_of[p]`.
-    pub fn reorder(&mut self, place_of: &[u32]) {
+    /// `index_of[p]`.
+    pub fn reorder(&mut self, index_of: &[u32]) {
         for abroad in self.domains.iter_mut().flat_map(|domains| &mut domains.abroad) {
-            abroad.own = place_of[abroad.own as usize];
+            abroad.own = index_of[abroad.own as usize];
         }
     }
 
@@ -172,7 +172,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
             let own = self.domains.as_ref().map_or_else(|| part.clone(), |domains| domains.deal::<S>(&part, domain));
             lasting.extend(take_aboard::<C>(&own, work.particles).into_iter().flatten());
         }
-        let abroad = settle::<S>(lasting, work);
+        let abroad = add_received_contacts::<S>(lasting, work);
         if let Some(domains) = &mut self.domains {
             domains.abroad = abroad;
         }

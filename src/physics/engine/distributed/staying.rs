@@ -23,13 +23,13 @@ impl<'a> Stay<'a> {
     fn of(mine: &'a [bool]) -> Self {
         let count = mine.iter().filter(|mine| **mine).count();
         let (first, last) = mine.split_at(count);
-        let holes = (0u32..).zip(first).filter(|(_, mine)| !**mine).map(|(place, _)| place);
-        let movers = (count as u32..).zip(last).filter(|(_, mine)| **mine).map(|(place, _)| place);
+        let holes = (0u32..).zip(first).filter(|(_, mine)| !**mine).map(|(index, _)| index);
+        let movers = (count as u32..).zip(last).filter(|(_, mine)| **mine).map(|(index, _)| index);
         Self { mine, count: count as u32, moves: movers.zip(holes).collect() }
     }
 
     /// New index of the particle with the old index `before`; `None` if the particle is removed.
-    fn place(&self, before: u32) -> Option<u32> {
+    fn index(&self, before: u32) -> Option<u32> {
         if !self.mine[before as usize] {
             return None;
         }
@@ -59,7 +59,7 @@ impl<C: Copy> Domains<C> {
         members: &mut Vec<u32>,
     ) {
         let stay = self.keep_some(solver, work, &view.mine);
-        *members = members.iter().filter_map(|&place| stay.place(place)).collect();
+        *members = members.iter().filter_map(|&index| stay.index(index)).collect();
     }
 
     /// Removes all particles for which `mine` (one entry per index) is false, and contacts that involve no other
@@ -86,18 +86,18 @@ impl<C: Copy> Domains<C> {
         self.abroad.clear();
         let mut home = Vec::new();
         for carried in work.lasting.drain(..) {
-            let of = S::places(&carried);
-            let mut here = of.iter().flatten().filter_map(|&place| stay.place(place));
+            let of = S::indices(&carried);
+            let mut here = of.iter().flatten().filter_map(|&index| stay.index(index));
             match here.next() {
-                Some(own) if of.iter().flatten().any(|&place| stay.place(place).is_none()) => {
+                Some(own) if of.iter().flatten().any(|&index| stay.index(index).is_none()) => {
                     let overlap = solver.touching(&carried).map(overlap);
                     self.abroad.push(CrossRankContact {
-                        carried: S::moved(&carried, &|place| id[place as usize]),
+                        carried: S::moved(&carried, &|index| id[index as usize]),
                         own,
                         overlap,
                     });
                 }
-                Some(_) => home.push(S::moved(&carried, &|place| stay.place(place).unwrap_or(place))),
+                Some(_) => home.push(S::moved(&carried, &|index| stay.index(index).unwrap_or(index))),
                 None => {}
             }
         }

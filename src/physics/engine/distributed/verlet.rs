@@ -99,7 +99,7 @@ impl<'a> OtherProcesses<'a> {
     /// [s]; `own` contains the particles of this process.
     fn agreed(&self, own: &Particles, scene: &Scene, between_uses: f64) -> ListSettings {
         let sizes = (self.domains.population.count, self.domains.population.mean_radius[0]);
-        ListSettings::together(own, sizes, scene, between_uses, &*self.communicator)
+        ListSettings::across_processes(own, sizes, scene, between_uses, &*self.communicator)
     }
 
     /// Builds the neighbour list again with the settings `plan`; each process builds the part for its own particles.
@@ -117,17 +117,17 @@ impl<'a> OtherProcesses<'a> {
             self.domains.cut(&solver.islands, &mut work);
         }
         work.particles.wrap(&scene.domain);
-        let reach = 2.0 * plan.everyone.as_ref().map_or(0.0, |everyone| everyone.range[0]) + plan.skin;
+        let reach = 2.0 * plan.of_all.as_ref().map_or(0.0, |of_all| of_all.range[0]) + plan.skin;
         let (mut halo, names) = Halo::borrow(self.domains, &mut work, reach * (1.0 + 1e-9));
         let order = solver.list.build_by(&Region::from(&scene.domain), work.particles, scene, plan);
-        let mut place_of = vec![0u32; order.len()];
-        for (place, &from) in order.iter().enumerate() {
-            place_of[from as usize] = place as u32;
+        let mut index_of = vec![0u32; order.len()];
+        for (index, &from) in order.iter().enumerate() {
+            index_of[from as usize] = index as u32;
         }
-        halo.follow(&place_of, names);
+        halo.follow(&index_of, names);
         solver.list.keep_of(&halo.mine);
         solver.contacts.put(std::mem::take(work.lasting));
-        solver.contacts.reorder(&place_of, std::iter::empty(), &solver.list);
+        solver.contacts.reorder(&index_of, std::iter::empty(), &solver.list);
         halo.built_at.clone_from(&work.particles.position);
         let pairs = solver.list.pairs.iter().filter(|pair| halo.mine[pair.i as usize]).count();
         let mut slots = [(pairs + solver.list.walls.len()) as i64];
@@ -222,7 +222,7 @@ impl SoftSolver {
             self.start_together(work, domains);
         }
         let mut seen = match &mut self.shared.halo {
-            Some(halo) if domains.is_cut => halo.look(work.particles, domains),
+            Some(halo) if domains.is_cut => halo.synchronised_view(work.particles, domains),
             _ => std::mem::take(work.particles),
         };
         let before = self.counters;
@@ -314,15 +314,15 @@ impl DistributedSolver for SoftSolver {
         self.uniform_together(work, window, domains)
     }
 
-    fn steps_together(&self) -> bool {
+    fn has_uniform_steps(&self) -> bool {
         self.shared.halo.is_some()
     }
 
-    fn show(&mut self, work: &mut Work<Contact>, domains: &Domains<Contact>) {
+    fn gather(&mut self, work: &mut Work<Contact>, domains: &Domains<Contact>) {
         self.show_all(work, domains);
     }
 
-    fn hide(&mut self) {
+    fn scatter(&mut self) {
         self.shared.shown = None;
     }
 }

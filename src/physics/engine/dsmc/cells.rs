@@ -155,7 +155,7 @@ impl CollisionCells {
         let of_cell = |cell: usize| {
             let members = self.members(cell);
             if sizes.are_mixed() {
-                let radii = members.iter().map(|&place| particles.radius[place as usize]);
+                let radii = members.iter().map(|&index| particles.radius[index as usize]);
                 radii.fold([0.0, 0.0], |[two, three], r| [two + r * r, three + r * r * r])
             } else {
                 let r = sizes.range[1];
@@ -181,8 +181,8 @@ impl CollisionCells {
     /// Number of the block of cells to which a cell, given by its number, belongs.
     pub fn block_of(&self, cell: usize) -> usize {
         let [nx, ny, _] = self.count;
-        let place = [cell % nx, cell / nx % ny, cell / (nx * ny)];
-        let [x, y, z] = std::array::from_fn(|axis| place[axis] * self.blocks[axis] / self.count[axis]);
+        let steps = [cell % nx, cell / nx % ny, cell / (nx * ny)];
+        let [x, y, z] = std::array::from_fn(|axis| steps[axis] * self.blocks[axis] / self.count[axis]);
         x + self.blocks[0] * (y + self.blocks[1] * z)
     }
 }
@@ -244,8 +244,8 @@ fn open_volumes(scene: &Scene, [low, size]: [Vector3<f64>; 2], count: [usize; 3]
     }
     let near = NearWalls::of(&scene.walls);
     let share = |cell: usize| {
-        let place = [cell % count[0], cell / count[0] % count[1], cell / (count[0] * count[1])];
-        let corner = low + Vector3::from_fn(|axis, _| place[axis] as f64 * edges[axis]);
+        let steps = [cell % count[0], cell / count[0] % count[1], cell / (count[0] * count[1])];
+        let corner = low + Vector3::from_fn(|axis, _| steps[axis] as f64 * edges[axis]);
         let (middle, reach) = (corner + edges * 0.5, radius + 0.5 * edges.norm());
         let mut walls = Vec::new();
         near.list(&middle, reach, &mut walls);

@@ -71,11 +71,11 @@ pub fn collide(
     }
     let CellMemory { velocity, spin, pair } = memory;
     velocity.clear();
-    velocity.extend(cell.members.iter().map(|&place| cell.particles.velocity[place as usize]));
+    velocity.extend(cell.members.iter().map(|&index| cell.particles.velocity[index as usize]));
     let rotating = cell.particles.spin.is_some();
     spin.clear();
     if rotating {
-        spin.extend(cell.members.iter().map(|&place| cell.particles.spin_of(place as usize)));
+        spin.extend(cell.members.iter().map(|&index| cell.particles.spin_of(index as usize)));
     }
     let number = count as f64;
     let mean = velocity.iter().sum::<Vector3<f64>>() / number;

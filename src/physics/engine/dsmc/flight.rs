@@ -85,22 +85,22 @@ pub fn fly(
     let some = work_sharing::map_with(
         near.chunks(FEW),
         || (Particles::default(), Vec::new()),
-        |(one, found), places| {
+        |(one, found), indices| {
             let mut log = Log::default();
-            let fly = |&place: &u32| {
+            let fly = |&index: &u32| {
                 one.clear();
-                one.copy_from(particles, &[place]);
+                one.copy_from(particles, &[index]);
                 let failure = fly_among_walls(one, scene, (&walls.near, found), time, &mut log).err();
-                (place, one.motion(0), failure)
+                (index, one.motion(0), failure)
             };
-            (places.iter().map(fly).collect::<Vec<FlownParticle>>(), log)
+            (indices.iter().map(fly).collect::<Vec<FlownParticle>>(), log)
         },
     );
     let (mut impacts, mut failed) = (0, None);
     for (flown, mut some) in some {
-        for (place, mut motion, failure) in flown {
+        for (index, mut motion, failure) in flown {
             motion.position = scene.domain.wrap(&motion.position);
-            particles.set_motion(place as usize, &motion);
+            particles.set_motion(index as usize, &motion);
             failed = failed.or(failure);
         }
         impacts += some.impacts.len() as u64;
@@ -161,7 +161,7 @@ fn fly_among_walls(
         flown += until;
         let now = time.start + flown;
         let here = FrameTime::default();
-        let met = couple.strike(one, scene, here, touch.place);
+        let met = couple.strike(one, scene, here, touch.feature);
         let wall = couple.wall_motion(&met, (one, scene), here);
         let collision = Collision { couple, met, elastic: false, kinds: couple.kinds(one), wall, image: 0.0 };
         collision.resolve(one, scene, time.window.duration - now, log);

@@ -102,10 +102,10 @@ impl Dsmc {
             rate += piece.rate;
             self.state.counters.pair_checks += piece.drawn;
             self.state.counters.events += piece.log.impacts.len() as u64;
-            for (place, velocity, spin) in piece.changed {
-                particles.velocity[place as usize] = velocity;
+            for (index, velocity, spin) in piece.changed {
+                particles.velocity[index as usize] = velocity;
                 if let Some(spins) = &mut particles.spin {
-                    spins[place as usize] = spin;
+                    spins[index as usize] = spin;
                 }
             }
             log.impacts.append(&mut piece.log.impacts);
@@ -255,7 +255,7 @@ impl Engine for Dsmc {
 
     /// Discards the cells, which follow from the sizes and the number of the particles. They are made anew in the next
     /// window.
-    fn repopulate(&mut self, _place_of: &[Option<u32>]) -> f64 {
+    fn repopulate(&mut self, _index_of: &[Option<u32>]) -> f64 {
         self.setup = None;
         0.0
     }

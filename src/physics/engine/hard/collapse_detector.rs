@@ -35,7 +35,7 @@ const COLLAPSE_IMPACTS: u32 = 1_000_000;
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Recent {
     /// Index of the particle in the particle store.
-    pub place: u32,
+    pub index: u32,
     /// [s] simulated time of the particle's last collision.
     pub time: f64,
 }
@@ -118,10 +118,10 @@ pub struct Collapsed {
 
 impl Collapsed {
     /// Makes the error that stops the run at simulated time `time` [s]. `particle` is the id of the collapsing
-    /// particle, `partner` the body that it hit last, and `place` [m] its position.
-    pub fn failure(&self, time: f64, (particle, partner): (u32, Partner), place: Vector3<f64>) -> Failure {
+    /// particle, `partner` the body that it hit last, and `position` [m] its position.
+    pub fn failure(&self, time: f64, (particle, partner): (u32, Partner), position: Vector3<f64>) -> Failure {
         let Self { impacts, interval, contact_time, sliding } = *self;
-        let (impacts, [x, y, z]) = (u64::from(impacts), place.into());
+        let (impacts, [x, y, z]) = (u64::from(impacts), position.into());
         Failure::InelasticCollapse { time, particle, partner, impacts, interval, contact_time, sliding, x, y, z }
     }
 }
@@ -157,5 +157,5 @@ pub fn recent<'a>(
 ) -> impl Iterator<Item = Recent> {
     let after = contact_time.map_or(f64::INFINITY, |time| now - time);
     let met = met.enumerate().filter(move |(_, met)| met.last > after);
-    met.map(|(place, met)| Recent { place: place as u32, time: met.last })
+    met.map(|(index, met)| Recent { index: index as u32, time: met.last })
 }

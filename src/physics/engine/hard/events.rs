@@ -20,7 +20,7 @@ use nalgebra::Vector3;
 #[derive(Clone, Copy, Debug)]
 pub struct DeflectedFlight {
     /// Local index of the particle in its island.
-    pub place: u32,
+    pub index: u32,
     /// [s] time of the collision with which the flight begins, since the start of the part.
     pub time: f64,
     /// [m] position that the particle would have had at the start of the part if it had always moved on the line of
@@ -65,7 +65,7 @@ pub struct EventLoop {
     next: Vec<u32>,
     /// For each candidate of a particle and a wall, the number of the surface feature (such as a triangle of a mesh)
     /// that the particle will touch next.
-    places: Vec<u32>,
+    features: Vec<u32>,
     /// Flights that began with a collision in the last island, in the order of time.
     pub turned: Vec<DeflectedFlight>,
     /// Collision history of each particle of the island, by which inelastic collapse is detected.
@@ -82,7 +82,7 @@ impl EventLoop {
         self.met.clear();
         self.met.resize(particles, LastCollision::default());
         for recent in recently {
-            self.met[recent.place as usize] = LastCollision::at(recent.time);
+            self.met[recent.index as usize] = LastCollision::at(recent.time);
         }
         self.connect(particles);
     }
@@ -136,7 +136,7 @@ impl EventLoop {
         while let Some((slot, now)) = self.calendar.pop() {
             let couple = self.list.couple(slot as usize);
             let moment = FrameTime::ahead(now);
-            let met = couple.strike(particles, scene, moment, self.place(slot as usize));
+            let met = couple.strike(particles, scene, moment, self.feature(slot as usize));
             let wall = couple.wall_motion(&met, (particles, scene), moment);
             let elastic = self.in_contact(&couple, window.start + now);
             let image = couple.image_velocity(particles, scene, &met.velocity);
@@ -160,14 +160,14 @@ impl EventLoop {
             if let Err(failure) = self.watch(&collision, particles, scene, window, now) {
                 return (now, Err(failure));
             }
-            for place in couple.places().into_iter().flatten() {
-                let (origin, velocity) = (particles.position[place as usize], particles.velocity[place as usize]);
-                self.turned.push(DeflectedFlight { place, time: now, origin, velocity });
-                self.repredict(place as usize, particles, scene, now, end);
+            for index in couple.indices().into_iter().flatten() {
+                let (origin, velocity) = (particles.position[index as usize], particles.velocity[index as usize]);
+                self.turned.push(DeflectedFlight { index, time: now, origin, velocity });
+                self.repredict(index as usize, particles, scene, now, end);
             }
-            for place in couple.places().into_iter().flatten().map(|place| place as usize) {
-                if !bounds.allows(place, &particles.velocity[place]) {
-                    return (now, Ok(Some(place)));
+            for index in couple.indices().into_iter().flatten().map(|index| index as usize) {
+                if !bounds.allows(index, &particles.velocity[index]) {
+                    return (now, Ok(Some(index)));
                 }
             }
         }
@@ -176,16 +176,16 @@ impl EventLoop {
 
     /// Number of the surface feature (such as a triangle of a mesh) that the particle at the slot `slot` will touch
     /// next. A slot is the number of a candidate in the neighbour list. 0 for a pair of particles.
-    fn place(&self, slot: usize) -> u32 {
+    fn feature(&self, slot: usize) -> u32 {
         let near = slot.checked_sub(self.list.pairs.len());
-        near.and_then(|near| self.places.get(near)).copied().unwrap_or_default()
+        near.and_then(|near| self.features.get(near)).copied().unwrap_or_default()
     }
 
     /// Puts the next touch of the two bodies at `slot` (their number in the neighbour list) into the event queue. With
     /// `None` for `touch`, no touch is coming. The time of the touch is in s since the start of the part.
     fn predict_events(&mut self, slot: usize, touch: Option<Touch>) {
         if let (Some(near), Some(touch)) = (slot.checked_sub(self.list.pairs.len()), touch) {
-            self.places[near] = touch.place;
+            self.features[near] = touch.feature;
         }
         self.calendar.set(slot as u32, touch.map(|touch| touch.time));
     }
@@ -203,8 +203,8 @@ impl EventLoop {
     /// since the start of the part.
     fn predict_all(&mut self, particles: &Particles, scene: &Scene, end: f64) {
         self.calendar.clear();
-        self.places.clear();
-        self.places.resize(self.list.walls.len(), 0);
+        self.features.clear();
+        self.features.resize(self.list.walls.len(), 0);
         let slots = self.list.slots();
         self.pair_checks += slots as u64;
         for slot in 0..slots {
@@ -228,8 +228,8 @@ impl EventLoop {
     /// collided less than the contact time before.
     fn in_contact(&self, couple: &Couple, time: f64) -> bool {
         let Some(contact_time) = self.contact_time else { return false };
-        let last = |place: u32| self.met[place as usize].last;
-        couple.places().into_iter().flatten().any(|place| time - last(place) < contact_time)
+        let last = |index: u32| self.met[index as usize].last;
+        couple.indices().into_iter().flatten().any(|index| time - last(index) < contact_time)
     }
 
     /// Adds a collision at the time `now` [s since the start of the part] to the histories of both partners. Returns an
@@ -244,7 +244,7 @@ impl EventLoop {
     ) -> Result<(), Failure> {
         let time = window.start + now;
         let couple = collision.couple;
-        for i in couple.places().into_iter().flatten() {
+        for i in couple.indices().into_iter().flatten() {
             let partner = if i == couple.i {
                 couple.partner(particles)
             } else {
@@ -253,10 +253,10 @@ impl EventLoop {
             let i = i as usize;
             let met = &mut self.met[i];
             if let Some(interval) = met.note(collision, scene, time, self.contact_time) {
-                let place = scene.domain.wrap(&FrameTime::ahead(now).flight(particles, scene, i).position);
+                let position = scene.domain.wrap(&FrameTime::ahead(now).flight(particles, scene, i).position);
                 let (impacts, sliding) = (met.impacts, sliding(collision, scene));
                 let collapsed = Collapsed { impacts, interval, contact_time: self.contact_time, sliding };
-                return Err(collapsed.failure(time, (particles.id[i], partner), place));
+                return Err(collapsed.failure(time, (particles.id[i], partner), position));
             }
         }
         Ok(())

@@ -50,9 +50,9 @@ impl Collision {
         if speed == 0.0 || surface.friction == 0.0 {
             return none;
         }
-        let arm_of = |place: usize| arm * particles.radius[place];
-        let places = || couple.places().into_iter().flatten().map(|place| place as usize);
-        let mass = tangential_mass(places().map(|place| (particles.mass[place], arm_of(place), inertia[place])));
+        let arm_of = |index: usize| arm * particles.radius[index];
+        let indices = || couple.indices().into_iter().flatten().map(|index| index as usize);
+        let mass = tangential_mass(indices().map(|index| (particles.mass[index], arm_of(index), inertia[index])));
         let tangential = rotation.impact.impulse(&ObliqueApproach {
             friction: surface.friction,
             restitution: surface.restitution,
@@ -64,7 +64,7 @@ impl Collision {
         });
         let against = slip * (tangential / speed);
         let torque = met.normal.cross(&against);
-        places().for_each(|place| spins[place] += torque * (arm_of(place) / inertia[place]));
+        indices().for_each(|index| spins[index] += torque * (arm_of(index) / inertia[index]));
         let friction_loss = tangential * (speed - 0.5 * tangential / mass);
         // the loss by the rule of the spring cannot be divided into parts
         let sticks = matches!(rotation.impact, ImpactRule::Walton { .. }) && tangential < limit;

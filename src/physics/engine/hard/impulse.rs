@@ -69,7 +69,7 @@ impl CollisionMasses {
             mass: particles.mass[couple.i as usize],
             other: couple.j().map(|j| particles.mass[j as usize]),
             diameter: couple.diameter(particles),
-            reach: couple.places().into_iter().flatten().map(|place| particles.radius[place as usize]).sum(),
+            reach: couple.indices().into_iter().flatten().map(|index| particles.radius[index as usize]).sum(),
         }
     }
 

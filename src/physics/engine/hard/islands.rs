@@ -22,12 +22,12 @@ impl Solve for HardIslands {
     type Carried = Recent;
     type Scratch = EventLoop;
 
-    fn places(recent: &Recent) -> [Option<u32>; 2] {
-        [Some(recent.place), None]
+    fn indices(recent: &Recent) -> [Option<u32>; 2] {
+        [Some(recent.index), None]
     }
 
-    fn moved(recent: &Recent, place_of: &dyn Fn(u32) -> u32) -> Recent {
-        Recent { place: place_of(recent.place), ..*recent }
+    fn moved(recent: &Recent, index_of: &dyn Fn(u32) -> u32) -> Recent {
+        Recent { index: index_of(recent.index), ..*recent }
     }
 
     fn energy(&self, _recent: &Recent) -> f64 {
@@ -54,7 +54,7 @@ impl Solve for HardIslands {
         let (particles, log, bounds) = island.open();
         let (_, result) = events.run(particles, scene, WindowPart { window, end }, &bounds, log);
         for turned in &events.turned {
-            island.turn(turned.place, turned.time, turned.origin, turned.velocity);
+            island.turn(turned.index, turned.time, turned.origin, turned.velocity);
         }
         let particles = &mut island.particles;
         for (x, v) in particles.position.iter_mut().zip(&mut particles.velocity).take(island.hot) {

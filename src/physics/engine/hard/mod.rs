@@ -47,7 +47,7 @@ enum WindowMethod {
 /// Solver of the event-driven engine. It moves islands (groups of particles that may meet) by small event queues, and
 /// all particles at once by one lasting event queue.
 pub struct HardSolver {
-    together: GlobalCalendar,
+    calendar: GlobalCalendar,
     islands: HardIslands,
     way: WindowMethod,
     memory: Memory,
@@ -74,7 +74,7 @@ const LONGEST_STAY: u32 = 64;
 /// State of the engine between two windows, as stored in a snapshot of a run.
 #[derive(Serialize, Deserialize)]
 pub struct HardState {
-    together: GlobalCalendar,
+    calendar: GlobalCalendar,
     memory: Memory,
 }
 
@@ -89,7 +89,7 @@ impl Hard {
     /// cost. Restitution and friction are those of the scene.
     pub fn new() -> Self {
         Self::with(HardSolver {
-            together: GlobalCalendar::default(),
+            calendar: GlobalCalendar::default(),
             islands: HardIslands::default(),
             way: WindowMethod::Cheaper,
             memory: Memory::default(),
@@ -116,7 +116,7 @@ impl Hard {
     /// each other without infinitely many collisions. Friction acts as usual. With `None` every collision has the
     /// restitution of its surfaces.
     pub fn with_contact_time(mut self, contact_time: Option<f64>) -> Self {
-        self.solver.together.contact_time = contact_time;
+        self.solver.calendar.contact_time = contact_time;
         self.solver.islands.contact_time = contact_time;
         self
     }
@@ -171,24 +171,24 @@ impl Solver for HardSolver {
 
     fn for_each_kept(&self, _visit: &mut dyn FnMut(Recent)) {}
 
-    fn everyone(&mut self, work: &mut Work<Recent>, window: Window) -> Result<(), Failure> {
-        let result = self.together.run(work, window, std::mem::take(&mut self.memory.outdated));
+    fn advance_all(&mut self, work: &mut Work<Recent>, window: Window) -> Result<(), Failure> {
+        let result = self.calendar.run(work, window, std::mem::take(&mut self.memory.outdated));
         work.lasting.clear();
-        work.lasting.extend(self.together.recent(window.start + window.duration));
+        work.lasting.extend(self.calendar.recent(window.start + window.duration));
         result
     }
 
     fn counters(&self, islands: &IslandCounters) -> Counters {
         Counters {
-            events: self.together.events + islands.events,
-            pair_checks: self.together.pair_checks() + islands.pair_checks + islands.searched,
-            neighbour_builds: self.together.builds + islands.neighbour_builds,
+            events: self.calendar.events + islands.events,
+            pair_checks: self.calendar.pair_checks() + islands.pair_checks + islands.searched,
+            neighbour_builds: self.calendar.builds + islands.neighbour_builds,
             ..islands.of_all_engines()
         }
     }
 
     fn forget(&mut self) {
-        self.together.forget();
+        self.calendar.forget();
     }
 
     fn elastic_energy(&self) -> Option<f64> {
@@ -196,19 +196,19 @@ impl Solver for HardSolver {
     }
 
     fn use_clock(&mut self, clock: Clock) {
-        self.together.clock = clock;
+        self.calendar.clock = clock;
     }
 
     fn spent(&self, spent: EngineTimes) -> EngineTimes {
-        EngineTimes { neighbours: spent.neighbours + self.together.building, ..spent }
+        EngineTimes { neighbours: spent.neighbours + self.calendar.building, ..spent }
     }
 
     fn state(&self) -> HardState {
-        HardState { together: self.together.state(), memory: self.memory }
+        HardState { calendar: self.calendar.state(), memory: self.memory }
     }
 
     fn resume(&mut self, state: HardState) {
-        self.together.resume(state.together);
+        self.calendar.resume(state.calendar);
         self.memory = state.memory;
     }
 }

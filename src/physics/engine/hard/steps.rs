@@ -167,7 +167,7 @@ impl Engine for SteppedHard {
         Ok(())
     }
 
-    fn repopulate(&mut self, _place_of: &[Option<u32>]) -> f64 {
+    fn repopulate(&mut self, _index_of: &[Option<u32>]) -> f64 {
         self.list.invalidate();
         0.0
     }

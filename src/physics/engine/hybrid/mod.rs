@@ -122,12 +122,12 @@ impl Solve for HybridIslands {
     type Carried = Contact;
     type Scratch = IslandScratch;
 
-    fn places(contact: &Contact) -> [Option<u32>; 2] {
-        SoftIslands::<Impulses>::places(contact)
+    fn indices(contact: &Contact) -> [Option<u32>; 2] {
+        SoftIslands::<Impulses>::indices(contact)
     }
 
-    fn moved(contact: &Contact, place_of: &dyn Fn(u32) -> u32) -> Contact {
-        SoftIslands::<Impulses>::moved(contact, place_of)
+    fn moved(contact: &Contact, index_of: &dyn Fn(u32) -> u32) -> Contact {
+        SoftIslands::<Impulses>::moved(contact, index_of)
     }
 
     fn energy(&self, contact: &Contact) -> f64 {
@@ -206,8 +206,8 @@ impl Solver for HybridSolver {
         self.soft.for_each_kept(visit);
     }
 
-    fn everyone(&mut self, work: &mut Work<Contact>, window: Window) -> Result<(), Failure> {
-        self.soft.everyone(work, window)
+    fn advance_all(&mut self, work: &mut Work<Contact>, window: Window) -> Result<(), Failure> {
+        self.soft.advance_all(work, window)
     }
 
     fn counters(&self, islands: &IslandCounters) -> Counters {

@@ -20,7 +20,7 @@ use std::ops::Range;
 #[derive(Clone, Copy, Debug)]
 pub struct HotParticle {
     /// Index of the particle in the particle store.
-    pub place: u32,
+    pub index: u32,
     /// Position, velocity and other moving quantities of the particle at the end of the part.
     pub motion: Motion,
 }
@@ -30,7 +30,7 @@ pub struct HotParticle {
 #[derive(Clone, Copy, Debug)]
 pub struct Stop {
     /// Index of the particle in the particle store.
-    pub place: u32,
+    pub index: u32,
     /// True if the particle is a bystander, which was expected to fly straight; false if it is a member of the island.
     pub bystander: bool,
     /// [m/s] speed of the particle, relative to the moving frame in which speed limits are given.
@@ -178,7 +178,7 @@ impl<C: Copy + Send + Sync> IslandResults<'_, C> {
         let mut ledgers = Vec::with_capacity(islands.len());
         for (kept, batch) in each() {
             let solved = &batch.solved[kept.number];
-            notes.members.extend(batch.states[solved.states.clone()].iter().map(|state| state.place));
+            notes.members.extend(batch.states[solved.states.clone()].iter().map(|state| state.index));
             notes.lasting.extend_from_slice(&batch.carried[solved.carried.clone()]);
             if kept.counts {
                 let members = solved.states.len() as u64;
@@ -285,21 +285,21 @@ impl<S: Solve> Workbench<S> {
         let (impacts, ways) = (batch.impacts.len(), batch.trajectories.ways.len());
         if matches!(stopped, Ok(None)) {
             batch.states.extend(
-                (0..island.hot).map(|k| HotParticle { place: island.places[k], motion: island.particles.motion(k) }),
+                (0..island.hot).map(|k| HotParticle { index: island.indices[k], motion: island.particles.motion(k) }),
             );
-            let places = &island.places;
-            batch.carried.extend(island.carried.iter().map(|c| S::moved(c, &|local| places[local as usize])));
+            let indices = &island.indices;
+            batch.carried.extend(island.carried.iter().map(|c| S::moved(c, &|local| indices[local as usize])));
             batch.impacts.append(&mut island.log.impacts);
             islands.trace(island, &mut batch.trajectories);
         }
-        let stop = |place: usize| Stop {
-            place: island.places[place],
-            bystander: place >= island.hot,
-            speed: island.speed(place),
+        let stop = |index: usize| Stop {
+            index: island.indices[index],
+            bystander: index >= island.hot,
+            speed: island.speed(index),
         };
         batch.solved.push(Solved {
             which,
-            stopped: stopped.map(|place| place.into_iter().chain(island.also.iter().copied()).map(stop).collect()),
+            stopped: stopped.map(|index| index.into_iter().chain(island.also.iter().copied()).map(stop).collect()),
             states: states..batch.states.len(),
             carried: carried..batch.carried.len(),
             impacts: impacts..batch.impacts.len(),
@@ -319,9 +319,9 @@ impl<S: Solve> Workbench<S> {
 /// Adds the carried item `carried`, such as a contact in progress, to an island (group of particles that may meet).
 /// Returns false, and adds nothing, if one of the item's particles is not in the island.
 fn take_in<S: Solve>(island: &mut Island<S::Carried>, carried: &S::Carried) -> bool {
-    let known = S::places(carried).into_iter().flatten().all(|place| island.local(place).is_some());
+    let known = S::indices(carried).into_iter().flatten().all(|index| island.local(index).is_some());
     if known {
-        let moved = S::moved(carried, &|place| island.local(place).unwrap_or(place));
+        let moved = S::moved(carried, &|index| island.local(index).unwrap_or(index));
         island.carried.push(moved);
     }
     known
@@ -341,12 +341,12 @@ mod tests {
         type Carried = u32;
         type Scratch = ();
 
-        fn places(place: &u32) -> [Option<u32>; 2] {
-            [Some(*place), None]
+        fn indices(index: &u32) -> [Option<u32>; 2] {
+            [Some(*index), None]
         }
 
-        fn moved(place: &u32, place_of: &dyn Fn(u32) -> u32) -> u32 {
-            place_of(*place)
+        fn moved(index: &u32, index_of: &dyn Fn(u32) -> u32) -> u32 {
+            index_of(*index)
         }
 
         fn energy(&self, _place: &u32) -> f64 {
@@ -372,9 +372,9 @@ mod tests {
     #[test]
     fn what_belongs_to_a_stranger_is_not_taken_in() {
         let mut island = Island::empty();
-        island.places = vec![7, 3];
+        island.indices = vec![7, 3];
         assert!(take_in::<Idle>(&mut island, &3));
-        assert!(!take_in::<Idle>(&mut island, &5), "a particle that is not there stands at place 0");
+        assert!(!take_in::<Idle>(&mut island, &5), "a particle that is not there stands at index 0");
         assert_eq!(island.carried, [1]);
     }
 }

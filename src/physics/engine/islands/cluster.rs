@@ -36,7 +36,7 @@ const BATCH: usize = 64;
 /// A hot particle: a particle that may touch something in this part, and so is a member of an island. A part is a piece
 /// of the time between two exchanges with the gas.
 pub struct Member {
-    pub(in crate::engine) place: u32,
+    pub(in crate::engine) index: u32,
     pub(in crate::engine) cluster: u32,
     /// The ball that contains the particle in this part if it flies straight all the time.
     pub(in crate::engine) flight: BoundingSphere,
@@ -59,12 +59,12 @@ pub type Few = SmallVec<[u32; 4]>;
 
 /// An island (group of particles that may meet) while it is being found: its members, and bounds on their speeds.
 pub struct Cluster {
-    /// Numbers of the members in `Clusters::members`; after `settle` they are in the order of the particles' ids.
+    /// Numbers of the members in `Clusters::members`; after `update_reach` they are in the order of the particles' ids.
     pub(in crate::engine) hot: Few,
     /// Indices in the particle store of the bystanders, in the order of their ids. Bystanders are particles that fly
     /// straight unless a member hits them.
     pub(in crate::engine) bystanders: Few,
-    /// Numbers of the carried contacts (or recent collisions) that belong to the island; after `settle` they are in
+    /// Numbers of the carried contacts (or recent collisions) that belong to the island; after `update_reach` they are in
     /// ascending order.
     carried: Few,
     /// The two largest kinetic energies [J] of members, in the moving frame of the search, the largest first.
@@ -171,8 +171,8 @@ impl<'a> Clusters<'a> {
     /// Velocity [m/s] relative to which the speed bound of a particle, given by index, holds. In a sheared box it
     /// contains the mean flow at the position of the particle at the start of the solved time.
     #[inline]
-    fn frame_of(&self, place: usize) -> Vector3<f64> {
-        self.frame + self.domain.mean_flow(&self.particles.position[place])
+    fn frame_of(&self, index: usize) -> Vector3<f64> {
+        self.frame + self.domain.mean_flow(&self.particles.position[index])
     }
 
     /// Makes islands of all particles that touch on straight flights or have a carried contact. `carried` contains the
@@ -181,9 +181,9 @@ impl<'a> Clusters<'a> {
     fn begin(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>, many: bool) {
         self.energy = energy;
         let mut crowd: Option<usize> = None;
-        for (k, places) in carried.iter().enumerate() {
-            let Some(i) = places[0] else { continue };
-            let mut which = self.join(i, places[1], 0.0);
+        for (k, indices) in carried.iter().enumerate() {
+            let Some(i) = indices[0] else { continue };
+            let mut which = self.join(i, indices[1], 0.0);
             if many {
                 which = crowd.map_or(which, |crowd| self.unite(crowd, which));
                 crowd = Some(which);
@@ -194,7 +194,7 @@ impl<'a> Clusters<'a> {
         self.members.reserve(2 * touches.len());
         self.list.reserve(touches.len());
         for touch in touches {
-            self.join(touch.place, touch.other, touch.time);
+            self.join(touch.index, touch.other, touch.time);
         }
         self.settle_all();
     }
@@ -205,10 +205,10 @@ impl<'a> Clusters<'a> {
     fn join(&mut self, i: u32, j: Option<u32>, time: f64) -> usize {
         let known = self.found(i).or_else(|| self.found(j?));
         let mut which = known.unwrap_or_else(|| self.open());
-        for place in [Some(i), j].into_iter().flatten() {
-            match self.found(place) {
+        for index in [Some(i), j].into_iter().flatten() {
+            match self.found(index) {
                 Some(other) => which = self.unite(which, other),
-                None => self.enlist(place, which),
+                None => self.enlist(index, which),
             }
         }
         let cluster = &mut self.list[which];
@@ -216,42 +216,42 @@ impl<'a> Clusters<'a> {
         which
     }
 
-    /// Number of the island of the particle at index `place`. If the particle is in no island, a new island of this
+    /// Number of the island of the particle at index `index`. If the particle is in no island, a new island of this
     /// particle is made, with its energy and speed.
-    fn cluster_of(&mut self, place: u32) -> usize {
-        let is_new = self.search.label[place as usize].is_none();
-        let which = self.named(place);
+    fn cluster_of(&mut self, index: u32) -> usize {
+        let is_new = self.search.label[index as usize].is_none();
+        let which = self.named(index);
         if is_new {
-            let (energy, speed) = motion(self.particles, self.frame_of(place as usize), place);
+            let (energy, speed) = motion(self.particles, self.frame_of(index as usize), index);
             let cluster = &mut self.list[which];
             (cluster.energies, cluster.speeds) = ([energy, 0.0], [speed, 0.0]);
         }
         which
     }
 
-    /// Number of the island of the particle at index `place`. If the particle is in no island, a new island of this
+    /// Number of the island of the particle at index `index`. If the particle is in no island, a new island of this
     /// particle is made; its energy and speed are not yet set.
-    fn named(&mut self, place: u32) -> usize {
-        self.found(place).unwrap_or_else(|| {
+    fn named(&mut self, index: u32) -> usize {
+        self.found(index).unwrap_or_else(|| {
             let which = self.open();
-            self.enlist(place, which);
+            self.enlist(index, which);
             which
         })
     }
 
-    /// Number of the island of the particle at index `place`; `None` if the particle is in no island.
-    fn found(&self, place: u32) -> Option<usize> {
-        let label = self.search.label[place as usize]?;
+    /// Number of the island of the particle at index `index`; `None` if the particle is in no island.
+    fn found(&self, index: u32) -> Option<usize> {
+        let label = self.search.label[index as usize]?;
         Some(self.members[label.member()].cluster as usize)
     }
 
-    /// Makes the particle with index `place`, which is in no island so far, a member of the island `which`.
-    fn enlist(&mut self, place: u32, which: usize) {
+    /// Makes the particle with index `index`, which is in no island so far, a member of the island `which`.
+    fn enlist(&mut self, index: u32, which: usize) {
         let (cluster, member) = (which as u32, self.members.len());
-        self.search.label[place as usize] = Some(Label::of(member));
+        self.search.label[index as usize] = Some(Label::of(member));
         self.list[which].hot.push(member as u32);
         let flight = BoundingSphere { middle: Vector3::zeros(), reach: 0.0 };
-        self.members.push(Member { place, cluster, flight, ball: flight, around: 0.0, took_in: 0.0, turns: None });
+        self.members.push(Member { index, cluster, flight, ball: flight, around: 0.0, took_in: 0.0, turns: None });
     }
 
     /// Makes a new island without members, and returns its number.
@@ -309,9 +309,9 @@ impl<'a> Clusters<'a> {
     /// it stores all particles around the island.
     pub fn unsolved(&self) -> Vec<usize> {
         let sees_all = self.search.region.is_all();
-        let sight = if sees_all { 0.0 } else { self.reach().sight() };
+        let search_radius = if sees_all { 0.0 } else { self.reach().search_radius() };
         let unsolved = self.list.iter().enumerate().filter(|(_, c)| c.alive && c.solved.is_none());
-        unsolved.map(|(which, _)| which).filter(|&which| sees_all || self.room(which) >= sight).collect()
+        unsolved.map(|(which, _)| which).filter(|&which| sees_all || self.room(which) >= search_radius).collect()
     }
 
     /// Number of members of the island with the number `which`.
@@ -332,7 +332,7 @@ impl<'a> Clusters<'a> {
     /// Removes the labels of members from all particles, and discards the results of the islands.
     pub fn release(self) {
         for member in &self.members {
-            self.search.label[member.place as usize] = None;
+            self.search.label[member.index as usize] = None;
         }
     }
 

@@ -18,14 +18,14 @@ pub struct Island<C> {
     /// a part to its end.
     pub particles: Particles,
     /// Index in the particle store of each particle, by local index.
-    pub places: Vec<u32>,
+    pub indices: Vec<u32>,
     /// Number of members of the island; they come before the bystanders in `particles`.
     pub hot: usize,
     /// True if the island is a crowd, a large island that is moved by uniform steps.
     pub crowd: bool,
     /// Local indices of all particles, sorted by the index in the particle store. A small island needs no such list, so
     /// it is empty.
-    by_place: Vec<u32>,
+    by_index: Vec<u32>,
     /// Candidates for contacts: pairs of particles, and particles with walls, that may touch in this part.
     pub list: NeighbourList,
     /// Contacts in progress (or recent collisions) with local indices of particles: at the start of the part, and after
@@ -80,19 +80,19 @@ pub struct Bounds<'a> {
 }
 
 impl Bounds<'_> {
-    /// True if the particle at local index `place` may have this velocity [m/s]: its speed relative to the moving frame
+    /// True if the particle at local index `index` may have this velocity [m/s]: its speed relative to the moving frame
     /// is at most its limit. False for a bystander, a particle that must fly straight.
-    pub fn allows(&self, place: usize, velocity: &Vector3<f64>) -> bool {
-        let frame = frame_of(place, self.frame, self.flow);
-        self.limits.get(place).is_some_and(|limit| (velocity - frame).norm() <= *limit)
+    pub fn allows(&self, index: usize, velocity: &Vector3<f64>) -> bool {
+        let frame = frame_of(index, self.frame, self.flow);
+        self.limits.get(index).is_some_and(|limit| (velocity - frame).norm() <= *limit)
     }
 }
 
-/// [m/s] velocity of the moving frame for the particle at local index `place`: the common `frame`, plus the mean `flow`
+/// [m/s] velocity of the moving frame for the particle at local index `index`: the common `frame`, plus the mean `flow`
 /// of a sheared box if there is one.
 #[inline]
-fn frame_of(place: usize, frame: Vector3<f64>, flow: &[Vector3<f64>]) -> Vector3<f64> {
-    match flow.get(place) {
+fn frame_of(index: usize, frame: Vector3<f64>, flow: &[Vector3<f64>]) -> Vector3<f64> {
+    match flow.get(index) {
         None => frame,
         Some(flow) => frame + flow,
     }
@@ -103,10 +103,10 @@ impl<C> Island<C> {
     pub fn empty() -> Self {
         Self {
             particles: Particles::default(),
-            places: Vec::new(),
+            indices: Vec::new(),
             hot: 0,
             crowd: false,
-            by_place: Vec::new(),
+            by_index: Vec::new(),
             list: NeighbourList::default(),
             carried: Vec::new(),
             log: Log::default(),
@@ -138,22 +138,22 @@ impl<C> Island<C> {
         frame: Vector3<f64>,
         fallen: Vector3<f64>,
     ) {
-        self.places.clear();
+        self.indices.clear();
         self.limits.clear();
         self.flow.clear();
-        for (place, limit) in hot {
-            self.places.push(place);
+        for (index, limit) in hot {
+            self.indices.push(index);
             self.limits.push(limit);
         }
-        self.hot = self.places.len();
-        self.places.extend_from_slice(bystanders);
-        self.by_place.clear();
-        if self.places.len() > FEW {
-            self.by_place.extend(0..self.places.len() as u32);
-            self.by_place.sort_unstable_by_key(|&local| self.places[local as usize]);
+        self.hot = self.indices.len();
+        self.indices.extend_from_slice(bystanders);
+        self.by_index.clear();
+        if self.indices.len() > FEW {
+            self.by_index.extend(0..self.indices.len() as u32);
+            self.by_index.sort_unstable_by_key(|&local| self.indices[local as usize]);
         }
         self.particles.clear();
-        self.particles.copy_from(store, &self.places);
+        self.particles.copy_from(store, &self.indices);
         for velocity in &mut self.particles.velocity {
             *velocity += fallen;
         }
@@ -170,21 +170,21 @@ impl<C> Island<C> {
         (self.also, self.fastest) = (Vec::new(), 0.0);
     }
 
-    /// Local index of the particle with the index `place` in the particle store; `None` if the particle is not in the
+    /// Local index of the particle with the index `index` in the particle store; `None` if the particle is not in the
     /// island.
-    pub(super) fn local(&self, place: u32) -> Option<u32> {
-        if self.by_place.is_empty() {
-            return self.places.iter().position(|&other| other == place).map(|local| local as u32);
+    pub(super) fn local(&self, index: u32) -> Option<u32> {
+        if self.by_index.is_empty() {
+            return self.indices.iter().position(|&other| other == index).map(|local| local as u32);
         }
-        let found = self.by_place.binary_search_by_key(&place, |&local| self.places[local as usize]);
-        found.ok().map(|k| self.by_place[k])
+        let found = self.by_index.binary_search_by_key(&index, |&local| self.indices[local as usize]);
+        found.ok().map(|k| self.by_index[k])
     }
 
-    /// True if the particle at local index `place` may have this velocity [m/s], given in the frame that falls with
+    /// True if the particle at local index `index` may have this velocity [m/s], given in the frame that falls with
     /// gravity from rest at the start of the part. Its speed in the moving frame of the limits must not exceed its
     /// limit. False for a bystander, which must not be touched.
-    pub fn allows(&self, place: usize, velocity: &Vector3<f64>) -> bool {
-        Bounds { limits: &self.limits, frame: self.frame, flow: &self.flow }.allows(place, velocity)
+    pub fn allows(&self, index: usize, velocity: &Vector3<f64>) -> bool {
+        Bounds { limits: &self.limits, frame: self.frame, flow: &self.flow }.allows(index, velocity)
     }
 
     /// Borrows three parts of the island at the same time: the particles, the log of impacts, and the speed limits.
@@ -192,23 +192,23 @@ impl<C> Island<C> {
         (&mut self.particles, &mut self.log, Bounds { limits: &self.limits, frame: self.frame, flow: &self.flow })
     }
 
-    /// Records a velocity change of the particle at local index `place`, at `time` [s] since the start of the part.
+    /// Records a velocity change of the particle at local index `index`, at `time` [s] since the start of the part.
     /// `origin` [m] is the position that the particle would have had at the start of the part on the line of its new
     /// flight. `velocity` [m/s] is its new velocity in the frame that falls with gravity from rest at the start of the
     /// part.
-    pub fn turn(&mut self, place: u32, time: f64, origin: Vector3<f64>, velocity: Vector3<f64>) {
-        self.turns.push((place, VelocityChange { time, origin, velocity: velocity - self.frame_of(place as usize) }));
+    pub fn turn(&mut self, index: u32, time: f64, origin: Vector3<f64>, velocity: Vector3<f64>) {
+        self.turns.push((index, VelocityChange { time, origin, velocity: velocity - self.frame_of(index as usize) }));
     }
 
-    /// Speed [m/s] of the particle at local index `place`, relative to the moving frame of the speed limits; at least
+    /// Speed [m/s] of the particle at local index `index`, relative to the moving frame of the speed limits; at least
     /// the largest speed that the solver has noted.
-    pub fn speed(&self, place: usize) -> f64 {
-        (self.particles.velocity[place] - self.frame_of(place)).norm().max(self.fastest)
+    pub fn speed(&self, index: usize) -> f64 {
+        (self.particles.velocity[index] - self.frame_of(index)).norm().max(self.fastest)
     }
 
-    /// Velocity [m/s] of the moving frame in which the speed of the particle at local index `place` is limited.
-    fn frame_of(&self, place: usize) -> Vector3<f64> {
-        frame_of(place, self.frame, &self.flow)
+    /// Velocity [m/s] of the moving frame in which the speed of the particle at local index `index` is limited.
+    fn frame_of(&self, index: usize) -> Vector3<f64> {
+        frame_of(index, self.frame, &self.flow)
     }
 
     /// Upper limit [m/s] of the difference between two speeds of one particle: relative to a frame with the velocity

@@ -68,11 +68,11 @@ pub trait Solve: Sync {
     type Scratch: Default + Send;
 
     /// Indices of the one or two particles of a carried contact or recent collision.
-    fn places(carried: &Self::Carried) -> [Option<u32>; 2];
+    fn indices(carried: &Self::Carried) -> [Option<u32>; 2];
 
     /// Returns a carried contact or recent collision with new indices of its particles: index `p` becomes
     /// `place_of(p)`. This is needed when the particle store was sorted, or when particles are copied into an island.
-    fn moved(carried: &Self::Carried, place_of: &dyn Fn(u32) -> u32) -> Self::Carried;
+    fn moved(carried: &Self::Carried, index_of: &dyn Fn(u32) -> u32) -> Self::Carried;
 
     /// Energy [J] that a carried contact may give back to its particles; 0 for a recent collision.
     fn energy(&self, carried: &Self::Carried) -> f64;
@@ -299,7 +299,7 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
             self.spent.neighbours += self.clock.now() - began;
             let touches = self.find(work, view.region.clone(), piece);
             in_order(solver, work);
-            let carried: Vec<[Option<u32>; 2]> = work.lasting.iter().map(S::places).collect();
+            let carried: Vec<[Option<u32>; 2]> = work.lasting.iter().map(S::indices).collect();
             let energy: Vec<f64> = work.lasting.iter().map(|carried| solver.energy(carried)).collect();
             let limits = IslandLimits { crowds: solver.takes_crowds(), most: piece.most };
             let space = Space { scene, frame, part, lightest: piece.population.lightest };
@@ -307,7 +307,7 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
             let fallen = scene.gravity * piece.elapsed;
             let task = Task { solver, scene, window, fallen, part, carried: work.lasting.as_slice() };
             let gathered = islands.gather(&touches, &carried, energy);
-            let solved = if gathered { solve_all(&mut islands, &task, |place| view.is_mine(place)) } else { None };
+            let solved = if gathered { solve_all(&mut islands, &task, |index| view.is_mine(index)) } else { None };
             let decision = self.processes.decide(&islands, &view, solved.is_none());
             let clusters = islands.into_clusters();
             if let (PartDecision::Done, Some((batches, counts))) = (&decision, solved) {

@@ -14,10 +14,10 @@ pub fn in_order<S: Solve>(solver: &S, work: &mut Work<S::Carried>) {
             Some(Other::Wall(at)) => Some((at.wall, at.which)),
             _ => None,
         };
-        (S::places(carried).map(|place| place.map(|place| id[place as usize])), wall)
+        (S::indices(carried).map(|index| index.map(|index| id[index as usize])), wall)
     });
     // several processes may have sent state that involves only ghost particles (copies of particles of other processes)
-    work.lasting.dedup_by_key(|carried| (S::places(carried), solver.touching(carried)));
+    work.lasting.dedup_by_key(|carried| (S::indices(carried), solver.touching(carried)));
 }
 
 /// Sorts the particles in the store by cells, so that particles near in space are near in memory. Indices in carried
@@ -26,13 +26,13 @@ pub fn sort<S: Solve>(work: &mut Work<S::Carried>, processes: &mut Processes<S::
     let domain = &work.scene.domain;
     work.wrap();
     let order = search::cell_order(work.particles, &processes.region(domain));
-    let mut place_of = vec![0u32; order.len()];
-    for (place, &from) in order.iter().enumerate() {
-        place_of[from as usize] = place as u32;
+    let mut index_of = vec![0u32; order.len()];
+    for (index, &from) in order.iter().enumerate() {
+        index_of[from as usize] = index as u32;
     }
     work.particles.reorder(&order);
     for carried in work.lasting.iter_mut() {
-        *carried = S::moved(carried, &|place| place_of[place as usize]);
+        *carried = S::moved(carried, &|index| index_of[index as usize]);
     }
-    processes.reorder(&place_of);
+    processes.reorder(&index_of);
 }

@@ -70,7 +70,7 @@ impl BoundingSphere {
 /// Touch of two bodies that fly straight, in a part (a piece of the time between two exchanges with the gas).
 #[derive(Clone, Copy, Debug)]
 pub struct FirstTouch {
-    pub place: u32,
+    pub index: u32,
     /// Index of the other particle; `None` for a wall.
     pub other: Option<u32>,
     /// [s] time of the touch since the start of the part.
@@ -147,7 +147,7 @@ fn touches_of(
     for &(i, j) in &pairs[..may] {
         let time = Couple::pair(i, j).touch_time(particles, scene, FrameTime::default(), part);
         let time = time.filter(|time| *time < part);
-        touches.extend(time.map(|time| FirstTouch { place: i, other: Some(j), time }));
+        touches.extend(time.map(|time| FirstTouch { index: i, other: Some(j), time }));
     }
     pairs.clear();
 }
@@ -177,10 +177,10 @@ impl Search {
         };
         self.beside_walls = work_sharing::map(self.flights.chunks_mut(CHUNK).enumerate(), |(chunk, flights)| {
             let mut beside = Vec::new();
-            for (place, flight) in (chunk * CHUNK..).zip(flights) {
-                *flight = BoundingSphere::of(particles, place, domain, frame, part);
+            for (index, flight) in (chunk * CHUNK..).zip(flights) {
+                *flight = BoundingSphere::of(particles, index, domain, frame, part);
                 if is_beside(flight) {
-                    beside.push(place as u32);
+                    beside.push(index as u32);
                 }
             }
             beside
@@ -190,11 +190,11 @@ impl Search {
             &self.flights,
             &sizes,
             |flight| flight.middle,
-            |place| self.flights[place].reach,
+            |index| self.flights[index].reach,
             &self.region,
         );
         let flights = &self.flights;
-        self.packed.fill(&self.levels.order(), |place| (flights[place].middle, flights[place].reach), &self.region);
+        self.packed.fill(&self.levels.order(), |index| (flights[index].middle, flights[index].reach), &self.region);
     }
 
     /// Calls `visit` with the indices of the particles whose straight flights come into a ball, periodic images
@@ -202,11 +202,11 @@ impl Search {
     #[inline(always)]
     pub fn for_each_beside(&self, ball: &BoundingSphere, domain: &Domain, mut visit: impl FnMut(u32)) {
         domain.for_each_image(&ball.middle, ball.reach + self.levels.largest_reach(), |middle| {
-            self.packed.for_each_beside((middle, ball.reach), &self.levels, &self.region, |places| {
-                places
+            self.packed.for_each_beside((middle, ball.reach), &self.levels, &self.region, |indices| {
+                indices
                     .iter()
-                    .filter(|&&place| ball.meets(&self.flights[place as usize], domain))
-                    .for_each(|&place| visit(place));
+                    .filter(|&&index| ball.meets(&self.flights[index as usize], domain))
+                    .for_each(|&index| visit(index));
             });
         });
     }
@@ -250,11 +250,11 @@ impl Search {
         }
         let (mut waiting, largest) = (Vec::new(), self.levels.largest_reach());
         for (i, flight) in (0..).zip(&self.flights) {
-            let sight = flight.reach + largest;
-            if flight.middle.y >= sight {
+            let search_radius = flight.reach + largest;
+            if flight.middle.y >= search_radius {
                 continue;
             }
-            scene.domain.for_each_across(&flight.middle, sight, |image| {
+            scene.domain.for_each_across(&flight.middle, search_radius, |image| {
                 self.packed.for_each_beside((image, flight.reach), &self.levels, &self.region, |others| {
                     waiting.extend(others.iter().map(|&j| (i, j)));
                 });
@@ -265,9 +265,9 @@ impl Search {
     }
 
     fn hot_at_walls(&self, particles: &Particles, scene: &Scene, span: &SearchInterval, found: &mut SearchResult) {
-        let touch = |&place: &u32| {
-            let time = self.touch_of_wall(particles, scene, span, place as usize)?;
-            Some(FirstTouch { place, other: None, time })
+        let touch = |&index: &u32| {
+            let time = self.touch_of_wall(particles, scene, span, index as usize)?;
+            Some(FirstTouch { index, other: None, time })
         };
         let look = |beside: &Vec<u32>| beside.iter().filter_map(touch).collect();
         let parts: Vec<Vec<FirstTouch>> = work_sharing::map(self.beside_walls.iter(), look);

@@ -312,10 +312,10 @@ impl Contacts {
     }
 
     /// Applies a new order of the particle store and a new neighbour list. The particle that was at index `p` is now at
-    /// `place_of[p]`. `couples` are the couples of the contacts in blocks, with the old indices.
-    pub fn reorder(&mut self, place_of: &[u32], mut couples: impl Iterator<Item = Couple>, list: &NeighbourList) {
+    /// `index_of[p]`. `couples` are the couples of the contacts in blocks, with the old indices.
+    pub fn reorder(&mut self, index_of: &[u32], mut couples: impl Iterator<Item = Couple>, list: &NeighbourList) {
         let follow = |contact: &mut Contact| {
-            contact.touch.couple = contact.touch.couple.moved(|place| place_of[place as usize]);
+            contact.touch.couple = contact.touch.couple.moved(|index| index_of[index as usize]);
             let slot = list.slot(&contact.touch.couple);
             contact.slot = slot.map_or(contact.slot, |slot| slot as u32);
             slot.is_some()
@@ -445,7 +445,7 @@ impl Contacts {
 
     /// Records the second half of the last kick of the previous window, which acts in this window. `time` [s] is the
     /// length of this half, and `remaining` [s] the length of the whole window.
-    pub fn settle(&mut self, time: f64, remaining: f64, scene: &Scene, log: &mut Log) {
+    pub fn record_half_kick(&mut self, time: f64, remaining: f64, scene: &Scene, log: &mut Log) {
         self.rates.add(time, remaining, scene, log);
         log.ledger.friction += self.losses * time;
         (self.rates, self.losses) = (Rates::default(), FrictionLosses::default());

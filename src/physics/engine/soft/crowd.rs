@@ -65,7 +65,7 @@ pub fn solve(
     log.ledger.gravity_work += scene.gravity.dot(&(log.ledger.wall_impulse - pushed)) * (window.duration - end);
     let contacts = solver.contacts.take(&solver.list);
     let moved = |contact: Contact| {
-        let couple = contact.touch.couple.moved(|place| particles.id[place as usize]);
+        let couple = contact.touch.couple.moved(|index| particles.id[index as usize]);
         Contact { touch: super::TouchingPair { couple, ..contact.touch }, ..contact }
     };
     island.carried.extend(contacts.into_iter().map(moved));

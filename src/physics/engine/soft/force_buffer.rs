@@ -40,9 +40,9 @@ impl ContactTorque {
 pub struct StoreIndex(NonZeroU32);
 
 impl StoreIndex {
-    /// Index with the number `place`.
-    pub fn of(place: u32) -> Self {
-        Self(NonZeroU32::MIN.saturating_add(place))
+    /// Index with the number `index`.
+    pub fn of(index: u32) -> Self {
+        Self(NonZeroU32::MIN.saturating_add(index))
     }
 
     /// This index as a number.
@@ -124,7 +124,7 @@ impl ForceBuffer {
     /// Removes the forces on particles for which `chosen`, by index, is false. One particle of each contact must be
     /// chosen. If the chosen particle is j, it becomes particle i of its entry.
     pub fn leave(&mut self, chosen: &[bool]) {
-        let is_chosen = |place: u32| chosen[place as usize];
+        let is_chosen = |index: u32| chosen[index as usize];
         for (k, push) in self.list.iter_mut().enumerate() {
             match push.j {
                 Some(j) if !is_chosen(push.i) => {
@@ -136,12 +136,12 @@ impl ForceBuffer {
         }
     }
 
-    /// Applies a new order of the particle store: the particle that was at index `p` is now at `place_of[p]`.
-    pub fn reorder(&mut self, place_of: &[u32]) {
+    /// Applies a new order of the particle store: the particle that was at index `p` is now at `index_of[p]`.
+    pub fn reorder(&mut self, index_of: &[u32]) {
         self.span = NOBODY;
         for push in &mut self.list {
-            push.i = place_of[push.i as usize];
-            push.j = push.j.map(|j| StoreIndex::of(place_of[j.get() as usize]));
+            push.i = index_of[push.i as usize];
+            push.j = push.j.map(|j| StoreIndex::of(index_of[j.get() as usize]));
             self.span = wider(&self.span, push);
         }
     }
@@ -151,14 +151,14 @@ impl ForceBuffer {
     /// to `frame` [m/s], that a particle had after a force was applied.
     pub fn kick(&self, part: &mut VelocityBlock, mass: impl Fn(usize) -> f64, dt: f64, frame: Vector3<f64>) -> f64 {
         let mut most = 0.0f64;
-        let places = part.first..part.first + part.velocities.len();
-        if self.list.is_empty() || places.start >= self.span.end as usize || self.span.start as usize >= places.end {
+        let indices = part.first..part.first + part.velocities.len();
+        if self.list.is_empty() || indices.start >= self.span.end as usize || self.span.start as usize >= indices.end {
             return most;
         }
-        let mut push = |place: u32, force: Vector3<f64>| {
+        let mut push = |index: u32, force: Vector3<f64>| {
             // an index below `first` wraps round to a number far beyond the end
-            let Some(v) = part.velocities.get_mut((place as usize).wrapping_sub(part.first)) else { return };
-            *v += force / mass(place as usize) * dt;
+            let Some(v) = part.velocities.get_mut((index as usize).wrapping_sub(part.first)) else { return };
+            *v += force / mass(index as usize) * dt;
             most = most.max((*v - frame).norm_squared());
         };
         let mut torques = self.torques.iter();
@@ -171,11 +171,11 @@ impl ForceBuffer {
             }
             return most;
         };
-        let mut turn = |place: u32, torque: &Vector3<f64>, couple: Option<Vector3<f64>>| {
-            let Some(spin) = spins.get_mut((place as usize).wrapping_sub(places.start)) else { return };
-            *spin += torque * (per_torque.of(place as usize) * dt);
+        let mut turn = |index: u32, torque: &Vector3<f64>, couple: Option<Vector3<f64>>| {
+            let Some(spin) = spins.get_mut((index as usize).wrapping_sub(indices.start)) else { return };
+            *spin += torque * (per_torque.of(index as usize) * dt);
             if let Some(couple) = couple {
-                *spin += couple * (per_torque.of_couple(place as usize) * dt);
+                *spin += couple * (per_torque.of_couple(index as usize) * dt);
             }
         };
         let mut couples = self.couples.iter().copied();
@@ -222,21 +222,21 @@ pub enum PerTorque<'a> {
 }
 
 impl PerTorque<'_> {
-    /// r/I [1/(kg m)] of the particle at the index `place`.
+    /// r/I [1/(kg m)] of the particle at the index `index`.
     #[inline(always)]
-    fn of(&self, place: usize) -> f64 {
+    fn of(&self, index: usize) -> f64 {
         match self {
             Self::Common(ratio, _) => *ratio,
-            Self::Each(radii, inertia) => radii[place] / inertia[place],
+            Self::Each(radii, inertia) => radii[index] / inertia[index],
         }
     }
 
-    /// 1/I [1/(kg m²)] of the particle at the index `place`.
+    /// 1/I [1/(kg m²)] of the particle at the index `index`.
     #[inline(always)]
-    fn of_couple(&self, place: usize) -> f64 {
+    fn of_couple(&self, index: usize) -> f64 {
         match self {
             Self::Common(_, inverse) => *inverse,
-            Self::Each(_, inertia) => 1.0 / inertia[place],
+            Self::Each(_, inertia) => 1.0 / inertia[index],
         }
     }
 }
@@ -265,7 +265,7 @@ pub fn kick_all(
         let largest = |most: f64, block: &ForceBuffer| {
             most.max(match common {
                 Some(mass) => block.kick(&mut part, |_| mass, dt, frame),
-                None => block.kick(&mut part, |place| masses[place], dt, frame),
+                None => block.kick(&mut part, |index| masses[index], dt, frame),
             })
         };
         pushes.iter().fold(0.0, largest)

@@ -51,8 +51,8 @@ impl SoftSolver {
             self.contacts.count(at, &SingleProcess);
             // corrector: the mean of both stages
             for push in self.before.iter().flat_map(|pushes| &pushes.list) {
-                let mut take_back = |place: u32, force: Vector3<f64>| {
-                    let i = place as usize;
+                let mut take_back = |index: u32, force: Vector3<f64>| {
+                    let i = index as usize;
                     let acceleration = force / particles.mass[i];
                     particles.position[i] += acceleration * (0.5 * dt * dt);
                     particles.velocity[i] -= acceleration * (0.5 * dt);

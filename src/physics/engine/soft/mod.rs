@@ -154,13 +154,13 @@ impl SoftSolver {
         let couples = self.contacts.shed(&self.list);
         self.shared.slots = None;
         let order = self.list.build(particles, scene, between_uses);
-        let mut place_of = vec![0u32; order.len()];
-        for (place, &from) in order.iter().enumerate() {
-            place_of[from as usize] = place as u32;
+        let mut index_of = vec![0u32; order.len()];
+        for (index, &from) in order.iter().enumerate() {
+            index_of[from as usize] = index as u32;
         }
-        self.contacts.reorder(&place_of, couples, &self.list);
+        self.contacts.reorder(&index_of, couples, &self.list);
         for pushes in &mut self.pushes {
-            pushes.reorder(&place_of);
+            pushes.reorder(&index_of);
         }
         self.speed.all = particles.largest_speed_in(self.list.frame(), &scene.domain);
     }
@@ -212,7 +212,7 @@ impl SoftSolver {
         self.kick(particles, &scene.domain, 0.5 * dt);
         ghosts.after_kick(self, particles, Ok(()))?;
         if ghosts.is_lead() {
-            self.contacts.settle(0.5 * dt, window.duration, scene, book.log);
+            self.contacts.record_half_kick(0.5 * dt, window.duration, scene, book.log);
         } else {
             self.contacts.forget();
         }
@@ -432,7 +432,7 @@ impl Solver for SoftSolver {
         }
     }
 
-    fn everyone(&mut self, work: &mut Work<Contact>, window: Window) -> Result<(), Failure> {
+    fn advance_all(&mut self, work: &mut Work<Contact>, window: Window) -> Result<(), Failure> {
         if !std::mem::replace(&mut self.keeps_contacts, true) {
             self.contacts.put(std::mem::take(work.lasting));
         }

@@ -101,19 +101,19 @@ pub struct PackedContacts {
     facets: Vec<Vec<Option<Vector3<f64>>>>,
 }
 
-/// Returns the element with the index `place`, which counts the elements of all chunks; `None` if there are fewer
+/// Returns the element with the index `index`, which counts the elements of all chunks; `None` if there are fewer
 /// chunks.
 #[inline(always)]
-fn in_chunks<T>(chunks: &mut [Vec<T>], place: u32) -> Option<&mut T> {
-    Some(&mut chunks.get_mut(place as usize / CHUNK)?[place as usize % CHUNK])
+fn in_chunks<T>(chunks: &mut [Vec<T>], index: u32) -> Option<&mut T> {
+    Some(&mut chunks.get_mut(index as usize / CHUNK)?[index as usize % CHUNK])
 }
 
-/// Stores a value for the contact at the index `place`, and adds chunks if they are needed.
-fn store_in_chunks<T: Clone + Default>(chunks: &mut Vec<Vec<T>>, place: u32, value: T) {
-    while chunks.len() <= place as usize / CHUNK {
+/// Stores a value for the contact at the index `index`, and adds chunks if they are needed.
+fn store_in_chunks<T: Clone + Default>(chunks: &mut Vec<Vec<T>>, index: u32, value: T) {
+    while chunks.len() <= index as usize / CHUNK {
         chunks.push(vec![T::default(); CHUNK]);
     }
-    chunks[place as usize / CHUNK][place as usize % CHUNK] = value;
+    chunks[index as usize / CHUNK][index as usize % CHUNK] = value;
 }
 
 impl PackedContacts {
@@ -121,26 +121,26 @@ impl PackedContacts {
     pub fn keep(&mut self, touch: &ContactConstants, course: ContactState) -> u32 {
         let constants = self.constants_of(touch);
         let kept = PackedContact::new(constants, &course);
-        let place = self.store(kept);
+        let index = self.store(kept);
         if touch.tangential.stiffness > 0.0 {
-            store_in_chunks(&mut self.shears, place, course.shear);
+            store_in_chunks(&mut self.shears, index, course.shear);
         }
         if let Some(resistance) = course.resistance {
-            store_in_chunks(&mut self.resistances, place, resistance);
+            store_in_chunks(&mut self.resistances, index, resistance);
         }
         if course.first_slip.is_some() || !self.first_slips.is_empty() {
-            store_in_chunks(&mut self.first_slips, place, course.first_slip);
+            store_in_chunks(&mut self.first_slips, index, course.first_slip);
         }
         if course.facet.is_some() || !self.facets.is_empty() {
-            store_in_chunks(&mut self.facets, place, course.facet);
+            store_in_chunks(&mut self.facets, index, course.facet);
         }
-        place
+        index
     }
 
     fn store(&mut self, kept: PackedContact) -> u32 {
-        if let Some(place) = self.free.pop() {
-            *self.at(place) = kept;
-            return place;
+        if let Some(index) = self.free.pop() {
+            *self.at(index) = kept;
+            return index;
         }
         if self.kept.last().is_none_or(|chunk| chunk.len() == CHUNK) {
             self.kept.push(Vec::with_capacity(CHUNK));
@@ -158,9 +158,9 @@ impl PackedContacts {
             return like as u32;
         }
         match self.unused.pop() {
-            Some(place) => {
-                self.constants[place as usize] = *touch;
-                place
+            Some(index) => {
+                self.constants[index as usize] = *touch;
+                index
             }
             None => {
                 self.constants.push(*touch);
@@ -170,51 +170,51 @@ impl PackedContacts {
     }
 
     #[inline(always)]
-    fn at(&mut self, place: u32) -> &mut PackedContact {
-        &mut self.kept[place as usize / CHUNK][place as usize % CHUNK]
+    fn at(&mut self, index: u32) -> &mut PackedContact {
+        &mut self.kept[index as usize / CHUNK][index as usize % CHUNK]
     }
 
-    /// Constants and packed record of the contact at index `place`. [`PackedContact::update`] changes the record.
+    /// Constants and packed record of the contact at index `index`. [`PackedContact::update`] changes the record.
     #[inline(always)]
-    pub fn get_mut(&mut self, place: u32) -> (&ContactConstants, &mut PackedContact) {
-        let kept = &mut self.kept[place as usize / CHUNK][place as usize % CHUNK];
+    pub fn get_mut(&mut self, index: u32) -> (&ContactConstants, &mut PackedContact) {
+        let kept = &mut self.kept[index as usize / CHUNK][index as usize % CHUNK];
         (&self.constants[kept.constants as usize], kept)
     }
 
-    /// Constants and present state of the contact at index `place`. The springs in the state are empty.
+    /// Constants and present state of the contact at index `index`. The springs in the state are empty.
     #[inline(always)]
-    pub fn get(&self, place: u32) -> (&ContactConstants, ContactState) {
-        let kept = &self.kept[place as usize / CHUNK][place as usize % CHUNK];
+    pub fn get(&self, index: u32) -> (&ContactConstants, ContactState) {
+        let kept = &self.kept[index as usize / CHUNK][index as usize % CHUNK];
         (&self.constants[kept.constants as usize], kept.course())
     }
 
-    /// Mutable access to the contact at index `place`, with its springs.
+    /// Mutable access to the contact at index `index`, with its springs.
     #[inline(always)]
-    pub fn rotating(&mut self, place: u32) -> RotatingRecord<'_> {
-        let kept = &mut self.kept[place as usize / CHUNK][place as usize % CHUNK];
+    pub fn rotating(&mut self, index: u32) -> RotatingRecord<'_> {
+        let kept = &mut self.kept[index as usize / CHUNK][index as usize % CHUNK];
         let constants = &self.constants[kept.constants as usize];
-        let (shear, resistance) = (in_chunks(&mut self.shears, place), in_chunks(&mut self.resistances, place));
+        let (shear, resistance) = (in_chunks(&mut self.shears, index), in_chunks(&mut self.resistances, index));
         RotatingRecord { constants, kept, shear, resistance }
     }
 
-    /// Constants and present state of the contact at index `place`, with its springs and the turn by a rough wall.
-    pub fn whole(&self, place: u32) -> (&ContactConstants, ContactState) {
-        let (constants, course) = self.get(place);
-        let (chunk, index) = (place as usize / CHUNK, place as usize % CHUNK);
-        let shear = self.shears.get(chunk).map_or_else(Vector3::zeros, |some| some[index]);
-        let resistance = self.resistances.get(chunk).map(|some| some[index]);
-        let first_slip = self.first_slips.get(chunk).and_then(|some| some[index]);
-        let facet = self.facets.get(chunk).and_then(|some| some[index]);
+    /// Constants and present state of the contact at index `index`, with its springs and the turn by a rough wall.
+    pub fn whole(&self, index: u32) -> (&ContactConstants, ContactState) {
+        let (constants, course) = self.get(index);
+        let (chunk, offset) = (index as usize / CHUNK, index as usize % CHUNK);
+        let shear = self.shears.get(chunk).map_or_else(Vector3::zeros, |some| some[offset]);
+        let resistance = self.resistances.get(chunk).map(|some| some[offset]);
+        let first_slip = self.first_slips.get(chunk).and_then(|some| some[offset]);
+        let facet = self.facets.get(chunk).and_then(|some| some[offset]);
         (constants, ContactState { shear, resistance, first_slip, facet, ..course })
     }
 
-    /// Removes the contact at index `place`. The next new contact may get this index.
-    pub fn forget(&mut self, place: u32) {
-        let constants = self.at(place).constants;
+    /// Removes the contact at index `index`. The next new contact may get this index.
+    pub fn forget(&mut self, index: u32) {
+        let constants = self.at(index).constants;
         if constants as usize >= SHARED {
             self.unused.push(constants);
         }
-        self.free.push(place);
+        self.free.push(index);
     }
 }
 
@@ -231,11 +231,11 @@ mod tests {
     #[test]
     fn contacts_keep_their_constants_however_many_kinds_there_are_and_places_are_used_again() {
         let mut records = PackedContacts::default();
-        let places: Vec<u32> =
+        let indices: Vec<u32> =
             (0..300).map(|j| records.keep(&touch(f64::from(j % 150)), ContactState::new(f64::from(j)))).collect();
-        for (j, &place) in (0..).zip(&places).filter(|(j, _)| j % 3 == 0) {
-            assert!(records.get(place).0 == &touch(f64::from(j % 150)));
-            records.forget(place);
+        for (j, &index) in (0..).zip(&indices).filter(|(j, _)| j % 3 == 0) {
+            assert!(records.get(index).0 == &touch(f64::from(j % 150)));
+            records.forget(index);
         }
         let room = |records: &PackedContacts| records.kept.iter().map(Vec::len).sum::<usize>();
         let (kept, constants) = (room(&records), records.constants.len());
@@ -243,12 +243,12 @@ mod tests {
             (0..100).map(|j| records.keep(&touch(1e3 + f64::from(j)), ContactState::new(0.0))).collect();
         assert_eq!(room(&records), kept);
         assert!(records.constants.len() < constants + 100, "constants that nobody names are not used again");
-        for (j, place) in (0..).zip(again) {
-            let (found, course) = records.get(place);
+        for (j, index) in (0..).zip(again) {
+            let (found, course) = records.get(index);
             assert!(found == &touch(1e3 + f64::from(j)) && course.began == 0.0);
         }
-        for (j, &place) in (0..).zip(&places).filter(|(j, _)| j % 3 != 0) {
-            let (found, course) = records.get(place);
+        for (j, &index) in (0..).zip(&indices).filter(|(j, _)| j % 3 != 0) {
+            let (found, course) = records.get(index);
             assert!(found == &touch(f64::from(j % 150)));
             assert_eq!(course.began, f64::from(j));
         }

@@ -46,11 +46,11 @@ impl RollingMotion {
         (particles, scene): (&Particles, &Scene),
     ) -> Self {
         let inertia = particles.inertia.as_deref().unwrap_or_default();
-        let body = |place: u32| {
-            let place = place as usize;
-            (particles.mass[place], particles.radius[place], inertia[place])
+        let body = |index: u32| {
+            let index = index as usize;
+            (particles.mass[index], particles.radius[index], inertia[index])
         };
-        let bodies = RollingBodies::of(couple.places().into_iter().flatten().map(body));
+        let bodies = RollingBodies::of(couple.indices().into_iter().flatten().map(body));
         let spins = couple.relative_spin(particles, scene) * bodies.radius;
         let (species, other) = couple.kinds(particles);
         let own = scene.resistance(species, other);
@@ -70,7 +70,7 @@ impl RollingMotion {
     /// same value.
     pub fn passed_on(&self, couple: &Couple, particles: &Particles) -> f64 {
         let inertia = particles.inertia.as_deref().unwrap_or_default();
-        let of = |place: u32| particles.radius[place as usize] / inertia[place as usize];
+        let of = |index: u32| particles.radius[index as usize] / inertia[index as usize];
         self.bodies.radius * (of(couple.i) - couple.j().map_or(0.0, of))
     }
 

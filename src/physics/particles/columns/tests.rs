@@ -45,9 +45,9 @@ fn every_operation_reaches_every_column() {
     assert_eq!((copy.length.len(), copy.spin.as_ref().map(Vec::len)), (2, Some(2)));
     assert!(copy.is_whole(2) && !copy.is_whole(3));
     let mut sent = Rods::default();
-    let packed = |rods: &Rods, places: &[u32]| {
+    let packed = |rods: &Rods, indices: &[u32]| {
         let mut bytes = Vec::new();
-        rods.pack(places, &mut bytes);
+        rods.pack(indices, &mut bytes);
         bytes
     };
     let bytes = packed(&copy, &[0, 1]);

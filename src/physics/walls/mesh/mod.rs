@@ -73,7 +73,7 @@ struct TrianglePoint {
     /// True if the given point is behind the triangle of a closed surface.
     behind: bool,
     face: u32,
-    place: TriangleFeature,
+    feature: TriangleFeature,
 }
 
 impl TrianglePoint {
@@ -173,8 +173,8 @@ impl Mesh {
     fn spot(&self, number: u32, point: &Vector3<f64>) -> TrianglePoint {
         let face = &self.surface.faces[number as usize];
         let corners = self.surface.corners(number as usize);
-        let (nearest, place) = on_triangle(&corners, point);
-        let (away, out) = match place {
+        let (nearest, feature) = on_triangle(&corners, point);
+        let (away, out) = match feature {
             TriangleFeature::Face => {
                 // the height is computed from the plane of the triangle, so that all triangles of a flat floor give
                 // identical bits
@@ -187,20 +187,20 @@ impl Mesh {
                 (away, if away > 0.0 { out / away } else { face.normal })
             }
         };
-        let outwards = match place {
+        let outwards = match feature {
             TriangleFeature::Face => &face.normal,
             TriangleFeature::Edge(edge) => &face.at_edge[edge],
             TriangleFeature::Corner(corner) => &self.surface.at_point[face.corners[corner] as usize],
         };
         let behind = self.sides != Sides::Both && out.dot(outwards) < 0.0;
-        TrianglePoint { distance: away, direction: out, behind, face: number, place }
+        TrianglePoint { distance: away, direction: out, behind, face: number, feature }
     }
 
     /// True if the distance from the sphere's centre has a local minimum at `spot`: all neighbouring points of the
     /// surface are farther from the centre.
     fn is_least(&self, spot: &TrianglePoint) -> bool {
         let (surface, face) = (&self.surface, &self.surface.faces[spot.face as usize]);
-        match spot.place {
+        match spot.feature {
             TriangleFeature::Face => true,
             TriangleFeature::Edge(edge) => {
                 let beyond = face.beyond[edge].start as usize..face.beyond[edge].end as usize;
@@ -310,8 +310,8 @@ impl Geometry for Mesh {
         if which == 0 { self.sweep(flight, radius, until) } else { None }
     }
 
-    fn struck(&self, _which: u32, place: u32, point: &Vector3<f64>, _radius: f64) -> Nearest {
-        self.at(place, point)
+    fn struck(&self, _which: u32, feature: u32, point: &Vector3<f64>, _radius: f64) -> Nearest {
+        self.at(feature, point)
     }
 
     fn may_touch(&self, _which: u32, _point: &Vector3<f64>, _radius: f64, _skin: f64) -> bool {

@@ -77,8 +77,9 @@ impl OpenEnds {
     /// Finds the open edges at the two ends of a surface along an axis. `None` if the length of the surface is not one
     /// period, or if one of its ends has no open edges.
     fn of(heap: &[[Vector3<f64>; 3]], axis: usize, period: f64) -> Option<Self> {
-        let places = || heap.iter().flatten().map(|corner| corner[axis]);
-        let (low, high) = (places().fold(f64::INFINITY, f64::min), places().fold(f64::NEG_INFINITY, f64::max));
+        let coordinates = || heap.iter().flatten().map(|corner| corner[axis]);
+        let (low, high) =
+            (coordinates().fold(f64::INFINITY, f64::min), coordinates().fold(f64::NEG_INFINITY, f64::max));
         let near = |a: f64, b: f64| (a - b).abs() <= SAME * period;
         if !near(high - low, period) {
             return None;
@@ -171,7 +172,7 @@ fn continue_along(heap: &mut TriangleList, sides: &OpenEnds, same: &FxHashMap<[u
     let own = heap.len();
     let (mut above, mut below) = (Vec::new(), Vec::new());
     for triangle in &heap[..own] {
-        let places = triangle.map(|corner| corner[axis] - sides.low);
+        let coordinates = triangle.map(|corner| corner[axis] - sides.low);
         // an upper corner with an equal lower corner gets exactly the coordinates of the lower corner
         let down = |corner: &Vector3<f64>| {
             lower(corner).unwrap_or_else(|| {
@@ -180,10 +181,10 @@ fn continue_along(heap: &mut TriangleList, sides: &OpenEnds, same: &FxHashMap<[u
                 moved
             })
         };
-        if places.iter().any(|place| *place <= margin) {
+        if coordinates.iter().any(|x| *x <= margin) {
             above.push(triangle.map(|corner| shifted(&corner)));
         }
-        if places.iter().any(|place| *place >= period - margin) {
+        if coordinates.iter().any(|x| *x >= period - margin) {
             below.push(triangle.map(|corner| down(&corner)));
         }
     }

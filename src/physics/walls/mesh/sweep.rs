@@ -17,9 +17,9 @@ const TOUCHING: f64 = 1e-9;
 
 /// Number of a surface feature: it encodes the index of a triangle, and its face, one of its edges or one of its
 /// corners.
-fn numbered(face: u32, place: TriangleFeature) -> u32 {
+fn numbered(face: u32, feature: TriangleFeature) -> u32 {
     face * 8
-        + match place {
+        + match feature {
             TriangleFeature::Face => 0,
             TriangleFeature::Edge(edge) => 1 + edge as u32,
             TriangleFeature::Corner(corner) => 4 + corner as u32,
@@ -41,12 +41,12 @@ impl Mesh {
         let mut first: Option<Touch> = None;
         self.tree.for_each_along(&flight.position, &end, reach, |face| {
             let least = first.map_or(until, |touch| touch.time);
-            self.touches(face, flight, radius, least, |time, place| {
-                let place = numbered(face, place);
+            self.touches(face, flight, radius, least, |time, feature| {
+                let feature = numbered(face, feature);
                 // the earlier of two touches; at equal times the touch with the lower number, so that runs are
                 // repeatable
-                if first.is_none_or(|touch| (time, place) < (touch.time, touch.place)) {
-                    first = Some(Touch { time, place });
+                if first.is_none_or(|touch| (time, feature) < (touch.time, touch.feature)) {
+                    first = Some(Touch { time, feature });
                 }
             });
         });
@@ -175,8 +175,8 @@ fn on_edge([from, to]: [Vector3<f64>; 2], flight: &Flight, radius: f64) -> Optio
     let (at, pace) = (apart.dot(&along), flight.velocity.dot(&along));
     let (across, velocity) = (apart - along * at, flight.velocity - along * pace);
     let time = first_touch(&across, &velocity, radius, flight.velocity.norm())?;
-    let place = at + pace * time;
-    (0.0..=length).contains(&place).then_some((time, None))
+    let position = at + pace * time;
+    (0.0..=length).contains(&position).then_some((time, None))
 }
 
 /// [s] time at which a sphere in flight with gravity touches the edge between two points [m] of a convex part of the

@@ -101,13 +101,13 @@ pub fn on_triangle(corners: &[Vector3<f64>; 3], point: &Vector3<f64>) -> (Vector
     let [a, b, c] = corners.each_ref().map(to_parry);
     let (projection, location) = Triangle::new(a, b, c).project_local_point_and_get_location(to_parry(point), false);
     let nearest = Vector3::new(projection.point.x, projection.point.y, projection.point.z);
-    let place = match location {
+    let feature = match location {
         TrianglePointLocation::OnVertex(corner) => TriangleFeature::Corner(corner as usize),
         // parry numbers the edges in the order of this program: ab, bc, ca
         TrianglePointLocation::OnEdge(edge, _) => TriangleFeature::Edge(edge as usize),
         TrianglePointLocation::OnFace(..) | TrianglePointLocation::OnSolid => TriangleFeature::Face,
     };
-    (nearest, place)
+    (nearest, feature)
 }
 
 /// [m²] squared distance from a point to the box of a node of the tree; 0 for a point in the box.

@@ -56,7 +56,7 @@ pub(super) fn first_touch(
         let arc = |error: f64| (6.0 * error / jerk).cbrt().min(most);
         // after a touch of an enlarged sphere, only the feature that it touched is asked
         let (nearest, least) = match enlarged.take() {
-            Some(EnlargedTouch { place, gap }) => (shape.struck(which, place, &seen.position, radius), Some(gap)),
+            Some(EnlargedTouch { feature, gap }) => (shape.struck(which, feature, &seen.position, radius), Some(gap)),
             None => (shape.contact(which, &seen.position, radius), None),
         };
         let expected = nearest.distance - radius;
@@ -80,7 +80,7 @@ pub(super) fn first_touch(
                 // the time in which the gap cannot close passes in any case
                 let free = free_time(gap - error, &seen);
                 if touch.time >= free {
-                    enlarged = Some(EnlargedTouch { place: touch.place, gap: error - deviation(touch.time) });
+                    enlarged = Some(EnlargedTouch { feature: touch.feature, gap: error - deviation(touch.time) });
                 }
                 t += touch.time.max(free);
             }
@@ -94,7 +94,7 @@ pub(super) fn first_touch(
 /// First touch of a sphere that is enlarged by the largest deviation from its parabola.
 struct EnlargedTouch {
     /// Number of the surface feature that is touched.
-    place: u32,
+    feature: u32,
     /// [m] lower limit of the gap between the sphere itself and the shape: the enlargement less the deviation so far.
     gap: f64,
 }

@@ -231,8 +231,8 @@ impl Geometry for MovingShape {
         self.touch(which, flight, radius, (0.0, until))
     }
 
-    fn struck(&self, which: u32, place: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
-        self.seen(point, 0.0, |shape, point| shape.struck(which, place, point, radius))
+    fn struck(&self, which: u32, feature: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
+        self.seen(point, 0.0, |shape, point| shape.struck(which, feature, point, radius))
     }
 
     fn may_touch(&self, which: u32, point: &Vector3<f64>, radius: f64, skin: f64) -> bool {
@@ -364,10 +364,10 @@ impl Wall {
     /// of the wall's scene. `touch` contains the number of the contact and that of the surface feature.
     #[inline(always)]
     pub fn struck(&self, touch: [u32; 2], point: &Vector3<f64>, radius: f64, ahead: f64) -> Nearest {
-        let [which, place] = touch;
+        let [which, feature] = touch;
         match &self.moving {
-            None => self.geometry.struck(which, place, point, radius),
-            Some(moving) => moving.seen(point, ahead, |shape, point| shape.struck(which, place, point, radius)),
+            None => self.geometry.struck(which, feature, point, radius),
+            Some(moving) => moving.seen(point, ahead, |shape, point| shape.struck(which, feature, point, radius)),
         }
     }
 

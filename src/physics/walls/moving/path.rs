@@ -15,7 +15,7 @@ impl PiecewisePath {
     /// Makes a path from its instants [s] and displacements [m]. `None` if the list is empty, a number is not finite,
     /// or the instants do not strictly ascend.
     pub fn new(knots: Vec<(f64, Vector3<f64>)>) -> Option<Self> {
-        let finite = knots.iter().all(|(time, place)| time.is_finite() && place.iter().all(|x| x.is_finite()));
+        let finite = knots.iter().all(|(time, position)| time.is_finite() && position.iter().all(|x| x.is_finite()));
         let ascends = knots.windows(2).all(|two| two[0].0 < two[1].0);
         (!knots.is_empty() && finite && ascends).then_some(Self { knots })
     }
@@ -53,15 +53,15 @@ impl PiecewisePath {
 
     /// [m] least and largest component of the displacement along the unit vector `direction`, over all times.
     pub fn range_along(&self, direction: &Vector3<f64>) -> [f64; 2] {
-        let along = self.knots.iter().map(|(_, place)| place.dot(direction));
-        along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], place| [low.min(place), high.max(place)])
+        let along = self.knots.iter().map(|(_, position)| position.dot(direction));
+        along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
     }
 
     /// [m] upper limit of the distance between two points of the path: the diagonal of the box around all displacements.
     pub fn largest_excursion(&self) -> f64 {
-        let places = || self.knots.iter().map(|(_, place)| *place);
-        let low = places().fold(Vector3::repeat(f64::INFINITY), |a, b| a.inf(&b));
-        let high = places().fold(Vector3::repeat(f64::NEG_INFINITY), |a, b| a.sup(&b));
+        let positions = || self.knots.iter().map(|(_, position)| *position);
+        let low = positions().fold(Vector3::repeat(f64::INFINITY), |a, b| a.inf(&b));
+        let high = positions().fold(Vector3::repeat(f64::NEG_INFINITY), |a, b| a.sup(&b));
         (high - low).norm()
     }
 }

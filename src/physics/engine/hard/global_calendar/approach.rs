@@ -156,7 +156,7 @@ pub mod wide {
         #[inline(always)]
         pub fn at_once(&self, others: &[&FlightState; 4], touch: &[f64; 4]) -> (FourNeighbours, u32) {
             let (avx, [a, b, c, d]) = (self.simd.avx, *others);
-            let [x, y, z, time] = self.columns([place(a), place(b), place(c), place(d)]);
+            let [x, y, z, time] = self.columns([index(a), index(b), index(c), index(d)]);
             let [u, v, w, _] = self.columns([speed(a), speed(b), speed(c), speed(d)]);
             let (since, zero) = (avx._mm256_sub_pd(self.now, time), avx._mm256_setzero_pd());
             let (x, u) = self.relative(0, x, u, since);
@@ -186,7 +186,7 @@ pub mod wide {
     /// Position [m] of a particle at the time of its flight state (x, y, z), and that time [s], in one vector of four
     /// numbers.
     #[inline(always)]
-    fn place(body: &FlightState) -> __m256d {
+    fn index(body: &FlightState) -> __m256d {
         let x = &body.position;
         pulp::cast([x.x, x.y, x.z, body.time])
     }
@@ -218,7 +218,7 @@ mod tests {
         for round in 0..1000 {
             let body = |position: Vector3<f64>, velocity: Vector3<f64>| {
                 let (position, time) = (position.component_mul(&domain.size), velocity.norm_squared());
-                FlightState { position, velocity, time, kind: 0, hits: 0 }
+                FlightState { position, velocity, time, kind: 0, collision_count: 0 }
             };
             let bodies: [FlightState; 4] = std::array::from_fn(|_| body(draw(0.0, 1.0), draw(-1.0, 1.0)));
             let me = body(draw(0.0, 1.0), draw(-1.0, 1.0));

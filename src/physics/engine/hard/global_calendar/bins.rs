@@ -12,7 +12,7 @@ type BinLink = Option<NonZeroU32>;
 /// A block of up to six indices of one bin, in half a cache line.
 #[derive(Clone, Copy, Debug)]
 struct Leaf {
-    places: [u32; 6],
+    indices: [u32; 6],
     count: u32,
     /// Link to the next leaf of the bin, or, for a leaf that is in use by no bin, to the next free leaf.
     next: BinLink,
@@ -40,18 +40,18 @@ impl Bins {
         self.first.len()
     }
 
-    /// Adds the particle index `place` to the bin number `bin`.
+    /// Adds the particle index `index` to the bin number `bin`.
     #[inline]
-    pub fn put(&mut self, bin: usize, place: u32) {
+    pub fn put(&mut self, bin: usize, index: u32) {
         let link = self.first[bin];
         if let Some(leaf) = link.map(|one| &mut self.leaves[one.get() as usize - 1])
-            && let Some(room) = leaf.places.get_mut(leaf.count as usize)
+            && let Some(room) = leaf.indices.get_mut(leaf.count as usize)
         {
-            *room = place;
+            *room = index;
             leaf.count += 1;
             return;
         }
-        let leaf = Leaf { places: [place; 6], count: 1, next: link };
+        let leaf = Leaf { indices: [index; 6], count: 1, next: link };
         self.first[bin] = Some(self.keep(leaf));
     }
 
@@ -77,10 +77,10 @@ impl Bins {
     }
 
     /// Particle indices in the bin number `bin`; they stay in the bin.
-    pub fn places(&self, bin: usize) -> impl Iterator<Item = u32> {
+    pub fn indices(&self, bin: usize) -> impl Iterator<Item = u32> {
         let leaf = |link: BinLink| link.map(|one| &self.leaves[one.get() as usize - 1]);
         let leaves = successors(leaf(self.first[bin]), move |last| leaf(last.next));
-        leaves.flat_map(|leaf| leaf.places.iter().take(leaf.count as usize).copied())
+        leaves.flat_map(|leaf| leaf.indices.iter().take(leaf.count as usize).copied())
     }
 
     /// Prefetches the first leaf (block of six indices) of a bin into the processor's cache.
@@ -95,7 +95,7 @@ impl Bins {
         let mut link = self.first[bin].take();
         while let Some(one) = link {
             let leaf = &mut self.leaves[one.get() as usize - 1];
-            leaf.places.iter().take(leaf.count as usize).for_each(|place| each(*place));
+            leaf.indices.iter().take(leaf.count as usize).for_each(|index| each(*index));
             link = std::mem::replace(&mut leaf.next, self.free);
             self.free = Some(one);
         }
@@ -111,16 +111,16 @@ mod tests {
         let mut bins = Bins::default();
         bins.reset(8);
         for round in 0..50u32 {
-            for place in 0..100 {
-                bins.put((place * place % 8) as usize, place + round);
+            for index in 0..100 {
+                bins.put((index * index % 8) as usize, index + round);
             }
             for bin in 0..8 {
-                let seen: Vec<u32> = bins.places(bin).collect();
+                let seen: Vec<u32> = bins.indices(bin).collect();
                 let mut found = Vec::new();
-                bins.empty(bin, |place| found.push(place));
+                bins.empty(bin, |index| found.push(index));
                 assert_eq!(seen, found);
                 found.sort_unstable();
-                let put = (0..100u32).filter(|place| (place * place % 8) as usize == bin).map(|place| place + round);
+                let put = (0..100u32).filter(|index| (index * index % 8) as usize == bin).map(|index| index + round);
                 assert_eq!(found, put.collect::<Vec<_>>());
             }
         }

@@ -42,8 +42,8 @@ struct CellEntry {
     next: CellLink,
 }
 
-fn link(place: u32) -> CellLink {
-    NonZeroU32::new(place + 1)
+fn link(index: u32) -> CellLink {
+    NonZeroU32::new(index + 1)
 }
 
 /// Rounds the coordinates of a point [m] to single precision.
@@ -94,35 +94,35 @@ impl ShellGrid {
         c[0] + self.count[0] * (c[1] + self.count[1] * c[2])
     }
 
-    /// Adds the centre [m] of a particle's shell to the cell that contains it; `place` is the index of the particle.
-    pub fn put(&mut self, place: u32, centre: [f32; 3]) {
+    /// Adds the centre [m] of a particle's shell to the cell that contains it; `index` is the index of the particle.
+    pub fn put(&mut self, index: u32, centre: [f32; 3]) {
         let cell = self.of(&widened(&centre));
-        self.spots[place as usize] = CellEntry { centre, next: self.first[cell] };
-        self.first[cell] = link(place);
+        self.spots[index as usize] = CellEntry { centre, next: self.first[cell] };
+        self.first[cell] = link(index);
     }
 
-    /// Moves the centre [m] of a particle's shell from `old` to `new`; `place` is the index of the particle.
-    pub fn change(&mut self, place: u32, old: [f32; 3], new: [f32; 3]) {
+    /// Moves the centre [m] of a particle's shell from `old` to `new`; `index` is the index of the particle.
+    pub fn change(&mut self, index: u32, old: [f32; 3], new: [f32; 3]) {
         let (from, to) = (self.of(&widened(&old)), self.of(&widened(&new)));
         if from == to {
-            self.spots[place as usize].centre = new;
+            self.spots[index as usize].centre = new;
             return;
         }
-        let next = self.spots[place as usize].next;
+        let next = self.spots[index as usize].next;
         let mut at = self.first[from];
-        if at == link(place) {
+        if at == link(index) {
             self.first[from] = next;
         } else {
             while let Some(other) = at {
                 let other = &mut self.spots[other.get() as usize - 1];
-                if other.next == link(place) {
+                if other.next == link(index) {
                     other.next = next;
                     break;
                 }
                 at = other.next;
             }
         }
-        self.put(place, new);
+        self.put(index, new);
     }
 
     /// Numbers, along one axis, of the cell `at` and its neighbours, and how many numbers these are (one to three).
@@ -219,15 +219,15 @@ impl ShellGrid {
     fn within(&self, cell: usize, here: [f32; 3], square: f32, found: &mut Vec<u32>) -> u64 {
         let (mut end, mut checks, mut at) = (found.len(), 0, self.first[cell]);
         while let Some(one) = at {
-            let place = one.get() - 1;
-            let spot = &self.spots[place as usize];
+            let index = one.get() - 1;
+            let spot = &self.spots[index as usize];
             let apart = |axis: usize| {
                 let d = (spot.centre[axis] - here[axis]).abs();
                 if d > self.half[axis] { self.period[axis] - d } else { d }
             };
             let [dx, dy, dz] = [apart(0), apart(1), apart(2)];
             found.truncate(end);
-            found.push(place);
+            found.push(index);
             end += usize::from(dx * dx + dy * dy + dz * dz <= square);
             checks += 1;
             at = spot.next;

@@ -19,10 +19,10 @@ pub fn order(particles: &Particles, domain: &Domain) -> Vec<u32> {
     };
     let mut order: Vec<(u32, u32, u32)> = (particles.position.iter().zip(&particles.id))
         .enumerate()
-        .map(|(place, (x, &id))| (key(x), id, place as u32))
+        .map(|(index, (x, &id))| (key(x), id, index as u32))
         .collect();
     order.par_sort_unstable();
-    order.into_iter().map(|(.., place)| place).collect()
+    order.into_iter().map(|(.., index)| index).collect()
 }
 
 /// Inserts two zero bits after each of the lowest ten bits of a number. Three such numbers, one per axis, are then

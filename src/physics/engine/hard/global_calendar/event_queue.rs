@@ -23,7 +23,7 @@ const PARTICLES_PER_BIN: usize = 8;
 struct QueuedEvent {
     /// Time [s] of the event since the epoch, the instant from which the event queue counts times.
     time: f64,
-    place: u32,
+    index: u32,
 }
 
 impl QueuedEvent {
@@ -31,7 +31,7 @@ impl QueuedEvent {
     /// contains the id of each particle.
     #[inline]
     fn compare(&self, other: &Self, ids: &[u32]) -> Ordering {
-        self.time.total_cmp(&other.time).then_with(|| ids[self.place as usize].cmp(&ids[other.place as usize]))
+        self.time.total_cmp(&other.time).then_with(|| ids[self.index as usize].cmp(&ids[other.index as usize]))
     }
 }
 
@@ -48,8 +48,8 @@ impl EventTable<'_> {
     /// Time [s] of the next event of a particle, given by its index, since the epoch (instant from which times are
     /// counted).
     #[inline]
-    fn time(&self, place: u32) -> f64 {
-        self.next_events[place as usize].time
+    fn time(&self, index: u32) -> f64 {
+        self.next_events[index as usize].time
     }
 }
 
@@ -63,7 +63,7 @@ pub struct EventQueue {
     /// event in its interval.
     bins: Bins,
     /// Number of particle indices in all bins, outdated ones included.
-    filed: usize,
+    in_bins: usize,
     /// Indices of particles whose events are too late for the bins of the ring, which covers a limited time ahead.
     later: Vec<u32>,
     /// [1/s] number of bins per time, the inverse of the interval of a bin.
@@ -74,16 +74,16 @@ pub struct EventQueue {
 }
 
 impl EventQueue {
-    /// Fills the queue with the next events of all particles in the table `book` that are earlier than `before` [s];
+    /// Fills the queue with the next events of all particles in the table `table` that are earlier than `before` [s];
     /// the present time is `now` [s]. Both times are counted from the epoch. The interval of the bins is chosen from
     /// these events.
-    pub fn fill(&mut self, book: EventTable, now: f64, before: f64) {
-        let mut times = Vec::with_capacity(book.next_events.len());
-        times.extend(book.next_events.iter().map(|card| card.time).filter(|time| *time < before));
+    pub fn fill(&mut self, table: EventTable, now: f64, before: f64) {
+        let mut times = Vec::with_capacity(table.next_events.len());
+        times.extend(table.next_events.iter().map(|events| events.time).filter(|time| *time < before));
         self.near.clear();
         self.later.clear();
         self.bins.reset((times.len() / PARTICLES_PER_BIN).next_power_of_two().max(64));
-        self.filed = 0;
+        self.in_bins = 0;
         let sample = times.len() / 16;
         self.rate = 1.0;
         if !times.is_empty() {
@@ -94,8 +94,8 @@ impl EventQueue {
         // frees this memory, which the bins need
         drop(times);
         self.current = self.bin(now);
-        for (place, _) in book.next_events.iter().enumerate().filter(|(_, card)| card.time < before) {
-            self.file(place as u32, book);
+        for (index, _) in table.next_events.iter().enumerate().filter(|(_, events)| events.time < before) {
+            self.insert(index as u32, table);
         }
     }
 
@@ -117,44 +117,44 @@ impl EventQueue {
     }
 
     /// Adds the next event of a particle, given by its index, to the queue after it has changed; the time of the event
-    /// in `book` must be finite.
+    /// in `table` must be finite.
     #[inline]
-    pub fn file(&mut self, place: u32, book: EventTable) {
-        let time = book.time(place);
+    pub fn insert(&mut self, index: u32, table: EventTable) {
+        let time = table.time(index);
         let bin = self.bin(time);
         if bin <= self.current {
-            let entry = QueuedEvent { time, place };
-            let at = self.near.partition_point(|other| other.compare(&entry, book.ids).is_gt());
+            let entry = QueuedEvent { time, index };
+            let at = self.near.partition_point(|other| other.compare(&entry, table.ids).is_gt());
             self.near.insert(at, entry);
         } else if !self.is_later(bin) {
-            self.bins.put(self.slot(bin), place);
-            self.filed += 1;
+            self.bins.put(self.slot(bin), index);
+            self.in_bins += 1;
         } else {
             if self.later.len() == self.later.capacity() {
                 // reserves less than the default growth, which would double the capacity
                 self.later.reserve_exact(self.later.len() / 8 + 64);
             }
-            self.later.push(place);
+            self.later.push(index);
         }
     }
 
     /// Removes the earliest event, and returns the index of its particle. `None` if no event is earlier than `before`
     /// [s] since the epoch (instant from which times are counted).
     #[inline]
-    pub fn next(&mut self, book: EventTable, before: f64) -> Option<u32> {
+    pub fn next(&mut self, table: EventTable, before: f64) -> Option<u32> {
         loop {
             while let Some(entry) = self.near.last() {
-                let valid = book.time(entry.place) == entry.time;
+                let valid = table.time(entry.index) == entry.time;
                 if valid && entry.time >= before {
                     return None;
                 }
-                let place = entry.place;
+                let index = entry.index;
                 self.near.pop();
                 if valid {
-                    return Some(place);
+                    return Some(index);
                 }
             }
-            if self.current >= self.bin(before) || !self.turn(book) {
+            if self.current >= self.bin(before) || !self.next_bin(table) {
                 return None;
             }
         }
@@ -164,62 +164,62 @@ impl EventQueue {
     /// event is not yet in the sorted list. The entry may be outdated.
     #[inline]
     pub fn upcoming(&self, after: usize) -> Option<u32> {
-        self.near.len().checked_sub(after + 1).map(|at| self.near[at].place)
+        self.near.len().checked_sub(after + 1).map(|at| self.near[at].index)
     }
 
     /// Makes the next bin that may contain events the present one, and sorts its events into the list of near events.
     /// Returns false if no event is queued.
-    fn turn(&mut self, book: EventTable) -> bool {
-        if self.filed == 0 {
+    fn next_bin(&mut self, table: EventTable) -> bool {
+        if self.in_bins == 0 {
             // continues with the first of the events that were too far ahead for the ring
-            let times = self.later.iter().map(|&place| book.time(place));
+            let times = self.later.iter().map(|&index| table.time(index));
             let first = times.fold(f64::INFINITY, f64::min);
             if first == f64::INFINITY {
                 return false;
             }
             self.current = self.bin(first).max(self.current);
-            self.refile(book);
+            self.move_later_to_bins(table);
             return true;
         }
         self.current += 1;
         let slot = self.slot(self.current);
         if slot == 0 {
-            self.refile(book);
+            self.move_later_to_bins(table);
         }
-        let Self { bins, near, filed, rate, current, .. } = self;
-        bins.empty(slot, |place| {
-            let time = book.time(place);
-            *filed -= 1;
+        let Self { bins, near, in_bins, rate, current, .. } = self;
+        bins.empty(slot, |index| {
+            let time = table.time(index);
+            *in_bins -= 1;
             if (time * *rate) as u64 == *current {
-                near.push(QueuedEvent { time, place });
+                near.push(QueuedEvent { time, index });
             }
         });
-        self.near.sort_unstable_by(|a, b| b.compare(a, book.ids));
-        self.fetch_ahead(book);
+        self.near.sort_unstable_by(|a, b| b.compare(a, table.ids));
+        self.fetch_ahead(table);
         true
     }
 
     /// Prefetches into the processor's cache the events of the next bin, and the first particle indices of the bin
     /// after it.
-    fn fetch_ahead(&self, book: EventTable) {
+    fn fetch_ahead(&self, table: EventTable) {
         self.bins
-            .places(self.slot(self.current + 1))
-            .for_each(|place| prefetch_index(book.next_events, place as usize));
+            .indices(self.slot(self.current + 1))
+            .for_each(|index| prefetch_index(table.next_events, index as usize));
         self.bins.fetch(self.slot(self.current + 2));
     }
 
     /// Moves from the list `later` to the bins those events that the ring now covers.
-    fn refile(&mut self, book: EventTable) {
+    fn move_later_to_bins(&mut self, table: EventTable) {
         let (count, mut kept) = (self.later.len(), 0);
         for k in 0..count {
-            let place = self.later[k];
-            let time = book.time(place);
+            let index = self.later[k];
+            let time = table.time(index);
             if time < f64::INFINITY {
                 if self.is_later(self.bin(time)) {
-                    self.later[kept] = place;
+                    self.later[kept] = index;
                     kept += 1;
                 } else {
-                    self.file(place, book);
+                    self.insert(index, table);
                 }
             }
         }

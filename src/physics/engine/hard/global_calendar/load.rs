@@ -80,7 +80,7 @@ impl GlobalCalendar {
             self.foretell_all(scene);
         }
         if anew || !self.ready {
-            self.agenda.fill(EventTable { next_events: &self.next_events, ids: &self.ids }, self.now, self.horizon);
+            self.queue.fill(EventTable { next_events: &self.next_events, ids: &self.ids }, self.now, self.horizon);
         }
         self.ready = true;
         Ok(())
@@ -104,13 +104,13 @@ impl GlobalCalendar {
             return Change::Moved;
         }
         let mut change = Change::None;
-        for place in 0..self.bodies.len() {
-            let (mut position, mut velocity) = self.seen(place);
+        for index in 0..self.bodies.len() {
+            let (mut position, mut velocity) = self.motion_in_scene(index);
             scene.domain.wrap_motion(&mut position, &mut velocity);
-            if position != particles.position[place] {
+            if position != particles.position[index] {
                 return Change::Moved;
             }
-            if velocity != particles.velocity[place] {
+            if velocity != particles.velocity[index] {
                 change = Change::Kicked;
             }
         }
@@ -119,8 +119,8 @@ impl GlobalCalendar {
 
     /// Present position [m] and velocity [m/s] of a particle, given by its index, relative to the scene at rest. The
     /// position may be outside the box.
-    pub(super) fn seen(&self, place: usize) -> (Vector3<f64>, Vector3<f64>) {
-        let body = &self.bodies[place];
+    pub(super) fn motion_in_scene(&self, index: usize) -> (Vector3<f64>, Vector3<f64>) {
+        let body = &self.bodies[index];
         let position = body.position + body.velocity * (self.now - body.time);
         let flight = self.frame.flight(&position, &body.velocity, self.now);
         (flight.position, flight.velocity)
@@ -129,10 +129,10 @@ impl GlobalCalendar {
     /// Writes the present positions and velocities of all particles, relative to the scene, to the particle store.
     /// Positions are shifted into the box, except across sheared sides, where the velocity would change too.
     pub(super) fn write(&self, particles: &mut Particles, scene: &Scene) {
-        for place in 0..self.bodies.len() {
-            let (position, velocity) = self.seen(place);
+        for index in 0..self.bodies.len() {
+            let (position, velocity) = self.motion_in_scene(index);
             let position = if scene.domain.shear.is_none() { scene.domain.wrap(&position) } else { position };
-            (particles.position[place], particles.velocity[place]) = (position, velocity);
+            (particles.position[index], particles.velocity[index]) = (position, velocity);
         }
     }
 
@@ -148,13 +148,13 @@ impl GlobalCalendar {
             Some(recently) => {
                 let mut by_id = nothing(&particles.id);
                 for recent in recently {
-                    by_id[particles.id[recent.place as usize] as usize] = LastCollision::at(recent.time);
+                    by_id[particles.id[recent.index as usize] as usize] = LastCollision::at(recent.time);
                 }
                 by_id
             }
-            None if self.met.len() == self.ids.len() => {
+            None if self.last_collisions.len() == self.ids.len() => {
                 let mut by_id = nothing(&self.ids);
-                for (&id, met) in self.ids.iter().zip(&self.met) {
+                for (&id, met) in self.ids.iter().zip(&self.last_collisions) {
                     by_id[id as usize] = *met;
                 }
                 by_id
@@ -166,8 +166,8 @@ impl GlobalCalendar {
     /// Frees the memory of flights, events, collision histories, shells and neighbour lists, before they are made again
     /// or at the end of a run.
     pub fn forget(&mut self) {
-        (self.bodies, self.next_events, self.met) = (Vec::new(), Vec::new(), Vec::new());
-        self.agenda = EventQueue::default();
+        (self.bodies, self.next_events, self.last_collisions) = (Vec::new(), Vec::new(), Vec::new());
+        self.queue = EventQueue::default();
         self.shells.forget();
     }
 
@@ -192,17 +192,18 @@ impl GlobalCalendar {
             gravity: scene.gravity,
         };
         let kinds = kinds(particles);
-        let kind = |place: usize| RadiusClass { radius: particles.radius[place], mass: particles.mass[place] };
-        let body = |place: usize| FlightState {
-            position: particles.position[place],
-            velocity: particles.velocity[place] - self.frame.velocity,
+        let kind = |index: usize| RadiusClass { radius: particles.radius[index], mass: particles.mass[index] };
+        let body = |index: usize| FlightState {
+            position: particles.position[index],
+            velocity: particles.velocity[index] - self.frame.velocity,
             time: 0.0,
-            kind: kinds.partition_point(|other| by_size(other, &kind(place)).is_lt()) as u32,
-            hits: 0,
+            kind: kinds.partition_point(|other| by_size(other, &kind(index)).is_lt()) as u32,
+            collision_count: 0,
         };
         self.bodies = (0..particles.len()).map(body).collect();
         self.shells.kinds = kinds;
-        self.met = particles.id.iter().map(|&id| met.get(id as usize).copied().unwrap_or_default()).collect();
+        self.last_collisions =
+            particles.id.iter().map(|&id| met.get(id as usize).copied().unwrap_or_default()).collect();
         // frees the memory, since the following lines require much
         drop(met);
         self.ids.clone_from(&particles.id);
@@ -219,7 +220,7 @@ impl GlobalCalendar {
         });
         self.shells.margin = margin;
         self.begin_interval(scene);
-        let at_wall: Vec<bool> = (0..particles.len()).map(|place| self.at_wall(place, scene)).collect();
+        let at_wall: Vec<bool> = (0..particles.len()).map(|index| self.at_wall(index, scene)).collect();
         let domain = self.domain_of_interval(scene);
         self.shells.build(&mut self.next_events, &self.bodies, &domain, &at_wall);
         self.sorted_at = self.shells.renewed;
@@ -294,26 +295,26 @@ impl GlobalCalendar {
             for body in &mut self.bodies {
                 body.time -= self.now;
             }
-            for card in &mut self.next_events {
-                card.time -= self.now;
-                card.then -= self.now;
+            for entry in &mut self.next_events {
+                entry.time -= self.now;
+                entry.second_time -= self.now;
             }
             self.epoch += self.now;
-            self.fresh_until -= self.now;
+            self.lists_valid_until -= self.now;
             self.now = 0.0;
             self.set_limit(work.particles, scene, time)?;
         }
-        self.agenda.fill(EventTable { next_events: &self.next_events, ids: &self.ids }, self.now, self.horizon);
+        self.queue.fill(EventTable { next_events: &self.next_events, ids: &self.ids }, self.now, self.horizon);
         Ok(())
     }
 
-    /// True if the particle at the index `place` may touch a wall before it leaves its shell (ball in which its
+    /// True if the particle at the index `index` may touch a wall before it leaves its shell (ball in which its
     /// neighbour list is valid) or the epoch ends.
-    pub(super) fn at_wall(&self, place: usize, scene: &Scene) -> bool {
+    pub(super) fn at_wall(&self, index: usize, scene: &Scene) -> bool {
         if scene.walls.is_empty() {
             return false;
         }
-        let body = &self.bodies[place];
+        let body = &self.bodies[index];
         let flight = self.frame.flight(&body.position, &body.velocity, self.now);
         // distance by which the frame moves and falls towards walls within the epoch
         let drift = across(scene, self.frame.velocity).norm() * self.limit;

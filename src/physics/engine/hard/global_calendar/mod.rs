@@ -66,11 +66,11 @@ pub struct GlobalCalendar {
     ids: Vec<u32>,
     /// Collision history of each particle, by particle index, by which inelastic collapse (infinitely many impacts in
     /// finite time) is detected.
-    met: Vec<LastCollision>,
+    last_collisions: Vec<LastCollision>,
     shells: Shells,
     /// Time [s] since the epoch until which neighbour lists across the sheared sides of the box are valid, since images
     /// slide there; infinite without shear.
-    fresh_until: f64,
+    lists_valid_until: f64,
     /// True for each periodic axis along which the box is so short that a pair may touch through an image other than
     /// the nearest one.
     far_images: [bool; 3],
@@ -80,13 +80,13 @@ pub struct GlobalCalendar {
     /// Number of collisions that the event queue has processed so far.
     pub events: u64,
     /// Number of times of touch computed so far.
-    foretold: u64,
+    touch_times: u64,
     /// Number of times that the event queue of all particles, with all neighbour lists, was built so far.
     pub builds: u64,
     /// Wall-clock time that building the event queue and all neighbour lists has taken so far.
     pub building: Duration,
     #[serde(skip)]
-    agenda: EventQueue,
+    queue: EventQueue,
     #[serde(skip)]
     walls: WallContacts,
     /// True if the data that snapshots of a run do not contain (event queue, cells, walls) have been computed.
@@ -132,7 +132,7 @@ impl GlobalCalendar {
     /// the error.
     pub fn run(&mut self, work: &mut Work<Recent>, window: Window, outdated: bool) -> Result<(), Failure> {
         self.begin(work, window, outdated)?;
-        for met in &mut self.met {
+        for met in &mut self.last_collisions {
             met.impacts = 0;
         }
         let mut span = CalendarWindow { window, end: self.now + window.duration };
@@ -143,20 +143,19 @@ impl GlobalCalendar {
 
     fn events(&mut self, work: &mut Work<Recent>, span: &mut CalendarWindow) -> Result<(), Failure> {
         loop {
-            let stop = span.end.min(self.limit).min(self.fresh_until).max(self.now);
-            while let Some(place) =
-                self.agenda.next(EventTable { next_events: &self.next_events, ids: &self.ids }, stop)
+            let stop = span.end.min(self.limit).min(self.lists_valid_until).max(self.now);
+            while let Some(index) = self.queue.next(EventTable { next_events: &self.next_events, ids: &self.ids }, stop)
             {
                 self.fetch_ahead();
-                self.now = self.next_events[place as usize].time.max(self.now);
-                self.event(place, work, span)?;
+                self.now = self.next_events[index as usize].time.max(self.now);
+                self.event(index, work, span)?;
                 self.clock.tell(span.time(self.now));
                 if work.log.impacts.len() >= KEPT_IMPACTS {
                     work.record.absorb(work.log);
                 }
             }
             self.now = stop;
-            if stop >= self.fresh_until {
+            if stop >= self.lists_valid_until {
                 self.next_interval(work);
             }
             if stop >= span.end {
@@ -174,64 +173,64 @@ impl GlobalCalendar {
     /// Prefetches the data of the next events into the processor's cache. Data are fetched in stages, one event apart:
     /// first a particle, then its partner and its neighbour list, then the neighbours.
     fn fetch_ahead(&self) {
-        let upcoming = |after| self.agenda.upcoming(after).map(|place| &self.next_events[place as usize]);
-        if let Some(place) = self.agenda.upcoming(3) {
-            self.fetch(place);
+        let upcoming = |after| self.queue.upcoming(after).map(|index| &self.next_events[index as usize]);
+        if let Some(index) = self.queue.upcoming(3) {
+            self.fetch(index);
         }
-        if let Some(card) = upcoming(2) {
-            self.shells.fetch_list(&card.shell);
-            if let EventKind::Pair(j) = card.next {
+        if let Some(events) = upcoming(2) {
+            self.shells.fetch_list(&events.shell);
+            if let EventKind::Pair(j) = events.kind {
                 self.fetch(j);
             }
         }
-        if let Some(card) = upcoming(1) {
-            self.fetch_near(card);
-            if let EventKind::Pair(j) = card.next {
+        if let Some(events) = upcoming(1) {
+            self.fetch_near(events);
+            if let EventKind::Pair(j) = events.kind {
                 self.shells.fetch_list(&self.next_events[j as usize].shell);
             }
         }
-        if let Some(NextEvents { next: EventKind::Pair(j), .. }) = upcoming(0) {
+        if let Some(NextEvents { kind: EventKind::Pair(j), .. }) = upcoming(0) {
             self.fetch_near(&self.next_events[*j as usize]);
         }
     }
 
     #[inline]
-    fn fetch(&self, place: u32) {
-        prefetch_index(&self.next_events, place as usize);
-        prefetch_index(&self.bodies, place as usize);
-        prefetch_index(&self.met, place as usize);
+    fn fetch(&self, index: u32) {
+        prefetch_index(&self.next_events, index as usize);
+        prefetch_index(&self.bodies, index as usize);
+        prefetch_index(&self.last_collisions, index as usize);
     }
 
     #[inline]
-    fn fetch_near(&self, card: &NextEvents) {
-        self.shells.neighbours(&card.shell).iter().for_each(|&k| prefetch_index(&self.bodies, k as usize));
+    fn fetch_near(&self, events: &NextEvents) {
+        self.shells.neighbours(&events.shell).iter().for_each(|&k| prefetch_index(&self.bodies, k as usize));
     }
 
-    /// Processes the next event of the particle at index `place`, whose time has come: a collision, a new shell, or the
+    /// Processes the next event of the particle at index `index`, whose time has come: a collision, a new shell, or the
     /// second event if the first is void. Predicts the next events of all particles concerned.
-    fn event(&mut self, place: u32, work: &mut Work<Recent>, span: &CalendarWindow) -> Result<(), Failure> {
+    fn event(&mut self, index: u32, work: &mut Work<Recent>, span: &CalendarWindow) -> Result<(), Failure> {
         let scene = work.scene;
-        let NextEvents { next, detail, .. } = self.next_events[place as usize];
-        match next {
-            EventKind::Pair(j) if self.bodies[j as usize].hits == detail => {
-                self.collide(Couple::pair(place, j), 0, work, span)?;
-                self.predict_events(place, scene);
+        let NextEvents { kind, detail, .. } = self.next_events[index as usize];
+        match kind {
+            EventKind::Pair(j) if self.bodies[j as usize].collision_count == detail => {
+                self.collide(Couple::pair(index, j), 0, work, span)?;
+                self.predict_events(index, scene);
                 self.predict_events(j, scene);
                 return Ok(());
             }
             EventKind::Wall(k) => {
                 let at = self.walls.contacts[k as usize];
-                self.collide(Couple::at_wall(place, at), detail, work, span)?;
+                self.collide(Couple::at_wall(index, at), detail, work, span)?;
             }
-            EventKind::Leave => self.renew(place, work),
-            EventKind::Pair(_) if self.next_events[place as usize].has_more() => {
-                self.next_events[place as usize].go_on();
-                self.file(place);
+            EventKind::LeaveShell => self.make_shell(index, work),
+            EventKind::Pair(_) if self.next_events[index as usize].has_second() => {
+                self.next_events[index as usize].take_second();
+                self.enqueue(index);
                 return Ok(());
             }
-            EventKind::Pair(_) | EventKind::Look => self.bodies[place as usize].advance(self.now),
+            EventKind::Pair(_) | EventKind::Predict => self.bodies[index as usize].advance(self.now),
         }
-        self.predict_events(place, scene);
+        self.predict_events(index, scene);
         Ok(())
     }
 
@@ -282,8 +281,8 @@ impl GlobalCalendar {
         span: &CalendarWindow,
     ) -> Result<(), Failure> {
         let (scene, time) = (work.scene, span.time(self.now));
-        for place in couple.places().into_iter().flatten() {
-            self.bodies[place as usize].advance(self.now);
+        for index in couple.indices().into_iter().flatten() {
+            self.bodies[index as usize].advance(self.now);
         }
         let met = self.meet(&couple, struck, scene);
         let kinds = couple.kinds(work.particles);
@@ -297,15 +296,15 @@ impl GlobalCalendar {
             None => collision.apply_impulse(&weights, work.particles, scene, left, work.log),
         };
         self.events += 1;
-        for (place, change) in couple.places().into_iter().flatten().zip([change_i, change_j]) {
-            let body = &mut self.bodies[place as usize];
+        for (index, change) in couple.indices().into_iter().flatten().zip([change_i, change_j]) {
+            let body = &mut self.bodies[index as usize];
             body.velocity += change;
-            body.hits = body.hits.wrapping_add(1);
+            body.collision_count = body.collision_count.wrapping_add(1);
         }
         self.watch(&collision, scene, time)
     }
 
-    /// Velocity [m/s] along z of the periodic image that particle `couple.i` hits, relative to the stored other
+    /// Velocity [m/s] along z of the periodic image that particle `couple.i` collision_count, relative to the stored other
     /// particle. It is 0 unless the two meet across a sheared side of the box.
     fn image_velocity(&self, couple: &Couple, met: &Encounter, scene: &Scene) -> f64 {
         let Some(j) = couple.j() else { return 0.0 };
@@ -328,15 +327,15 @@ impl GlobalCalendar {
     /// collided less than the contact time before.
     fn in_contact(&self, couple: &Couple, time: f64) -> bool {
         let Some(contact_time) = self.contact_time else { return false };
-        couple.places().into_iter().flatten().any(|i| time - self.met[i as usize].last < contact_time)
+        couple.indices().into_iter().flatten().any(|i| time - self.last_collisions[i as usize].last < contact_time)
     }
 
     /// Adds a collision at simulated time `time` [s] to the histories of both partners. Returns an error if the
     /// histories show an inelastic collapse (infinitely many impacts in finite time).
     fn watch(&mut self, collision: &Collision, scene: &Scene, time: f64) -> Result<(), Failure> {
         let couple = collision.couple;
-        for i in couple.places().into_iter().flatten() {
-            let met = &mut self.met[i as usize];
+        for i in couple.indices().into_iter().flatten() {
+            let met = &mut self.last_collisions[i as usize];
             let Some(interval) = met.note(collision, scene, time, self.contact_time) else { continue };
             let (impacts, particle) = (met.impacts, self.ids[i as usize]);
             let sliding = sliding(collision, scene);
@@ -346,8 +345,8 @@ impl GlobalCalendar {
                 Other::Particle(j) => Partner::Particle(self.ids[if i == couple.i { j } else { couple.i } as usize]),
             };
             let body = &self.bodies[i as usize];
-            let place = scene.domain.wrap(&self.frame.flight(&body.position, &body.velocity, self.now).position);
-            return Err(collapsed.failure(time, (particle, partner), place));
+            let position = scene.domain.wrap(&self.frame.flight(&body.position, &body.velocity, self.now).position);
+            return Err(collapsed.failure(time, (particle, partner), position));
         }
         Ok(())
     }
@@ -355,19 +354,19 @@ impl GlobalCalendar {
     /// Last collisions of all particles that collided less than the contact time of the TC model before simulated time
     /// `time` [s]. Empty without a contact time.
     pub fn recent(&self, time: f64) -> impl Iterator<Item = Recent> {
-        recent(self.met.iter(), self.contact_time, time)
+        recent(self.last_collisions.iter(), self.contact_time, time)
     }
 
     /// Number of touch times and of distances between shells computed so far, as a measure of work.
     pub fn pair_checks(&self) -> u64 {
-        self.foretold + self.shells.checks
+        self.touch_times + self.shells.checks
     }
 
     /// Copy of this event queue of all particles for a snapshot of the run. It does not depend on the order in which
     /// the lists were built.
     pub fn state(&self) -> Self {
         let (shells, next_events) = self.shells.tidy(&self.next_events);
-        Self { shells, next_events, agenda: EventQueue::default(), ..self.clone() }
+        Self { shells, next_events, queue: EventQueue::default(), ..self.clone() }
     }
 
     /// Continues from a state that [`state`](Self::state) has returned. The clock and the contact time of this event

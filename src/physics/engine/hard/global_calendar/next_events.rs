@@ -21,7 +21,7 @@ pub struct FlightState {
     pub kind: u32,
     /// Number of the particle's collisions so far, modulo 2³². A change of this number shows that events predicted with
     /// this particle are void.
-    pub hits: u32,
+    pub collision_count: u32,
 }
 
 impl FlightState {
@@ -42,9 +42,9 @@ pub enum EventKind {
     /// box; those of all walls are numbered in the order of the scene.
     Wall(u32),
     /// The particle leaves its shell (the ball in which its neighbour list is valid), so it needs a new list.
-    Leave,
+    LeaveShell,
     /// No event up to the end of prediction; events must then be predicted again.
-    Look,
+    Predict,
 }
 
 /// The next two events of one particle, and its shell (ball in which its neighbour list is valid), in one cache line.
@@ -56,17 +56,17 @@ pub struct NextEvents {
     pub time: f64,
     /// [s] time of the second event since the epoch (zero of time). It is not later than `time` if no second event is
     /// stored.
-    pub then: f64,
+    pub second_time: f64,
     /// Kind of the next event of the particle.
-    pub next: EventKind,
+    pub kind: EventKind,
     /// Kind of the second event. It becomes the next event if the first is void, because its partner has collided with
     /// another body.
-    pub after: EventKind,
+    pub second_kind: EventKind,
     /// Detail of the next event. For a pair it is the partner's number of collisions when the event was predicted. For
     /// a wall it is the number of the surface feature (such as a triangle) that is touched.
     pub detail: u32,
     /// Detail of the second event: number of collisions of the partner, or number of the surface feature of the wall.
-    pub detail_after: u32,
+    pub second_detail: u32,
     /// Shell of the particle, the ball in which its neighbour list is valid.
     pub shell: Shell,
 }
@@ -74,20 +74,28 @@ pub struct NextEvents {
 impl NextEvents {
     /// Makes the entry of a particle for which no events have been predicted yet.
     pub fn blank() -> Self {
-        let (never, look) = (f64::INFINITY, EventKind::Look);
-        Self { time: never, then: never, next: look, after: look, detail: 0, detail_after: 0, shell: Shell::default() }
+        let (never, predict) = (f64::INFINITY, EventKind::Predict);
+        Self {
+            time: never,
+            second_time: never,
+            kind: predict,
+            second_kind: predict,
+            detail: 0,
+            second_detail: 0,
+            shell: Shell::default(),
+        }
     }
 
     /// True if a second event is stored. It replaces the next event if the partner of the next event has collided
     /// before.
     #[inline]
-    pub fn has_more(&self) -> bool {
-        self.then > self.time
+    pub fn has_second(&self) -> bool {
+        self.second_time > self.time
     }
 
     /// Replaces the next event by the second one, after the partner of the next event has collided with another body.
     #[inline]
-    pub fn go_on(&mut self) {
-        (self.time, self.next, self.detail) = (self.then, self.after, self.detail_after);
+    pub fn take_second(&mut self) {
+        (self.time, self.kind, self.detail) = (self.second_time, self.second_kind, self.second_detail);
     }
 }

@@ -21,9 +21,9 @@ use rayon::prelude::*;
 #[derive(Clone, Copy)]
 struct Event {
     wait: f64,
-    next: EventKind,
+    kind: EventKind,
     /// Number of the surface feature (such as a triangle) of a wall that is touched; 0 for other events.
-    place: u32,
+    feature: u32,
 }
 
 /// The earliest two events of a particle, among those that the prediction has found so far.
@@ -38,7 +38,7 @@ impl Events {
     /// times, the touch with the particle of the lower id comes first. `ids` contains the id of each particle.
     #[inline]
     fn offer(&mut self, event: Event, ids: &[u32]) {
-        let before = |other: &Event| match (event.next, other.next) {
+        let before = |other: &Event| match (event.kind, other.kind) {
             (EventKind::Pair(j), EventKind::Pair(k)) if event.wait == other.wait => ids[j as usize] < ids[k as usize],
             _ => event.wait < other.wait,
         };
@@ -62,19 +62,19 @@ impl GlobalCalendar {
     /// Predicts the next two events of one particle and puts the first into the event queue. The flight of the particle
     /// must have been advanced to the present time.
     #[inline]
-    pub(super) fn predict_events(&mut self, place: u32, scene: &Scene) {
-        let events = self.next_events(place, scene);
-        self.foretold += u64::from(self.next_events[place as usize].shell.count());
-        self.note(place, events);
-        self.file(place);
+    pub(super) fn predict_events(&mut self, index: u32, scene: &Scene) {
+        let events = self.next_events(index, scene);
+        self.touch_times += u64::from(self.next_events[index as usize].shell.count());
+        self.store_events(index, events);
+        self.enqueue(index);
     }
 
     /// Puts the next event of a particle into the event queue. Events after the horizon, the time up to which events
     /// are predicted, are left out.
     #[inline]
-    pub(super) fn file(&mut self, place: u32) {
-        if self.next_events[place as usize].time < self.horizon {
-            self.agenda.file(place, EventTable { next_events: &self.next_events, ids: &self.ids });
+    pub(super) fn enqueue(&mut self, index: u32) {
+        if self.next_events[index as usize].time < self.horizon {
+            self.queue.insert(index, EventTable { next_events: &self.next_events, ids: &self.ids });
         }
     }
 
@@ -82,49 +82,49 @@ impl GlobalCalendar {
     /// advanced to the present time.
     pub(super) fn foretell_all(&mut self, scene: &Scene) {
         let count = self.bodies.len();
-        self.foretold += self.next_events.iter().map(|card| u64::from(card.shell.count())).sum::<u64>();
+        self.touch_times += self.next_events.iter().map(|events| u64::from(events.shell.count())).sum::<u64>();
         if count <= CHUNK {
-            for place in 0..count as u32 {
-                let events = self.next_events(place, scene);
-                self.note(place, events);
+            for index in 0..count as u32 {
+                let events = self.next_events(index, scene);
+                self.store_events(index, events);
             }
             return;
         }
         // a few chunks of particles at a time, so that most events are stored only once in memory, in `next_events`
-        let together = CHUNK * rayon::current_num_threads();
-        for first in (0..count).step_by(together) {
-            let (last, this) = (count.min(first + together), &*self);
+        let batch = CHUNK * rayon::current_num_threads();
+        for first in (0..count).step_by(batch) {
+            let (last, this) = (count.min(first + batch), &*self);
             let each = (first as u32..last as u32).into_par_iter().with_min_len(CHUNK);
-            let events: Vec<Events> = each.map(|place| this.next_events(place, scene)).collect();
-            for (place, events) in (first as u32..).zip(events) {
-                self.note(place, events);
+            let events: Vec<Events> = each.map(|index| this.next_events(index, scene)).collect();
+            for (index, events) in (first as u32..).zip(events) {
+                self.store_events(index, events);
             }
         }
     }
 
     #[inline]
-    fn note(&mut self, place: u32, Events { first, second }: Events) {
-        let detail = |event: &Event| match event.next {
-            EventKind::Pair(j) => self.bodies[j as usize].hits,
-            EventKind::Wall(_) | EventKind::Leave | EventKind::Look => event.place,
+    fn store_events(&mut self, index: u32, Events { first, second }: Events) {
+        let detail = |event: &Event| match event.kind {
+            EventKind::Pair(j) => self.bodies[j as usize].collision_count,
+            EventKind::Wall(_) | EventKind::LeaveShell | EventKind::Predict => event.feature,
         };
         let details = (detail(&first), detail(&second));
-        let card = &mut self.next_events[place as usize];
-        (card.time, card.then) = (self.now + first.wait, self.now + second.wait);
-        (card.next, card.after) = (first.next, second.next);
-        (card.detail, card.detail_after) = details;
+        let events = &mut self.next_events[index as usize];
+        (events.time, events.second_time) = (self.now + first.wait, self.now + second.wait);
+        (events.kind, events.second_kind) = (first.kind, second.kind);
+        (events.detail, events.second_detail) = details;
     }
 
     /// Finds the earliest two events of a particle. The candidates are the exit from its shell (ball in which its
     /// neighbour list is valid), the end of prediction, and all touches. Only a touch has a second event; otherwise
     /// both events are equal.
     #[inline]
-    fn next_events(&self, place: u32, scene: &Scene) -> Events {
-        let (body, shell) = (&self.bodies[place as usize], &self.next_events[place as usize].shell);
+    fn next_events(&self, index: u32, scene: &Scene) -> Events {
+        let (body, shell) = (&self.bodies[index as usize], &self.next_events[index as usize].shell);
         let leave = leave(body, &shell.centre(), self.shells.margin);
-        let look = self.horizon.min(self.limit) - self.now;
-        let (wait, next) = if leave < look { (leave, EventKind::Leave) } else { (look, EventKind::Look) };
-        let last = Event { wait, next, place: 0 };
+        let end = self.horizon.min(self.limit) - self.now;
+        let (wait, kind) = if leave < end { (leave, EventKind::LeaveShell) } else { (end, EventKind::Predict) };
+        let last = Event { wait, kind, feature: 0 };
         let mut events = Events { first: last, second: last };
         if self.far_images == [false; 3] && (shell.inside || scene.domain.shear.is_none()) {
             self.touches(body, shell, &scene.domain, &mut events);
@@ -146,8 +146,8 @@ impl GlobalCalendar {
             let at = self.walls.contacts[k as usize];
             let (wall, span) =
                 (&scene.walls[at.wall as usize], (self.ahead(&scene.walls[at.wall as usize]), events.second.wait));
-            if let Some(Touch { time, place }) = wall.first_touch(at.which, &flight, radius, span) {
-                events.offer(Event { wait: time, next: EventKind::Wall(k), place }, &self.ids);
+            if let Some(Touch { time, feature }) = wall.first_touch(at.which, &flight, radius, span) {
+                events.offer(Event { wait: time, kind: EventKind::Wall(k), feature }, &self.ids);
             }
         };
         if self.walls.near.are_few() {
@@ -194,7 +194,7 @@ impl GlobalCalendar {
         self.touches_by(body, shell, |others, touch| view.one_by_one(others, touch, soon), events);
     }
 
-    /// Adds to `events` the coming touches of a particle with its neighbours. The function `look` tests four neighbours
+    /// Adds to `events` the coming touches of a particle with its neighbours. The function `test` tests four neighbours
     /// at a time and marks those that may touch soon enough; only for these a time of touch is computed. Marking needs
     /// no branches, of which the processor would mispredict every second one.
     #[inline(always)]
@@ -202,15 +202,15 @@ impl GlobalCalendar {
         &self,
         body: &FlightState,
         shell: &Shell,
-        look: impl Fn(&[&FlightState; 4], &[f64; 4]) -> (FourNeighbours, u32),
+        test: impl Fn(&[&FlightState; 4], &[f64; 4]) -> (FourNeighbours, u32),
         events: &mut Events,
     ) {
         let radius = self.shells.radius(body);
         let (alike, largest_square) = (self.shells.alike(), (2.0 * self.shells.largest()).powi(2));
-        for places in self.shells.in_fours(shell).chunks(AT_ONCE) {
+        for indices in self.shells.in_fours(shell).chunks(AT_ONCE) {
             let (mut seen, mut coming) = ([FourNeighbours::default(); AT_ONCE], 0);
-            for (k, (four, places)) in seen.iter_mut().zip(places).enumerate() {
-                let [a, b, c, d] = *places;
+            for (k, (four, indices)) in seen.iter_mut().zip(indices).enumerate() {
+                let [a, b, c, d] = *indices;
                 let others = [self.body(a), self.body(b), self.body(c), self.body(d)];
                 let touch = if alike {
                     [largest_square; 4]
@@ -218,37 +218,37 @@ impl GlobalCalendar {
                     others.map(|other| (radius + self.shells.radius(other)).powi(2))
                 };
                 let come;
-                (*four, come) = look(&others, &touch);
+                (*four, come) = test(&others, &touch);
                 coming |= come << (4 * k);
             }
             while coming != 0 {
                 let bit = coming.trailing_zeros() as usize;
                 coming &= coming - 1;
-                self.touch(body, &seen[bit / 4], (bit % 4, places[bit / 4][bit % 4]), events);
+                self.touch(body, &seen[bit / 4], (bit % 4, indices[bit / 4][bit % 4]), events);
             }
         }
     }
 
     #[inline(always)]
-    fn body(&self, place: u32) -> &FlightState {
-        &self.bodies[place as usize]
+    fn body(&self, index: u32) -> &FlightState {
+        &self.bodies[index as usize]
     }
 
     /// Adds to `events` the touch of a particle with one approaching neighbour. `k` is the number of the neighbour in
-    /// the group `four`, and `place` its particle index.
+    /// the group `four`, and `index` its particle index.
     #[inline(always)]
-    fn touch(&self, body: &FlightState, four: &FourNeighbours, (k, place): (usize, u32), events: &mut Events) {
+    fn touch(&self, body: &FlightState, four: &FourNeighbours, (k, index): (usize, u32), events: &mut Events) {
         let (closing, gap, discriminant) = (four.closing[k], four.gap[k], four.discriminant[k]);
         let wait = if gap <= 0.0 { 0.0 } else { gap / (closing + discriminant.sqrt()) };
         if wait > events.second.wait {
             return;
         }
-        let other = &self.bodies[place as usize];
+        let other = &self.bodies[index as usize];
         let reach = self.shells.radius(body) + self.shells.radius(other);
         // at least the square of the sum of both speeds
         let speeds_square = 2.0 * (body.velocity.norm_squared() + other.velocity.norm_squared());
         if closing * closing > RESOLUTION * RESOLUTION * (gap + reach * reach) * speeds_square {
-            events.offer(Event { wait, next: EventKind::Pair(place), place: 0 }, &self.ids);
+            events.offer(Event { wait, kind: EventKind::Pair(index), feature: 0 }, &self.ids);
         }
     }
 
@@ -270,7 +270,7 @@ impl GlobalCalendar {
                 first_touch(&apart, &velocity, reach, speeds)
             });
             if let Some(wait) = touch.reduce(f64::min) {
-                events.offer(Event { wait, next: EventKind::Pair(j), place: 0 }, &self.ids);
+                events.offer(Event { wait, kind: EventKind::Pair(j), feature: 0 }, &self.ids);
             }
         }
     }

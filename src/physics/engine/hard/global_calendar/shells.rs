@@ -124,20 +124,20 @@ impl Shells {
     /// Makes shells about the positions [m] of all particles, which must be inside the box, and their neighbour lists.
     /// `at_wall` tells for each particle if it may touch a wall within its shell.
     pub fn build(&mut self, next_events: &mut [NextEvents], bodies: &[FlightState], domain: &Domain, at_wall: &[bool]) {
-        for ((card, body), &at_wall) in next_events.iter_mut().zip(bodies).zip(at_wall) {
-            card.shell = Shell { centre: rounded(&body.position), at_wall, ..Shell::default() };
+        for ((entry, body), &at_wall) in next_events.iter_mut().zip(bodies).zip(at_wall) {
+            entry.shell = Shell { centre: rounded(&body.position), at_wall, ..Shell::default() };
         }
         self.fill_cells(next_events, bodies, domain);
-        for card in &mut *next_events {
-            card.shell.inside = self.is_inside(&card.shell.centre, domain);
+        for entry in &mut *next_events {
+            entry.shell.inside = self.is_inside(&entry.shell.centre, domain);
         }
         self.near.clear();
         self.free.clear();
         let chunks = bodies.len().div_ceil(CHUNK);
         // a few chunks of particles at a time, so that most lists are stored only once in memory
-        let together = rayon::current_num_threads();
-        for first in (0..chunks).step_by(together) {
-            let last = chunks.min(first + together);
+        let batch = rayon::current_num_threads();
+        for first in (0..chunks).step_by(batch) {
+            let last = chunks.min(first + batch);
             let (this, all) = (&*self, &*next_events);
             let look = |chunk| this.look_around_chunk(chunk, all, bodies, domain);
             let parts: Vec<Lists> = (first..last).into_par_iter().map(look).collect();
@@ -164,9 +164,9 @@ impl Shells {
         domain: &Domain,
     ) -> Lists {
         let mut lists = Lists::default();
-        for place in chunk * CHUNK..((chunk + 1) * CHUNK).min(bodies.len()) {
+        for index in chunk * CHUNK..((chunk + 1) * CHUNK).min(bodies.len()) {
             let before = lists.near.len();
-            lists.checks += self.look_around(place as u32, next_events, bodies, domain, &mut lists.near);
+            lists.checks += self.look_around(index as u32, next_events, bodies, domain, &mut lists.near);
             lists.counts.push((lists.near.len() - before) as u32);
         }
         lists
@@ -189,13 +189,13 @@ impl Shells {
     fn hand_out(&mut self, lists: Lists, first: usize, next_events: &mut [NextEvents]) {
         self.checks += lists.checks;
         let mut near = lists.near.as_slice();
-        for ((place, card), count) in (first as u32..).zip(&mut next_events[first..]).zip(lists.counts) {
+        for ((index, entry), count) in (first as u32..).zip(&mut next_events[first..]).zip(lists.counts) {
             let (own, rest) = near.split_at(count as usize);
             near = rest;
             let (first, room) = (self.near.len() as u32, room_for(count));
             self.near.extend_from_slice(own);
-            self.near.resize((first + size(room)) as usize, place);
-            (card.shell.first, card.shell.count, card.shell.room) = (first, count, room);
+            self.near.resize((first + size(room)) as usize, index);
+            (entry.shell.first, entry.shell.count, entry.shell.room) = (first, count, room);
         }
     }
 
@@ -217,9 +217,9 @@ impl Shells {
             ShellLevel { cells, smallest, largest }
         };
         self.levels = ranges.into_iter().map(level).collect();
-        for (place, (card, body)) in next_events.iter().zip(bodies).enumerate() {
+        for (index, (entry, body)) in next_events.iter().zip(bodies).enumerate() {
             let level = self.level(body);
-            self.levels[level].cells.put(place as u32, card.shell.centre);
+            self.levels[level].cells.put(index as u32, entry.shell.centre);
         }
     }
 
@@ -233,7 +233,7 @@ impl Shells {
     /// True if a shell's centre [m] is so far from all periodic sides of the box that none lies between the particle
     /// and its neighbours.
     fn is_inside(&self, centre: &[f32; 3], domain: &Domain) -> bool {
-        let reach = self.sight(domain);
+        let reach = self.search_radius(domain);
         let within = |axis: usize| {
             let x = f64::from(centre[axis]);
             x > reach && x < domain.size[axis] - reach
@@ -243,12 +243,12 @@ impl Shells {
 
     /// True if a shell is so near to a sheared side of the box that its particle may have neighbours across that side.
     pub fn is_at_sheared_side(&self, shell: &Shell, domain: &Domain) -> bool {
-        let (y, reach) = (f64::from(shell.centre[1]), self.sight(domain));
+        let (y, reach) = (f64::from(shell.centre[1]), self.search_radius(domain));
         domain.shear.is_some() && !(reach..domain.size.y - reach).contains(&y)
     }
 
     /// [m] distance between centres beyond which two shells never overlap, with an allowance for rounding.
-    fn sight(&self, domain: &Domain) -> f64 {
+    fn search_radius(&self, domain: &Domain) -> f64 {
         2.0 * (self.largest + self.margin) + 2.0 * ROUNDING * domain.size.max()
     }
 
@@ -344,7 +344,7 @@ impl Shells {
     ) -> u64 {
         let (centre, radius) = (next_events[i as usize].shell.centre(), self.radius(&bodies[i as usize]));
         let mut checks = 0;
-        domain.for_each_across(&centre, self.sight(domain), |image| {
+        domain.for_each_across(&centre, self.search_radius(domain), |image| {
             for ShellLevel { cells, largest, .. } in &self.levels {
                 let before = found.len();
                 checks += cells.near_by_far(&image, radius + largest + (2.0 + SLIDE) * self.margin, found);
@@ -466,12 +466,12 @@ impl Shells {
     /// built.
     pub fn tidy(&self, next_events: &[NextEvents]) -> (Self, Vec<NextEvents>) {
         let (mut near, mut next_events) = (Vec::new(), next_events.to_vec());
-        for (place, NextEvents { shell, .. }) in (0..).zip(&mut next_events) {
+        for (index, NextEvents { shell, .. }) in (0..).zip(&mut next_events) {
             let first = near.len();
             near.extend_from_slice(self.neighbours(shell));
             near[first..].sort_unstable();
             (shell.first, shell.room) = (first as u32, room_for(shell.count));
-            near.resize(first + size(shell.room) as usize, place);
+            near.resize(first + size(shell.room) as usize, index);
         }
         let kinds = self.kinds.clone();
         let Self { margin, renewed, checks, .. } = *self;

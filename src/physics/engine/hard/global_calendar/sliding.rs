@@ -30,7 +30,7 @@ impl GlobalCalendar {
         if scene.domain.shear.is_none() {
             return Cow::Borrowed(&scene.domain);
         }
-        scene.domain.at(self.epoch + (self.fresh_until - 0.5 * self.interval(scene)))
+        scene.domain.at(self.epoch + (self.lists_valid_until - 0.5 * self.interval(scene)))
     }
 
     /// Length [s] of an interval in which neighbour lists across sheared sides are valid; infinite if no images slide.
@@ -40,25 +40,25 @@ impl GlobalCalendar {
 
     /// Begins, at the present time, an interval in which neighbour lists across sheared sides are valid.
     pub(super) fn begin_interval(&mut self, scene: &Scene) {
-        self.fresh_until = self.now + self.interval(scene);
+        self.lists_valid_until = self.now + self.interval(scene);
     }
 
-    /// Moves the particle at index `place` to the present time and into the box, and gives it a new shell (ball in
+    /// Moves the particle at index `index` to the present time and into the box, and gives it a new shell (ball in
     /// which its neighbour list is valid). If the particle crosses a sheared side, the work of the crossing is added to
     /// the ledger.
-    pub(super) fn renew(&mut self, place: u32, work: &mut Work<Recent>) {
+    pub(super) fn make_shell(&mut self, index: u32, work: &mut Work<Recent>) {
         let (now, scene) = (self.now, work.scene);
-        let (domain, mass) = (self.domain(scene), self.shells.mass(&self.bodies[place as usize]));
-        let body = &mut self.bodies[place as usize];
+        let (domain, mass) = (self.domain(scene), self.shells.mass(&self.bodies[index as usize]));
+        let body = &mut self.bodies[index as usize];
         body.advance(now);
         let before = body.velocity.z + self.frame.velocity_at(now).z;
         let change = domain.wrap_motion(&mut body.position, &mut body.velocity);
         if change != 0.0 {
             work.record.ledger += SideCrossings::of(mass, before, change);
         }
-        let at_wall = self.at_wall(place as usize, scene);
+        let at_wall = self.at_wall(index as usize, scene);
         let domain = self.domain_of_interval(scene);
-        self.shells.update_neighbour_list(place, &mut self.next_events, &self.bodies, &domain, at_wall);
+        self.shells.update_neighbour_list(index, &mut self.next_events, &self.bodies, &domain, at_wall);
     }
 
     /// Removes from the ledger the side crossings that were added when the particle store was wrapped into the box,
@@ -68,12 +68,12 @@ impl GlobalCalendar {
         if work.scene.domain.shear.is_none() {
             return;
         }
-        for place in 0..self.bodies.len() {
-            let (mut position, mut velocity) = self.seen(place);
+        for index in 0..self.bodies.len() {
+            let (mut position, mut velocity) = self.motion_in_scene(index);
             let before = velocity.z;
             let change = work.scene.domain.wrap_motion(&mut position, &mut velocity);
             if change != 0.0 {
-                work.record.ledger += -SideCrossings::of(self.shells.mass(&self.bodies[place]), before, change);
+                work.record.ledger += -SideCrossings::of(self.shells.mass(&self.bodies[index]), before, change);
             }
         }
     }
@@ -82,10 +82,10 @@ impl GlobalCalendar {
     /// events of their particles.
     pub(super) fn next_interval(&mut self, work: &mut Work<Recent>) {
         self.begin_interval(work.scene);
-        for place in 0..self.next_events.len() as u32 {
-            if self.shells.is_at_sheared_side(&self.next_events[place as usize].shell, &work.scene.domain) {
-                self.renew(place, work);
-                self.predict_events(place, work.scene);
+        for index in 0..self.next_events.len() as u32 {
+            if self.shells.is_at_sheared_side(&self.next_events[index as usize].shell, &work.scene.domain) {
+                self.make_shell(index, work);
+                self.predict_events(index, work.scene);
             }
         }
     }

@@ -84,10 +84,10 @@ impl<'a> IslandFinder<'a> for BoundedIslands<'a> {
 
     /// Appends the pairs of a member with those particles after it in its island whose balls overlap its ball. The ball
     /// of a member contains its path after the first touch; that of a bystander contains its straight flight.
-    fn list_pairs(&self, (a, member): (usize, &Member), (places, hot): (&[u32], usize), pairs: &mut Vec<Pair>) {
+    fn list_pairs(&self, (a, member): (usize, &Member), (indices, hot): (&[u32], usize), pairs: &mut Vec<Pair>) {
         // the ball is enlarged to allow for rounding, so that a touch at the very beginning is not lost
         let here = BoundingSphere { reach: member.ball.reach * (1.0 + 1e-9), ..member.ball };
-        let others = (a + 1..places.len()).filter(|&b| here.meets(&self.ball_of(places[b], b < hot), self.domain));
+        let others = (a + 1..indices.len()).filter(|&b| here.meets(&self.ball_of(indices[b], b < hot), self.domain));
         pairs.extend(others.map(|b| Pair { i: a as u32, j: b as u32 }));
     }
 
@@ -133,10 +133,10 @@ impl BoundedIslands<'_> {
 
     /// Ball that contains a particle of an island, given by its index in the store. For a member it contains the path
     /// after the first touch in the island, for a bystander the whole straight flight.
-    fn ball_of(&self, place: u32, is_member: bool) -> BoundingSphere {
-        match self.search.label[place as usize] {
+    fn ball_of(&self, index: u32, is_member: bool) -> BoundingSphere {
+        match self.search.label[index as usize] {
             Some(label) if is_member => self.members[label.member()].ball,
-            _ => self.search.flights[place as usize],
+            _ => self.search.flights[index as usize],
         }
     }
 
@@ -187,7 +187,7 @@ impl BoundedIslands<'_> {
         for &which in islands {
             let cluster = &self.list[which];
             if cluster.alive && cluster.settled != Some(cluster.version) {
-                self.settle(which);
+                self.update_reach(which);
             }
         }
     }
@@ -197,7 +197,7 @@ impl BoundedIslands<'_> {
     fn expand_crowd(&mut self, which: usize) -> bool {
         let mut which = which;
         while self.list[which].has_to_look() {
-            self.settle(which);
+            self.update_reach(which);
             self.take_in_beside(which);
             match self.look_around(which) {
                 Surroundings::Bystanders(bystanders) => self.has_seen(which, bystanders),
@@ -267,7 +267,7 @@ impl BoundedIslands<'_> {
             met.dedup();
             return Surroundings::Islands(met);
         }
-        bystanders.sort_unstable_by_key(|&place| self.particles.id[place as usize]);
+        bystanders.sort_unstable_by_key(|&index| self.particles.id[index as usize]);
         bystanders.dedup();
         Surroundings::Bystanders(bystanders)
     }
@@ -282,7 +282,7 @@ impl BoundedIslands<'_> {
         }
         let this = &*self;
         let late =
-            |place: &u32| this.search.label[*place as usize].map(Label::member).filter(|&member| member >= known);
+            |index: &u32| this.search.label[*index as usize].map(Label::member).filter(|&member| member >= known);
         let of_one = |(which, cluster): (usize, &Cluster)| {
             let late: Vec<usize> = cluster.bystanders.iter().filter_map(late).collect();
             (cluster.alive && !late.is_empty()).then_some((which, late))

@@ -25,34 +25,34 @@ impl BoundedIslands<'_> {
             // new members are appended to the list, so the loop visits them too
             while let Some(&member) = self.list[which].hot.get(next) {
                 next += 1;
-                for place in self.find_beside(member) {
-                    self.take_in(which, place);
+                for index in self.find_beside(member) {
+                    self.take_in(which, index);
                 }
             }
             if self.list[which].hot.len() == before {
                 break;
             }
-            self.settle(which);
+            self.update_reach(which);
         }
         if self.members.len() - self.sorted.len() > MANY_LATE + self.sorted.len() / 8 {
             self.sort();
         }
     }
 
-    /// Makes the particle with the index `place` in the store a member of the crowd `which`, if it is in no island.
-    fn take_in(&mut self, which: usize, place: u32) {
-        if self.search.label[place as usize].is_none() {
-            let alone = self.cluster_of(place);
+    /// Makes the particle with the index `index` in the store a member of the crowd `which`, if it is in no island.
+    fn take_in(&mut self, which: usize, index: u32) {
+        if self.search.label[index as usize].is_none() {
+            let alone = self.cluster_of(index);
             self.unite(which, alone);
             let last = self.members.len() as u32 - 1;
-            self.settle_member(last);
+            self.update_reach_of_member(last);
         }
     }
 
     /// Indices of the particles that are next to a member of a crowd, in no island, and within its reach. Empty if this
     /// member has already been searched with its present reach.
     fn find_beside(&mut self, member: u32) -> Vec<u32> {
-        let Member { place, ball, took_in, .. } = self.members[member as usize];
+        let Member { index, ball, took_in, .. } = self.members[member as usize];
         let mut beside = Vec::new();
         if took_in >= ball.reach {
             return beside;
@@ -61,11 +61,11 @@ impl BoundedIslands<'_> {
         let search = &*self.search;
         self.domain.for_each_image(&ball.middle, ball.reach + search.levels.largest_reach(), |middle| {
             search.levels.for_each_near(&middle, ball.reach, |range, _| {
-                let near = search.levels.places(range).iter().copied();
+                let near = search.levels.indices(range).iter().copied();
                 beside.extend(near.filter(|&other| {
                     search.label[other as usize].is_none()
                         && ball.meets(&search.flights[other as usize], self.domain)
-                        && self.is_beside(place, other)
+                        && self.is_beside(index, other)
                 }));
             });
         });
@@ -76,7 +76,7 @@ impl BoundedIslands<'_> {
     /// at touch. One of them may then soon be pushed against the other.
     fn is_beside(&self, one: u32, other: u32) -> bool {
         let [a, b] =
-            [one, other].map(|place| (self.particles.position[place as usize], self.particles.radius[place as usize]));
+            [one, other].map(|index| (self.particles.position[index as usize], self.particles.radius[index as usize]));
         self.domain.separation(&a.0, &b.0).norm() < (1.0 + BESIDE) * (a.1 + b.1)
     }
 }

@@ -20,7 +20,7 @@ pub fn fill<'a, C>(
 ) {
     let cluster = &islands.list[which];
     let members = || cluster.hot.iter().map(|&member| &islands.members[member as usize]);
-    let hot = members().map(|member| (member.place, islands.limit(cluster, member.place)));
+    let hot = members().map(|member| (member.index, islands.limit(cluster, member.index)));
     island.begin(islands.particles, hot, &cluster.bystanders, islands.frame, fallen);
     if scene.domain.shear.is_some() {
         island.flow.extend(island.particles.position.iter().map(|position| scene.domain.mean_flow(position)));
@@ -29,11 +29,11 @@ pub fn fill<'a, C>(
     if island.crowd {
         return;
     }
-    let Island { particles, places, list, limits, hot, .. } = island;
+    let Island { particles, indices, list, limits, hot, .. } = island;
     // the walls come nearer by gravity and by their own motion
     let falls = (scene.gravity.norm() * islands.part + fallen.norm() + scene.wall_speed()) * islands.part;
     for (a, member) in members().enumerate() {
-        islands.list_pairs((a, member), (places, *hot), &mut list.pairs);
+        islands.list_pairs((a, member), (indices, *hot), &mut list.pairs);
         let reach = particles.radius[a] + limits[a] * islands.part + falls;
         let (particle, first) = (a as u32, list.walls.len());
         islands.search.near_walls.for_each(&particles.position[a], reach, |wall| {

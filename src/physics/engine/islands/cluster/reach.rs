@@ -26,7 +26,7 @@ pub struct Reach {
 impl Reach {
     /// Distance [m] around an island within which a process must know all particles to solve it. All paths that may
     /// meet the island are then known, and also which particles touch something on their straight flight.
-    pub fn sight(&self) -> f64 {
+    pub fn search_radius(&self) -> f64 {
         self.around.max(self.flight) + 2.0 * self.flight
     }
 
@@ -45,14 +45,14 @@ pub(super) fn two_largest([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
 /// Kinetic energy [J] and speed [m/s] of a particle, given by index, relative to a frame with the velocity `frame`
 /// [m/s]. Friction may turn rotation into translation. Therefore the energy includes that of rotation, and the speed
 /// includes that of the rotating surface.
-pub(super) fn motion(particles: &Particles, frame: Vector3<f64>, place: u32) -> (f64, f64) {
-    let square = (particles.velocity[place as usize] - frame).norm_squared();
-    let place = place as usize;
-    let (energy, speed) = (0.5 * particles.mass[place] * square, square.sqrt());
+pub(super) fn motion(particles: &Particles, frame: Vector3<f64>, index: u32) -> (f64, f64) {
+    let square = (particles.velocity[index as usize] - frame).norm_squared();
+    let index = index as usize;
+    let (energy, speed) = (0.5 * particles.mass[index] * square, square.sqrt());
     match (&particles.spin, &particles.inertia) {
         (Some(spins), Some(inertia)) => {
-            let spin = spins[place].norm_squared();
-            (energy + 0.5 * inertia[place] * spin, speed + particles.radius[place] * spin.sqrt())
+            let spin = spins[index].norm_squared();
+            (energy + 0.5 * inertia[index] * spin, speed + particles.radius[index] * spin.sqrt())
         }
         _ => (energy, speed),
     }
@@ -71,10 +71,10 @@ impl Clusters<'_> {
     /// The contacts of a crowd (a large island moved by uniform steps) together store far more energy than any of its
     /// particles ever receives. Therefore the bounds of a crowd contain only twice the largest energy of one contact,
     /// and all of its particles have equal limits.
-    pub(super) fn limit(&self, cluster: &Cluster, place: u32) -> f64 {
+    pub(super) fn limit(&self, cluster: &Cluster, index: u32) -> f64 {
         let crowd = cluster.is_crowd();
         let stored = if crowd { 2.0 * cluster.deepest } else { cluster.stored };
-        let mass = if crowd { self.lightest } else { self.particles.mass[place as usize] };
+        let mass = if crowd { self.lightest } else { self.particles.mass[index as usize] };
         let of_energy = (2.0 * (cluster.energies[0] + cluster.energies[1] + stored) / mass).sqrt();
         let of_momentum = 2.0 * cluster.speeds[0] + cluster.speeds[1] + (2.0 * stored / mass).sqrt();
         (of_energy.min(of_momentum) * MARGIN).max(cluster.floor) + self.fall
@@ -96,17 +96,17 @@ impl Clusters<'_> {
     }
 
     /// Computes the distances that the members of the island `which` may reach, after the island has changed.
-    pub(super) fn settle(&mut self, which: usize) {
+    pub(super) fn update_reach(&mut self, which: usize) {
         let mut clusters = std::mem::take(&mut self.list);
         self.put_in_order(&mut clusters[which]);
         self.list = clusters;
         for number in 0..self.list[which].hot.len() {
-            self.settle_member(self.list[which].hot[number]);
+            self.update_reach_of_member(self.list[which].hot[number]);
         }
     }
 
     /// Computes the distance that the member with the number `member` may reach, after its island has changed.
-    pub(super) fn settle_member(&mut self, member: u32) {
+    pub(super) fn update_reach_of_member(&mut self, member: u32) {
         let mut members = std::mem::take(&mut self.members);
         self.widest = self.widest.max(self.reach_out(&mut members[member as usize]));
         self.members = members;
@@ -115,12 +115,12 @@ impl Clusters<'_> {
     /// Sorts the members and contacts of an island by id and number, and computes its largest energies and speeds. The
     /// order does not depend on that of the particle store, nor on the order in which islands were united.
     fn put_in_order(&self, cluster: &mut Cluster) {
-        cluster.hot.sort_unstable_by_key(|&member| self.particles.id[self.members[member as usize].place as usize]);
+        cluster.hot.sort_unstable_by_key(|&member| self.particles.id[self.members[member as usize].index as usize]);
         cluster.carried.sort_unstable();
         (cluster.energies, cluster.speeds) = ([0.0; 2], [0.0; 2]);
         for &member in &cluster.hot {
-            let place = self.members[member as usize].place;
-            let (energy, speed) = motion(self.particles, self.frame_of(place as usize), place);
+            let index = self.members[member as usize].index;
+            let (energy, speed) = motion(self.particles, self.frame_of(index as usize), index);
             cluster.energies = two_largest(cluster.energies, [energy, 0.0]);
             cluster.speeds = two_largest(cluster.speeds, [speed, 0.0]);
         }
@@ -132,12 +132,12 @@ impl Clusters<'_> {
     /// Computes the ball that contains a member of an island after the first touch. Returns the largest distance [m]
     /// that the member may reach from the middle of its straight flight.
     fn reach_out(&self, member: &mut Member) -> f64 {
-        let (cluster, i) = (&self.list[member.cluster as usize], member.place as usize);
+        let (cluster, i) = (&self.list[member.cluster as usize], member.index as usize);
         member.flight = self.search.flights[i];
         member.turns = None;
         let first = cluster.first;
         let velocity = self.particles.velocity[i] - self.frame_of(i);
-        let reach = self.particles.radius[i] + self.limit(cluster, member.place) * (self.part - first);
+        let reach = self.particles.radius[i] + self.limit(cluster, member.index) * (self.part - first);
         let ball = BoundingSphere { middle: self.domain.wrap(&(self.particles.position[i] + velocity * first)), reach };
         let speed = velocity.norm();
         member.ball = ball.strained(self.domain, self.part, reach + speed * first);
@@ -179,13 +179,13 @@ impl Clusters<'_> {
     /// index.
     pub(in crate::engine) fn has(&self, which: usize, chosen: &impl Fn(u32) -> bool) -> bool {
         let Cluster { alive, hot, .. } = &self.list[which];
-        *alive && hot.iter().any(|&member| chosen(self.members[member as usize].place))
+        *alive && hot.iter().any(|&member| chosen(self.members[member as usize].index))
     }
 
     /// Index in the store of the leader of an island, its member with the smallest id; `None` if it has no members. The
     /// process that owns the leader counts the events of the island.
     pub fn leader(&self, which: usize) -> Option<u32> {
-        self.list[which].hot.first().map(|&member| self.members[member as usize].place)
+        self.list[which].hot.first().map(|&member| self.members[member as usize].index)
     }
 
     /// The periodic box of the scene at the start of the part.

@@ -30,7 +30,7 @@ impl Clusters<'_> {
             Retry::Stops(stops) => {
                 for stop in stops {
                     if stop.bystander {
-                        let with = self.cluster_of(stop.place);
+                        let with = self.cluster_of(stop.index);
                         which = self.unite(which, with);
                     } else {
                         let floor = &mut self.list[which].floor;

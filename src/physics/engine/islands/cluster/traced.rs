@@ -101,8 +101,8 @@ impl<'a> IslandFinder<'a> for TracedIslands<'a> {
 
     /// Appends all pairs of a member with later particles of its island: before the island is solved, any of them may
     /// meet.
-    fn list_pairs(&self, (a, _): (usize, &Member), (places, _): (&[u32], usize), pairs: &mut Vec<Pair>) {
-        pairs.extend((a + 1..places.len()).map(|b| Pair { i: a as u32, j: b as u32 }));
+    fn list_pairs(&self, (a, _): (usize, &Member), (indices, _): (&[u32], usize), pairs: &mut Vec<Pair>) {
+        pairs.extend((a + 1..indices.len()).map(|b| Pair { i: a as u32, j: b as u32 }));
     }
 
     fn trajectories(members: usize) -> MemberTrajectories {
@@ -118,7 +118,7 @@ impl<'a> IslandFinder<'a> for TracedIslands<'a> {
             let (own, others) = rest.split_at(rest.partition_point(|(of, _)| *of <= local));
             let first = turns.len();
             turns.extend(own.iter().map(|(_, turn)| *turn));
-            ways.push(self.way(island.places[local as usize], &turns[first..], first));
+            ways.push(self.way(island.indices[local as usize], &turns[first..], first));
             rest = others;
         }
     }
@@ -148,14 +148,14 @@ impl<'a> IslandFinder<'a> for TracedIslands<'a> {
         self.trajectory(member).turns
     }
 
-    fn may_meet(&self, member: &Member, place: u32, turns: Option<&[VelocityChange]>) -> bool {
-        self.may_touch(&self.trajectory(member), &ParticleTrajectory { place, turns })
+    fn may_meet(&self, member: &Member, index: u32, turns: Option<&[VelocityChange]>) -> bool {
+        self.may_touch(&self.trajectory(member), &ParticleTrajectory { index, turns })
     }
 
     fn for_each_beside(&self, ball: &BoundingSphere, _widest: f64, visit: &mut dyn FnMut(&Member)) {
         self.for_each_deflected_beside(ball, &mut *visit);
-        self.search.for_each_beside(ball, self.domain, |place| {
-            if let Some(label) = self.search.label[place as usize] {
+        self.search.for_each_beside(ball, self.domain, |index| {
+            if let Some(label) = self.search.label[index as usize] {
                 visit(&self.members[label.member()]);
             }
         });
@@ -165,13 +165,13 @@ impl<'a> IslandFinder<'a> for TracedIslands<'a> {
 impl TracedIslands<'_> {
     /// Trajectory of a member of an island in this part, a piece of the time between two exchanges with the gas.
     fn trajectory(&self, member: &Member) -> ParticleTrajectory<'_> {
-        ParticleTrajectory { place: member.place, turns: member.turns.clone().map(|turns| &self.turns[turns]) }
+        ParticleTrajectory { index: member.index, turns: member.turns.clone().map(|turns| &self.turns[turns]) }
     }
 
     /// Makes the trajectory of a member, given by its index in the store, from its velocity changes `turns`. `first` is
     /// the number of the first of these in the list that is stored with the trajectory.
-    fn way(&self, place: u32, turns: &[VelocityChange], first: usize) -> PiecewiseTrajectory {
-        let flight = self.search.flights[place as usize];
+    fn way(&self, index: u32, turns: &[VelocityChange], first: usize) -> PiecewiseTrajectory {
+        let flight = self.search.flights[index as usize];
         let turned = first..first + turns.len();
         let Some(begin) = turns.first().map(|turn| turn.origin + turn.velocity * turn.time) else {
             return PiecewiseTrajectory { turns: turned, ball: flight, around: flight.reach };
@@ -183,8 +183,8 @@ impl TracedIslands<'_> {
         let middle = (begin + end) * 0.5;
         let corners = turns.iter().map(corner).chain([end]);
         let half = corners.map(|corner| (corner - middle).norm()).fold(0.0, f64::max);
-        let reach = self.particles.radius[place as usize] + half * (1.0 + NEARLY);
-        let way = (middle - self.particles.position[place as usize]).norm() + reach;
+        let reach = self.particles.radius[index as usize] + half * (1.0 + NEARLY);
+        let way = (middle - self.particles.position[index as usize]).norm() + reach;
         let ball = BoundingSphere { middle: self.domain.wrap(&middle), reach }.strained(self.domain, self.part, way);
         let apart = self.domain.separation(&ball.middle, &flight.middle).norm();
         PiecewiseTrajectory { turns: turned, around: flight.reach.max(ball.reach + apart * (1.0 + NEARLY)), ball }
@@ -214,8 +214,8 @@ impl TracedIslands<'_> {
             }
         }
         for (member, met) in &changed {
-            for &place in met {
-                let other = self.cluster_of(place);
+            for &index in met {
+                let other = self.cluster_of(index);
                 let which = self.members[*member].cluster as usize;
                 self.unite(which, other);
             }
@@ -224,7 +224,7 @@ impl TracedIslands<'_> {
             changed.iter().map(|(member, _)| self.members[*member].cluster as usize).collect();
         changed.sort_unstable();
         changed.dedup();
-        changed.iter().for_each(|&which| self.settle(which));
+        changed.iter().for_each(|&which| self.update_reach(which));
         changed.iter().all(|&which| !self.list[which].is_crowd()).then_some(in_vain)
     }
 
@@ -271,18 +271,18 @@ impl TracedIslands<'_> {
             let own = self.trajectory(member);
             let touches =
                 |other: &Member| other.cluster != which as u32 && self.may_touch(&own, &self.trajectory(other));
-            let mut note = |other: &Member| met.extend(touches(other).then_some(other.place));
+            let mut note = |other: &Member| met.extend(touches(other).then_some(other.index));
             self.for_each_deflected_beside(&member.ball, &mut note);
             if !all_look {
                 self.for_each_deflected_beside(&member.flight, &mut note);
             }
-            self.search.for_each_beside(&member.ball, self.domain, |place| {
-                let straight = ParticleTrajectory { place, turns: Some(&[]) };
-                let meets = match self.search.label[place as usize] {
+            self.search.for_each_beside(&member.ball, self.domain, |index| {
+                let straight = ParticleTrajectory { index, turns: Some(&[]) };
+                let meets = match self.search.label[index as usize] {
                     Some(label) => touches(&self.members[label.member()]),
                     None => self.may_touch(&own, &straight),
                 };
-                met.extend(meets.then_some(place));
+                met.extend(meets.then_some(index));
             });
         }
         Some(met)
@@ -292,28 +292,28 @@ impl TracedIslands<'_> {
     /// of two straight flights are not considered, because they are already known. True if a trajectory is unknown.
     fn may_touch(&self, one: &ParticleTrajectory, other: &ParticleTrajectory) -> bool {
         let (Some(turns), Some(others)) = (one.turns, other.turns) else { return true };
-        let reach = self.particles.radius[one.place as usize] + self.particles.radius[other.place as usize];
+        let reach = self.particles.radius[one.index as usize] + self.particles.radius[other.index as usize];
         (0..=turns.len()).any(|number| {
-            let leg = self.leg(one.place, turns, number);
+            let leg = self.leg(one.index, turns, number);
             // touches before the first velocity change of both particles are already known
             let first = usize::from(number == 0);
-            (first..=others.len()).any(|number| self.pass(&leg, &self.leg(other.place, others, number), reach))
+            (first..=others.len()).any(|number| self.pass(&leg, &self.leg(other.index, others, number), reach))
         })
     }
 
-    /// Straight piece number `number` of the trajectory of the particle at index `place`. Piece 0 is the flight before
+    /// Straight piece number `number` of the trajectory of the particle at index `index`. Piece 0 is the flight before
     /// the first of the velocity changes `turns`, and piece k the flight after change k.
-    fn leg(&self, place: u32, turns: &[VelocityChange], number: usize) -> Segment {
+    fn leg(&self, index: u32, turns: &[VelocityChange], number: usize) -> Segment {
         let end = turns.get(number).map_or(self.part, |turn| turn.time);
         match number.checked_sub(1).and_then(|before| turns.get(before)) {
             Some(turn) => {
-                let flow = self.domain.mean_flow(&self.particles.position[place as usize]);
+                let flow = self.domain.mean_flow(&self.particles.position[index as usize]);
                 Segment { span: [turn.time, end], origin: turn.origin, velocity: turn.velocity + flow }
             }
             None => {
-                let place = place as usize;
-                let velocity = self.particles.velocity[place] - self.frame;
-                Segment { span: [0.0, end], origin: self.particles.position[place], velocity }
+                let index = index as usize;
+                let velocity = self.particles.velocity[index] - self.frame;
+                Segment { span: [0.0, end], origin: self.particles.position[index], velocity }
             }
         }
     }

@@ -23,7 +23,7 @@ pub struct VelocityChange {
 #[derive(Clone, Copy)]
 pub struct ParticleTrajectory<'a> {
     /// Index of the particle in the particle store.
-    pub place: u32,
+    pub index: u32,
     /// Velocity changes in the order of time; an empty list means a straight flight. With `None` the changes are
     /// unknown, and the particle may be anywhere in the ball of its island member.
     pub turns: Option<&'a [VelocityChange]>,

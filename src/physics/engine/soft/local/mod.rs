@@ -136,12 +136,12 @@ impl<I: InstantaneousRule> Solve for SoftIslands<I> {
     type Carried = Contact;
     type Scratch = IslandScratch;
 
-    fn places(contact: &Contact) -> [Option<u32>; 2] {
-        contact.touch.couple.places()
+    fn indices(contact: &Contact) -> [Option<u32>; 2] {
+        contact.touch.couple.indices()
     }
 
-    fn moved(contact: &Contact, place_of: &dyn Fn(u32) -> u32) -> Contact {
-        let couple = contact.touch.couple.moved(place_of);
+    fn moved(contact: &Contact, index_of: &dyn Fn(u32) -> u32) -> Contact {
+        let couple = contact.touch.couple.moved(index_of);
         Contact { touch: TouchingPair { couple, ..contact.touch }, ..*contact }
     }
 
@@ -217,18 +217,18 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     /// Moves the island until `end` [s], or until a particle leaves its bounds. Returns the local index of that
     /// particle; `None` if the island has reached `end`.
     fn until(&mut self, end: f64) -> Result<Option<usize>, GivenUp> {
-        self.look();
+        self.update_gaps();
         while self.now < end {
             if self.scratch.contacts.is_empty() {
                 let Some((touch, slot)) = self.next_touch(end) else { break };
                 self.fly(touch);
-                self.look();
+                self.update_gaps();
                 self.open(slot);
             } else {
                 let clear = self.clear_time(end);
                 if clear >= self.engine.step {
-                    if let Some(place) = self.resolve_alone(clear)? {
-                        return Ok(Some(place));
+                    if let Some(index) = self.resolve_alone(clear)? {
+                        return Ok(Some(index));
                     }
                 } else {
                     self.step((end - self.now).min(self.engine.step))?;
@@ -240,8 +240,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             if self.costs_too_much(end) {
                 return Err(GivenUp::TooExpensive);
             }
-            if let Some(place) = self.out_of_bounds() {
-                return Ok(Some(place));
+            if let Some(index) = self.out_of_bounds() {
+                return Ok(Some(index));
             }
         }
         self.fly(end);
@@ -270,9 +270,9 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     fn out_of_bounds(&mut self) -> Option<usize> {
         let struck = self.struck.take();
         let couples = self.scratch.contacts.iter().map(|contact| contact.touch.couple).chain(struck);
-        let places = couples.flat_map(|couple| couple.places()).flatten();
-        let mut places = places.map(|place| place as usize);
-        places.find(|&place| !self.island.allows(place, &self.particles.velocity[place]))
+        let indices = couples.flat_map(|couple| couple.indices()).flatten();
+        let mut indices = indices.map(|index| index as usize);
+        indices.find(|&index| !self.island.allows(index, &self.particles.velocity[index]))
     }
 
     /// Moves all particles along straight lines until `time` [s].
@@ -310,7 +310,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     }
 
     /// Computes the present gaps of all slots and their rates, and stores them in `gaps`.
-    fn look(&mut self) {
+    fn update_gaps(&mut self) {
         let mut gaps = std::mem::take(&mut self.scratch.gaps);
         self.island.updates += self.island.list.slots() as u64;
         gaps.clear();
@@ -339,7 +339,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         let scratch = &mut *self.scratch;
         std::mem::swap(&mut scratch.gaps, &mut scratch.before);
         let mut rates = self.integrate(dt);
-        self.look();
+        self.update_gaps();
         let scratch = &mut *self.scratch;
         scratch.touching.clear();
         scratch.touching.resize(scratch.gaps.len(), false);
@@ -364,10 +364,10 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         if let Some(switch) = switch {
             first = None;
             rates = self.find_switch(start, dt, switch);
-            self.look();
+            self.update_gaps();
         } else if let Some((fraction, slot)) = first {
             rates = self.find_turn(start, dt, fraction, slot);
-            self.look();
+            self.update_gaps();
         }
         self.refuse_to_pass(start)?;
         if self.rotates() {

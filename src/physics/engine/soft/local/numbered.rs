@@ -65,12 +65,12 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             are_of_one_wall(&touch.couple, &self.scratch.touches[*other].couple)
                 && contacts.iter().all(|contact| contact.slot as usize != *other)
         };
-        let place = slots.filter(is_free).count();
+        let index = slots.filter(is_free).count();
         let mut taken = found.into_iter().flatten().collect::<Vec<usize>>();
         taken.sort_unstable();
         for n in taken.into_iter().rev() {
             all.remove(n);
         }
-        all.get(place).copied().unwrap_or(apart)
+        all.get(index).copied().unwrap_or(apart)
     }
 }

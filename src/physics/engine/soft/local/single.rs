@@ -8,9 +8,9 @@ use crate::engine::Failure;
 use crate::engine::soft::contact::{ContactConstants, TouchingPair};
 use nalgebra::Vector3;
 
-/// True if the particle at index `place` is one of the two bodies of `couple`.
-fn is_of(couple: &Couple, place: u32) -> bool {
-    couple.places().contains(&Some(place))
+/// True if the particle at index `index` is one of the two bodies of `couple`.
+fn is_of(couple: &Couple, index: u32) -> bool {
+    couple.indices().contains(&Some(index))
 }
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
@@ -43,15 +43,15 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
 
     /// Number of particles that belong both to the slot `slot` (candidate pair, or particle with wall) and to `couple`.
     fn shared(&self, slot: usize, couple: &Couple) -> usize {
-        let places = self.scratch.touches[slot].couple.places();
-        places.into_iter().flatten().filter(|&place| is_of(couple, place)).count()
+        let indices = self.scratch.touches[slot].couple.indices();
+        indices.into_iter().flatten().filter(|&index| is_of(couple, index)).count()
     }
 
     /// [s] time before which the gap of the slot `slot` cannot close, until the time `end` [s] of the window. The
     /// velocity of each body of `couple` may change by `change` [m/s]. The result is negative if the gap is closed
     /// already.
     fn clear_of(&self, slot: usize, couple: &Couple, change: f64, end: f64) -> f64 {
-        let velocity = |place: u32| self.particles.velocity[place as usize];
+        let velocity = |index: u32| self.particles.velocity[index as usize];
         let (gap, rate) = self.scratch.gaps[slot];
         let other = self.scratch.touches[slot].couple;
         let speed = match other.j() {
@@ -87,8 +87,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             Other::Wall(_) | Other::Particle(_) => met.normal_velocity.abs(),
         };
         let kick = 2.0 * rubs * touch.spring.effective_mass * speed;
-        let shared = other.places().into_iter().flatten().filter(|&place| is_of(&touch.couple, place));
-        let change: f64 = shared.map(|place| kick / self.particles.mass[place as usize]).sum();
+        let shared = other.indices().into_iter().flatten().filter(|&index| is_of(&touch.couple, index));
+        let change: f64 = shared.map(|index| kick / self.particles.mass[index as usize]).sum();
         if change == 0.0 {
             return false;
         }
@@ -110,7 +110,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         let meeting =
             ReachedTouch { touch, met, scene: self.scene, moment, remaining: self.window.duration - self.now };
         let Some(clear_for) = self.engine.instants.clear_for(&meeting, self.particles) else { return false };
-        let shares = |couple: &Couple| couple.places().into_iter().flatten().any(|place| is_of(&touch.couple, place));
+        let shares = |couple: &Couple| couple.indices().into_iter().flatten().any(|index| is_of(&touch.couple, index));
         let held = self.scratch.contacts.iter().any(|contact| shares(&contact.touch.couple));
         let mut others = (0..self.scratch.touches.len()).filter(|&other| other != slot);
         if held || others.any(|other| self.may_come(other, &meeting, clear_for)) {
@@ -119,7 +119,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.engine.instants.strike(&meeting, self.particles, &mut self.island.log);
         self.island.impulses += 1;
         self.struck = Some(touch.couple);
-        self.look();
+        self.update_gaps();
         true
     }
 
@@ -163,13 +163,13 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
         self.now = start;
         self.part(&alone, met.slip(), [begin, state], time);
-        self.look();
+        self.update_gaps();
         let slot = self.scratch.contacts[0].slot as usize;
         if !closed {
             self.turn(slot);
         }
-        let places = [Some(i), j];
-        Ok(places.into_iter().flatten().find(|&place| !self.island.allows(place, &self.particles.velocity[place])))
+        let indices = [Some(i), j];
+        Ok(indices.into_iter().flatten().find(|&index| !self.island.allows(index, &self.particles.velocity[index])))
     }
 
     /// Moves all particles by `time` [s], while the only contact changes from the state `begin` to `state`. All other

@@ -288,8 +288,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.scratch.losses += losses * weight;
         let torque = met.normal.cross(&tangential) * motion.arm;
         if let Some(inertia) = &self.particles.inertia {
-            for place in touch.couple.places().into_iter().flatten().map(|place| place as usize) {
-                self.scratch.turning[place] += torque * (self.particles.radius[place] / inertia[place]);
+            for index in touch.couple.indices().into_iter().flatten().map(|index| index as usize) {
+                self.scratch.turning[index] += torque * (self.particles.radius[index] / inertia[index]);
             }
             if motion.rolling.is_some() {
                 self.scratch.turning[touch.couple.i as usize] += couple / inertia[touch.couple.i as usize];
@@ -401,9 +401,9 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         if length == 0.0 {
             return speed.abs();
         }
-        let acceleration = |place: u32| self.scratch.acceleration[place as usize];
-        let angular = |place: u32| self.scratch.turning[place as usize];
-        let surface = |place: u32| angular(place) * self.particles.radius[place as usize];
+        let acceleration = |index: u32| self.scratch.acceleration[index as usize];
+        let angular = |index: u32| self.scratch.turning[index as usize];
+        let surface = |index: u32| angular(index) * self.particles.radius[index as usize];
         let (i, j) = (touch.couple.i, touch.couple.j());
         let (relative, surface, relative_angular) = match j {
             Some(j) => {

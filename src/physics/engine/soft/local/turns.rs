@@ -118,6 +118,6 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         ledger.gravity_work += self.scene.gravity.dot(&impulse) * (self.window.duration - self.now);
         // the new velocity is checked against the bounds of the island
         self.struck = Some(*couple);
-        self.look();
+        self.update_gaps();
     }
 }
