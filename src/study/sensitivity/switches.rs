@@ -98,7 +98,7 @@ const SWITCHES: [Switch; 11] = [
     },
     Switch {
         name: "positions",
-        title: "the instants and places of collisions (`dsmc` has none)",
+        title: "the instants and places of collisions (dsmc has none)",
         richer: |_| Richer::Has,
         simpler: |_| Simplification { model: Some(Model::Dsmc), ..Simplification::default() },
     },
