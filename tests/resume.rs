@@ -109,10 +109,14 @@ fn code(output: &Output) -> Option<i32> {
 /// Waits until a condition is true. Returns false if the condition is not true after a minute.
 fn wait_for(what: impl Fn() -> bool) -> bool {
     let began = Instant::now();
-    while !what() && began.elapsed() < Duration::from_secs(60) {
+    // a condition that was true once may be false at the next call
+    while !what() {
+        if began.elapsed() > Duration::from_secs(60) {
+            return false;
+        }
         std::thread::sleep(Duration::from_micros(200));
     }
-    what()
+    true
 }
 
 /// Sends a signal to a child process.
