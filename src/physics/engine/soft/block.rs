@@ -333,7 +333,7 @@ impl ContactBlock {
                 let (constants, kept) = records.get_mut(*record);
                 let mut course = kept.course();
                 let couple = view.list.couple(*slot as usize);
-                evaluate_contact((&couple, constants, &mut course), met, view, law, (sums, rows, pushes));
+                evaluate((&couple, constants, &mut course), met, view, law, (sums, rows, pushes));
                 kept.update(&course);
             }
         }
@@ -352,7 +352,7 @@ impl ContactBlock {
                     let (constants, mut aside) = self.records.get(touch.record);
                     let couple = view.list.couple(slot as usize);
                     let met = meet(&couple, constants, view);
-                    evaluate_contact(
+                    evaluate(
                         (&couple, constants, &mut aside),
                         &met,
                         view,
@@ -364,13 +364,7 @@ impl ContactBlock {
                     let mut contact = self.open(slot, view, law);
                     let Contact { touch: TouchingPair { couple, constants }, course, .. } = &mut contact;
                     let met = meet(couple, constants, view);
-                    evaluate_contact(
-                        (couple, constants, course),
-                        &met,
-                        view,
-                        law,
-                        (&mut self.sums, rows, &mut self.pushes),
-                    );
+                    evaluate((couple, constants, course), &met, view, law, (&mut self.sums, rows, &mut self.pushes));
                     self.foreseen.push(contact);
                 }
             }
@@ -480,7 +474,7 @@ fn look_rotating(
 
 /// Updates the state of a contact between bodies that do not rotate, and adds its force and powers to the results.
 #[inline(always)]
-fn evaluate_contact(
+fn evaluate(
     (couple, constants, course): (&Couple, &ContactConstants, &mut ContactState),
     met: &Encounter,
     view: ContactSearch,
