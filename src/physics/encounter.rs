@@ -118,7 +118,7 @@ impl FrameTime {
         Self { ahead: time, sunk: time, fallen: time, lag: 0.0 }
     }
 
-    /// [m] centre of the particle at index `index` after a straight flight of `ahead` [s] from its position in the
+    /// [m] centre of the particle at `index` after a straight flight of `ahead` [s] from its position in the
     /// particle store. Gravity is left out.
     #[inline(always)]
     fn position(&self, particles: &Particles, index: usize) -> Vector3<f64> {
@@ -126,7 +126,7 @@ impl FrameTime {
         if self.ahead == 0.0 { x } else { x + particles.velocity[index] * self.ahead }
     }
 
-    /// Position [m], velocity [m/s] and acceleration [m/s²] of the particle at index `index` relative to a wall at
+    /// Position [m], velocity [m/s] and acceleration [m/s²] of the particle at `index` relative to a wall at
     /// rest, with the effect of gravity.
     #[inline(always)]
     pub fn flight(&self, particles: &Particles, scene: &Scene, index: usize) -> Flight {
@@ -373,15 +373,15 @@ impl Couple {
         }
     }
 
-    /// Relative position and velocity of the two bodies at the instant of a predicted touch. For a wall, `index` is the
+    /// Relative position and velocity of the two bodies at the instant of a predicted touch. For a wall, `feature` is the
     /// number of the surface feature (such as a triangle) that is touched; for a pair it is not used.
     #[inline(always)]
-    pub fn strike(&self, particles: &Particles, scene: &Scene, moment: FrameTime, index: u32) -> Encounter {
+    pub fn strike(&self, particles: &Particles, scene: &Scene, moment: FrameTime, feature: u32) -> Encounter {
         let Other::Wall(at) = self.other else { return self.meet(particles, scene, moment) };
         let i = self.i as usize;
         let (flight, radius) = (moment.flight(particles, scene, i), particles.radius[i]);
         let wall = &scene.walls[at.wall as usize];
-        let nearest = wall.struck([at.which, index], &flight.position, radius, moment.sunk);
+        let nearest = wall.struck([at.which, feature], &flight.position, radius, moment.sunk);
         let touched = flight.position - nearest.normal * nearest.distance;
         let surface = wall.surface_velocity(&touched, moment.sunk - moment.lag);
         let (normal, velocity) = (nearest.normal, flight.velocity - surface);

@@ -422,7 +422,7 @@ impl Simulation {
         self.totals.momentum = self.particles.momentum();
     }
 
-    /// Calls `gather` during a run, at a time when velocities lack a half-kick of drag. `kick` [s] is the duration of
+    /// Calls `show` during a run, at a time when velocities lack a half-kick of drag. `kick` [s] is the duration of
     /// this half-kick, which is applied before the call. Afterwards all velocities are restored, so that the call
     /// changes no bit of the run. If each process has a part of the particles, all processes apply the half-kick.
     pub fn with_synchronised_velocities<T>(&mut self, kick: f64, show: impl FnOnce(&mut Self) -> T) -> T {

@@ -121,7 +121,7 @@ impl<'a> Executor<'a> {
         self.runs.len() - 1
     }
 
-    /// Does or resumes the run with the index `index`, with the observers `others` in addition to the standard ones. If
+    /// Does or resumes the run at `index`, with the observers `others` in addition to the standard ones. If
     /// a trajectory is requested and cannot be written, the run fails. Returns the outcome and the final state of the
     /// particles in the order of ids. With several processes, the final state is returned only if `gives_end` is true.
     ///
@@ -164,12 +164,12 @@ impl<'a> Executor<'a> {
         })
     }
 
-    /// Stored result of the run with the index `index`; `None` if the run had not ended when the command was resumed.
+    /// Stored result of the run at `index`; `None` if the run had not ended when the command was resumed.
     pub fn stored<R: RunResult>(&self, index: usize) -> Option<R> {
         R::from_bytes(&self.checkpointer.result(&self.runs[index].identity)?)
     }
 
-    /// Does the runs with the indices `indices` concurrently, in all processes and in as many runs as there are
+    /// Does the runs at `indices` concurrently, in all processes and in as many runs as there are
     /// threads. The results do not depend on the numbers of processes and threads. The function `finished` gets the
     /// index and the result of each run, in the order in which runs end. If the user stops the command, incomplete runs
     /// are stored and left out.
@@ -220,7 +220,7 @@ struct ResumableRuns<'a, R> {
 }
 
 impl<R: RunResult> ResumableRuns<'_, R> {
-    /// Does the run with the index `index`, using the checkpointer `own`. `None` if the run was stopped before it had
+    /// Does the run at `index`, using the checkpointer `own`. `None` if the run was stopped before it had
     /// ended.
     fn run_with(&self, index: usize, own: &mut Checkpointer) -> Result<Option<R>, StudyError> {
         if own.is_stopping() {

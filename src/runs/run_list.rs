@@ -24,30 +24,30 @@ pub trait RunList: Sync {
     /// Number of runs of the list that may be done concurrently.
     fn count(&self) -> usize;
 
-    /// Does the run with the index `index` in the thread pool from which this method is called. `None` if the run was
+    /// Does the run at `index` in the thread pool from which this method is called. `None` if the run was
     /// stopped before it had ended; no other run may begin in this case.
     ///
     /// # Errors
     /// Returns an error if the run cannot be done.
     fn run(&self, index: usize) -> Result<Option<Self::Answer>, StudyError>;
 
-    /// Does the run with the index `index`, and returns its result as bytes for another process. `None` if the run was
+    /// Does the run at `index`, and returns its result as bytes for another process. `None` if the run was
     /// stopped before it had ended.
     ///
     /// # Errors
     /// Returns an error if the run cannot be done, or if its result cannot be serialised.
     fn run_for_another(&self, index: usize) -> Result<Option<Vec<u8>>, StudyError>;
 
-    /// Takes part in the run with the index `index`, which all processes share.
+    /// Takes part in the run at `index`, which all processes share.
     fn follow(&self, _index: usize, _ranks: &Ranks) {}
 
-    /// Result of the run with the index `index`, made from the bytes that another process has sent.
+    /// Result of the run at `index`, made from the bytes that another process has sent.
     ///
     /// # Errors
     /// Returns an error if the bytes do not belong to this run.
     fn answer_of_another(&self, index: usize, bytes: &[u8]) -> Result<Self::Answer, StudyError>;
 
-    /// Records that another process does the run with the index `index`, and has reached the simulated time `time` [s]
+    /// Records that another process does the run at `index`, and has reached the simulated time `time` [s]
     /// in it.
     fn is_elsewhere(&self, index: usize, time: f64);
 
@@ -55,7 +55,7 @@ pub trait RunList: Sync {
     fn under_way(&self) -> Vec<(usize, f64)>;
 }
 
-/// Does the runs with the indices `indices`, in this process and in helper processes. The function `finished` gets the
+/// Does the runs at `indices`, in this process and in helper processes. The function `finished` gets the
 /// index and the result of each run, in the order in which runs end.
 ///
 /// # Errors

@@ -140,7 +140,7 @@ fn reference(of: &ChartQuantity) -> Vec<String> {
 }
 
 impl ChartStudy<'_> {
-    /// Sentence that names the cheapest soft and the cheapest hard method for the quantity with the index `index`.
+    /// Sentence that names the cheapest soft and the cheapest hard method for the quantity at `index`.
     fn aloud(&self, index: usize) -> String {
         let (target, words) = figures::WITHIN;
         let floor = self.quantities[index].floor;

@@ -413,7 +413,7 @@ impl Failure {
     }
 }
 
-/// Largest absolute component [m/s] of the velocity of the particle at index `index`; 0 if there is no such particle.
+/// Largest absolute component [m/s] of the velocity of the particle at `index`; 0 if there is no such particle.
 /// This value may be finite although the square of the speed is not.
 fn speed(particles: &Particles, index: usize) -> f64 {
     particles.velocity.get(index).map_or(0.0, |velocity| velocity.amax())

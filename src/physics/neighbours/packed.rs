@@ -53,7 +53,7 @@ struct Picked {
 }
 
 impl Picked {
-    /// Adds those of the four indices `indices` whose bits are set in the mask `bits`; the lowest bit belongs to the
+    /// Adds those of the four `indices` whose bits are set in the mask `bits`; the lowest bit belongs to the
     /// first index.
     #[inline(always)]
     fn add(&mut self, bits: usize, indices: &[u32; AT_ONCE]) {
@@ -101,7 +101,7 @@ pub struct PackedBalls {
 }
 
 impl PackedBalls {
-    /// Stores the balls with the indices `indices`, in this order. `ball` returns the centre and the radius [m] of the
+    /// Stores the balls at `indices`, in this order. `ball` returns the centre and the radius [m] of the
     /// ball at an index.
     pub fn fill(&mut self, indices: &[u32], ball: impl Fn(usize) -> (Vector3<f64>, f64) + Sync, region: &Region) {
         // each thread fills a part of the lists, which is then in the cache of this thread

@@ -153,7 +153,7 @@ impl RunLoop {
         observers.iter_mut().for_each(|observer| observer.end(simulation));
     }
 
-    /// Calls the observers with the indices `indices` at `now` [s], and stores the next time of each.
+    /// Calls the observers at `indices` at `now` [s], and stores the next time of each.
     fn see(&mut self, simulation: &Simulation, now: f64, observers: &mut [&mut dyn Observer], indices: &[usize]) {
         for &index in indices {
             observers[index].see(simulation);
@@ -180,7 +180,7 @@ impl RunLoop {
     }
 }
 
-/// Calls the observers with the indices `indices` in every process, with the particles of this process. Every process
+/// Calls the observers at `indices` in every process, with the particles of this process. Every process
 /// has a copy of each of these observers.
 fn see_parts(simulation: &mut Simulation, observers: &[&mut dyn Observer], indices: &[usize]) {
     simulation.see_parts(indices, |index| observers[index].stored().unwrap_or_default());

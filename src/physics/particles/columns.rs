@@ -59,7 +59,7 @@ pub trait Column {
         }
     }
 
-    /// Appends the values at the indices `indices` of the same column of another store. `count` is the number of
+    /// Appends the values at `indices` of the same column of another store. `count` is the number of
     /// particles in this store before the call.
     fn copy_from(&mut self, other: &Self, indices: &[u32], count: usize) {
         self.adopt(other.values().is_some(), count);
@@ -82,7 +82,7 @@ pub trait Column {
         1 + self.values().map_or(0, |_| count * Self::Value::SIZE)
     }
 
-    /// Appends to `bytes` a byte that states whether the column exists, and then the values at the indices `indices`.
+    /// Appends to `bytes` a byte that states whether the column exists, and then the values at `indices`.
     fn pack(&self, indices: &[u32], bytes: &mut Vec<u8>) {
         bytes.push(u8::from(self.values().is_some()));
         if let Some(values) = self.values() {
@@ -109,7 +109,7 @@ pub trait Column {
         Some(rest)
     }
 
-    /// Reads the value of the particle at index `index` from the beginning of `bytes`. Returns the remaining bytes, or
+    /// Reads the value of the particle at `index` from the beginning of `bytes`. Returns the remaining bytes, or
     /// `None` if there are too few bytes.
     fn unpack_at<'a>(&mut self, index: usize, bytes: &'a [u8]) -> Option<&'a [u8]> {
         let Some(values) = self.values_mut() else { return Some(bytes) };
@@ -464,7 +464,7 @@ macro_rules! columns {
                 names
             }
 
-            /// Numbers [SI] of the particle at index `index` in a saved state, in the order of
+            /// Numbers [SI] of the particle at `index` in a saved state, in the order of
             /// [`state_names`](Self::state_names).
             pub fn state_numbers(&self, index: usize) -> Vec<f64> {
                 let mut numbers = Vec::new();
@@ -475,7 +475,7 @@ macro_rules! columns {
                 numbers
             }
 
-            /// Sets the numbers [SI] of the particle at index `index`, in the order of
+            /// Sets the numbers [SI] of the particle at `index`, in the order of
             /// [`state_names`](Self::state_names).
             pub fn set_state(&mut self, index: usize, numbers: &[f64]) {
                 let mut numbers = numbers.iter();

@@ -54,7 +54,7 @@ fn apply(particles: &mut Particles, gas: (&Fluid, Lift), duration: f64, kick: Li
     exact::sums(all.len(), |index| all[index].2)
 }
 
-/// Computes a kick of lift over `duration` [s] for the particle at index `index`, which itself is not changed.
+/// Computes a kick of lift over `duration` [s] for the particle at `index`, which itself is not changed.
 fn lifted(particles: &Particles, index: usize, (fluid, lift): (&Fluid, Lift), duration: f64, kick: LiftKick) -> Lifted {
     let (position, velocity) = (&particles.position[index], particles.velocity[index]);
     let (mass, inertia) = (particles.mass[index], particles.inertia.as_ref().map_or(0.0, |inertia| inertia[index]));

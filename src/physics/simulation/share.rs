@@ -193,7 +193,7 @@ impl Simulation {
         self.share.as_ref().is_none_or(|share| index < share.informed.len())
     }
 
-    /// Makes the other processes call the observers at the indices `indices`, each for its own particles. The lead must
+    /// Makes the other processes call the observers at `indices`, each for its own particles. The lead must
     /// call this method before its own observers. `kept` returns the stored data of the observer at an index.
     pub(crate) fn see_parts(&mut self, indices: &[usize], kept: impl Fn(usize) -> Stored) {
         if self.shown.as_ref().is_some_and(|shown| shown.every > 1) {

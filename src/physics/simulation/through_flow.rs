@@ -74,7 +74,7 @@ impl OpeningFlow {
         self.count
     }
 
-    /// Adds the particle at the index `index` to the sums. Returns the entry in the ledger for a particle that comes
+    /// Adds the particle at `index` to the sums. Returns the entry in the ledger for a particle that comes
     /// into the scene; for one that leaves, the sign is opposite.
     pub(super) fn add(&mut self, particles: &Particles, index: usize, gravity: Vector3<f64>) -> Ledger {
         let (mass, velocity) = (particles.mass[index], particles.velocity[index]);

@@ -132,7 +132,7 @@ impl TurbulentKick<'_> {
         sums
     }
 
-    /// [m/s] change of the velocity `v` [m/s] of the particle at index `index` in this kick. Also advances `eddy`, the
+    /// [m/s] change of the velocity `v` [m/s] of the particle at `index` in this kick. Also advances `eddy`, the
     /// fluctuation of the gas velocity that the particle sees.
     #[inline]
     fn change(
@@ -160,7 +160,7 @@ impl TurbulentKick<'_> {
         slip * ratio(slip)
     }
 
-    /// [-] change of the slip velocity of the particle at the index `index`, divided by the slip velocity. `square`
+    /// [-] change of the slip velocity of the particle at `index`, divided by the slip velocity. `square`
     /// [m²/s²] is the square of the magnitude of the slip velocity.
     #[inline]
     fn ratio(&self, all: &Particles, index: usize, square: f64) -> f64 {

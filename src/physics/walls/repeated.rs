@@ -40,7 +40,7 @@ impl Repeated {
         &self.shape
     }
 
-    /// Number of the image of the body that is nearest to the coordinate `coordinate` [m] along an axis. The body itself has
+    /// Number of the image of the body that is nearest to `coordinate` [m] along an axis. The body itself has
     /// the number 0, and the images follow at whole periods.
     fn image(&self, axis: usize, coordinate: f64) -> f64 {
         let center = 0.5 * (self.around[0][axis] + self.around[1][axis]);

@@ -212,7 +212,7 @@ impl Ranks {
         self.dismissed.set(Some(code));
     }
 
-    /// Sends the run with the index `index` to a helper process that is free to begin a run. Returns false if no helper
+    /// Sends the run at `index` to a helper process that is free to begin a run. Returns false if no helper
     /// is free.
     pub fn hand_out(&self, index: usize) -> bool {
         let Some(helper) = self.free.borrow_mut().pop_front() else { return false };
@@ -226,7 +226,7 @@ impl Ranks {
         self.away.get()
     }
 
-    /// Tells all helper processes that the run with the index `index` begins, which all processes share.
+    /// Tells all helper processes that the run at `index` begins, which all processes share.
     pub fn call_together(&self, index: usize) {
         (1..self.count()).for_each(|helper| self.send(helper, &Message::Follow(index)));
     }

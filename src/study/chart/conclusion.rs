@@ -129,7 +129,7 @@ fn within(
     format!("within {words} the cheapest is {first}{soft}")
 }
 
-/// Model of the method that reaches the relative error `target` [-] in the quantity with index `index` at the fewest
+/// Model of the method that reaches the relative error `target` [-] in the quantity at `index` at the fewest
 /// operations, and its cost as text. The text also names the method with the least wall time. `None` if no method of
 /// `models` certainly reaches the target.
 fn cheapest_of(

@@ -199,7 +199,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         (mine, indices)
     }
 
-    /// Packs the particles with the indices `indices`, and all their carried contacts, into bytes for another process.
+    /// Packs the particles at `indices`, and all their carried contacts, into bytes for another process.
     fn cargo<S: Solve<Carried = C>>(&self, work: &Work<C>, indices: &[u32]) -> Vec<u8> {
         if indices.is_empty() {
             return Vec::new();
@@ -294,7 +294,7 @@ impl<C> LocalParticles<C> {
         }
     }
 
-    /// True if this process owns the particle at index `index` in the store.
+    /// True if this process owns the particle at `index` in the store.
     pub fn is_mine(&self, index: u32) -> bool {
         self.mine.get(index as usize).is_none_or(|mine| *mine)
     }

@@ -72,7 +72,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     }
 }
 
-/// Packs the particles with the indices `indices`, and the contacts `lasting`, into bytes for sending. The bytes contain
+/// Packs the particles at `indices`, and the contacts `lasting`, into bytes for sending. The bytes contain
 /// the length of the particles' data, these data, then the contacts.
 pub fn pack<C: Serialize>(particles: &Particles, indices: &[u32], lasting: &[C]) -> Vec<u8> {
     let mut bytes = vec![0; LENGTH];

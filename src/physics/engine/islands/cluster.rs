@@ -216,7 +216,7 @@ impl<'a> Clusters<'a> {
         which
     }
 
-    /// Number of the island of the particle at index `index`. If the particle is in no island, a new island of this
+    /// Number of the island of the particle at `index`. If the particle is in no island, a new island of this
     /// particle is made, with its energy and speed.
     fn cluster_of(&mut self, index: u32) -> usize {
         let is_new = self.search.label[index as usize].is_none();
@@ -229,7 +229,7 @@ impl<'a> Clusters<'a> {
         which
     }
 
-    /// Number of the island of the particle at index `index`. If the particle is in no island, a new island of this
+    /// Number of the island of the particle at `index`. If the particle is in no island, a new island of this
     /// particle is made; its energy and speed are not yet set.
     fn named(&mut self, index: u32) -> usize {
         self.found(index).unwrap_or_else(|| {
@@ -239,13 +239,13 @@ impl<'a> Clusters<'a> {
         })
     }
 
-    /// Number of the island of the particle at index `index`; `None` if the particle is in no island.
+    /// Number of the island of the particle at `index`; `None` if the particle is in no island.
     fn found(&self, index: u32) -> Option<usize> {
         let label = self.search.label[index as usize]?;
         Some(self.members[label.member()].cluster as usize)
     }
 
-    /// Makes the particle with index `index`, which is in no island so far, a member of the island `which`.
+    /// Makes the particle at `index`, which is in no island so far, a member of the island `which`.
     fn enlist(&mut self, index: u32, which: usize) {
         let (cluster, member) = (which as u32, self.members.len());
         self.search.label[index as usize] = Some(Label::of(member));

@@ -80,7 +80,7 @@ pub struct Bounds<'a> {
 }
 
 impl Bounds<'_> {
-    /// True if the particle at local index `index` may have this velocity [m/s]: its speed relative to the moving frame
+    /// True if the particle at the local `index` may have this velocity [m/s]: its speed relative to the moving frame
     /// is at most its limit. False for a bystander, a particle that must fly straight.
     pub fn allows(&self, index: usize, velocity: &Vector3<f64>) -> bool {
         let frame = frame_of(index, self.frame, self.flow);
@@ -88,7 +88,7 @@ impl Bounds<'_> {
     }
 }
 
-/// [m/s] velocity of the moving frame for the particle at local index `index`: the common `frame`, plus the mean `flow`
+/// [m/s] velocity of the moving frame for the particle at the local `index`: the common `frame`, plus the mean `flow`
 /// of a sheared box if there is one.
 #[inline]
 fn frame_of(index: usize, frame: Vector3<f64>, flow: &[Vector3<f64>]) -> Vector3<f64> {
@@ -170,7 +170,7 @@ impl<C> Island<C> {
         (self.also, self.fastest) = (Vec::new(), 0.0);
     }
 
-    /// Local index of the particle with the index `index` in the particle store; `None` if the particle is not in the
+    /// Local index of the particle at `index` in the particle store; `None` if the particle is not in the
     /// island.
     pub(super) fn local(&self, index: u32) -> Option<u32> {
         if self.by_index.is_empty() {
@@ -180,7 +180,7 @@ impl<C> Island<C> {
         found.ok().map(|k| self.by_index[k])
     }
 
-    /// True if the particle at local index `index` may have this velocity [m/s], given in the frame that falls with
+    /// True if the particle at the local `index` may have this velocity [m/s], given in the frame that falls with
     /// gravity from rest at the start of the part. Its speed in the moving frame of the limits must not exceed its
     /// limit. False for a bystander, which must not be touched.
     pub fn allows(&self, index: usize, velocity: &Vector3<f64>) -> bool {
@@ -192,7 +192,7 @@ impl<C> Island<C> {
         (&mut self.particles, &mut self.log, Bounds { limits: &self.limits, frame: self.frame, flow: &self.flow })
     }
 
-    /// Records a velocity change of the particle at local index `index`, at `time` [s] since the start of the part.
+    /// Records a velocity change of the particle at the local `index`, at `time` [s] since the start of the part.
     /// `origin` [m] is the position that the particle would have had at the start of the part on the line of its new
     /// flight. `velocity` [m/s] is its new velocity in the frame that falls with gravity from rest at the start of the
     /// part.
@@ -200,13 +200,13 @@ impl<C> Island<C> {
         self.turns.push((index, VelocityChange { time, origin, velocity: velocity - self.frame_of(index as usize) }));
     }
 
-    /// Speed [m/s] of the particle at local index `index`, relative to the moving frame of the speed limits; at least
+    /// Speed [m/s] of the particle at the local `index`, relative to the moving frame of the speed limits; at least
     /// the largest speed that the solver has noted.
     pub fn speed(&self, index: usize) -> f64 {
         (self.particles.velocity[index] - self.frame_of(index)).norm().max(self.fastest)
     }
 
-    /// Velocity [m/s] of the moving frame in which the speed of the particle at local index `index` is limited.
+    /// Velocity [m/s] of the moving frame in which the speed of the particle at the local `index` is limited.
     fn frame_of(&self, index: usize) -> Vector3<f64> {
         frame_of(index, self.frame, &self.flow)
     }

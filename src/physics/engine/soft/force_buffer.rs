@@ -40,7 +40,7 @@ impl ContactTorque {
 pub struct StoreIndex(NonZeroU32);
 
 impl StoreIndex {
-    /// Index with the number `index`.
+    /// Stores `index`.
     pub fn of(index: u32) -> Self {
         Self(NonZeroU32::MIN.saturating_add(index))
     }
@@ -222,7 +222,7 @@ pub enum PerTorque<'a> {
 }
 
 impl PerTorque<'_> {
-    /// r/I [1/(kg m)] of the particle at the index `index`.
+    /// r/I [1/(kg m)] of the particle at `index`.
     #[inline(always)]
     fn of(&self, index: usize) -> f64 {
         match self {
@@ -231,7 +231,7 @@ impl PerTorque<'_> {
         }
     }
 
-    /// 1/I [1/(kg m²)] of the particle at the index `index`.
+    /// 1/I [1/(kg m²)] of the particle at `index`.
     #[inline(always)]
     fn of_couple(&self, index: usize) -> f64 {
         match self {

@@ -101,14 +101,14 @@ pub struct PackedContacts {
     facets: Vec<Vec<Option<Vector3<f64>>>>,
 }
 
-/// Returns the element with the index `index`, which counts the elements of all chunks; `None` if there are fewer
+/// Returns the element at `index`, which counts the elements of all chunks; `None` if there are fewer
 /// chunks.
 #[inline(always)]
 fn in_chunks<T>(chunks: &mut [Vec<T>], index: u32) -> Option<&mut T> {
     Some(&mut chunks.get_mut(index as usize / CHUNK)?[index as usize % CHUNK])
 }
 
-/// Stores a value for the contact at the index `index`, and adds chunks if they are needed.
+/// Stores a value for the contact at `index`, and adds chunks if they are needed.
 fn store_in_chunks<T: Clone + Default>(chunks: &mut Vec<Vec<T>>, index: u32, value: T) {
     while chunks.len() <= index as usize / CHUNK {
         chunks.push(vec![T::default(); CHUNK]);
@@ -174,21 +174,21 @@ impl PackedContacts {
         &mut self.kept[index as usize / CHUNK][index as usize % CHUNK]
     }
 
-    /// Constants and packed record of the contact at index `index`. [`PackedContact::update`] changes the record.
+    /// Constants and packed record of the contact at `index`. [`PackedContact::update`] changes the record.
     #[inline(always)]
     pub fn get_mut(&mut self, index: u32) -> (&ContactConstants, &mut PackedContact) {
         let kept = &mut self.kept[index as usize / CHUNK][index as usize % CHUNK];
         (&self.constants[kept.constants as usize], kept)
     }
 
-    /// Constants and present state of the contact at index `index`. The springs in the state are empty.
+    /// Constants and present state of the contact at `index`. The springs in the state are empty.
     #[inline(always)]
     pub fn get(&self, index: u32) -> (&ContactConstants, ContactState) {
         let kept = &self.kept[index as usize / CHUNK][index as usize % CHUNK];
         (&self.constants[kept.constants as usize], kept.course())
     }
 
-    /// Mutable access to the contact at index `index`, with its springs.
+    /// Mutable access to the contact at `index`, with its springs.
     #[inline(always)]
     pub fn rotating(&mut self, index: u32) -> RotatingRecord<'_> {
         let kept = &mut self.kept[index as usize / CHUNK][index as usize % CHUNK];
@@ -197,7 +197,7 @@ impl PackedContacts {
         RotatingRecord { constants, kept, shear, resistance }
     }
 
-    /// Constants and present state of the contact at index `index`, with its springs and the turn by a rough wall.
+    /// Constants and present state of the contact at `index`, with its springs and the turn by a rough wall.
     pub fn whole(&self, index: u32) -> (&ContactConstants, ContactState) {
         let (constants, course) = self.get(index);
         let (chunk, offset) = (index as usize / CHUNK, index as usize % CHUNK);
@@ -208,7 +208,7 @@ impl PackedContacts {
         (constants, ContactState { shear, resistance, first_slip, facet, ..course })
     }
 
-    /// Removes the contact at index `index`. The next new contact may get this index.
+    /// Removes the contact at `index`. The next new contact may get this index.
     pub fn forget(&mut self, index: u32) {
         let constants = self.at(index).constants;
         if constants as usize >= SHARED {

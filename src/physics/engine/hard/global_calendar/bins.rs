@@ -40,7 +40,7 @@ impl Bins {
         self.first.len()
     }
 
-    /// Adds the particle index `index` to the bin number `bin`.
+    /// Adds the particle at `index` to the bin number `bin`.
     #[inline]
     pub fn put(&mut self, bin: usize, index: u32) {
         let link = self.first[bin];

@@ -74,7 +74,7 @@ pub struct EventQueue {
 }
 
 impl EventQueue {
-    /// Fills the queue with the next events of all particles in the table `table` that are earlier than `before` [s];
+    /// Fills the queue with the next events of all particles in `table` that are earlier than `before` [s];
     /// the present time is `now` [s]. Both times are counted from the epoch. The interval of the bins is chosen from
     /// these events.
     pub fn fill(&mut self, table: EventTable, now: f64, before: f64) {

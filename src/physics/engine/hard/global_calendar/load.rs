@@ -308,7 +308,7 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// True if the particle at the index `index` may touch a wall before it leaves its shell (ball in which its
+    /// True if the particle at `index` may touch a wall before it leaves its shell (ball in which its
     /// neighbour list is valid) or the epoch ends.
     pub(super) fn at_wall(&self, index: usize, scene: &Scene) -> bool {
         if scene.walls.is_empty() {

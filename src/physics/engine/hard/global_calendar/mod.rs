@@ -206,7 +206,7 @@ impl GlobalCalendar {
         self.shells.neighbours(&events.shell).iter().for_each(|&k| prefetch_index(&self.bodies, k as usize));
     }
 
-    /// Processes the next event of the particle at index `index`, whose time has come: a collision, a new shell, or the
+    /// Processes the next event of the particle at `index`, whose time has come: a collision, a new shell, or the
     /// second event if the first is void. Predicts the next events of all particles concerned.
     fn event(&mut self, index: u32, work: &mut Work<Recent>, span: &CalendarWindow) -> Result<(), Failure> {
         let scene = work.scene;
@@ -304,7 +304,7 @@ impl GlobalCalendar {
         self.watch(&collision, scene, time)
     }
 
-    /// Velocity [m/s] along z of the periodic image that particle `couple.i` collision_count, relative to the stored other
+    /// Velocity [m/s] along z of the periodic image that particle `couple.i` hits, relative to the stored other
     /// particle. It is 0 unless the two meet across a sheared side of the box.
     fn image_velocity(&self, couple: &Couple, met: &Encounter, scene: &Scene) -> f64 {
         let Some(j) = couple.j() else { return 0.0 };

@@ -43,7 +43,7 @@ impl GlobalCalendar {
         self.lists_valid_until = self.now + self.interval(scene);
     }
 
-    /// Moves the particle at index `index` to the present time and into the box, and gives it a new shell (ball in
+    /// Moves the particle at `index` to the present time and into the box, and gives it a new shell (ball in
     /// which its neighbour list is valid). If the particle crosses a sheared side, the work of the crossing is added to
     /// the ledger.
     pub(super) fn make_shell(&mut self, index: u32, work: &mut Work<Recent>) {

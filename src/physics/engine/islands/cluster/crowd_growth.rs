@@ -39,7 +39,7 @@ impl BoundedIslands<'_> {
         }
     }
 
-    /// Makes the particle with the index `index` in the store a member of the crowd `which`, if it is in no island.
+    /// Makes the particle at `index` in the store a member of the crowd `which`, if it is in no island.
     fn take_in(&mut self, which: usize, index: u32) {
         if self.search.label[index as usize].is_none() {
             let alone = self.cluster_of(index);

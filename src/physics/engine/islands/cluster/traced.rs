@@ -301,7 +301,7 @@ impl TracedIslands<'_> {
         })
     }
 
-    /// Straight piece number `number` of the trajectory of the particle at index `index`. Piece 0 is the flight before
+    /// Straight piece number `number` of the trajectory of the particle at `index`. Piece 0 is the flight before
     /// the first of the velocity changes `turns`, and piece k the flight after change k.
     fn leg(&self, index: u32, turns: &[VelocityChange], number: usize) -> Segment {
         let end = turns.get(number).map_or(self.part, |turn| turn.time);

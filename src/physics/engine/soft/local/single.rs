@@ -8,7 +8,7 @@ use crate::engine::Failure;
 use crate::engine::soft::contact::{ContactConstants, TouchingPair};
 use nalgebra::Vector3;
 
-/// True if the particle at index `index` is one of the two bodies of `couple`.
+/// True if the particle at `index` is one of the two bodies of `couple`.
 fn is_of(couple: &Couple, index: u32) -> bool {
     couple.indices().contains(&Some(index))
 }
