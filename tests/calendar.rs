@@ -99,8 +99,8 @@ fn keep_energy_momentum_and_order(collisions: u64) {
 }
 
 #[test]
-fn three_million_collisions_keep_energy_momentum_and_order() {
-    keep_energy_momentum_and_order(3_000_000);
+fn ten_million_collisions_keep_energy_momentum_and_order() {
+    keep_energy_momentum_and_order(10_000_000);
 }
 
 #[test]

@@ -157,7 +157,7 @@ fn same_bits_over_processes(
     let alone = run(&of.0, of.1.clone(), engine(), duration, windows);
     let (bits, counts) = (alone.state().fingerprint(), counts(&alone.counters()));
     println!("{name}: {:?}", alone.counters());
-    for size in [1, 2, 3, 7] {
+    for size in [1, 2, 3, 4, 12] {
         let (particles, counters) = shared(size, of, engine, (duration, windows), |end| (end.state(), end.counters()));
         assert_eq!(self::counts(&counters), counts, "{name} on {size}");
         assert_eq!(particles.len(), of.1.len());
@@ -250,7 +250,7 @@ fn who_looks_at_a_shared_run_sees_what_one_process_shows() {
         assert!(
             alone.len() > 60 && (name == "hard" || alone.iter().filter(|seen| seen.contains("([Some")).count() > 30)
         );
-        for size in [1, 2, 5] {
+        for size in [1, 2, 3, 5] {
             let seen = glances(Some(size), &of, engine, 2e-3);
             let differs = seen.iter().zip(&alone).position(|(seen, alone)| seen != alone);
             assert_eq!((seen.len(), differs), (alone.len(), None), "{name} on {size}");
@@ -323,7 +323,7 @@ fn sums_over_the_parts_of_a_shared_run_are_those_of_one_process() {
         assert!(
             alone.len() == 22 && (name == "hard" || alone.iter().filter(|seen| !seen.contains("ends: 0")).count() > 15)
         );
-        for size in [1, 2, 5] {
+        for size in [1, 2, 3, 5] {
             let seen = sums(Some(size), &of, engine, 2e-3);
             let differs = seen.iter().zip(&alone).position(|(seen, alone)| seen != alone);
             let pair = differs.map(|at| (&seen[at], &alone[at]));

@@ -57,7 +57,7 @@ fn parts_of_a_start_are_the_start_that_one_process_makes() {
     for (name, experiment) in &starts {
         assert!(comes_in_parts(experiment), "{name}");
         let whole = initial_state(experiment).unwrap();
-        for size in [1, 2, 3, 7] {
+        for size in [1, 2, 3, 5, 12] {
             let starts = over(size, |communicator| Start::part(experiment, &*communicator).unwrap());
             for start in &starts {
                 assert!(start.is_part && start.particles.id.is_sorted(), "{name} on {size}");
@@ -154,7 +154,7 @@ fn runs_that_begin_in_parts_give_the_bits_of_one_process() {
     ];
     for (name, experiment) in &runs {
         let alone = moved(Simulation::new(experiment, initial_state(experiment).unwrap()));
-        for size in [2, 5] {
+        for size in [2, 3, 5] {
             assert_eq!(run_in_parts(experiment, size), alone, "{name} on {size}");
         }
     }

@@ -186,7 +186,7 @@ fn pieces_are_together_the_frame_of_one_process() {
         let touching = |frame: &Frame| frame.particles.values().filter(|numbers| numbers[66..68] != [0, 0]).count();
         let contacts: usize = whole.iter().map(|(_, frame)| touching(frame)).sum();
         assert!((model == Model::Soft) == (contacts > 200), "{contacts}");
-        for size in [2, 5] {
+        for size in [2, 3, 5] {
             let parts = tempfile::tempdir().unwrap();
             run(&gas, &folders(parts.path(), size), None, 0).0.unwrap();
             let in_pieces = same(&format!("{model:?} on {size}"), &whole, &frames(parts.path()));

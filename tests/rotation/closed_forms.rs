@@ -35,7 +35,7 @@ fn a_ball_rolls_off_a_fixed_sphere() {
         [(0.2, 52.1130739, 2.76856667, 0.7836486, 0.553726622), (1.0, 53.9504557, 2.83040095, 0.767127498, 0.713927194)]
     {
         let of = surface(0.3, friction);
-        let stiffness = 2e5 * bead().mass() * 9.81 / bead().diameter;
+        let stiffness = 5e5 * bead().mass() * 9.81 / bead().diameter;
         let mut scene = empty([0.04; 3], [false; 3], bead(), of);
         scene.gravity = Vector3::new(0.0, -9.81, 0.0);
         let (center, apart) = (Vector3::repeat(0.02), 4e-3);
