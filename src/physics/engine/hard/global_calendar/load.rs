@@ -69,7 +69,7 @@ impl GlobalCalendar {
                 self.load(work.particles, scene, met, window.start)?;
             }
             Change::None if !kicked => self.take_back_crossings(work),
-            Change::None | Change::Kicked => self.reload_velocities(work.particles, scene, window.start)?,
+            Change::None | Change::Kicked => self.reload_velocities(work, window.start)?,
         }
         if !self.ready {
             self.shells.fill_cells(&self.next_events, &self.bodies, &scene.domain);
@@ -232,13 +232,14 @@ impl GlobalCalendar {
 
     /// Replaces the velocities of all flights by those in the particle store, after drag or other kicks have changed
     /// these. `start` [s] is the simulated time.
-    fn reload_velocities(&mut self, particles: &Particles, scene: &Scene, start: f64) -> Result<(), Failure> {
+    fn reload_velocities(&mut self, work: &mut Work<Recent>, start: f64) -> Result<(), Failure> {
         let of_frame = self.frame.velocity_at(self.now);
-        for (body, velocity) in self.bodies.iter_mut().zip(&particles.velocity) {
+        let velocities = self.velocities_after_kick(work);
+        for (body, velocity) in self.bodies.iter_mut().zip(velocities.iter()) {
             body.advance(self.now);
             body.velocity = velocity - of_frame;
         }
-        self.set_limit(particles, scene, start)
+        self.set_limit(work.particles, work.scene, start)
     }
 
     /// Chooses the end of the epoch, up to which times have the same zero: the largest speed, gravity towards walls and

@@ -9,7 +9,9 @@ use super::{GlobalCalendar, Recent};
 use crate::domain::Domain;
 use crate::engine::driver::Work;
 use crate::particles::SideCrossings;
+use crate::record::Record;
 use crate::scene::Scene;
+use nalgebra::Vector3;
 use std::borrow::Cow;
 
 /// [-] distance by which images slide in half an interval (time for which neighbour lists across a sheared side are
@@ -61,21 +63,42 @@ impl GlobalCalendar {
         self.shells.update_neighbour_list(index, &mut self.next_events, &self.bodies, &domain, at_wall);
     }
 
+    /// Particles outside a sheared side, whose flights go on there: index, velocity along z [m/s], and change of this
+    /// velocity [m/s] by the crossing of the side.
+    fn crossings(&self, domain: &Domain) -> impl Iterator<Item = (usize, f64, f64)> {
+        (0..self.bodies.len()).filter_map(|index| {
+            let (mut position, mut velocity) = self.motion_in_scene(index);
+            let before = velocity.z;
+            let change = domain.wrap_motion(&mut position, &mut velocity);
+            (change != 0.0).then_some((index, before, change))
+        })
+    }
+
     /// Removes from the ledger the side crossings that were added when the particle store was wrapped into the box,
     /// after the event queue had written it. The flights in the queue go on beyond the sheared sides; their crossings
     /// are recorded when the particles get new shells.
     pub(super) fn take_back_crossings(&self, work: &mut Work<Recent>) {
+        if work.scene.domain.shear.is_some() {
+            self.crossings(&work.scene.domain).for_each(|crossing| self.take_back(crossing, work.record));
+        }
+    }
+
+    /// Velocities [m/s] of the particles of the store after a kick. Particles whose flights go on beyond a sheared side
+    /// have their velocities there, and their crossings are removed from the ledger.
+    pub(super) fn velocities_after_kick<'a>(&self, work: &'a mut Work<Recent>) -> Cow<'a, [Vector3<f64>]> {
         if work.scene.domain.shear.is_none() {
-            return;
+            return Cow::Borrowed(&work.particles.velocity);
         }
-        for index in 0..self.bodies.len() {
-            let (mut position, mut velocity) = self.motion_in_scene(index);
-            let before = velocity.z;
-            let change = work.scene.domain.wrap_motion(&mut position, &mut velocity);
-            if change != 0.0 {
-                work.record.ledger += -SideCrossings::of(self.shells.mass(&self.bodies[index]), before, change);
-            }
+        let mut velocities = work.particles.velocity.clone();
+        for (index, _, change) in self.crossings(&work.scene.domain) {
+            velocities[index].z -= change;
+            self.take_back((index, velocities[index].z, change), work.record);
         }
+        Cow::Owned(velocities)
+    }
+
+    fn take_back(&self, (index, before, change): (usize, f64, f64), record: &mut Record) {
+        record.ledger += -SideCrossings::of(self.shells.mass(&self.bodies[index]), before, change);
     }
 
     /// Begins the next interval of sliding images: makes the shells near the sheared sides anew, and predicts the
