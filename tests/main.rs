@@ -68,6 +68,7 @@ mod numbers; // every number of the paper, and every claim with its words, in do
 mod observed_verdicts; // verdicts on numbers measured under [observe]: the rule, its rates of wrong answers, real rows
 mod observers; // measurements while a simulation runs, and their times
 mod openings; // inlets and outlets: books, ids, contacts that stay, resumed runs, threads, blocked inlets, messages
+mod orbit; // sheared boxes on an orbit: epicycles, work of tides, bits, refusals
 mod order; // sums over particles: identical bits in any order of the store
 mod output;
 mod over_time; // series and paths: against theories, in tables and pictures

@@ -1,6 +1,9 @@
 //! The box of a scene: its size and its periodic sides.
 
 pub mod blocks;
+mod orbit;
+
+pub use orbit::Orbit;
 
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -15,6 +18,9 @@ pub struct Shear {
     pub rate: f64,
     /// [m] displacement along z, at time 0, of the periodic image one box height above a particle.
     pub start: f64,
+    /// Orbit on which the box moves, with the forces of its rotating frame; `None` in a frame at rest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub orbit: Option<Orbit>,
     /// [m] displacement along z of the periodic image one box height above a particle, at the time for which the box
     /// was made. It is between minus and plus half the edge length along z.
     #[serde(skip)]
@@ -62,14 +68,29 @@ impl Domain {
     /// Makes the box sheared at a rate [1/s], with periodic images at their places of time 0: the image one box height
     /// above a particle is displaced by `start` [m] along z. The box must be periodic along y and z.
     pub fn sheared(self, rate: f64, start: f64) -> Self {
-        Self { shear: Some(Shear { rate, start, offset: 0.0 }), ..self }.at(0.0).into_owned()
+        Self { shear: Some(Shear { rate, start, orbit: None, offset: 0.0 }), ..self }.at(0.0).into_owned()
+    }
+
+    /// Moves a sheared box along an orbit. A box without shear is returned unchanged.
+    pub fn on_orbit(self, orbit: Orbit) -> Self {
+        Self { shear: self.shear.map(|shear| Shear { orbit: Some(orbit), ..shear }), ..self }
+    }
+
+    /// Orbit on which the box moves; `None` in a frame at rest.
+    pub fn orbit(&self) -> Option<Orbit> {
+        self.shear?.orbit
     }
 
     /// Returns a box with other edge lengths [m], and with the periodic axes and the shear of this box. In the new box,
     /// periodic images are at their places of time 0.
     pub fn resized(&self, size: Vector3<f64>) -> Self {
         let resized = Self::new(size, self.periodic);
-        self.shear.map_or_else(|| resized.clone(), |shear| resized.clone().sheared(shear.rate, shear.start))
+        let Some(shear) = self.shear else { return resized };
+        let sheared = resized.sheared(shear.rate, shear.start);
+        match shear.orbit {
+            Some(orbit) => sheared.on_orbit(orbit),
+            None => sheared,
+        }
     }
 
     /// Returns a copy of the box whose periodic images do not slide but stay at their present places. Code that needs

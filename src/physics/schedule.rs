@@ -7,6 +7,7 @@
 
 mod heat;
 mod inlets;
+mod orbit;
 mod position;
 mod servo;
 
@@ -22,6 +23,7 @@ use crate::predict::flow::terminal_slip;
 use crate::scene::{Scene, Species};
 use heat::heated_rate;
 use nalgebra::Vector3;
+use orbit::longest_for_orbit;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -106,7 +108,7 @@ impl Schedule {
     }
 
     /// Schedule of an experiment. The experiment can give the longest window. Otherwise no window is longer than the
-    /// splitting of drag, buoyancy, turbulence, coupling and heat from the motion allows. Servo walls always limit it. The duration is a whole
+    /// splitting of drag, buoyancy, turbulence, coupling, heat and orbits from the motion allows. Servo walls always limit it. The duration is a whole
     /// number of the shortest windows.
     pub fn new(experiment: &Experiment) -> Self {
         let duration = experiment.run.duration;
@@ -127,6 +129,7 @@ impl Schedule {
         let allowed = allowed.min(longest_with_kicks_of_buoyancy(&experiment.scene));
         let allowed = allowed.min(longest_for_eddies(experiment)).min(longest_for_coupling(experiment));
         let allowed = allowed.min(longest_for_thermostat(experiment)).min(longest_for_inlets(experiment));
+        let allowed = allowed.min(longest_for_orbit(experiment));
         let longest = experiment.run.window.unwrap_or(allowed).min(longest_for_servo(experiment)).min(duration);
         // windows are shortened if samples are requested more often than windows end
         let interval = experiment.statistics.sample_interval.unwrap_or(often.max(longest)).min(duration);

@@ -10,6 +10,7 @@ mod engines;
 mod inflow;
 mod kick;
 mod lift;
+mod orbit;
 mod own_force;
 mod servo;
 mod share;
@@ -382,6 +383,7 @@ impl Simulation {
         self.order(&Order::Advance(self.time, window, self.loaded_flow.clone()));
         self.lift(0.5 * window, LiftKick::BeforeWindow);
         self.add_differences_in_gravity(0.5 * window);
+        self.kick_of_orbit(0.5 * window);
         let began = self.clock.now();
         let result = self.engine.advance(
             &mut self.particles,
@@ -403,6 +405,7 @@ impl Simulation {
         self.steer_servo_walls();
         // kicks after the window find the fluctuations as they are after reflections
         turbulence::mirror_at_walls(&mut self.particles, &self.scene, window);
+        self.kick_of_orbit(0.5 * window);
         self.add_differences_in_gravity(0.5 * window);
         self.lift(0.5 * window, LiftKick::AfterWindow);
         if !self.is_follower() {

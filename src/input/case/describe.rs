@@ -125,6 +125,14 @@ pub(crate) fn scene_in_words(experiment: &Experiment) -> String {
             short(speed, 4)
         );
     }
+    if let Some(orbit) = scene.domain.orbit() {
+        let _ = writeln!(
+            text,
+            "Orbit: {} 1/s about x, oscillations along x at {} 1/s.",
+            short(orbit.rate, 4),
+            short(orbit.vertical_frequency, 4)
+        );
+    }
     if let Some(thermostat) = &scene.thermostat {
         let _ = match thermostat {
             Thermostat::Stochastic { heating } => writeln!(
@@ -454,9 +462,13 @@ fn time(seconds: f64) -> String {
     format!("{} {unit}", short(number, 6))
 }
 
-/// Number with at most `places` decimal places, without zeros at its end.
+/// Number with at most `places` decimal places, without zeros at its end. A number of which this would drop a part in a
+/// hundred has a power of ten.
 fn short(number: f64, places: usize) -> String {
     let text = format!("{number:.places$}");
+    if text.parse().is_ok_and(|short: f64| (short - number).abs() > 0.01 * number.abs()) {
+        return format!("{number:.3e}");
+    }
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".to_string() } else { text.to_string() }
 }

@@ -43,7 +43,7 @@ pub use openings::{InletFile, OutletFile, OutletMeshFile, OutletSideFile};
 pub use region::{BlockRegionFile, CylinderRegionFile, RegionFile};
 pub use restitution::{RestitutionFile, RestitutionLawFile};
 pub use rotation::{HistoryFile, ImpactRuleFile, RollingFile, TangentialFile, TwistingFile};
-pub use shear::ShearFile;
+pub use shear::{OrbitFile, ShearFile};
 pub use sizes::{ByFile, SizesFile};
 pub use thermostat::ThermostatFile;
 pub use walls::{BoxFile, ConeFile, CuboidFile, CylinderFile, MeshFile, PlaneFile, SphereFile, WallFile};

@@ -19,6 +19,9 @@ pub fn parameters(experiment: &Experiment) -> Value {
     if let Some(shear) = &scene.domain.shear {
         domain["shear"] = json!({ "rate": shear.rate, "offset": shear.start });
     }
+    if let Some(orbit) = scene.domain.orbit() {
+        domain["shear"]["orbit"] = json!({ "rate": orbit.rate, "vertical_frequency": orbit.vertical_frequency });
+    }
     let mut value = json!({
         "domain": domain,
         "gravity": { "acceleration": three(&scene.gravity_alone()) },

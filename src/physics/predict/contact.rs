@@ -341,7 +341,7 @@ pub fn fastest_impact(experiment: &Experiment) -> f64 {
 /// depends on the speed at this value. It is the root of the sum of the squares of three speeds:
 ///
 /// * the mean speed of impact in a gas with the velocity fluctuation σ of the start, sqrt(π) σ (for listed particles,
-///   the largest speed), plus the speed of walls that move;
+///   the largest speed), plus the speed of walls that move, and of the shear of a box over a diameter;
 /// * the speed after a fall through half of the box;
 /// * the mean speed of impact at the agitation that a channel flow maintains.
 pub fn usual_impact(scene: &Scene, start: &[Population]) -> f64 {
@@ -350,9 +350,11 @@ pub fn usual_impact(scene: &Scene, start: &[Population]) -> f64 {
         Amount::Placed(placed) => placed.velocity.iter().map(|v| (v - frame).norm()).fold(0.0, f64::max),
         Amount::Count(_) => (PI / 3.0).sqrt() * population.velocity_fluctuation.norm(),
     });
-    let drawn = drawn.fold(AT_REST, f64::max) + scene.wall_speed();
+    let sheared = scene.domain.strain_rate() * scene.largest_diameter();
+    let drawn = drawn.fold(0.0, f64::max) + scene.wall_speed() + sheared;
     let gas = scene.fluid.as_ref().map_or(0.0, |fluid| fluid.profile.velocity(0.5 * scene.domain.size.y).abs());
-    (drawn * drawn + fall(scene) + PI * (AGITATION * gas).powi(2)).sqrt()
+    let speed = (drawn * drawn + fall(scene) + PI * (AGITATION * gas).powi(2)).sqrt();
+    if speed > 0.0 { speed } else { AT_REST }
 }
 
 /// [m²/s²] square of the speed after a fall from rest through half of the box, along the axes that are not periodic.

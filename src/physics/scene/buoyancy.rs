@@ -64,10 +64,11 @@ impl Scene {
     }
 
     /// True if kicks change the velocities of particles between two windows. Kicks come from drag, lift, a
-    /// thermostat, or the buoyancy of species of different densities.
+    /// thermostat, the forces of an orbit, or the buoyancy of species of different densities.
     pub fn is_kicked(&self) -> bool {
         let dragged = self.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some() || fluid.lift.is_some());
-        dragged || self.thermostat.is_some() || !self.differences_in_gravity().is_empty()
+        let driven = self.thermostat.is_some() || self.domain.orbit().is_some();
+        dragged || driven || !self.differences_in_gravity().is_empty()
     }
 
     /// [m/s²] acceleration of the particles of a species by weight and buoyancy.

@@ -15,7 +15,7 @@ impl Simulation {
     /// process alone.
     pub fn accelerate(&mut self, acceleration: impl Fn(usize) -> Vector3<f64> + Sync, duration: f64) {
         let began = self.clock.now();
-        let sums = accelerate(&mut self.particles, |index| acceleration(index) * duration);
+        let sums = accelerate(&mut self.particles, |index, _| acceleration(index) * duration);
         self.book_kick(sums, |drag_impulse, drag_work| Ledger { drag_impulse, drag_work, ..Ledger::default() });
         self.spent.drag += self.clock.now() - began;
     }

@@ -28,7 +28,7 @@ impl Simulation {
             let mean = Vector3::new(x, y, z) / all;
             work_sharing::for_each(changes.chunks_mut(CHUNK), |chunk| chunk.iter_mut().for_each(|one| *one -= mean));
         }
-        let sums = accelerate(&mut self.particles, |index| changes[index]);
+        let sums = accelerate(&mut self.particles, |index, _| changes[index]);
         self.book_kick(sums, |thermostat_impulse, thermostat_work| Ledger {
             thermostat_work,
             thermostat_impulse,

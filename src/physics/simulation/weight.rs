@@ -47,7 +47,7 @@ impl Simulation {
         let began = self.clock.now();
         let changes: Vec<Vector3<f64>> = differences.iter().map(|difference| difference * duration).collect();
         let species = std::mem::take(&mut self.particles.species);
-        let sums = accelerate(&mut self.particles, |index| changes[usize::from(species[index])]);
+        let sums = accelerate(&mut self.particles, |index, _| changes[usize::from(species[index])]);
         self.particles.species = species;
         self.book_kick(sums, |gravity_impulse, gravity_work| Ledger {
             gravity_impulse,
@@ -58,9 +58,12 @@ impl Simulation {
     }
 }
 
-/// Adds to the velocity of each particle a change [m/s], which `change` returns for the index of the particle. Returns
-/// sums over all particles: the impulse [kg m/s] along x, y and z, and the work [J].
-pub(super) fn accelerate(particles: &mut Particles, change: impl Fn(usize) -> Vector3<f64> + Sync) -> [ExactSum; 4] {
+/// Adds to the velocity of each particle a change [m/s], which `change` returns for its index and its velocity [m/s].
+/// Returns sums over all particles: the impulse [kg m/s] along x, y and z, and the work [J].
+pub(super) fn accelerate(
+    particles: &mut Particles,
+    change: impl Fn(usize, &Vector3<f64>) -> Vector3<f64> + Sync,
+) -> [ExactSum; 4] {
     let Particles { velocity, mass, .. } = particles;
     let chunks = velocity.chunks_mut(CHUNK).zip(mass.chunks(CHUNK)).enumerate();
     let each = |(chunk, (velocity, mass)): (usize, (&mut [Vector3<f64>], &[f64]))| {
@@ -69,7 +72,7 @@ pub(super) fn accelerate(particles: &mut Particles, change: impl Fn(usize) -> Ve
         for (first, (velocity, mass)) in (chunk * CHUNK..).step_by(BLOCK).zip(blocks) {
             let rows = &mut rows[..velocity.len()];
             for (index, ((v, m), row)) in (first..).zip(velocity.iter_mut().zip(mass).zip(&mut *rows)) {
-                let change = change(index);
+                let change = change(index, v);
                 *row = [change.x * m, change.y * m, change.z * m, m * change.dot(&(*v + 0.5 * change))];
                 *v += change;
             }

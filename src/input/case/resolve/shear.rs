@@ -3,8 +3,8 @@
 use super::Resolver;
 use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
-use crate::case::file::{CaseFile, DomainFile, ShearFile};
-use crate::domain::Domain;
+use crate::case::file::{CaseFile, DomainFile, OrbitFile, ShearFile};
+use crate::domain::{Domain, Orbit};
 use crate::scene::Scene;
 use nalgebra::Vector3;
 
@@ -32,7 +32,34 @@ impl Resolver {
             let help = "write `periodic = [\"x\", \"y\", \"z\"]` in [domain]";
             return Err(self.refuse_shear(shear, "needs a box that is periodic along all axes").help(help));
         }
-        Ok(domain.sheared(rate, offset))
+        let sheared = domain.sheared(rate, offset);
+        match &shear.value.orbit {
+            Some(orbit) => Ok(sheared.on_orbit(self.orbit(orbit, rate)?)),
+            None => Ok(sheared),
+        }
+    }
+
+    /// Reads the orbit of a box with the shear rate `shear` [1/s].
+    ///
+    /// # Errors
+    /// A rate of zero or out of range, or an orbit on which free motion is unstable.
+    fn orbit(&self, file: &Located<OrbitFile>, shear: f64) -> Result<Orbit, Diagnostic> {
+        let typed = self.need(&file.value.rate, "domain.shear.orbit.rate")?;
+        let rate = self.in_range(typed, "a rate such as \"1.3e-4 1/s\"")?;
+        if rate == 0.0 {
+            return Err(self.refuse(typed, "is no orbit").help("leave [domain.shear.orbit] out for a frame at rest"));
+        }
+        let vertical_frequency = match &file.value.vertical_frequency {
+            Some(frequency) => self.in_range(frequency, "a frequency, or 0 for none")?,
+            None => rate.abs(),
+        };
+        let orbit = Orbit { rate, vertical_frequency };
+        if orbit.square_of_epicyclic_frequency(shear) <= 0.0 {
+            let help = format!("around a point mass, domain.shear.rate is -3/2 of this: {:.6e} 1/s", -1.5 * rate);
+            let unstable = "makes free motion unstable: 2 rate (2 rate + domain.shear.rate) must be above 0";
+            return Err(self.refuse(typed, unstable).help(help));
+        }
+        Ok(orbit)
     }
 
     /// Refuses a sheared scene that has parts which cannot be sheared.
