@@ -49,7 +49,8 @@ pub fn in_prose(name: &str) -> String {
         "U" => "the mean velocity U".into(),
         "uu" | "vv" | "ww" => format!("the normal stress {name}"),
         "uv" => "the shear stress uv".into(),
-        other => other.into(),
+        "mean_spin_x" => "mean spin about x".into(),
+        other => other.replace('_', " "),
     }
 }
 
