@@ -241,10 +241,12 @@ fn ranges_are_those_that_messages_name() {
             // turbulence of a uniform gas needs both keys, and a law
             let eddies = (table.name == "fluid.turbulence")
                 .then(|| "fluid.turbulence={ kinetic_energy = 1, dissipation_rate = 1, langevin = {} }".to_owned());
+            // an orbit needs a shear
+            let shear = (table.name == "domain.shear.orbit").then(|| "domain.shear.rate=-1".to_owned());
             // a list needs an entry before a key of it can be set
             let knots = (table.name == "walls.motion.path")
                 .then(|| "walls[0].motion.path=[{ time = 0, displacement = [0, 0, 0] }]".to_owned());
-            let others = knots.into_iter().chain(others);
+            let others = knots.into_iter().chain(shear).chain(others);
             let sets: Vec<String> = others.chain(spring).chain(eddies).chain([format!("{path}={value}")]).collect();
             let told = told(&format!("{FULL}{law}"), &sets, Some(model));
             assert!(told.contains(&format!("allowed: {range}\n")), "{path} = {value}, {range}: {told}");

@@ -6,8 +6,8 @@ use serde::Serialize;
 /// Orbit of a sheared box about a distant mass, in Hill's approximation (Wisdom and Tremaine 1988, Astron. J. 95, 925).
 ///
 /// The box rotates about x at the rate Ω. The axis y points away from the mass, and z along the orbit. In the rotating
-/// frame, the Coriolis force and the tide along y accelerate a particle. With the mean flow γ y of the shear, the
-/// accelerations are dv_y/dt = 2 Ω (v_z - γ y) and dv_z/dt = -2 Ω v_y, so that the mean flow itself is a free motion.
+/// frame, the Coriolis force and the tide along y accelerate a particle: dv_y/dt = 2 Ω (v_z - γ y) and dv_z/dt =
+/// -2 Ω v_y. So the mean flow γ y of the shear is itself a free motion.
 /// The vertical force is dv_x/dt = -ν² (x - L_x/2), where L_x is the edge length along x.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Orbit {

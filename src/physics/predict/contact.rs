@@ -341,7 +341,7 @@ pub fn fastest_impact(experiment: &Experiment) -> f64 {
 /// depends on the speed at this value. It is the root of the sum of the squares of three speeds:
 ///
 /// * the mean speed of impact in a gas with the velocity fluctuation σ of the start, sqrt(π) σ (for listed particles,
-///   the largest speed), plus the speed of walls that move, and of the shear of a box over a diameter;
+///   the largest speed). The speeds of moving walls and of the shear over a diameter are added;
 /// * the speed after a fall through half of the box;
 /// * the mean speed of impact at the agitation that a channel flow maintains.
 pub fn usual_impact(scene: &Scene, start: &[Population]) -> f64 {

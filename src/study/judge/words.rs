@@ -50,7 +50,8 @@ pub fn in_prose(name: &str) -> String {
         "uu" | "vv" | "ww" => format!("the normal stress {name}"),
         "uv" => "the shear stress uv".into(),
         "mean_spin_x" => "mean spin about x".into(),
-        other => other.replace('_', " "),
+        "rotational_temperature" => "rotational temperature".into(),
+        other => other.into(),
     }
 }
 

@@ -16,7 +16,7 @@ impl Resolver {
     /// Adds the shear that the case gives to the box. A box without shear is returned unchanged.
     ///
     /// # Errors
-    /// A rate of zero or out of range, or a box that is not periodic along all axes.
+    /// A rate of zero or out of range, an orbit that cannot be, or a box that is not periodic along all axes.
     pub(super) fn sheared(&self, domain: Domain, file: &Located<DomainFile>) -> Result<Domain, Diagnostic> {
         let Some(shear) = &file.value.shear else { return Ok(domain) };
         let typed = self.need(&shear.value.rate, "domain.shear.rate")?;
@@ -28,15 +28,16 @@ impl Resolver {
             Some(offset) => self.in_range(offset, "a length, at most a period")?,
             None => 0.0,
         };
+        let orbit = shear.value.orbit.as_ref().map(|orbit| self.orbit(orbit, rate)).transpose()?;
         if domain.periodic != [true; 3] {
             let help = "write `periodic = [\"x\", \"y\", \"z\"]` in [domain]";
             return Err(self.refuse_shear(shear, "needs a box that is periodic along all axes").help(help));
         }
         let sheared = domain.sheared(rate, offset);
-        match &shear.value.orbit {
-            Some(orbit) => Ok(sheared.on_orbit(self.orbit(orbit, rate)?)),
-            None => Ok(sheared),
-        }
+        Ok(match orbit {
+            Some(orbit) => sheared.on_orbit(orbit),
+            None => sheared,
+        })
     }
 
     /// Reads the orbit of a box with the shear rate `shear` [1/s].
