@@ -4,7 +4,7 @@
 use super::rows::{Dot, RowsFigure, rows};
 use crate::output::panel::Figure;
 use crate::output::sensitivity::{Factor, SensitivityStudy, Shift};
-use crate::statistics::Answer;
+use crate::statistics::{Answer, slice_column};
 
 /// Figure with one row per factor; the most important factor is at the top. The list is empty without factors.
 pub fn sensitivity(study: &SensitivityStudy) -> Vec<Figure> {
@@ -42,10 +42,6 @@ fn symbol(name: &str) -> String {
         "wall impacts per time" => "wall impacts".into(),
         "mean velocity along z" => "velocity along z".into(),
         "height of the centre of mass" => "height".into(),
-        "uu" | "vv" | "ww" | "uv" => {
-            let factors: String = name.chars().flat_map(|c| [c, '″']).collect();
-            format!("⟨{factors}⟩")
-        }
-        other => other.into(),
+        other => slice_column(other).map_or(other, |column| column.symbol).into(),
     }
 }
