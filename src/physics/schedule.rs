@@ -23,7 +23,6 @@ use crate::predict::flow::terminal_slip;
 use crate::scene::{Scene, Species};
 use heat::heated_rate;
 use nalgebra::Vector3;
-use orbit::longest_for_orbit;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -107,9 +106,9 @@ impl Schedule {
         Self { window, windows_per_sample, samples, ..Self::default() }
     }
 
-    /// Schedule of an experiment. The experiment can give the longest window. Otherwise no window is longer than the
-    /// splitting of drag, buoyancy, turbulence, coupling, heat and orbits from the motion allows. Servo walls always limit it. The duration is a whole
-    /// number of the shortest windows.
+    /// Schedule of an experiment. The experiment can give the longest window. Otherwise the splitting of drag, buoyancy,
+    /// turbulence, coupling, heat and orbits from the motion limits it. Servo walls always limit it. The duration is a
+    /// whole number of the shortest windows.
     pub fn new(experiment: &Experiment) -> Self {
         let duration = experiment.run.duration;
         if duration <= 0.0 {
@@ -126,10 +125,9 @@ impl Schedule {
             let response = least(&mut drag.iter().map(|drag| drag.response));
             (least(&mut drag.iter().map(DragScales::longest_window)), response / SAMPLES_PER_RESPONSE)
         };
-        let allowed = allowed.min(longest_with_kicks_of_buoyancy(&experiment.scene));
+        let allowed = allowed.min(longest_with_kicks_of_buoyancy(&experiment.scene)).min(orbit::longest(experiment));
         let allowed = allowed.min(longest_for_eddies(experiment)).min(longest_for_coupling(experiment));
         let allowed = allowed.min(longest_for_thermostat(experiment)).min(longest_for_inlets(experiment));
-        let allowed = allowed.min(longest_for_orbit(experiment));
         let longest = experiment.run.window.unwrap_or(allowed).min(longest_for_servo(experiment)).min(duration);
         // windows are shortened if samples are requested more often than windows end
         let interval = experiment.statistics.sample_interval.unwrap_or(often.max(longest)).min(duration);

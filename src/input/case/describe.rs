@@ -71,6 +71,27 @@ fn run_in_words(experiment: &Experiment) -> String {
     text
 }
 
+/// Adds to `text` a line about the shear of the box, and one about its orbit.
+fn shear_in_words(text: &mut String, scene: &Scene) {
+    if let Some(shear) = &scene.domain.shear {
+        let speed = scene.domain.sliding();
+        let _ = writeln!(
+            text,
+            "Shear: {} 1/s along z, growing along y; images across y slide at {} m/s.",
+            short(shear.rate, 4),
+            short(speed, 4)
+        );
+    }
+    if let Some(orbit) = scene.domain.orbit() {
+        let _ = writeln!(
+            text,
+            "Orbit: {} 1/s about x, oscillations along x at {} 1/s.",
+            short(orbit.rate, 4),
+            short(orbit.vertical_frequency, 4)
+        );
+    }
+}
+
 /// Adds to `text` one line of description for each outlet and each inlet.
 fn openings_in_words(text: &mut String, scene: &Scene) {
     for outlet in &scene.outlets {
@@ -116,23 +137,7 @@ pub(crate) fn scene_in_words(experiment: &Experiment) -> String {
         length(size.y),
         length(size.z)
     );
-    if let Some(shear) = &scene.domain.shear {
-        let speed = scene.domain.sliding();
-        let _ = writeln!(
-            text,
-            "Shear: {} 1/s along z, growing along y; images across y slide at {} m/s.",
-            short(shear.rate, 4),
-            short(speed, 4)
-        );
-    }
-    if let Some(orbit) = scene.domain.orbit() {
-        let _ = writeln!(
-            text,
-            "Orbit: {} 1/s about x, oscillations along x at {} 1/s.",
-            short(orbit.rate, 4),
-            short(orbit.vertical_frequency, 4)
-        );
-    }
+    shear_in_words(&mut text, scene);
     if let Some(thermostat) = &scene.thermostat {
         let _ = match thermostat {
             Thermostat::Stochastic { heating } => writeln!(

@@ -418,10 +418,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             SpringKind::Twist => relative_angular.dot(&along) * motion.rolling_radius(),
         };
         // the normal turns: that of a pair at a known rate, that of a curved wall as it did in the step
-        let turns = match j {
-            Some(_) => met.slip().norm_squared() / (touch.reach + met.gap),
-            None => met.velocity.dot(&(met.normal - sliding.start.normal)) / dt,
-        };
+        let turned = met.velocity.dot(&(met.normal - sliding.start.normal)) / dt;
+        let turns = if j.is_some() { met.slip().norm_squared() / (touch.reach + met.gap) } else { turned };
         let normal_acceleration = relative.dot(&met.normal) + turns;
         let rate = spring.limit_rate(&self.engine.law, touch, met, (normal_acceleration, dt));
         let of_dashpot = constants.dashpot * (velocity_rate + spring.rates.dashpot * speed);
