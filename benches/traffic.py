@@ -45,17 +45,6 @@ def count(case, model, keys, out):
     return {name: counts.get(name, 0) for name in EVENTS}, json.loads((WORK / out / "summary.json").read_text())["variants"][0]
 
 
-def from_a_file(case, model, keys):
-    """A case like `case` that starts from a file. The random start is made on the real processor, since it takes long on a simulated one."""
-    measure.diptych(case, "traffic-start", model, {**keys, "run.duration": "0 s"}, 1, ["--save-state"])
-    random = ("count", "volume_fraction", "velocity_mean", "velocity_fluctuation")
-    lines = [line for line in case.read_text().splitlines() if not line.startswith(random)]
-    at = next(k for k, line in enumerate(lines) if line.startswith("use = \"particles/")) + 1
-    placed = WORK / "traffic.toml"
-    placed.write_text("\n".join([*lines[:at], 'file = "traffic-start/state.csv"', *lines[at:]]) + "\n")
-    return placed
-
-
 def row(name, unit, case, model, keys, spans, units):
     """Counts per unit of work between the runs of two durations [s]; `units` counts the units of a variant."""
     runs = [count(case, model, {**keys, "run.duration": f"{span} s"}, "traffic") for span in spans]
@@ -94,7 +83,7 @@ def rows_of(scene):
             yield f"{scene.upper()}, {model}", per_window[0], case, model, {"soft.stepping": "local"}, span, per_window[1]
     if scene == "dense":
         step = scenes_step()
-        case = from_a_file(HERE / "peers" / "dense.toml", "soft", {})
+        case = measure.from_a_file(HERE / "peers" / "dense.toml", "soft", {})
         keys = {"run.window": f"{20 * step} s", "statistics.sample_interval": f"{20 * step} s"}
         yield "dense, soft", "particle and step", case, "soft", keys, (20 * step, 120 * step), particle_steps(step)
     if scene == "crowd":
@@ -103,7 +92,7 @@ def rows_of(scene):
                 size = {f"domain.size[{axis}]": f"{crowds.edge(number, fraction)} m" for axis in range(3)}
                 # a collision per particle in the short run, three in the long one
                 span = number / crowds.collisions(number, fraction) * crowds.DIAMETER / crowds.SPEED / 2
-                case = from_a_file(HERE / "peers" / "hard.toml", "hard", {**size, "particles[0].volume_fraction": fraction})
+                case = measure.from_a_file(HERE / "peers" / "hard.toml", "hard", {**size, "particles[0].volume_fraction": fraction})
                 keys = {**size, "run.window": f"{span} s", "statistics.sample_interval": f"{span} s"}
                 name = f"hard spheres, φ = {fraction}, {number}"
                 yield name, "collision", case, "hard", keys, (span, 3 * span), collisions

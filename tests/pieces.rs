@@ -138,13 +138,15 @@ fn frames(place: &Path) -> Vec<(f64, Frame)> {
 fn add(file: &[u8], particles: &mut BTreeMap<u32, Vec<u8>>) {
     let ids = numbers(array(file, "id"), u32::from_le_bytes);
     assert!(ids.is_sorted());
+    let names = [("Points", 24), ("velocity", 24), ("radius", 8), ("species", 2), ("overlap", 8), ("contacts", 2)];
+    let arrays = names.iter().chain(&[("solver", 1)]).map(|(name, size)| {
+        let all = array(file, name);
+        assert_eq!(all.len(), size * ids.len(), "{name}");
+        all.chunks_exact(*size).collect::<Vec<_>>()
+    });
+    let arrays: Vec<_> = arrays.collect();
     for (k, id) in ids.iter().enumerate() {
-        let arrays = [("Points", 24), ("velocity", 24), ("radius", 8), ("species", 2), ("overlap", 8), ("contacts", 2)];
-        let one = arrays.iter().chain(&[("solver", 1)]).flat_map(|(name, size)| {
-            let all = array(file, name);
-            assert_eq!(all.len(), size * ids.len(), "{name}");
-            all[size * k..size * (k + 1)].to_vec()
-        });
+        let one = arrays.iter().flat_map(|of_all| of_all[k].to_vec());
         assert!(particles.insert(*id, one.collect()).is_none(), "{id} is in two pieces");
     }
 }

@@ -57,9 +57,11 @@ fn watched(experiment: &Experiment, folder: &Folder, asked: Trajectories) -> (di
 
 /// Bytes of an array in a VTK file.
 pub fn array<'a>(file: &'a [u8], name: &str) -> &'a [u8] {
-    let mark = b"<AppendedData encoding=\"raw\">\n_";
-    let begin = file.windows(mark.len()).position(|window| window == mark).unwrap();
-    let header = std::str::from_utf8(&file[..begin]).unwrap();
+    let mark = "<AppendedData encoding=\"raw\">\n_";
+    // the text of the header reaches to the first byte that is no text, which is one of the data
+    let text = file.utf8_chunks().next().unwrap().valid();
+    let begin = text.find(mark).unwrap();
+    let header = &text[..begin];
     let line =
         header.lines().find(|line| line.contains(&format!("Name=\"{name}\""))).unwrap_or_else(|| panic!("{name}"));
     let offset: usize = line.split("offset=\"").nth(1).unwrap().split('"').next().unwrap().parse().unwrap();

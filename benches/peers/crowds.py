@@ -11,6 +11,7 @@ import math
 import os
 import re
 import shutil
+import statistics
 import subprocess
 import sys
 from pathlib import Path
@@ -39,9 +40,10 @@ def edge(count, fraction):
     return DIAMETER * (count * math.pi / 6 / fraction) ** (1 / 3)
 
 
-def processor_time(command, folder):
+def processor_time(command, folder, variables=None):
     """[s] of a command on core 0, without what the system does for it, and its greatest resident memory [byte]."""
-    process = subprocess.Popen(["taskset", "-c", "0", *map(str, command)], cwd=folder, stdout=subprocess.DEVNULL)
+    environment = {**os.environ, **(variables or {})}
+    process = subprocess.Popen(["taskset", "-c", "0", *map(str, command)], cwd=folder, env=environment, stdout=subprocess.DEVNULL)
     _, status, usage = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
     if process.returncode != 0:
@@ -49,12 +51,17 @@ def processor_time(command, folder):
     return usage.ru_utime, usage.ru_maxrss * 1024
 
 
-def ours(case, count, fraction, time, keys=()):
-    """Processor time [s] and memory [byte] of a run of `time` [s] in one window of four, or of one window if it is a quarter."""
-    size = [word for axis in range(3) for word in ("--set", f"domain.size[{axis}]={edge(count, fraction)} m")]
-    words = ["run", HERE / case, "--threads", 1, "--quiet", "--overwrite", "--out", WORK / "crowd", *size]
-    words += ["--set", f"particles[0].volume_fraction={fraction}", "--set", f"run.duration={time} s", *keys]
-    return processor_time([measure.BINARY, *words], WORK)
+def size(count, fraction):
+    """Settings of a cube with so many spheres."""
+    return {f"domain.size[{axis}]": f"{edge(count, fraction)} m" for axis in range(3)}
+
+
+def ours(case, count, fraction, time, keys=(), variables=None):
+    """Processor time [s] and memory [byte] of a run of `time` [s]. The case has a random start, or is one of `measure.from_a_file`."""
+    words = ["run", HERE / case, "--threads", 1, "--quiet", "--overwrite", "--out", WORK / "crowd", *measure.settings(size(count, fraction))]
+    if HERE in (HERE / case).parents:
+        words += ["--set", f"particles[0].volume_fraction={fraction}"]
+    return processor_time([measure.BINARY, *words, "--set", f"run.duration={time} s", *keys], WORK, variables)
 
 
 def positions(count, fraction):
@@ -113,29 +120,45 @@ def beside_edmd(rounds):
         print(f"| {fraction} | {count} | {columns[0]} | {columns[1]} | {measure.spread(ratio, '.2f')} |", flush=True)
 
 
-def growth(rounds):
-    """What a particle costs where there are more of them, and how much memory it takes."""
-    print("| model | volume fraction | particles | µs of processor time per particle and d/sqrt(T), median [range] | over the smallest | bytes per particle |")
-    print("|---|---|---|---|---|---|")
+# A program that uses the allocator of glibc (2.35 or newer) asks for pages of 2 MB if this variable is set, and the system allows it.
+LARGE_PAGES = {"GLIBC_TUNABLES": "glibc.malloc.hugetlb=1"}
+
+
+def growth(rounds, counts, window, fractions=(0.3, 0.5)):
+    """Cost of a particle in small and in large crowds, with pages of usual size and of 2 MB, and memory. Windows have the length `window`
+    [d/sqrt(T)], one in the short run and five in the long one."""
+    print("| model | volume fraction | particles | µs of processor time per particle and d/sqrt(T), median [range] | over the smallest "
+          "| with pages of 2 MB | over pages of usual size | bytes per particle |")
+    print("|---|---|---|---|---|---|---|---|")
     unit = DIAMETER / SPEED
     for model, case in (("hard", "hard.toml"), ("soft", "dense.toml")):
-        for fraction in (0.3, 0.5):
+        for fraction in fractions:
             smallest = None
-            for count in (10_000, 100_000, 1_000_000):
+            for count in counts:
                 # elastic: a gas that cools costs less the longer it is looked at; windows of one length for all: each ends with a sample
-                keys = ["--model", model, "--set", "contact.restitution=1", "--set", f"run.window={0.25 * unit} s"]
-                keys += ["--set", f"statistics.sample_interval={0.25 * unit} s"]
-                few = ours(case, 1000, fraction, 1.25 * unit, keys)[1]
-                costs, memory = [], 0
+                start = {**size(count, fraction), "particles[0].volume_fraction": fraction}
+                placed = measure.from_a_file(HERE / case, model, start)
+                keys = ["--model", model, "--set", "contact.restitution=1", "--set", f"run.window={window * unit} s"]
+                keys += ["--set", f"statistics.sample_interval={window * unit} s"]
+                few = ours(case, 1000, fraction, window * unit, keys)[1]
+                memory = []
+
+                def cost(variables):
+                    short, long = [ours(placed, count, fraction, time * window * unit, keys, variables) for time in (1, 5)]
+                    memory.append(long[1])
+                    return (long[0] - short[0]) / count / (4 * window) * 1e6
+
                 # a small crowd is done within a tenth of a second, which scatters
-                for _ in range(rounds * max(1, 100_000 // count)):
-                    short, long = [ours(case, count, fraction, time * unit, keys) for time in (0.25, 1.25)]
-                    costs.append((long[0] - short[0]) / count * 1e6)
-                    memory = max(memory, long[1])
-                median = sorted(costs)[len(costs) // 2]
+                contestants = {"usual": lambda: cost({}), "large": lambda: cost(LARGE_PAGES)}
+                costs = measure.in_turn(rounds * max(1, 100_000 // count), contestants)
+                median = statistics.median(costs["usual"])
                 smallest = smallest or median
-                per = (memory - few) / (count - 1000)
+                ratio = [large / usual for usual, large in zip(costs["usual"], costs["large"])]
+                per = (max(memory) - few) / (count - 1000)
                 scene = f"{count} {model} spheres, volume fraction {fraction}"
-                measure.save(scene, "ours", "processor time per particle and d/sqrt(T)", "us", costs)
+                measure.save(scene, "ours", "processor time per particle and d/sqrt(T)", "us", costs["usual"])
+                measure.save(scene, "ours, pages of 2 MB", "processor time per particle and d/sqrt(T)", "us", costs["large"])
+                measure.save(scene, "ours, pages of 2 MB", "processor time over that with pages of usual size", "-", ratio)
                 measure.save(scene, "ours", "memory per particle", "byte", [per])
-                print(f"| {model} | {fraction} | {count} | {measure.spread(costs)} | {median / smallest:.2f} | {per:.0f} |", flush=True)
+                print(f"| {model} | {fraction} | {count} | {measure.spread(costs['usual'])} | {median / smallest:.2f} "
+                      f"| {measure.spread(costs['large'])} | {measure.spread(ratio, '.2f')} | {per:.0f} |", flush=True)

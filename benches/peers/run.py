@@ -2,10 +2,10 @@
 """Speed beside LAMMPS, LIGGGHTS and EDMD: the same scenes from the same starts, one thread each on one core, in turn.
 
     apt-get install lammps liggghts python3
-    benches/peers/run.py [ROUNDS] [s1] [d] [f] [dense] [rough] [hard] [growth]
+    benches/peers/run.py [ROUNDS] [s1] [d] [f] [dense] [rough] [hard] [growth] [large]
 
 README.md beside this file says what is compared and what is not equal. Prints ratios and adds them to target/peers/results.csv, from which ../page.py makes tables; a peer that is not
-installed is left out; LAMMPS is needed for all but `hard` (EDMD, see crowds.py) and `growth` (ours alone).
+installed is left out; LAMMPS is needed for all but `hard` (EDMD, see crowds.py), and `growth` and `large` (10⁷ spheres), which are ours alone.
 """
 import os
 import shutil
@@ -160,9 +160,9 @@ def main():
     words = sys.argv[1:]
     rounds = next((int(word) for word in words if word.isdigit()), 5)
     wanted = [word.lower() for word in words if not word.isdigit()] or [*WITH_LAMMPS, "hard", "growth"]
-    unknown = [word for word in wanted if word not in (*WITH_LAMMPS, "hard", "growth")]
+    unknown = [word for word in wanted if word not in (*WITH_LAMMPS, "hard", "growth", "large")]
     if unknown or rounds < 1:
-        sys.exit(f"usage: benches/peers/run.py [ROUNDS] [s1] [d] [f] [dense] [rough] [hard] [growth]; not understood: {' '.join(unknown) or rounds}")
+        sys.exit(f"usage: benches/peers/run.py [ROUNDS] [s1] [d] [f] [dense] [rough] [hard] [growth] [large]; not understood: {' '.join(unknown) or rounds}")
     if not shutil.which("lmp") and any(scene in wanted for scene in WITH_LAMMPS):
         sys.exit("lmp is not here: apt-get install lammps")
     measure.build()
@@ -178,7 +178,10 @@ def main():
     if "hard" in wanted:
         crowds.beside_edmd(rounds)
     if "growth" in wanted:
-        crowds.growth(rounds)
+        crowds.growth(rounds, (10_000, 100_000, 1_000_000), 0.25)
+    if "large" in wanted:
+        # short windows, since ten million spheres take minutes for each; a dense start of so many would take an hour
+        crowds.growth(rounds, (10_000, 10_000_000), 0.05, (0.3,))
 
 
 if __name__ == "__main__":

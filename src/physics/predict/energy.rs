@@ -14,6 +14,7 @@ use crate::record::Record;
 use crate::scene::{Scene, Species};
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
+use std::sync::OnceLock;
 
 /// [-] growth of energy that counts as rounding, divided by the sum of all energies in the ledger (energy balance). It
 /// corresponds to a million additions, each rounded at 1e-16 of the sum.
@@ -129,12 +130,9 @@ pub fn broken_contract(experiment: &Experiment, particles: usize) -> Option<Fail
 ///   0.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Bound {
-    /// [-] largest relative energy gain g of any contact (see [`Bound`]) in local stepping, in which time steps move
-    /// only particles in contact.
-    local: f64,
-    /// [-] largest relative energy gain g of any contact (see [`Bound`]) in uniform stepping, in which time steps move
-    /// all particles.
-    uniform: f64,
+    /// Largest relative energy gains g of all contacts (see [`Bound`]). Stored states do not contain them.
+    #[serde(skip)]
+    gains: Gains,
     /// [-] largest relative energy error s of an impact at a wall whose normal jumps, such as a mesh (see [`Bound`]).
     seams: f64,
     /// [kg] half of the largest effective mass M of two particles.
@@ -160,17 +158,15 @@ impl Bound {
     /// contain only the particles of one process. `None` without a contact law.
     pub fn new(experiment: &Experiment, (start, count): (&Sample, usize), step: f64) -> Option<Self> {
         let (law, speed) = (experiment.law()?, fastest_impact(experiment));
-        let contacts = contacts(&experiment.scene, count);
-        let largest = |scheme: Scheme| {
-            let gains = contacts.iter().map(|contact| gain(scheme, &law, &law.between(&contact.bodies), [speed, step]));
-            gains.fold(0.0, f64::max)
-        };
+        // a run that is resumed in parts has no particles yet when its simulation is made
+        let contacts = contacts(&experiment.scene, count.max(experiment.count()));
         let heaviest = |wall: bool| {
             let of = contacts.iter().filter(|contact| contact.wall.is_some() == wall);
             of.map(|contact| 0.5 * contact.bodies.effective_mass).fold(0.0, f64::max)
         };
-        let local = largest(Scheme::of(experiment.soft.integrator, SoftStepping::Local));
-        let uniform = schemes(experiment).into_iter().map(largest).fold(0.0, f64::max);
+        let springs = contacts.iter().map(|contact| law.between(&contact.bodies)).collect();
+        let schemes = [vec![Scheme::of(experiment.soft.integrator, SoftStepping::Local)], schemes(experiment)];
+        let gains = Gains { contacts: Some((law, springs, [speed, step])), schemes, largest: Default::default() };
         let seam = |contact: &PossibleContact| {
             let wall = contact.wall.map_or(0.0, |wall| experiment.scene.walls[wall].geometry.seam());
             2.0 * wall * law.frequency(&law.between(&contact.bodies), speed) * step
@@ -182,8 +178,7 @@ impl Bound {
         let rounding = ROUNDED * f64::EPSILON * experiment.scene.domain.size.amax() / step;
         let remedy = remedy(experiment, &contacts, &law, step);
         Some(Self {
-            local,
-            uniform,
+            gains,
             seams,
             pair: heaviest(false),
             wall: heaviest(true),
@@ -193,6 +188,12 @@ impl Bound {
             elastic_at_start,
             remedy,
         })
+    }
+
+    /// Adds to this bound, read from a stored state, the data that are not stored. They come from `new`, the bound of an
+    /// equal experiment.
+    pub fn completed(self, new: Option<Self>) -> Self {
+        Self { gains: new.map(|new| new.gains).unwrap_or_default(), ..self }
     }
 
     /// [J] elastic energy of the contacts that overlap at the start.
@@ -212,16 +213,45 @@ impl Bound {
         let at_walls = self.wall * record.walls.normal_speed.sum_of_squares();
         let ended = self.pair * record.pairs.normal_speed.sum_of_squares() + at_walls;
         let through = ledger.through(self.start) + ledger.dissipated();
-        let gain = if uniform { self.uniform } else { self.local };
         // the virial is the force times a distance of two radii
         let impulse = ledger.wall_normal_impulse + ledger.pair_virial.trace().abs() / self.smallest;
         let rounding = ROUNDING * through + self.rounding * impulse;
-        let explained =
-            gain * (ended + energy) + self.seams * at_walls + self.elastic_at_start.abs() + elastic.abs() + rounding;
+        let mut explained = self.seams * at_walls + self.elastic_at_start.abs() + elastic.abs() + rounding;
         if grown <= explained || grown.is_nan() {
             return Ok(());
         }
+        explained += self.gains.largest(uniform) * (ended + energy);
+        if grown <= explained {
+            return Ok(());
+        }
         Err(Failure::EnergyGrew { time, grown, explained, remedy: self.remedy.clone() })
+    }
+}
+
+/// Largest relative energy gains g (see [`Bound`]) of all contacts of a scene. They are computed when they are first
+/// needed, because this takes milliseconds, and runs that lose energy do not need them.
+#[derive(Clone, Debug, Default)]
+struct Gains {
+    /// Contact law, constants of all kinds of contacts, normal speed [m/s] of impacts, and longest time step [s].
+    contacts: Option<(ContactLaw, Vec<Spring>, [f64; 2])>,
+    /// Integration schemes of local stepping (time steps move only particles in contact), and of uniform stepping (time
+    /// steps move all particles).
+    schemes: [Vec<Scheme>; 2],
+    /// [-] largest gains with the schemes of local stepping, and with those of uniform stepping.
+    largest: [OnceLock<f64>; 2],
+}
+
+impl Gains {
+    /// [-] largest gain of any contact in uniform stepping if `uniform` is true, otherwise in local stepping.
+    fn largest(&self, uniform: bool) -> f64 {
+        let stepping = usize::from(uniform);
+        let of = |scheme: &Scheme| {
+            let contacts = self.contacts.iter();
+            let gains =
+                contacts.flat_map(|(law, springs, at)| springs.iter().map(|spring| gain(*scheme, law, spring, *at)));
+            gains.fold(0.0, f64::max)
+        };
+        *self.largest[stepping].get_or_init(|| self.schemes[stepping].iter().map(of).fold(0.0, f64::max))
     }
 }
 

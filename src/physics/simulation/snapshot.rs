@@ -110,6 +110,7 @@ impl Simulation {
         let mut run = Self { particles, record, time, windows, spent, totals, by_walls, ..self };
         run.set_servo_states(&servo);
         run.scene.move_to(time);
+        let bound = bound.map(|bound| bound.completed(run.bound.take()));
         Ok(Self { half_kicked, bound, unseen, through_flow, ..run })
     }
 }

@@ -420,17 +420,16 @@ impl Contacts {
     /// Adds powers and forces of the last evaluation to the sums, after all processes have agreed that these forces
     /// act. If half of their kick is applied in the next window, stores the sums for it.
     pub fn count(&mut self, at: EvaluationTime, ghosts: &dyn GhostExchange) {
-        let mut due = ContactSums::default();
         for ContactBlock { sums, .. } in &self.blocks {
             self.total.add(&sums.rows, at.weight);
-            if at.leaves_half {
-                due.add(&sums.rows, 1.0);
-            }
         }
+        (self.rates, self.losses) = (Rates::default(), FrictionLosses::default());
         if at.leaves_half {
+            let mut due = ContactSums::default();
+            self.blocks.iter().for_each(|block| due.add(&block.sums.rows, 1.0));
             ghosts.gather(&mut due);
+            (self.rates, self.losses) = (due.rates(), due.friction_losses());
         }
-        (self.rates, self.losses) = (due.rates(), due.friction_losses());
     }
 
     /// Records the sums over all steps of `dt` [s] since the last call. Of several processes, only the lead process
