@@ -140,12 +140,11 @@ def growth(rounds, counts, window, fractions=(0.3, 0.5)):
                 placed = measure.from_a_file(HERE / case, model, start)
                 keys = ["--model", model, "--set", "contact.restitution=1", "--set", f"run.window={window * unit} s"]
                 keys += ["--set", f"statistics.sample_interval={window * unit} s"]
-                few = ours(case, 1000, fraction, window * unit, keys)[1]
-                memory = []
+                # memory without that of reading a file
+                few, many = [ours(case, number, fraction, window * unit, keys)[1] for number in (1000, count)]
 
                 def cost(variables):
                     short, long = [ours(placed, count, fraction, time * window * unit, keys, variables) for time in (1, 5)]
-                    memory.append(long[1])
                     return (long[0] - short[0]) / count / (4 * window) * 1e6
 
                 # a small crowd is done within a tenth of a second, which scatters
@@ -154,7 +153,7 @@ def growth(rounds, counts, window, fractions=(0.3, 0.5)):
                 median = statistics.median(costs["usual"])
                 smallest = smallest or median
                 ratio = [large / usual for usual, large in zip(costs["usual"], costs["large"])]
-                per = (max(memory) - few) / (count - 1000)
+                per = (many - few) / (count - 1000)
                 scene = f"{count} {model} spheres, volume fraction {fraction}"
                 measure.save(scene, "ours", "processor time per particle and d/sqrt(T)", "us", costs["usual"])
                 measure.save(scene, "ours, pages of 2 MB", "processor time per particle and d/sqrt(T)", "us", costs["large"])

@@ -1,4 +1,4 @@
-//! The folders `cases` and `models` are built into the program: what is added to them is to be seen by the next build.
+//! Tells cargo to compile again after a change in the folders `cases` or `models`, which are built into the program.
 
 fn main() {
     println!("cargo:rerun-if-changed=../../cases");

@@ -46,9 +46,9 @@ pub struct Live {
     pub residual: f64,
     /// [J] energy that all particles together gain in a fall by one diameter each; 0 without gravity.
     pub fall: f64,
-    /// Number of impacts between particles that have ended.
+    /// Number of finished impacts between particles.
     pub pairs: u64,
-    /// Number of impacts of particles on walls that have ended.
+    /// Number of finished impacts of particles on walls.
     pub walls: u64,
     /// [-] realised restitution as root mean square over all impacts, of pairs and at walls; `None` without an impact.
     pub restitution: Option<f64>,

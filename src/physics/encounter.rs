@@ -94,8 +94,8 @@ pub struct FrameTime {
 }
 
 impl FrameTime {
-    /// Creates a `FrameTime` at the time of the particle store. The positions in the store are relative to the walls.
-    /// The velocities in the store lack the velocity g t of a free fall of `time` [s].
+    /// Creates a `FrameTime` at the time of the particle store. Positions in the store include the fall with gravity.
+    /// Velocities in the store do not yet include g t, the change of velocity by a free fall of `time` [s].
     pub fn fallen(time: f64) -> Self {
         Self { fallen: time, ..Self::default() }
     }

@@ -330,7 +330,7 @@ impl AxisRange {
         (low - half, high + half)
     }
 
-    /// Range from a whole power of ten to another one, with at least one decade between them.
+    /// Smallest range between whole powers of ten that contains this range and spans at least one decade.
     fn decades(self) -> (f64, f64) {
         let (low, high) = (self.0.log10().floor(), self.1.log10().ceil());
         (10f64.powf(low), 10f64.powf(high.max(low + 1.0)))

@@ -10,8 +10,8 @@ const FIRST_NODE: f64 = 0.05;
 /// [-] weight of the newly computed k and ε in the next iterate; the previous values have the remaining weight.
 const RELAXATION: f64 = 0.7;
 
-/// Faces of cells, as fractions of h from 0 at the wall to 1. The widths of the cells grow by a constant factor from
-/// the wall. More cells refine the grid evenly.
+/// Faces of cells, as distances from the wall over the half height h of the channel, from 0 to 1. Each cell is wider
+/// than the one before by a constant factor. The width of the first cell is inversely proportional to `cells`.
 pub(super) fn faces(cells: usize, reynolds_tau: f64) -> Vec<f64> {
     let first = 2.0 * FIRST_NODE / reynolds_tau * CELLS as f64 / cells as f64;
     let sum = |growth: f64| (growth.powi(cells as i32) - 1.0) / (growth - 1.0);

@@ -74,7 +74,7 @@ impl Lanes for FourLanes {
     }
 }
 
-/// Comparison with vectors of eight numbers, for processors with AVX2 instructions.
+/// Comparison of one ball with eight others by processor vectors of eight numbers (AVX2 instructions).
 #[cfg(target_arch = "x86_64")]
 pub mod eight {
     use super::{Lanes, Spots, first};

@@ -59,9 +59,9 @@ pub struct Row {
     pub sonine: Option<Sonine>,
     /// [kg m/s] momentum of all particles.
     pub momentum: Vector3<f64>,
-    /// Number of impacts between particles that have ended since the start.
+    /// Number of finished impacts between particles since the start.
     pub pair_impacts: u64,
-    /// Number of impacts on walls that have ended since the start.
+    /// Number of finished impacts on walls since the start.
     pub wall_impacts: u64,
     /// [-] coordination number: number of present contacts per particle, with other particles and with walls. It is 0
     /// if contacts have no duration.

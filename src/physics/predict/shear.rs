@@ -20,7 +20,8 @@ const STRESS_CHANGE: f64 = 0.4;
 /// It is the largest share in the measurements of [`STRESS_CHANGE`] at a volume fraction of 0.3.
 const LONGEST: f64 = 0.5;
 
-/// Predictions for spheres in a sheared box that depend on their contacts.
+/// Predictions for soft spheres in a sheared box: ratios of time scales, and the difference of the shear stress from
+/// that of hard spheres.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ShearPrediction {
     /// [1/s] shear rate γ of the box.

@@ -32,7 +32,7 @@ impl Between {
 /// Sums over the impacts between two kinds of bodies, each a species of particles or a wall.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MeetingTotals {
-    /// Number of impacts between the two kinds that have ended.
+    /// Number of finished impacts between the two kinds.
     pub count: u64,
     /// [m/s] sum of the normal speeds of approach.
     pub speed: f64,

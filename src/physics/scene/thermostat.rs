@@ -33,8 +33,8 @@ impl Thermostat {
         }
     }
 
-    /// [m²/s²] granular temperature T of the steady state of a gas whose collisions take the share `cooling` sqrt(T) [1/s]
-    /// of T per time; infinite if `cooling` [1/m] is 0.
+    /// [m²/s²] granular temperature T at which heating balances collisions, which reduce T at the rate `cooling`
+    /// T^(3/2). It is infinite if `cooling` [1/m] is 0.
     pub fn steady_temperature(&self, cooling: f64) -> f64 {
         match self {
             // heating = cooling T^(3/2)

@@ -61,7 +61,7 @@ impl SchedulePosition {
         ((self.done / windows + 1) * windows) as f64 * self.schedule.window
     }
 
-    /// True if the run has reached the end of its schedule. A run beyond the end has windows of the last length.
+    /// True if the run is exactly at the end of its schedule.
     pub fn is_over(&self) -> bool {
         self.done == self.schedule.length()
     }

@@ -94,7 +94,8 @@ impl OpeningFlow {
 /// Particles that have come in and left since the start of a run, and the id of the next particle that comes in.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ThroughFlow {
-    /// Smallest id that no particle has had; `None` after the largest number of 32 bits, when no particle comes in any more.
+    /// Id of the next particle that comes in: the largest id so far plus one. `None` if 32 bits cannot hold this
+    /// number; no particle comes in then.
     next_id: Option<u32>,
     /// Flow through each outlet of the scene.
     pub outlets: Vec<OpeningFlow>,
@@ -122,7 +123,8 @@ impl ThroughFlow {
         self.cut.value()
     }
 
-    /// Smallest id that no particle has had; `None` after the largest number of 32 bits.
+    /// Id of the next particle that comes in: the largest id so far plus one. `None` if 32 bits cannot hold this
+    /// number.
     pub(super) fn next_id(&self) -> Option<u32> {
         self.next_id
     }

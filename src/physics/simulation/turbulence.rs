@@ -13,8 +13,8 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 
 impl Simulation {
-    /// Number of the kick at the end of the last window, from which its random numbers are drawn. The half-kick for
-    /// observers has an equal number, because it is undone before the whole kick.
+    /// Number of the kick that follows the last completed window. The random numbers of the kick depend on it. A
+    /// half-kick for observers uses the same number, because it is undone before the kick itself.
     pub(super) fn number_of_kick(&self) -> u64 {
         2 * self.windows
     }

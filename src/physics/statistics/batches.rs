@@ -238,7 +238,8 @@ pub enum Correlation {
 pub struct Prior {
     /// [-] mean of the correlations over all components.
     mean: f64,
-    /// [-] true variance of the correlations between components: their measured variance minus that due to chance.
+    /// [-] variance of the true correlation from component to component: the variance of the measured correlations
+    /// minus the part due to chance.
     between: f64,
 }
 

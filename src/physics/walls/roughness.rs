@@ -44,8 +44,8 @@ impl WallRoughness {
     pub fn facet(&self, impact: &WallApproach, restitution: impl Fn(f64) -> f64) -> Vector3<f64> {
         /// [-] tilt over Δγ that is taken as the largest expected one: the probability of larger tilts is exp(-50).
         const FAR: f64 = 10.0;
-        /// Largest number of facets that are drawn for one impact. Even at normal incidence with e = 0.01 and Δγ = 0.6,
-        /// the sphere leaves the wall by one facet in 72.
+        /// Largest number of random facets that are tried for one impact. Even at normal incidence with e = 0.01 and Δγ
+        /// = 0.6, one facet in 72 lets the sphere leave the wall.
         const MOST: u32 = 100_000;
         let WallApproach { velocity, normal, id, wall } = *impact;
         if velocity.dot(&normal) >= 0.0 {

@@ -171,10 +171,10 @@ impl Geometry for OppositeBowl {
     }
 }
 
-/// [s] first time t >= 0 at which a t² + 2 b t + c becomes positive; `None` if it never does. The expression is
-/// negative while the sphere does not touch the wall. At a touch (c = 0 up to rounding) the time is 0 if b exceeds
-/// `resolution`. If b is below `-resolution`, the time is that of the touch on the other side. For values between, the
-/// sphere slides, and touches as soon as its approach exceeds `resolution`.
+/// [s] first time t >= 0 at which a sphere inside a round wall touches the wall: when a t² + 2 b t + c becomes
+/// positive. `None` if there is no touch. With c >= 0 the sphere touches already. The time is then 0 if it moves into
+/// the wall (b > `resolution`). If it moves away (b < -`resolution`), it is the time of the touch on the other side.
+/// Otherwise the sphere slides along the wall, and the time is that at which a t + b reaches 2 `resolution`.
 fn first_way_out(a: f64, b: f64, c: f64, resolution: f64) -> Option<f64> {
     if c >= 0.0 {
         return if b > resolution {

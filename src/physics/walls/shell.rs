@@ -84,9 +84,10 @@ impl FlightAcrossShell {
         self.rises(&way, size, until)
     }
 
-    /// [s] times at which the centre comes within r = `radius` [m] of a rim, which is a circle about the axis. The
-    /// circle is given by its radius R [m] and its coordinate along the axis [m]. With d² = ρ² + z², z counted from the
-    /// circle, the touch is the time at which 4 R² ρ² rises to (d² + R² - r²)². For R = 0 the circle is a point.
+    /// [s] times at which the distance of the centre from a rim falls to r = `radius` [m]. The rim is a circle about
+    /// the axis, given by its radius R [m] and its coordinate along the axis [m]. Let ρ be the distance of the centre
+    /// from the axis, z that from the plane of the rim, and d² = ρ² + z². At a touch 4 R² ρ² rises to (d² + R² - r²)².
+    /// For R = 0 the rim is a point.
     fn rim(&self, (rim, at): (f64, f64), radius: f64, until: f64) -> Vec<f64> {
         let along = [self.along[0] - at, self.along[1], self.along[2]];
         let mut apart = self.out.to_vec();

@@ -52,8 +52,7 @@ pub enum Message {
     Free(usize),
     /// Helper to lead: the run with this index has reached this simulated time [s].
     At(usize, f64),
-    /// Helper to lead: the run with this index has ended, with this result as bytes. `None` if it was stopped before it
-    /// had ended.
+    /// Helper to lead: the run with this index is over. The bytes are its result; `None` if the run was stopped early.
     Done(usize, Result<Option<Vec<u8>>, StudyError>),
     /// Helper to lead: the helper can do no run, for this reason.
     Failed(String),

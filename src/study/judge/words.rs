@@ -153,7 +153,7 @@ fn unresolved(comparison: &Comparison, across: &str, needed: &impl Fn(f64) -> St
     let widest = open().max_by(|a, b| a.reached.total_cmp(&b.reached)).unwrap_or(worst);
     let blindest = comparison.judged.iter().max_by(|a, b| a.detectable.total_cmp(&b.detectable)).unwrap_or(worst);
     format!(
-        "unresolved, neither equal within {limit} nor different: no difference is seen beyond the margin, and the smallest uniform one that these runs could see is {} of {} (in {}); one of up to {} of {} may be left{} (in {}).{smooth} {advice}",
+        "unresolved, neither equal within {limit} nor different: no difference is seen beyond the margin, and the smallest uniform difference that these runs could have shown is {} of {} (in {}); one of up to {} of {} may be left{} (in {}).{smooth} {advice}",
         percent(blindest.detectable),
         blindest.tested.scale_is,
         in_prose(&blindest.tested.name),

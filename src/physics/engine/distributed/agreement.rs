@@ -76,9 +76,9 @@ impl<C> Domains<C> {
         !failed && agree_with(islands, |index| view.is_mine(index), &heard)
     }
 
-    /// Derives the joint decision of all processes about a part, and adapts the distance from which particles are
-    /// borrowed. `opinion` is the result of this process. `half_period` [m] is half the shortest period of the box, and
-    /// `size` [m] its longest edge.
+    /// Derives the joint decision of all processes about a part (piece of a window). Adapts the distance from which
+    /// this process copies particles of other processes. `opinion` is the result of this process. `half_period` [m] is
+    /// half the shortest period of the box, and `size` [m] its longest edge.
     fn vote(&mut self, opinion: &LocalStatus, half_period: f64, size: f64) -> PartDecision {
         let LocalStatus { reach, room, failed, agrees } = *opinion;
         let flag = |set: bool| if set { 1.0 } else { 0.0 };

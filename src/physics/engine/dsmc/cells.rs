@@ -39,7 +39,7 @@ const DENSEST: f64 = 0.74;
 /// within about a tenth of the cell.
 const LATTICE: usize = 6;
 
-/// Largest number of cells along an axis that is chosen; it limits the memory in a nearly empty box.
+/// Largest number of cells along an axis that the program chooses. It limits the memory in a nearly empty box.
 const MOST_CELLS: f64 = 1024.0;
 
 /// Number of cells that a thread treats as one piece of work.

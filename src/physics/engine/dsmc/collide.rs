@@ -20,7 +20,7 @@ pub struct CellState<'a> {
     pub particles: &'a Particles,
     /// Scene of the run.
     pub scene: &'a Scene,
-    /// Indices in the store of the particles in the cell.
+    /// Indices of the particles of this cell, as numbered in the particle store.
     pub members: &'a [u32],
     /// [m³] part of the cell's volume in which centres of particles can be.
     pub open: f64,

@@ -243,8 +243,8 @@ impl ContactBlock {
         self.near_walls.extend(slots.filter(|(_, free)| **free < until).map(|(slot, _)| slot));
     }
 
-    /// Finds the slots of walls that overlap. After a test has found a gap, the slot is not tested again until its
-    /// particle can have crossed this gap.
+    /// Finds the slots of particles that overlap a wall. After a test has found a gap, the slot is not tested again
+    /// until its particle can have crossed this gap.
     fn find_walls(&mut self, view: ContactSearch, overlapping: &mut Vec<u32>) {
         let ContactSearch { list, particles, scene, .. } = view;
         let (travelled, pairs) = (list.travelled(), list.pairs.len());
@@ -472,7 +472,8 @@ fn look_rotating(
     pushes.add_rotating(increment, torque);
 }
 
-/// Updates the state of a contact between bodies that do not rotate, and adds its force and powers to the results.
+/// Updates the state of a contact between bodies that do not rotate. Appends its force to the forces on particles, and
+/// its force and powers [W] to the rows for the exact sums.
 #[inline(always)]
 fn evaluate(
     (couple, constants, course): (&Couple, &ContactConstants, &mut ContactState),

@@ -106,8 +106,9 @@ impl PrescribedMotion {
         }
     }
 
-    /// Flight seen in the frame of the shape at `time` [s], as the parabola that has its place, velocity and
-    /// acceleration. In a rotating frame y'' = g - 2 ω × v + ω × (ω × r), with v in the frame at rest.
+    /// Flight in the frame of the shape: the parabola with the position, velocity and acceleration at `time` [s]. In a
+    /// rotating frame the acceleration is g - 2 ω × v + ω × (ω × r). Here v is the velocity in the frame at rest, and r
+    /// the position relative to the centre of rotation.
     pub(super) fn seen(&self, flight: &Flight, time: f64) -> Flight {
         let velocity = flight.velocity - self.velocity(&flight.position, time);
         let Self::Turning(turning @ Turning { center, spin }) = self else {

@@ -51,7 +51,8 @@ impl ForeignReader<'_> {
         Ok(self.dump_instant(lines, last)?.start)
     }
 
-    /// Reads the particles of one instant of a dump, whose items have already been read.
+    /// Reads the particles of one instant of a dump. `instant` contains the headings of this instant and their lines,
+    /// which have been found before.
     pub(super) fn dump_instant(&mut self, lines: &Lines, instant: &DumpFrame) -> Result<ForeignInstant, Diagnostic> {
         let (Some((count, _)), Some(header)) = (instant.count, instant.atoms) else {
             return Err(self.wrong(lines, instant.first, "this instant has no atoms", HELP));

@@ -129,8 +129,8 @@ impl Clusters<'_> {
         cluster.settled = Some(cluster.version);
     }
 
-    /// Computes the ball that contains a member of an island after the first touch. Returns the largest distance [m]
-    /// that the member may reach from the middle of its straight flight.
+    /// Computes the ball that contains a member of an island between the first touch in the island and the end of the
+    /// part. Returns the largest distance [m] of any point of the member from the middle of its straight flight.
     fn reach_out(&self, member: &mut Member) -> f64 {
         let (cluster, i) = (&self.list[member.cluster as usize], member.index as usize);
         member.flight = self.search.flights[i];

@@ -57,7 +57,7 @@ impl ContactBlock {
         }
     }
 
-    /// Removes the contacts with rough walls that have ended, and those that were expected to begin and did not.
+    /// Removes finished contacts with rough walls, and those that were expected to begin and did not.
     /// Appends their couples and rotation vectors [rad] to `left`.
     pub fn take_left_facets(&mut self, list: &NeighbourList, left: &mut Vec<(Couple, Vector3<f64>)>) {
         let FacetTurns { begun, ended } = &mut self.facets;

@@ -53,7 +53,8 @@ pub struct SlidingContact {
     mean: Vector3<f64>,
     /// [m] shear ξ at the present time of the island.
     pub(super) shear: Vector3<f64>,
-    /// Margins [N] or [m/s], at the start of the step and now. The phase ends when one of them becomes negative.
+    /// Distances from the conditions that end the phase, as a force [N] or a sliding speed [m/s]: at the start of the
+    /// step, and now. The phase ends when one of them becomes negative.
     margins: [[f64; 2]; 2],
 }
 
@@ -386,8 +387,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// [m/s] rate λ = v·e - d|ξ|/dt at which the surfaces of a contact slide. If it becomes negative, the contact
-    /// sticks.
+    /// [m/s] speed λ = v·e - d|ξ|/dt at which the surfaces of a contact slide: v is their relative velocity, e the
+    /// direction of the spring's force, and ξ the shear of the spring. If λ becomes negative, the contact sticks.
     fn sliding_rate(
         &self,
         touch: &TouchingPair,

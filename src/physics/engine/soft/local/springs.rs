@@ -73,7 +73,7 @@ pub struct SpringMotion {
     pub rates: SpringRates,
     /// [-] largest force of the spring divided by the normal force.
     friction: f64,
-    /// [N] largest force of the spring, which friction sets.
+    /// [N] largest force of the spring. Friction sets this limit, beyond which the spring slips.
     pub limit: f64,
     /// True if the overlap is at most `TOUCHING` diameters.
     pub at_touch: bool,
