@@ -20,8 +20,8 @@
 //! All quantities are in SI units; x is spanwise, y wall-normal, z streamwise. Modules import only from modules above
 //! them in the list below.
 //!
-//! The crate re-exports all modules of the physics and of the reader of cases, and at its root the names that most programs
-//! need. `examples/` shows their use.
+//! The crate re-exports all modules of the physics and of the reader of cases. At its root it also has the names that
+//! most programs need. `examples/` shows their use.
 
 #![allow(rustdoc::broken_intra_doc_links, reason = "units stand in brackets")]
 

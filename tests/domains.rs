@@ -205,7 +205,7 @@ impl Observer for Glances {
             ids.sort_unstable();
             ids
         });
-        let all = (simulation.count(), simulation.agitation(), simulation.mean_radius(), simulation.time);
+        let all = (simulation.count(), simulation.fluctuation_speed(), simulation.mean_radius(), simulation.time);
         let of_all = (self.every == 1).then(|| (simulation.energy(), simulation.record.pairs.count));
         self.seen.push(format!("{all:?} {of_all:?} {members:?} {contacts:?} {states:?}"));
     }
@@ -305,7 +305,7 @@ impl Observer for Books {
 
     fn see(&mut self, simulation: &Simulation) {
         let (sample, record) = (simulation.sample(), &simulation.record);
-        let moving = (sample.count(), sample.mean_velocity(), sample.agitation(), simulation.mean_velocity());
+        let moving = (sample.count(), sample.mean_velocity(), sample.fluctuation_speed(), simulation.mean_velocity());
         let held = (simulation.energy(), simulation.elastic_energy(), simulation.touching());
         let ledger = &record.ledger;
         let given = (ledger.drag_impulse, ledger.wall_impulse, ledger.pair_virial, ledger.residual(0.0, held.0));

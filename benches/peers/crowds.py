@@ -124,14 +124,15 @@ def beside_edmd(rounds):
 LARGE_PAGES = {"GLIBC_TUNABLES": "glibc.malloc.hugetlb=1"}
 
 
-def growth(rounds, counts, window, fractions=(0.3, 0.5)):
+def growth(rounds, counts, window, fractions=(0.3, 0.5), models=("hard", "soft")):
     """Cost of a particle in small and in large crowds, with pages of usual size and of 2 MB, and memory. Windows have the length `window`
     [d/sqrt(T)], one in the short run and five in the long one."""
     print("| model | volume fraction | particles | µs of processor time per particle and d/sqrt(T), median [range] | over the smallest "
           "| with pages of 2 MB | over pages of usual size | bytes per particle |")
     print("|---|---|---|---|---|---|---|---|")
     unit = DIAMETER / SPEED
-    for model, case in (("hard", "hard.toml"), ("soft", "dense.toml")):
+    for model in models:
+        case = {"hard": "hard.toml", "soft": "dense.toml"}[model]
         for fraction in fractions:
             smallest = None
             for count in counts:

@@ -1,8 +1,9 @@
 //! Columns of the particle store as numpy arrays that share its memory.
 //!
-//! A column owns a share of a store that nothing changes as long as the share exists: before an engine moves particles,
-//! the simulation takes its store back if no array needs it, and otherwise leaves it to the arrays and goes on with a
-//! copy. So no array dangles, and none is read while an engine writes.
+//! A column shares the ownership of a store, and nothing changes this store as long as the column exists. Before an
+//! engine moves particles, the simulation takes the store back if no array uses it. Otherwise the arrays keep the
+//! store, and the simulation continues with a copy. So no array points to freed memory, and none is read while an
+//! engine writes.
 
 use diptych::{Particles, Vector3};
 use pyo3::prelude::*;
@@ -12,15 +13,15 @@ use std::sync::Arc;
 /// Column of a particle store.
 #[derive(Clone, Copy, Debug)]
 pub enum Column {
-    /// [m]
+    /// [m] position of the centre.
     Position,
-    /// [m/s]
+    /// [m/s] velocity of the centre.
     Velocity,
-    /// [rad/s]
+    /// [rad/s] spin.
     Spin,
-    /// [m]
+    /// [m] radius.
     Radius,
-    /// [kg]
+    /// [kg] mass.
     Mass,
     /// Index of the species.
     Species,

@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
-/// Time between two looks for signals while an engine runs.
+/// Wall time between two checks for signals while an engine runs.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Simulation with the threads that run it.
@@ -23,7 +23,7 @@ pub struct MovingParticles {
     shown: Option<(LiveView, LabServer)>,
 }
 
-/// End of a run.
+/// Condition at which a run ends.
 #[derive(Clone, Copy)]
 pub enum RunEnd {
     /// [s] simulated time.
@@ -64,7 +64,7 @@ impl MovingParticles {
             return Ok(Arc::clone(lent));
         }
         let Self { simulation, pool, .. } = self;
-        // between two samples, velocities lack half a kick until somebody looks at them
+        // between two samples the velocities lack half a kick of drag, which is added before they are read
         pool.install(|| simulation.complete())?;
         let lent = Arc::new(std::mem::take(&mut self.simulation.particles));
         self.lent = Some(Arc::clone(&lent));
@@ -72,7 +72,7 @@ impl MovingParticles {
     }
 
     /// Accelerates the particles for `duration` [s] without any motion. `by_id` has the acceleration [m/s²] of each
-    /// particle at the index of its id; particles beyond its end have none.
+    /// particle at the index of its id; particles with ids beyond the end of this list have none.
     ///
     /// # Errors
     /// The check of the present state has failed.
@@ -117,14 +117,14 @@ impl MovingParticles {
         }
     }
 
-    /// Takes the particles back: those that no array shares as they are, others as a copy.
+    /// Takes the particles back into the simulation. If arrays still share them, the simulation gets a copy.
     fn take_back(&mut self) {
         if let Some(lent) = self.lent.take() {
             self.simulation.particles = Arc::unwrap_or_clone(lent);
         }
     }
 
-    /// Runs to its end without the lock of the interpreter. Signals end the run at the end of a window.
+    /// Runs the simulation to `end` without the lock of the interpreter. A signal stops the run at the end of a window.
     ///
     /// # Errors
     /// The run has not reached its end.

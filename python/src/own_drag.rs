@@ -1,9 +1,9 @@
 //! A drag law written in Python, which is called once per window.
 //!
-//! The call needs the velocities at the end of a window, which lack half a kick of this very law. The half-kick is first
-//! predicted with the accelerations of the last call, and corrected after the call. This is the velocity-Verlet scheme
-//! with predicted velocities of Groot and Warren (1997), J. Chem. Phys. 107, 4423, with their λ = 1. It is of second
-//! order in the window.
+//! The call needs the velocities at the end of a window, which lack half a kick of this law itself. The half-kick is
+//! first predicted with the accelerations of the previous call, and corrected after the call. This is the
+//! velocity-Verlet scheme with predicted velocities of Groot and Warren (1997), J. Chem. Phys. 107, 4423. Their factor
+//! λ is 1: the prediction covers the whole window. The scheme is of second order in the window.
 
 use crate::moving::RunEnd;
 use diptych::{Particles, Vector3};
@@ -11,14 +11,16 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-/// [-] rest of a run, divided by the window before it, that is run together with this window. Rounding leaves such rests.
+/// [-] largest remainder of a run, divided by the window before it, that is run together with this window. Rounding
+/// leaves such remainders.
 const REST: f64 = 1e-6;
 
-/// Function of Python that returns accelerations, and the accelerations of its last call.
+/// Function of Python that returns accelerations, and the accelerations of its latest call.
 pub struct OwnDrag {
     /// The function.
     pub function: Py<PyAny>,
-    /// [m/s²] accelerations of the last call, by the ids of the particles. Particles that came in since have none.
+    /// [m/s²] accelerations of the latest call, by the ids of the particles. Particles that have entered since then
+    /// have none.
     pub by_id: Vec<Vector3<f64>>,
     /// True if the accelerations belong to the present time.
     pub is_current: bool,
@@ -38,8 +40,8 @@ impl OwnDrag {
         Ok(Self { function: function.unbind(), by_id: Vec::new(), is_current: false, predicted: 0.0 })
     }
 
-    /// Keeps the accelerations `rows` [m/s²] of a call, in the order of `particles`. Returns the differences from those
-    /// of the last call, by ids.
+    /// Keeps the accelerations `rows` [m/s²] of a call, in the order of `particles`. Returns their differences from the
+    /// accelerations of the previous call, by ids.
     pub fn keep(&mut self, particles: &Particles, rows: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         let most = particles.id.iter().max().map_or(0, |id| *id as usize + 1);
         let last = std::mem::replace(&mut self.by_id, vec![Vector3::zeros(); most]);

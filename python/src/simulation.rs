@@ -63,13 +63,13 @@ fn model_of(name: &str) -> PyResult<Model> {
 }
 
 impl Simulation {
-    /// The particles and their engine, unless another thread moves them. Waiting would hold the interpreter, which the
-    /// other thread may need to stop.
+    /// Particles and engine, or an error if another thread runs the simulation. Waiting for this thread would block the
+    /// interpreter, which the thread may need in order to stop.
     fn at_rest(&self) -> PyResult<MutexGuard<'_, MovingParticles>> {
         unlocked(&self.moving, "another thread runs this simulation")
     }
 
-    /// Drag law of the calling program, unless a run is under way.
+    /// Drag law of the calling program, or an error while a run is under way.
     fn own_drag(&self) -> PyResult<MutexGuard<'_, Option<OwnDrag>>> {
         unlocked(&self.drag, "this simulation is running: neither drag nor another thread can change or run it")
     }

@@ -73,7 +73,7 @@ impl RunIdentity {
         self.parts.iter().zip(&other.parts).find(differs).map(|(own, _)| own.0.as_str())
     }
 
-    /// Text by which the names of files identify the run: the given hash, or the checksum of its name and parts.
+    /// Text that identifies the run in the names of files: the given hash, or the checksum of its name and parts.
     pub fn file_name(&self) -> String {
         if self.parts.is_empty() { self.name.clone() } else { format!("{:08x}", self.checksum()) }
     }

@@ -5,7 +5,7 @@
 //!
 //! * `command`: the command line and the identities of its runs, from which `diptych resume` starts the command again
 //!   ([`StoredCommand`]);
-//! * `a` and `b`: the last two stored states of the present run, called generations. A new state is written under
+//! * `a` and `b`: the two newest stored states of the present run, called generations. A new state is written under
 //!   another name. It then replaces the older file by renaming, so that at every instant one file is complete. If
 //!   several runs are done at the same time, each has separate files `a-…` and `b-…`;
 //! * `a-part-0`, …: the data of each process, if several processes share the run. The file `a` then contains all

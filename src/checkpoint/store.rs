@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// Names of the files of the two generations, which are the last two states of a run. If several runs are done at the
-/// same time, `-` and a checksum of the run follow each name.
+/// Names of the files of the two generations, which are the two newest stored states of a run. If several runs are done
+/// at the same time, `-` and a checksum of the run follow each name.
 const GENERATIONS: [&str; 2] = ["a", "b"];
 
 /// Prefix of the names of files that contain finished runs.
@@ -30,7 +30,7 @@ pub struct StoredRun {
 /// Reads and writes the files of a checkpoint, which are in a subfolder of a folder of results.
 pub struct Store {
     place: PathBuf,
-    /// Names of the two files in which the states of a run are stored in turn, so that the last two states exist.
+    /// Names of the two files in which the states of a run are stored in turn, so that the two newest states exist.
     generations: [String; 2],
     /// Number of the next generation. Generations with even numbers are written to the first file, those with odd
     /// numbers to the second.

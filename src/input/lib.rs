@@ -1,7 +1,7 @@
 //! Reads case files (TOML with units) and files of triangles for Diptych.
 //!
 //! The crate `diptych` re-exports everything here, and programs use that crate. Modules import only from modules above
-//! them in the list below, and from the physics.
+//! them in the list below, and from the crate `diptych_physics`.
 
 #![allow(rustdoc::broken_intra_doc_links, reason = "units stand in brackets")]
 

@@ -20,10 +20,12 @@ use serde::Serialize;
 use serde_json::json;
 use std::time::Duration;
 
-/// Number of frames of a recorded run after its start. At 12 s for a scene these are ten in a second.
+/// Number of frames of a recorded run after its start. A scene that lasts 12 s on the page thus has ten frames per
+/// second.
 const FRAMES: usize = 120;
 
-/// Number of values of a parameter that are recorded between its limits, in addition to that of the case.
+/// Number of values of a parameter that are recorded, from its lower to its upper limit, in addition to its value in
+/// the case.
 const VALUES: usize = 5;
 
 /// Number of comparisons of the two panels in a recorded run.
@@ -32,11 +34,11 @@ const VERDICTS: usize = 12;
 /// Largest number of measured rows in a recorded frame, so that a curve has some thousand points.
 const ROWS: usize = 20;
 
-/// Wall time that a panel may take for one frame, which no scene needs.
+/// Wall time that a panel may take for one frame. It is so long that no scene reaches it.
 const LONGEST: Duration = Duration::from_secs(86_400);
 
-/// Digits of the measured numbers in a file. A picture has some hundred pixels, but a curve may change by a small part of
-/// its values, such as the height of a heap.
+/// Digits of the measured numbers in a file. A picture has some hundred pixels, but a curve, such as the height of a
+/// heap, may change by a small part of its values.
 const DIGITS: usize = 8;
 
 /// Largest unsigned 16-bit number [-]. Recorded fractions from 0 to 1 are multiplied by it.
@@ -194,7 +196,7 @@ fn short(mut now: Now) -> Now {
 /// Page of the lab with all its files in one text. `data` is the JSON of the recorded runs.
 fn html(data: &str) -> String {
     let text = |path: &str| ASSETS.iter().find(|asset| asset.path == path).map_or("", |asset| asset.text);
-    // a module in a `data:` address cannot name its neighbours by a relative path, so the import map names them
+    // a module in a `data:` address cannot import others by a relative path, so the import map gives their addresses
     let renamed = |text: &str| text.replace("from \"./", "from \"lab/");
     let mut imports = serde_json::Map::new();
     for asset in

@@ -63,7 +63,7 @@ pub struct Live {
     pub steps: u64,
     /// Number of collisions since the start that were computed as an impulse.
     pub events: u64,
-    /// Number of pairs of particles since the start whose distance was checked.
+    /// Number of checks of the distance of two particles since the start.
     pub checks: u64,
     /// Number of collisions since the start that hard spheres in time steps missed.
     pub missed: u64,
@@ -103,8 +103,8 @@ impl Live {
     }
 }
 
-/// Particles of a simulation as a page draws them, in the order of ids: at most `most` particles, and then every n-th.
-/// Along periodic axes, positions are replaced by those of the image within the box.
+/// Particles of a simulation as a page draws them, in the order of ids. If there are more than `most` particles, only
+/// every n-th is drawn. Along periodic axes, positions are replaced by those of the image within the box.
 pub fn drawn(simulation: &Simulation, most: usize) -> Vec<DrawnParticle> {
     let (particles, domain) = (&simulation.particles, &simulation.scene().domain);
     let overlaps = simulation.overlaps();

@@ -157,7 +157,8 @@ impl Gauge {
         }
     }
 
-    /// True if an impact has a restitution of its own. A sphere that presses on several others at once has none.
+    /// True if impacts in the scene are between two bodies, so that a restitution can be measured. If a sphere presses
+    /// on several others at once, no impact has a restitution of its own.
     pub fn has_lone_impacts(self) -> bool {
         !matches!(self, Self::Speeds | Self::Column | Self::Heap)
     }
@@ -224,8 +225,9 @@ impl Gauge {
     }
 }
 
-/// Time [µs] from one contact time before the first two spheres of a row touch to about the end of all contacts. Each
-/// sphere of the row adds a contact time. `None` without a contact law, or if the two do not approach.
+/// Interval of time [µs] from one contact time before the first two spheres of a row touch to about the end of all
+/// contacts. Each sphere of the row adds a contact time. `None` without a contact law, or if these two spheres do not
+/// approach each other.
 fn blow(experiment: &Experiment, start: &Particles) -> Option<[f64; 2]> {
     let contact_time = ContactTimes::of(experiment, &experiment.law()?, start.len()).governing()?;
     let [gap, closing] =
@@ -236,8 +238,8 @@ fn blow(experiment: &Experiment, start: &Particles) -> Option<[f64; 2]> {
 }
 
 /// Theoretical overlap of the lowest of n spheres that rest on one another, at the start and at the end of the run. A
-/// point has a time [ms] and the overlap in per cent of the diameter. For a linear spring the overlap is n m g/k.
-/// `None` without a contact law or a floor.
+/// point has a time [ms] and the overlap in per cent of the diameter. For a linear spring the overlap is n m g/k, with
+/// the mass m of a sphere and the stiffness k. `None` without a contact law or a floor.
 fn statics(experiment: &Experiment, start: &Particles) -> Option<Vec<[f64; 2]>> {
     let law = experiment.law()?;
     let wall = experiment.scene.walls.first().map(|_| 0)?;
@@ -260,7 +262,7 @@ pub struct Meter<'a> {
     pub gauge: Gauge,
     experiment: &'a Experiment,
     at_start: Option<f64>,
-    /// Rows measured since the last frame. A row has one value for each column of the graphs, in the unit of this
+    /// Rows measured since the previous frame. A row has one value for each column of the graphs, in the unit of this
     /// column.
     pub rows: Vec<Vec<f64>>,
 }

@@ -1,6 +1,7 @@
 //! Live view of one run: frames for the pages of a server, made while the run goes on.
 //!
-//! The view only reads the simulation, at ends of windows, so a run that is watched has the bits of any other run.
+//! The view only reads the simulation, at ends of windows. So a run with a view has the same results, bit for bit, as a
+//! run without one.
 
 use super::frame::{Live, Now, bytes, drawn};
 use super::gauge::Graph;
@@ -33,7 +34,7 @@ const MOST_DRAWN: usize = 20_000;
 /// Largest number of points of a curve, which is more than a picture of 440 pixels shows.
 const MOST_ROWS: usize = 500;
 
-/// [-] part of the time between two samples by which rounding may move a sample.
+/// [-] largest shift of a sample by rounding, divided by the time between two samples.
 const ROUNDING: f64 = 1e-6;
 
 /// Frames of a run for the pages of a server.
@@ -46,7 +47,7 @@ pub struct LiveFeed {
 }
 
 impl LiveFeed {
-    /// Latest frame and its number; 0 before the first frame.
+    /// Latest frame and its number; the number is 0 before the first frame.
     pub fn latest(&self) -> (u64, Arc<[u8]>) {
         self.latest.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
@@ -79,11 +80,11 @@ pub struct LiveView {
     at_start: Option<f64>,
     /// Points of the curves so far: time in `unit`, mean velocity along z [m/s], granular temperature [m²/s²], impacts.
     rows: Vec<Vec<f64>>,
-    /// Only every n-th point is kept; this is n, and the number of points since the last kept one.
+    /// Only every n-th point is kept; this is n, and the number of points since the latest kept one.
     thinning: (usize, usize),
-    /// Wall time and simulated time [s] of the last frame.
+    /// Wall time and simulated time [s] of the latest frame.
     shown: (Duration, f64),
-    /// [s] simulated time until the next frame is due, estimated from the last two.
+    /// [s] simulated time until the next frame is due, estimated from the two latest frames.
     stretch: f64,
     judged: Duration,
     sentence: String,
@@ -143,7 +144,7 @@ impl LiveView {
         Arc::clone(&self.feed)
     }
 
-    /// Makes a frame if the last one is old enough. The state of the run is not changed.
+    /// Makes a frame if the latest one is old enough. The state of the run is not changed.
     pub fn offer(&mut self, simulation: &Simulation) {
         let pause = if self.feed.pages.load(Ordering::Relaxed) > 0 { FRAME } else { UNSEEN };
         if self.clock.now() >= self.shown.0 + pause || self.at_start.is_none() {
@@ -177,10 +178,10 @@ impl LiveView {
             return;
         }
         *since = 0;
-        let agitation = Sample::from(&simulation.particles).agitation();
+        let speed = Sample::from(&simulation.particles).fluctuation_speed();
         let impacts = simulation.record.pairs.count + simulation.record.walls.count;
         let mean = simulation.mean_velocity().z;
-        self.rows.push(vec![simulation.time / self.unit, mean, agitation * agitation / 3.0, impacts as f64]);
+        self.rows.push(vec![simulation.time / self.unit, mean, speed * speed / 3.0, impacts as f64]);
         if self.rows.len() > MOST_ROWS {
             let mut place = 0;
             self.rows.retain(|_| {
@@ -200,7 +201,7 @@ impl Observer for LiveView {
     }
 
     fn needs_velocities(&self) -> bool {
-        // half a kick of drag is missing between samples, which no picture shows
+        // between samples the velocities lack half a kick of drag, too little to be seen in a picture
         false
     }
 

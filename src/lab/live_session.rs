@@ -11,7 +11,8 @@ use tokio::sync::watch;
 /// Largest number of frames that have been sent to the page, but that the page has not drawn.
 const UNDRAWN: u32 = 2;
 
-/// Sends frames until the page is closed or the server stops. A page that stays gets the last frame of the run.
+/// Sends frames until the page is closed or the server stops. A page that is still open when the run ends gets the
+/// final frame.
 pub async fn serve_live(mut socket: WebSocket, feed: &LiveFeed, mut stop: watch::Receiver<bool>) {
     if socket.send(Message::Text(feed.opened.clone().into())).await.is_err() {
         return;
@@ -39,7 +40,7 @@ pub async fn serve_live(mut socket: WebSocket, feed: &LiveFeed, mut stop: watch:
             (sent, undrawn) = (number, undrawn + 1);
         }
         if is_over {
-            // the page keeps the last frame when the connection ends
+            // the page continues to show the final frame when the connection ends
             let _ = socket.send(Message::Close(None)).await;
             break;
         }

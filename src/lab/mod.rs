@@ -6,11 +6,11 @@
 //!          <--frames------------------------- <--tells--
 //! ```
 //!
-//! A scene is a case of `cases/` with changes in the form of `--set` arguments. If the page has not drawn the last two
-//! frames, no new frame is computed, so a slow page gets fewer frames.
+//! A scene is a case of `cases/` with changes in the form of `--set` arguments. If the page has not drawn the two
+//! latest frames, no new frame is computed, so a slow page gets fewer frames.
 //!
-//! The lab reads and writes no files, unless `--export` asks for one. Its address contains a secret token. A request that names another host than this
-//! machine is refused ([`access`]).
+//! The lab reads and writes no files, unless `--export` asks for a file. The address of the lab contains a secret
+//! token. A request that names another host than this machine is refused ([`access`]).
 
 pub mod access;
 mod engine_lock;

@@ -98,8 +98,8 @@ impl<'a> LabPanel<'a> {
         }
     }
 
-    /// State of the panel for the page, with the rows of quantities measured since the last call. At most 100 rows are
-    /// returned.
+    /// State of the panel for the page, with the rows of quantities measured since the previous call. At most 100 rows
+    /// are returned.
     pub fn now(&mut self) -> Now {
         let mut rows = std::mem::take(&mut self.meter.rows);
         let every = rows.len().div_ceil(MOST_ROWS).max(1);

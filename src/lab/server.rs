@@ -41,8 +41,8 @@ const UNSENT: usize = 4;
 /// allow a process only 64 open files.
 const MOST_CONNECTIONS: usize = 40;
 
-/// Time limit in which a page must send the head of a request after it has connected or got the last answer. A page on
-/// this machine sends it at once.
+/// Time limit in which a page must send the head of a request after it has connected or got the previous answer. A page
+/// on this machine sends the head at once.
 const HEAD: Duration = Duration::from_secs(2);
 
 /// Time limit of a connection, after which it is closed. A page opens a new connection if it needs one.
@@ -288,7 +288,8 @@ async fn socket(State(shared): State<ServerState>, upgrade: WebSocketUpgrade) ->
     })
 }
 
-/// Permission for one open page, whose number is limited. When this value is dropped, another page may be opened.
+/// Permission for one open page. The number of permissions is limited. When this value is dropped, another page may be
+/// opened.
 struct PageSlot(Arc<AtomicUsize>);
 
 impl Drop for PageSlot {

@@ -1,4 +1,4 @@
-//! Opened scene of the lab while it runs: both panels, and the times of the last frame and of the last comparison.
+//! Opened scene of the lab while it runs: both panels, and the times of the latest frame and of the latest comparison.
 
 use super::frame::{DrawnParticle, Head, Now, PanelComparison, bytes};
 use super::panel::LabPanel;
@@ -12,32 +12,33 @@ use std::time::Duration;
 /// Wall time from one frame to the next.
 const FRAME: Duration = Duration::from_millis(33);
 
-/// Largest wall time since the last frame that is converted to simulated time for the next frame. The rest of a longer
-/// pause is left out.
+/// Largest wall time since the previous frame that is converted to simulated time for the next frame. The rest of a
+/// longer pause is left out.
 const LATEST: Duration = Duration::from_millis(100);
 
 /// Wall time from one comparison of the panels to the next.
 const VERDICT: Duration = Duration::from_millis(1500);
 
-/// [-] margin of equivalence of the comparison. In its 20 s the channel of the lab reaches 5.5 %: `diptych compare` of the
-/// case that the page saves. So 10 % gets an answer while the page is open, and the default of `compare`, 1 %, none.
+/// [-] margin of equivalence of the comparison. At the end of its 20 s the channel of the lab has no difference beyond
+/// 5.5 %, by `diptych compare` of the case that the page saves. So the answer is "equivalent" at 10 %, and "unresolved"
+/// at 1 %, the default of `compare`.
 const MARGIN: f64 = 0.1;
 
 /// Largest wall time that one panel may compute for one frame. A panel that needs longer shows the simulated time that
 /// it has reached.
 const BUDGET: Duration = Duration::from_millis(14);
 
-/// Panels of an opened scene while they run, with the times of the last frame and of the last comparison.
+/// Panels of an opened scene while they run, with the times of the latest frame and of the latest comparison.
 pub struct StageRun<'a> {
     stage: &'a SceneState,
     /// The left and the right panel.
     pub panels: [LabPanel<'a>; 2],
     clock: Clock,
-    /// Wall time at which the last frame was made, measured by `clock`.
+    /// Wall time at which the latest frame was made, measured by `clock`.
     shown: Duration,
-    /// Comparison of the panels for the next frame; `None` if the page has got the last comparison.
+    /// Comparison of the panels for the next frame; `None` if the page has already got the latest comparison.
     pub judged: Option<PanelComparison>,
-    /// Wall time of the last comparison of the panels, measured by `clock`.
+    /// Wall time of the latest comparison of the panels, measured by `clock`.
     judged_at: Duration,
 }
 
@@ -63,14 +64,15 @@ impl<'a> StageRun<'a> {
         (self.shown + FRAME).saturating_sub(self.clock.now()).max(Duration::from_millis(1))
     }
 
-    /// [s] simulated time by which the panels advance for the next frame: wall time since the last frame times pace.
-    /// `factor` [-] multiplies the default pace. If `single` is true, the wall time is that from one frame to the next.
+    /// [s] simulated time by which the panels advance for the next frame: wall time since the previous frame times
+    /// pace. `factor` [-] multiplies the default pace. If `single` is true, the wall time is that from one frame to the
+    /// next.
     pub fn stretch(&self, factor: f64, single: bool) -> f64 {
         let passed = if single { FRAME } else { (self.clock.now() - self.shown).min(LATEST) };
         self.stage.pace() * factor * passed.as_secs_f64()
     }
 
-    /// Advances both panels to equal simulated times: the time of the panel that is behind, plus `stretch` [s].
+    /// Advances both panels to the same simulated time: the time of the panel that is behind, plus `stretch` [s].
     pub fn go_on(&mut self, stretch: f64) {
         let times = self.panels.iter().filter_map(LabPanel::running);
         let until = times.fold(f64::INFINITY, f64::min) + stretch;
@@ -116,7 +118,7 @@ fn profile(outcome: &Outcome) -> Vec<[Option<f64>; 5]> {
     let rows = table.slices.iter().enumerate().map(|(slice, row)| {
         let normal: Option<Vec<f64>> = [UU, VV, WW].into_iter().map(|one| Some(row.of(one)?.value)).collect();
         let temperature = normal.map(|normal| normal.iter().sum::<f64>() / 3.0);
-        // the three stresses belong to one run, so that their blocks are added before the error is computed
+        // the three stresses of one run are correlated, so their blocks are added before the error is computed
         let parts: Option<Vec<_>> =
             [UU, VV, WW].into_iter().map(|one| Some((1.0 / 3.0, table.batches(slice, one)?))).collect();
         let blocks = parts.and_then(|parts| Batches::sum(&parts)).and_then(|blocks| blocks.estimate());

@@ -20,8 +20,8 @@ pub struct ChartQuantity {
     pub reference: Estimate,
     /// Unit of the value and the reference; empty if the quantity has no unit.
     pub unit: &'static str,
-    /// [-] statistical floor: error that a run without any error of the method would have by chance, from the scatter
-    /// between the reference runs. It is 0 if nothing is random.
+    /// [-] statistical floor: error by chance of a single run whose method has no error. It is estimated from the
+    /// scatter between the reference runs, and is 0 if nothing is random.
     pub floor: f64,
 }
 
@@ -82,7 +82,7 @@ pub struct ChartPoint {
     pub samples: usize,
     /// Wall-clock time of one run on one thread.
     pub wall: CostSpread,
-    /// Counts of operations, summed over all runs of the point; equal on every machine.
+    /// Counts of operations, summed over all runs of the point. They are the same on every machine.
     pub counters: Counters,
     /// [-] number of operations of one run: sum of pair checks, force evaluations and events.
     pub work: f64,
@@ -100,7 +100,7 @@ pub struct ChartMethod {
     pub name: String,
     /// Collision model of the method.
     pub model: Model,
-    /// Symbol of the parameter of the method that is swept.
+    /// Symbol of the swept parameter of the method.
     pub knob: &'static str,
     /// Unit of the swept parameter; empty if it has no unit.
     pub unit: &'static str,

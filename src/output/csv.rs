@@ -145,9 +145,9 @@ pub fn impacts(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
 }
 
 /// Contents of `overlaps.csv`: means and extremes of the overlaps in the averaging period, divided by the diameter of
-/// the smaller sphere. Each soft variant has a row for pairs and a row for walls. The granular temperature is in m²/s²,
-/// the elastic parameter of the contact law in SI, other numbers are [-]. κ_n is computed from the measured
-/// temperature. It is empty if spheres or surfaces differ.
+/// the smaller sphere. Each variant with soft contacts has a row for pairs and a row for walls. The granular
+/// temperature is in m²/s², the elastic parameter of the contact law in SI, other numbers are [-]. κ_n is computed from
+/// the measured temperature. Cells of κ_n are empty if spheres or surfaces differ.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

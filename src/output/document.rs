@@ -19,7 +19,7 @@ pub(super) type TextRow = (bool, Vec<String>);
 pub(super) struct Table {
     pub head: Vec<String>,
     pub rows: Vec<TextRow>,
-    /// True if the last column of the table contains sentences, which are set as text.
+    /// True if the last column of the table contains sentences, which may extend over several lines.
     pub remarks: bool,
 }
 

@@ -16,10 +16,11 @@ pub struct SideSummary {
     pub samples: usize,
     /// Average of the quantity from the start of averaging to the end; `None` if it cannot be computed.
     pub mean: Option<Estimate>,
-    /// [s] start of averaging, in the unit of the times if this unit is unknown. `None` for a quantity at a point.
+    /// [s] start of averaging, or in the unit of the times in the files if that unit is unknown. `None` for a quantity
+    /// at a point.
     pub from: Option<f64>,
-    /// [s] integral correlation time of the quantity, in the unit of the times if this unit is unknown. `None` if it
-    /// cannot be computed.
+    /// [s] integral correlation time of the quantity, or in the unit of the times in the files if that unit is unknown.
+    /// `None` if it cannot be computed.
     pub correlation_time: Option<f64>,
     /// Result of the test for a steady state; `None` for a quantity at a point.
     pub steadiness: Option<Steadiness>,

@@ -5,7 +5,7 @@ use super::Provenance;
 use super::panel::Panel;
 use crate::engine::Failure;
 
-/// Point of a map (table of the settings for which a method fails): one run, or several runs with equal settings.
+/// Point of a map (table of the settings for which a method fails): one run, or several runs with the same settings.
 #[derive(Clone, Debug)]
 pub struct MapPoint {
     /// Values of the point in the order of the columns of the map, each in the unit of its column; `None` for a missing
@@ -100,7 +100,7 @@ pub struct LimitsStudy<'a> {
     pub provenance: &'a Provenance,
     /// Maps of the study in the order of the page.
     pub maps: &'a [Map],
-    /// [s] wall-clock time of the runs of each map. Two maps made from the same runs have equal times.
+    /// [s] wall-clock time of the runs of each map. Two maps made from the same runs have the same time.
     pub wall_seconds: &'a [f64],
     /// True if the study used coarse grids of points, by the option `--quick`.
     pub quick: bool,

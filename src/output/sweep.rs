@@ -171,8 +171,8 @@ pub struct SweepStudy<'a> {
     pub variants: &'a [String],
     /// Index of the first hard variant, with which the other variants are compared. `None` if no variant is hard.
     pub reference: Option<usize>,
-    /// Rows in the order of the points, in which the values of the last key change first. Each point has one row per
-    /// variant.
+    /// Rows in the order of the points: from point to point the value of the last key changes fastest. Each point has
+    /// one row per variant.
     pub rows: &'a [SweepRow],
 }
 

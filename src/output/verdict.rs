@@ -37,8 +37,8 @@ pub struct Verdict {
     pub margin: f64,
     /// Tests of the compared observables; `None` for a comparison of paths.
     pub comparison: Option<Comparison>,
-    /// Differences of the numbers that both variants measure under `[observe]`, which have no part in `answer`. Empty
-    /// unless averages were compared.
+    /// Differences of the numbers that the variant and the reference both measure under `[observe]`. They have no
+    /// effect on `answer`. Empty unless averages were compared.
     #[serde(rename = "observe")]
     pub observed: Vec<ObservedDifference>,
     /// Further remarks about the variant and its reference, one sentence each.
@@ -63,8 +63,8 @@ pub struct ObservedDifference {
     pub difference: Estimate,
     /// [%] difference in per cent of the magnitude of the reference. `None` if the reference is zero within its error.
     pub percent: Option<Estimate>,
-    /// [-] probability that equal systems show a difference of at least this size, for this number alone. `None` without
-    /// a standard error.
+    /// [-] probability that equal systems show a difference of at least this size, for this number alone. `None`
+    /// without a standard error.
     pub chance: Option<f64>,
     /// [-] smallest margin, as a share of the reference, with which the answer would be "equivalent". `None` if the
     /// reference is zero within its error, or without a standard error.

@@ -22,7 +22,7 @@ pub struct Clock {
 pub struct Reached(Arc<AtomicU64>);
 
 impl Reached {
-    /// [s] simulated time of the last report; 0 before the first report.
+    /// [s] simulated time of the latest report; 0 before the first report.
     pub fn time(&self) -> f64 {
         f64::from_bits(self.0.load(Ordering::Relaxed))
     }

@@ -27,7 +27,7 @@ pub struct Shear {
     offset: f64,
 }
 
-/// Periodic image of a particle a, the image that is nearest to a particle b, in a sheared box.
+/// The periodic image of particle a that is nearest to particle b, in a sheared box.
 #[derive(Clone, Copy, Debug)]
 struct NearestImage {
     /// [m] vector from particle b to the image of particle a.
@@ -137,7 +137,7 @@ impl Domain {
         self.shear.map_or(0.0, |shear| shear.rate.abs())
     }
 
-    /// [m/s] mean flow of the shear at a position [m]; zero without shear. The velocity minus this flow is equal for
+    /// [m/s] mean flow of the shear at a position [m]; zero without shear. The velocity minus this flow is the same for
     /// all periodic images of a particle.
     #[inline]
     pub fn mean_flow(&self, position: &Vector3<f64>) -> Vector3<f64> {
@@ -151,9 +151,9 @@ impl Domain {
         [x, y && self.shear.is_none(), z]
     }
 
-    /// Calls `visit` with the periodic images [m] of `position` beyond the two sheared sides (upper and lower) that are
-    /// nearer to the box than `reach` [m]. Along z the images are wrapped into the box. Without shear, `visit` is not
-    /// called.
+    /// Calls `visit` with each periodic image [m] of `position` across the upper or the lower sheared side, if the
+    /// image is nearer to the box than `reach` [m]. Along z the images are wrapped into the box. Without shear, `visit`
+    /// is not called.
     #[inline]
     pub fn for_each_across(&self, position: &Vector3<f64>, reach: f64, mut visit: impl FnMut(Vector3<f64>)) {
         if self.shear.is_none() {

@@ -78,7 +78,7 @@ pub struct Couple {
 ///
 /// Engines move particles in a frame of reference that falls freely with gravity, in which gravity does not affect
 /// pairs. A wall does not fall in this way, so the motion of a particle relative to a wall includes gravity. Two times
-/// of fall describe how long the frame has fallen. All times are in s.
+/// state how long the frame has fallen: `sunk` for positions and `fallen` for velocities. All times are in s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameTime {
     /// [s] time from the time of the particle store to the computed time; particles fly straight meanwhile.
@@ -373,8 +373,8 @@ impl Couple {
         }
     }
 
-    /// Relative position and velocity of the two bodies at the instant of a predicted touch. For a wall, `feature` is the
-    /// number of the surface feature (such as a triangle) that is touched; for a pair it is not used.
+    /// Relative position and velocity of the two bodies at the instant of a predicted touch. For a wall, `feature` is
+    /// the number of the surface feature (such as a triangle) that is touched; for a pair it is not used.
     #[inline(always)]
     pub fn strike(&self, particles: &Particles, scene: &Scene, moment: FrameTime, feature: u32) -> Encounter {
         let Other::Wall(at) = self.other else { return self.meet(particles, scene, moment) };

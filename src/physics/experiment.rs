@@ -25,7 +25,7 @@ pub enum Model {
     Hard,
     /// Instantaneous collisions where two particles touch and no other is near, spring-dashpot contacts elsewhere.
     Hybrid,
-    /// Instantaneous collisions of pairs that are drawn at random in cells (direct simulation Monte Carlo).
+    /// Instantaneous collisions of pairs that are chosen at random in cells (direct simulation Monte Carlo).
     Dsmc,
 }
 
@@ -60,7 +60,7 @@ pub enum Spheres {
     /// Hard spheres where two particles touch and no other particle is near, soft spheres with this contact law
     /// elsewhere.
     Hybrid(ContactLaw),
-    /// Spheres whose collision pairs are drawn at random (direct simulation Monte Carlo).
+    /// Spheres whose collision pairs are chosen at random (direct simulation Monte Carlo).
     Dsmc,
 }
 
@@ -113,7 +113,7 @@ pub struct Experiment {
     pub hard: HardSettings,
     /// Settings of the hybrid engine in addition to `soft`, whose settings this engine also uses.
     pub hybrid: HybridSettings,
-    /// Settings of direct simulation Monte Carlo, in which collision pairs are drawn at random.
+    /// Settings of direct simulation Monte Carlo, in which collision pairs are chosen at random.
     pub dsmc: DsmcSettings,
     /// Duration, window (time between two drag kicks), seed and collision model of the run.
     pub run: RunSettings,
@@ -169,8 +169,8 @@ impl Experiment {
         volumes.map(|(count, species)| count as f64 * species.volume()).sum::<f64>() / self.scene.domain.volume()
     }
 
-    /// True if the particles form a gas in equilibrium: only collisions change their velocities, without loss and without
-    /// friction, in a box that is periodic along all axes.
+    /// True if the particles form a gas in equilibrium: only collisions change their velocities, without loss and
+    /// without friction, in a box that is periodic along all axes.
     pub fn is_in_equilibrium(&self) -> bool {
         let scene = &self.scene;
         let is_lossless =
@@ -206,7 +206,7 @@ pub struct Population {
     /// [m/s] mean velocity of a random start. Two or more spheres have exactly this mean.
     pub velocity_mean: Vector3<f64>,
     /// [m/s] standard deviation of each velocity component of a random start. Two or more spheres have exactly this
-    /// deviation. The velocity of a single sphere is drawn from a normal distribution of this width about the mean.
+    /// deviation. The velocity of a single sphere is random, with a normal distribution of this width about the mean.
     pub velocity_fluctuation: Vector3<f64>,
     /// [rad/s] mean spin of the particles at a random start.
     #[serde(skip_serializing_if = "is_zero")]
@@ -325,7 +325,7 @@ pub struct HybridSettings {
     pub clearance: f64,
 }
 
-/// Settings of direct simulation Monte Carlo, in which collision pairs are drawn at random in cells.
+/// Settings of direct simulation Monte Carlo, in which collision pairs are chosen at random in cells.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DsmcSettings {
     /// True if the collision rate is multiplied by the Enskog factor, which is the contact value at the local volume
@@ -347,7 +347,7 @@ pub enum HardStepping {
     /// Collisions are found as overlaps at the ends of time steps Δt < θ d/u_r (the paper's section 3.4).
     Steps {
         /// [-] number θ in the bound Δt < θ d/u_r. Here d is the smallest diameter, and u_r the mean magnitude of one
-        /// component of the relative velocity. A smaller θ misses fewer collisions.
+        /// component of the relative velocity. With a smaller θ fewer collisions are missed.
         theta: f64,
     },
 }

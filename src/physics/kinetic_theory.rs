@@ -32,7 +32,7 @@ pub fn heated_a2(restitution: f64) -> f64 {
 /// [m²/s] coefficient of self-diffusion of elastic hard spheres by Enskog's theory, in the first approximation: 3/(8 n
 /// d² χ) sqrt(T/π). n is the `density` [1/m³], d the `diameter` [m], T the granular `temperature` [m²/s²] and χ the
 /// contact value (Chapman and Cowling 1970, The Mathematical Theory of Non-Uniform Gases, sections 14.2 and 16.6). The
-/// exact value of a dilute gas is 1.9 % larger.
+/// exact value of a dilute gas is 1.9 % larger than this approximation.
 pub fn enskog_self_diffusion(density: f64, diameter: f64, temperature: f64, contact_value: f64) -> f64 {
     3.0 / (8.0 * density * diameter * diameter * contact_value) * (temperature / PI).sqrt()
 }
@@ -69,7 +69,7 @@ pub fn percus_yevick(q: f64, volume_fraction: f64) -> f64 {
 /// They are those of Garzó and Dufty (1999, Phys. Rev. E 59, 5895): first order in the gradients, first Sonine
 /// polynomial, contact value of Carnahan and Starling. The theory assumes velocities of neighbours without correlation.
 /// At a restitution of 1 the viscosity is that of Enskog (Chapman and Cowling 1970, section 16.6) in the first
-/// approximation; in a dilute gas the exact viscosity is 1.6 % larger.
+/// approximation. In a dilute gas the exact viscosity is 1.6 % larger than this approximation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GasTransport {
     /// [-] shear viscosity over ρ T/ν_0, with the mass density ρ of the gas.

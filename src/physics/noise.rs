@@ -1,27 +1,28 @@
-//! Random numbers that are a function of a seed, a step and a particle or cell, and not of the order in which they are
-//! drawn.
+//! Random numbers as a function of a seed, a step and a particle or cell. They do not depend on the order in which they
+//! are computed.
 //!
 //! The generator is ChaCha with eight rounds, used as a counter. Its key contains the seed and the use, its stream is
-//! the number of the step, and the position in the stream is that of the particle or cell. So results do not depend on
-//! the numbers of threads and processes, on the order of the particle store, or on a stop and continuation of the run.
+//! the number of the step, and the position in the stream follows from the number of the particle or cell. So results
+//! do not depend on the numbers of threads and processes, on the order of the particle store, or on a stop and
+//! continuation of the run.
 
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Binary logarithm of the number of 64-byte blocks reserved for one particle or cell in one step; no step draws so
+/// Binary logarithm of the number of 64-byte blocks reserved for one particle or cell in one step; no step needs so
 /// many. The block counter has 64 bits, so that 32 bits remain for the number of the particle or cell.
 const BLOCKS: u32 = 32;
 
-/// Purpose of random numbers. Two purposes have independent numbers, even for equal seeds.
+/// Purpose of random numbers. Two purposes have independent numbers, even for the same seed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoiseUse {
     /// Initial fluctuations of the gas velocity at the particles.
     FirstEddies = 1,
     /// Fluctuations of the gas velocity at the particles during the run.
     Eddies = 2,
-    /// Collisions of pairs that are drawn at random (direct simulation Monte Carlo); each cell has separate numbers.
+    /// Collisions of pairs that are chosen at random (direct simulation Monte Carlo); each cell has separate numbers.
     Collisions = 3,
     /// Random inclinations of the facets of rough walls in impacts.
     Facets = 4,
@@ -35,8 +36,8 @@ pub enum NoiseUse {
     InletPositions = 8,
 }
 
-/// One number of 64 bits computed from several numbers, `words`. If any of these changes, the result changes as if it
-/// were drawn at random. The mixing function is that of SplitMix64 (Steele, Lea and Flood 2014, OOPSLA).
+/// One number of 64 bits computed from several numbers, `words`. If any of these changes, the result changes like a
+/// random number. The mixing function is that of SplitMix64 (Steele, Lea and Flood 2014, OOPSLA).
 pub fn mixed(words: &[u64]) -> u64 {
     let mix = |z: u64, shift: u32, factor: u64| (z ^ (z >> shift)).wrapping_mul(factor);
     words.iter().fold(0, |so_far, word| {

@@ -18,7 +18,7 @@ pub struct Outcome {
     pub failure: Option<Failure>,
     /// Number of particles in the run.
     pub particles: usize,
-    /// FNV-1a hash of the initial state. Variants that start from the same particles have equal hashes.
+    /// FNV-1a hash of the initial state. Variants that start from the same particles have the same hash.
     pub initial_state_hash: u64,
     /// FNV-1a hash of the final state.
     pub final_state_hash: u64,
@@ -69,9 +69,9 @@ pub struct Outcome {
     /// [J] residual of the energy balance of the whole run: the change of energy that the ledger does not explain. Its
     /// error is the size of random fluctuations.
     pub energy_residual: Estimate,
-    /// [J] kinetic plus elastic energy at the start.
+    /// [J] kinetic, rotational and elastic energy at the start.
     pub energy_at_start: f64,
-    /// [J] kinetic plus elastic energy at the end.
+    /// [J] kinetic, rotational and elastic energy at the end.
     pub energy_at_end: f64,
     /// Balance of the momentum of the particles along z over the averaging period.
     pub balance: Balance,
@@ -138,7 +138,7 @@ pub struct Averaged {
     pub wall_rate: Option<Batches>,
     /// [m²/s²] granular temperature.
     pub temperature: Option<Batches>,
-    /// [Pa] stress against the shear of a sheared box, kinetic plus contact part; `None` without shear.
+    /// [Pa] stress that opposes the shear of a sheared box, kinetic plus contact part; `None` without shear.
     pub shear_stress: Option<Batches>,
     /// Errors estimated from the scatter between replicas; `None` for a single run.
     pub replicas: Option<Replicas>,

@@ -32,7 +32,7 @@ pub struct Meeting {
     /// [-] stiffness of soft contacts of the pair over that of the contact law.
     pub stiffness_ratio: f64,
     /// [kg] effective mass for which `stiffness_ratio` is valid. The stiffness of a contact is then proportional to the
-    /// effective mass of its two bodies, so that all contacts of the pair last equally long. `None` if the stiffness
+    /// effective mass of its two bodies, so that all contacts of the pair have one duration. `None` if the stiffness
     /// does not depend on the masses.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at_mass: Option<f64>,
@@ -459,8 +459,7 @@ impl Scene {
         0.01 * (self.gravity.norm() * self.smallest_diameter()).sqrt()
     }
 
-    /// [-] restitution between particles; `None` unless all pairs of species have one restitution, which is independent
-    /// of speed.
+    /// [-] restitution between particles; `None` unless it is the same for all pairs of species, at all speeds.
     pub fn restitution_of_pairs(&self) -> Option<f64> {
         if self.pairs.is_empty() {
             return constant([self.contact]);
@@ -468,8 +467,8 @@ impl Scene {
         constant(self.meetings().map(|(_, _, meeting)| meeting.surface))
     }
 
-    /// [-] restitution at walls; `None` without walls, and unless all species and walls have one restitution, which is
-    /// independent of speed.
+    /// [-] restitution at walls; `None` without walls, or if the restitution differs between species or walls or
+    /// depends on speed.
     pub fn restitution_at_walls(&self) -> Option<f64> {
         if self.pairs.is_empty() {
             return constant(self.walls.iter().map(|wall| wall.surface));

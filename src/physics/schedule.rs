@@ -3,7 +3,7 @@
 //!
 //! The schedule depends on the scene, not on the model. So all engines split drag from motion in the same way, and take
 //! samples at the same times. Windows may become longer during a run if drag is certain to slow the particles down. The
-//! slowing is computed from the drag law alone, which is equal in every model, and not from the moving particles.
+//! slowing is computed from the drag law alone, the same in every model, and not from the moving particles.
 
 mod heat;
 mod inlets;
@@ -67,11 +67,11 @@ const DOUBLINGS: usize = 4;
 /// were longer.
 const SHARE: f64 = 1e-3;
 
-/// [-] smallest share of the windows of a run that growing windows must save; otherwise all windows are equal.
+/// [-] smallest share of the windows of a run that growing windows must save; otherwise all windows have one length.
 const WORTH: f64 = 0.1;
 
-/// Windows of a run (times between two drag kicks) and samples between them. Either all windows are equal, or the
-/// shortest windows are merged into longer ones from certain samples on.
+/// Windows of a run (times between two drag kicks) and samples at ends of windows. Either all windows have one length,
+/// or the shortest windows are merged into longer ones from certain samples on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Schedule {
     /// [s] window h. If windows grow, it is the first and shortest window.
@@ -106,9 +106,9 @@ impl Schedule {
         Self { window, windows_per_sample, samples, ..Self::default() }
     }
 
-    /// Schedule of an experiment. The experiment can give the longest window. Otherwise the splitting of drag, buoyancy,
-    /// turbulence, coupling, heat and orbits from the motion limits it. Servo walls always limit it. The duration is a
-    /// whole number of the shortest windows.
+    /// Schedule of an experiment. The experiment can give the longest window. Otherwise it is limited by the splitting
+    /// of drag, buoyancy, turbulence, coupling, heat and orbits from the motion. Servo walls always limit it. The
+    /// duration is a whole number of the shortest windows.
     pub fn new(experiment: &Experiment) -> Self {
         let duration = experiment.run.duration;
         if duration <= 0.0 {
@@ -187,8 +187,8 @@ impl Schedule {
         self.windows_per_sample as f64 * self.window
     }
 
-    /// [s] time between every n-th sample, where n is the smallest number that leaves at most `most` of the samples
-    /// after the start.
+    /// [s] time between two used samples, if every n-th sample is used. Here n is the smallest number with which at
+    /// most `most` samples are used after the start.
     pub fn spacing(&self, most: u64) -> f64 {
         self.samples.div_ceil(most).max(1) as f64 * self.interval()
     }
@@ -396,7 +396,7 @@ impl<'a> Slowing<'a> {
 }
 
 /// [s] longest window if buoyancy accelerates species of different densities differently, so that kicks add the
-/// differences. Infinite if all accelerations are equal. With a difference b [m/s²] the path within a window of length
+/// differences. Infinite if all have one acceleration. With a difference b [m/s²] the path within a window of length
 /// h differs by at most b h²/8 from a parabola. This distance is at most [`SAG`] times the smallest diameter.
 fn longest_with_kicks_of_buoyancy(scene: &Scene) -> f64 {
     let largest = scene.differences_in_gravity().iter().map(|difference| difference.norm()).fold(0.0, f64::max);
@@ -492,7 +492,7 @@ fn motion(population: &Population) -> (Vector3<f64>, f64) {
     (mean, (square / 3.0).sqrt())
 }
 
-/// [1/s] gradient of the gas profile where a sphere with this radius [m] touches the lower or upper side of the box.
+/// [1/s] larger of the gas gradients where a sphere with this radius [m] touches the lower and upper side of the box.
 fn wall_gradient(profile: &Profile, radius: f64, height: f64) -> f64 {
     let [low, high] = profile.between(height);
     let steep = |near: f64, far: f64| (profile.velocity(far) - profile.velocity(near)).abs() / radius;

@@ -88,8 +88,8 @@ pub struct Simulation {
     spheres: Vec<Sphere>,
     /// Gas flow that the particles change (two-way coupling); `None` if particles do not change the gas.
     loaded_flow: Option<Box<LoadedFlow>>,
-    /// Drag kicks for the two durations used last: half a window and a whole window. They are stored because the table
-    /// of a tabulated kick takes long to compute.
+    /// Drag kicks for the two durations used most recently: half a window and a whole window. They are stored because
+    /// the table of a tabulated kick takes long to compute.
     kicks: Vec<Kick>,
     /// Number, mass, momentum and mean radius of the particles of all processes.
     totals: SimulationTotals,
@@ -101,13 +101,13 @@ pub struct Simulation {
     /// Otherwise `None`.
     shown: Option<GatheredParticles>,
     /// True if velocities and positions belong to one time. False if velocities lack the half-kick of drag at the end
-    /// of the last window.
+    /// of the latest window.
     half_kicked: bool,
     /// Failure that the next call of [`run`](Self::run) returns before any step: a violated contract of the contact
     /// law, or a soft time step that is too long.
     refused: Option<Failure>,
-    /// Upper limit of the energy of the particles of soft contacts, if the energy grows by errors of the time
-    /// integrator alone. A run with more energy fails. `None` for other models.
+    /// Upper limit of the growth of the energy by errors of the time integrator in soft contacts. A run whose energy
+    /// grows by more fails. `None` for other models.
     bound: Option<Bound>,
     /// [J] elastic energy of the overlaps at the start. `None` after the first window, when the soft engine has found
     /// its contacts.
@@ -128,7 +128,7 @@ pub struct Simulation {
 pub struct SimulationTimes {
     /// Wall time spent in the engine.
     pub engine: Duration,
-    /// Time spent on changes of velocity between the windows: by drag, lift, heat and buoyancy.
+    /// Time spent on changes of velocity between the windows, such as those by drag, lift, heat and buoyancy.
     pub drag: Duration,
     /// Time spent in observers (measurements during the run).
     pub observers: Duration,
@@ -262,11 +262,12 @@ impl Simulation {
     /// identical bits.
     ///
     /// If several processes share the run, each may hold only its part of the particles when `go_on` is called and
-    /// after the run. [`gather`](Self::gather) gathers the parts, and [`sample`](Self::sample) is used for sums over all
-    /// particles.
+    /// after the run. [`gather`](Self::gather) gathers the parts, and [`sample`](Self::sample) is used for sums over
+    /// all particles.
     ///
     /// When `go_on` is called, and after a run that was stopped, velocities lack a half-kick of drag.
-    /// [`with_synchronised_velocities`](Self::with_synchronised_velocities) and [`finish_half_kick`](Self::finish_half_kick) apply this half-kick.
+    /// [`with_synchronised_velocities`](Self::with_synchronised_velocities) and
+    /// [`finish_half_kick`](Self::finish_half_kick) apply this half-kick.
     ///
     /// # Errors
     /// Errors of [`run`](Self::run).
@@ -336,8 +337,8 @@ impl Simulation {
         self.particles = in_order(std::mem::take(&mut self.particles), &self.scene);
     }
 
-    /// [m/s] momentum of all particles over their mass; 0 without particles. The momentum is a sum that is updated
-    /// since the start.
+    /// [m/s] momentum of all particles over their mass; 0 without particles. The momentum is not summed anew, but its
+    /// sum at the start is updated.
     pub fn mean_velocity(&self) -> Vector3<f64> {
         if self.totals.mass > 0.0 { self.totals.momentum / self.totals.mass } else { Vector3::zeros() }
     }
@@ -364,7 +365,7 @@ impl Simulation {
     }
 
     /// Indices of the particles that were moved in islands (groups of particles that may meet within a window) in the
-    /// last window. `None` if all particles were moved at once.
+    /// latest window. `None` if all particles were moved at once.
     pub fn in_islands(&self) -> Option<&[u32]> {
         self.engine.in_islands()
     }
@@ -458,7 +459,7 @@ impl Simulation {
 
     /// Checks that all particles are inside the domain and that their energy is within its limit.
     fn check(&mut self) -> Result<(), Failure> {
-        // this order also checks the first part of a window, before all particles are moved at once
+        // the other processes check their particles at the same time
         self.order(&Order::Check);
         self.collect_records();
         if let Some(failure) = self.refused.as_ref().filter(|_| !self.is_follower()) {

@@ -21,12 +21,12 @@ pub struct Checkpointer {
     /// Store for the files of checkpoints; `None` if the command writes no checkpoints.
     store: Option<Store>,
     every: Option<Duration>,
-    /// Wall time of the last checkpoint or, before the first one, of the start of the command.
+    /// Wall time of the latest checkpoint or, before the first one, of the start of the command.
     last: Instant,
     /// Run that was in progress when the earlier command stopped, with its stored state. `None` if there is no such
     /// state, or if it has been used.
     under_way: Option<(RunIdentity, StoredRun)>,
-    /// [s] simulated time of the last stored state of the run in progress; `None` if no state is stored.
+    /// [s] simulated time of the latest stored state of the run in progress; `None` if no state is stored.
     stored: Option<f64>,
     /// True if other runs or a report must be done after the run in progress.
     more: bool,
@@ -258,9 +258,9 @@ impl Checkpointer {
         self.store.as_ref().and_then(|store| store.part(run, over, number).ok()).unwrap_or_default()
     }
 
-    /// Stores the state of a run that has not ended; `parts` is the result of storing the parts of this state. Returns
-    /// true if the command must stop. If storing fails, the run continues, and the state that was stored before
-    /// remains.
+    /// Stores the state of a run that has not ended; `parts` is the result of storing the parts of this state, one for
+    /// each process. Returns true if the command must stop. If storing fails, the run continues, and the state that was
+    /// stored before remains.
     pub fn keep(&mut self, run: &RunIdentity, kept: &StoredRun, parts: Result<(), OutputError>) -> bool {
         if let Some(store) = &mut self.store {
             match parts.and_then(|()| store.keep(run, kept)) {
@@ -393,7 +393,8 @@ impl Checkpointer {
         })
     }
 
-    /// Returns the result of writing a report. If writing failed, the error names the command that does it later.
+    /// Returns the result of writing a report. If writing failed, the error names the command that writes the report
+    /// later.
     ///
     /// # Errors
     /// Returns the given error, with the command that the user can type later.

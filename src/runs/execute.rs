@@ -83,7 +83,7 @@ pub fn execute_together(
 /// Run that all processes share, with the choices of what is printed and returned.
 #[derive(Clone, Copy)]
 pub struct SharedRun<'a> {
-    /// Index of the run in the list of runs, which is equal in all processes.
+    /// Index of the run in the list of runs; all processes have the same list.
     pub index: usize,
     /// Processes that share the run.
     pub ranks: &'a Ranks,

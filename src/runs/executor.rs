@@ -69,8 +69,8 @@ pub struct Executor<'a> {
 }
 
 impl<'a> Executor<'a> {
-    /// Opens the folder for the results of `runs` and finds their stored states. All processes must pass equal lists of
-    /// runs. In a helper process, the call does runs for the lead process until the command ends, and then returns
+    /// Opens the folder for the results of `runs` and finds their stored states. All processes must pass the same list
+    /// of runs. In a helper process, the call does runs for the lead process until the command ends, and then returns
     /// `None`. `R` is the type of the results of runs that are done [concurrently](Self::concurrently).
     ///
     /// # Errors
@@ -169,10 +169,10 @@ impl<'a> Executor<'a> {
         R::from_bytes(&self.checkpointer.result(&self.runs[index].identity)?)
     }
 
-    /// Does the runs at `indices` concurrently, in all processes and in as many runs as there are
-    /// threads. The results do not depend on the numbers of processes and threads. The function `finished` gets the
-    /// index and the result of each run, in the order in which runs end. If the user stops the command, incomplete runs
-    /// are stored and left out.
+    /// Does the runs at `indices` concurrently, in all processes. Each process does at most as many runs at a time as
+    /// it has threads. The results do not depend on the numbers of processes and threads. The function `finished` gets
+    /// the index and the result of each run, in the order in which runs end. If the user stops the command, incomplete
+    /// runs are stored and left out.
     ///
     /// # Errors
     /// Returns the first error of `finished`. Other errors are that a run cannot begin, that its stored state belongs

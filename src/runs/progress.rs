@@ -88,7 +88,7 @@ enum RunStage {
 struct Track {
     began: Instant,
     reached: ProgressSource,
-    /// [s] points from which the present speed is computed, the latest last. A point has the wall time since the run
+    /// [s] points from which the present speed is computed, in order of time. A point has the wall time since the run
     /// began, and the simulated time.
     points: Vec<[f64; 2]>,
 }
@@ -97,7 +97,7 @@ struct Track {
 enum ProgressSource {
     /// The run is in this process, and its clock is read. `None` if the run has no clock.
     Here(Option<Reached>),
-    /// The run is in another process; the number is the simulated time [s] in its last message.
+    /// The run is in another process; the number is the simulated time [s] in its latest message.
     Told(f64),
 }
 
@@ -117,7 +117,7 @@ impl Track {
     fn now(&mut self) -> (f64, Option<f64>) {
         let wall = self.began.elapsed().as_secs_f64();
         let time = self.reached.time();
-        // a point is stored if the wall time has increased by one per cent since the last point
+        // a point is stored if the wall time has increased by one per cent since the previous point
         if self.points.last().is_none_or(|[last, _]| wall > 1.01 * last) {
             self.points.push([wall, time]);
         }

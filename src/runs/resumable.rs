@@ -14,7 +14,7 @@ use std::thread::Scope;
 pub struct ResumableRun {
     /// Experiment that is run.
     pub experiment: Experiment,
-    /// Name and checksum of the run. Its stored state is found by them.
+    /// Name of the run and checksums of its data, by which its stored state is found.
     pub identity: RunIdentity,
     /// True if no other run is done at the same time, so that the wall time of this run is meaningful. If this is true
     /// for all runs of a command, all processes share each run.
@@ -22,7 +22,7 @@ pub struct ResumableRun {
     /// Name of the files of the trajectory and settings of the trajectory; `None` if none is written. Only a run that
     /// is done alone has a trajectory.
     pub trajectory: Option<(String, Trajectories)>,
-    /// Initial state; `None` if it has not been made before the run begins, or if the run has taken it.
+    /// Initial state; `None` if it is made only when the run begins, or if the run has taken it.
     start: Mutex<Option<Start>>,
 }
 
@@ -56,7 +56,7 @@ impl ResumableRun {
     }
 
     /// Marks the run as one during which no other run is done. `trajectory` has the name of the files and the settings
-    /// of its trajectory; `None` if none is written.
+    /// of the trajectory; `None` if no trajectory is written.
     pub fn lone(self, trajectory: Option<(String, Trajectories)>) -> Self {
         Self { is_lone: true, trajectory, ..self }
     }

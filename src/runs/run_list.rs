@@ -16,7 +16,7 @@ pub const POLL_INTERVAL: Duration = Duration::from_millis(1);
 /// Wall time between two messages of a helper process about the progress of its runs.
 const REPORT_INTERVAL: Duration = Duration::from_secs(1);
 
-/// List of runs that may be done in any order, and by any process that has an equal list.
+/// List of runs that may be done in any order, and by any process that has the same list.
 pub trait RunList: Sync {
     /// Result of one run of the list.
     type Answer: Send;

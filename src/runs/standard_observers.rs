@@ -141,8 +141,8 @@ fn timing(simulation: &Simulation) -> Timing {
     }
 }
 
-/// [s] time step of the run: step of soft contacts, or mean step of hard spheres in time steps and of DSMC. `None`
-/// without time steps. `window` [s] is the largest step of soft contacts.
+/// [s] time step of the run: mean step if the run has uniform steps (soft, stepped hard, DSMC), else step of soft
+/// contacts. `None` without time steps. `window` [s] is the largest step of soft contacts.
 fn time_step(experiment: &Experiment, simulation: &Simulation, window: f64) -> Option<f64> {
     let steps = simulation.counters().steps;
     match (experiment.model(), experiment.soft.stepping) {

@@ -2,8 +2,8 @@
 //! window on this machine. A window is the time between two exchanges of momentum with the gas.
 //!
 //! The agitation is measured in a short run of a smaller periodic box. Numbers of windows and collisions set the length
-//! of this run, so it is equal on every machine. Wall times are measured in a few windows of the case at its full size;
-//! no recommendation depends on these times.
+//! of this run, so this length is the same on every machine. Wall times are measured in a few windows of the case at
+//! its full size; no recommendation depends on these times.
 
 use super::trust::granular_temperature;
 use crate::contact_law::ContactLaw;
@@ -60,7 +60,7 @@ pub struct Physics {
     pub variance: f64,
     /// [m²/s²] granular temperature of each species.
     pub temperatures: Vec<f64>,
-    /// Ratios of the velocity variance at different heights between the walls and in different directions to its mean.
+    /// Velocity variances at different heights between the walls and in different directions, divided by their mean.
     pub spread: AgitationSpread,
     /// [m/s] distribution of the normal speeds of collisions between particles. Given only if the temperature changes
     /// during the run, so that the speeds do not follow from its mean. `None` if gas, heating or lossless impacts keep

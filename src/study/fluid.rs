@@ -37,7 +37,7 @@ pub struct ChannelSummary {
     pub model: String,
     /// [m/s] friction velocity u_τ of the channel flow.
     pub friction_velocity: f64,
-    /// [-] friction Reynolds number u_τ h/ν of the channel.
+    /// [-] friction Reynolds number u_τ h/ν of the channel, with half the height h and the kinematic viscosity ν.
     pub reynolds_tau: f64,
     /// Number of cells of the grid over half the height of the channel.
     pub cells: usize,

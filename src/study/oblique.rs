@@ -26,7 +26,8 @@ const LONGEST: u64 = 60;
 /// the contact law of the first variant whose law has elastic constants; `None` without such a law.
 fn compliance_ratio(variants: &[(&Experiment, &Particles)], meeting: &ImpactPair) -> Option<f64> {
     let ratio = |(experiment, _): &(&Experiment, &Particles)| {
-        // the law's ratio is that of 8 G* a to the factor 4/3 E* of Hertz's force, whose derivative is 2 E* a
+        // `shear_ratio` is 8 G*/(4/3 E*), from k_t = 8 G* a and the factor 4/3 E* of Hertz's force. The normal
+        // stiffness, the derivative of this force, is k_n = 2 E* a (a: radius of the contact area)
         Some(experiment.law()?.shear_ratio(meeting.bodies.elasticity) / 1.5)
     };
     variants.iter().filter_map(ratio).find(|ratio| *ratio > 0.0)

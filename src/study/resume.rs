@@ -37,7 +37,8 @@ pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
     // only these commands store their state
     if let Command::Run(mut typed) = cli.command {
         adopt(args, &mut typed.output, &mut typed.effort);
-        // an observer that displays has stored no data, so an idle one takes its place
+        // the observer that showed the run on a page has stored no data, so an observer that does nothing takes its
+        // place
         let idle: MakeObserver = &mut |_| Ok(Box::new(|_: &Simulation| ()));
         run(&typed, origin, ranks, is_watched(&typed).then_some(idle))
     } else if let Command::Compare(mut typed) = cli.command {
@@ -63,7 +64,7 @@ fn is_watched(run: &Run) -> bool {
     run.live
 }
 
-/// A program without the lab has no page.
+/// False, because a program without the lab has no page.
 #[cfg(not(feature = "lab"))]
 fn is_watched(_: &Run) -> bool {
     false

@@ -81,7 +81,7 @@ fn variant(args: &Run, ranks: &Ranks) -> Result<(Variants, Option<String>), Stud
 }
 
 /// Refuses the option `--budgets` (budgets of the second moments of velocity) where budgets would be wrong. They follow
-/// each particle from window to window (time between two kicks of drag), in windows of one length. Of each change of
+/// each particle from window to window (time between two kicks of drag), in windows of one length. From each change of
 /// velocity they subtract drag in the mean gas flow and gravity, and count the rest as impacts.
 fn refuse_budgets(args: &Run, experiment: &Experiment) -> Result<(), StudyError> {
     if !args.budgets {

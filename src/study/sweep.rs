@@ -2,7 +2,7 @@
 //!
 //! The hash of the resolved case identifies a run. The result of a run is stored under this hash, and remains when the
 //! sweep has ended. If a sweep is started again, also with other values, only the missing runs are done. A run that
-//! belongs to several points is done once (hard spheres do not depend on a stiffness).
+//! belongs to several points is done once, such as that of hard spheres at all values of a stiffness.
 
 use super::replicas::{FROZEN, replicas};
 use crate::case::{Case, Checked, SweepAxis, describe_variants, fingerprint};

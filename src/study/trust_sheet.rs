@@ -18,9 +18,9 @@ const MEAN_OVERLAP: f64 = 0.01;
 /// [-] limit of the largest overlap, divided by the diameter of the smaller particle. It is the weaker of the two
 /// limits below Eq. 10 of the paper.
 const LARGEST_OVERLAP: f64 = 0.1;
-/// [-] relative reduction of the effective diameter by softness from which the sheet marks it. Impacts of a dilute gas
-/// then make the agitation of the three directions equal at a rate lower by π/2 times this, 0.8 %
-/// (docs/theory/softness.md).
+/// [-] relative reduction of the effective diameter by softness above which the sheet marks this reduction. At this
+/// limit, soft impacts of a dilute gas make the agitation of the three directions equal more slowly than hard ones, by
+/// π/2 times the reduction, 0.8 % (docs/theory/softness.md).
 const SOFTNESS: f64 = 0.005;
 
 /// Makes the trust sheet (checks of reliability) of the outcome of one variant. `halved_step` is the comparison with a

@@ -176,8 +176,8 @@ impl<'a> VariantResults<'a> {
         Ok(end)
     }
 
-    /// Makes the trust sheet (checks of reliability) of the variant that was run last; `end` is the final state of its
-    /// first run.
+    /// Makes the trust sheet (checks of reliability) of the variant that was run most recently; `end` is the final
+    /// state of its first run.
     ///
     /// # Errors
     /// Returns an error if the stored state of the test with half the time step belongs to another run.

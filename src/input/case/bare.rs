@@ -1,14 +1,14 @@
 //! Finds numbers without a unit as values of keys that require a unit.
 //!
 //! A number without a unit is read as SI, with a warning: a diameter of 406 that was meant in micrometres is read as
-//! 406 m. There is no warning for keys without a unit, or for the number 0, which is equal in every unit.
+//! 406 m. There is no warning for keys without a unit, or for the number 0, which is 0 in every unit.
 
 use super::diagnostic::Diagnostic;
 use super::keys::{inner, root, unit};
 use super::source::{SourceKind, Sources};
 use super::tree::{CaseNode, Value, child_place};
 
-/// Warnings about all keys that require a unit but whose value has a number without one.
+/// Warnings about all keys that require a unit but whose value has a number without a unit.
 pub fn bare_numbers(tree: &CaseNode, sources: &Sources) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     visit(tree, root(), "", sources, &mut found);
@@ -25,7 +25,7 @@ fn visit(node: &CaseNode, schema: &serde_json::Value, path: &str, sources: &Sour
             }
         }
         Value::Array(items) => match inner(schema, None) {
-            // one warning for a whole vector, because all its components have one unit
+            // one warning for a whole vector, because all its components have the same unit
             Some(element) if unit(element).is_some() => {
                 if let Some(bare) = items.iter().find(|item| is_bare(item, sources)) {
                     let typed: Vec<String> = items.iter().map(|item| with_unit(item, unit(element), sources)).collect();
@@ -44,7 +44,8 @@ fn visit(node: &CaseNode, schema: &serde_json::Value, path: &str, sources: &Sour
     }
 }
 
-/// True if the value of a node is a number without a unit, other than 0. Numbers of a calling program are in SI.
+/// True if the value of a node is a number without a unit, other than 0. False for a number from a calling program,
+/// which is in SI.
 fn is_bare(node: &CaseNode, sources: &Sources) -> bool {
     let is_typed = sources.get(&node.origin).is_none_or(|source| source.kind != SourceKind::Values);
     match node.value {

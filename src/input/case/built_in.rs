@@ -1,4 +1,4 @@
-//! Cases that are compiled into the program, and sets of values that cases can use. So the program requires no folder
+//! Cases, and sets of values that cases can use, compiled into the program. So the program finds them without a folder
 //! on the disk.
 
 use include_dir::{Dir, include_dir};
@@ -13,7 +13,7 @@ static MODELS: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../models");
 /// Case or set of values that is built into the program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BuiltIn {
-    /// Name of the text: path within its folder, without `.toml`.
+    /// Name of the case or set: path within the folder `cases` or `models`, without `.toml`.
     pub name: String,
     /// Path by which messages name the file.
     pub path: PathBuf,

@@ -87,7 +87,8 @@ impl Error {
 
 /// Known name nearest to a misspelt name; `None` if all known names are too different.
 pub fn nearest<'a, S: AsRef<str>>(name: &str, known: &'a [S]) -> Option<&'a str> {
-    // computing the edit distance takes time and memory in proportion to the product of both lengths
+    // very long names are not compared, because the edit distance takes time and memory in proportion to the product
+    // of both lengths
     if known.iter().all(|known| name.len() > 2 * known.as_ref().len() + 8) {
         return None;
     }

@@ -467,8 +467,8 @@ fn time(seconds: f64) -> String {
     format!("{} {unit}", short(number, 6))
 }
 
-/// Number with at most `places` decimal places, without zeros at its end. A number of which this would drop a part in a
-/// hundred has a power of ten.
+/// Text of a number with at most `places` decimal places, without zeros at its end. If rounding to these places would
+/// change the number by more than 1 %, the text has a power of ten instead.
 fn short(number: f64, places: usize) -> String {
     let text = format!("{number:.places$}");
     if text.parse().is_ok_and(|short: f64| (short - number).abs() > 0.01 * number.abs()) {

@@ -7,10 +7,10 @@ use super::{Case, Setting};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Name of a case from values in messages, and its title.
+/// Name, in messages, of a case that was made from values. It is also the title of such a case.
 const SCENE: &str = "scene";
 
-/// Name of the table of initial particles in messages.
+/// Name, in messages, of the table of the particles at the start.
 const START: &str = "particles at the start";
 
 impl Case {
@@ -23,9 +23,9 @@ impl Case {
         Self::of_kind(SourceKind::Values, Path::new(SCENE), text, sets)
     }
 
-    /// Replaces the particles at the start by those of a `table`. It is the text of a CSV file as the key
-    /// `particles.file` takes it: columns x, y, z and, as far as they are known, id, vx, vy, vz, diameter, species, wx,
-    /// wy, wz, in SI.
+    /// Replaces the particles at the start by those of a `table`. The table is the text of a CSV file in SI, as for the
+    /// key `particles.file`. It has the columns x, y, z and, as far as they are known, id, vx, vy, vz, diameter,
+    /// species, wx, wy, wz.
     ///
     /// # Errors
     /// The case has several kinds of particles, and the table has no column `species`.

@@ -29,7 +29,7 @@ pub struct KeyTable {
 pub struct Key {
     /// Name of the key within its table, such as `diameter`.
     pub name: String,
-    /// Type of the value, in words: "length", "list of 3 lengths", "whole number".
+    /// Type of the value, in words: "length", "list of 3: length", "whole number".
     pub kind: String,
     /// SI unit of a number typed without one; `None` if the key has no unit.
     pub unit: Option<String>,
@@ -198,7 +198,7 @@ fn collect(schema: &Value, about: &Value, name: &str, is_list: bool, tables: &mu
     let inner = properties(schema).filter(|(_, value)| holds_table(value));
     // a number that a table can replace is both a key and a table
     let keys = properties(schema).filter(|(_, value)| !holds_table(value) || value.get(QUANTITY).is_some());
-    // a table that can take the place of a number is described with its key
+    // a table that can take the place of a number is described with the key of that number
     if schema.get(QUANTITY).is_none() {
         tables.push(KeyTable {
             name: name.to_owned(),
@@ -242,7 +242,7 @@ fn key(name: &str, schema: &Value) -> Key {
     }
 }
 
-/// Type of a value, in words such as "list of 3 lengths".
+/// Type of a value, in words such as "list of 3: length".
 fn kind(schema: &Value) -> String {
     if let Some(quantity) = words(schema, QUANTITY) {
         return quantity;

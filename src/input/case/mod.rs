@@ -1,7 +1,7 @@
 //! Reads a case from a TOML file, its sets of values and the command line, and makes checked experiments in SI.
 //!
 //! ```text
-//!  text --tree--> Node --overlay: use, set, --set--> Node --de--> CaseFile --resolve--> Experiment
+//!  text --tree--> CaseNode --overlay: use, set, --set--> CaseNode --de--> CaseFile --resolve--> Experiment
 //! ```
 //!
 //! Every value keeps its source position through all steps, so that each message contains file and line. A new key
@@ -172,7 +172,7 @@ impl Case {
     /// soft and one with hard spheres. If `seed` is given, it replaces that of the case.
     ///
     /// # Errors
-    /// Errors of [`experiment`](Self::experiment), for any variant. Also an error if two variants have one name.
+    /// Errors of [`experiment`](Self::experiment), for any variant. Also an error if two variants have the same name.
     pub fn variants(&self, seed: Option<u64>) -> Result<Vec<Checked>, Diagnostic> {
         self.variants_with(&self.sets.iter().collect::<Vec<_>>(), seed)
     }
@@ -247,7 +247,7 @@ impl Case {
         items.iter().map(one).collect()
     }
 
-    /// True if the case has a `[[compare]]` list. Without such a list, `compare` runs soft and hard.
+    /// True if the case has a `[[compare]]` list. Without such a list, `compare` runs a soft and a hard variant.
     pub fn names_variants(&self) -> bool {
         matches!(self.tree.get("compare").map(|node| &node.value), Some(Value::Array(items)) if !items.is_empty())
     }

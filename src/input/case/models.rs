@@ -135,8 +135,8 @@ impl Library {
     }
 }
 
-/// Adds the names of all sets of values in `folder` and its subfolders to `names`. `root` is the folder from which
-/// names begin, and `depth` the number of folders between both.
+/// Adds the names of all sets of values in `folder` and its subfolders to `names`. A name is the path relative to the
+/// folder `root`. `depth` is the number of folders from `root` down to `folder`.
 fn list(root: &Path, folder: &Path, depth: usize, names: &mut Vec<String>) {
     let Ok(entries) = std::fs::read_dir(folder) else { return };
     for path in entries.flatten().map(|entry| entry.path()) {

@@ -40,7 +40,7 @@ pub type Acceleration = Quantity<1, 0, -2>;
 pub type Density = Quantity<-3, 1, 0>;
 /// [m²/s] kinematic viscosity.
 pub type KinematicViscosity = Quantity<2, 0, -1>;
-/// Mass per time [kg/s].
+/// [kg/s] mass per time.
 pub type MassRate = Quantity<0, 1, -1>;
 /// [m²/s²] energy per mass.
 pub type SpecificEnergy = Quantity<2, 0, -2>;

@@ -54,8 +54,8 @@ pub(super) fn groups(table: &Schema) -> Vec<KeyGroup<'_>> {
     found.into_iter().map(|(_, group)| group).collect()
 }
 
-/// Group of keys that exclude each other, to which `key` belongs, in the table at the path `place`. The list is empty
-/// if `key` excludes no other key. In `place`, `[]` means any element of a list.
+/// Keys that exclude each other, among them `key`, in the table at the path `place`. The list is empty if `key`
+/// excludes no other key. In `place`, `[]` means any element of a list.
 pub(super) fn alternatives(place: &str, key: &str) -> Vec<&'static str> {
     let groups = schema_at(place).map(groups).unwrap_or_default();
     groups.into_iter().find(|group| group.keys.contains(&key)).map_or(Vec::new(), |group| group.keys)

@@ -11,7 +11,7 @@ const TIME: quantity::Exponents = [0, 0, 1];
 /// Start of the averaging period: a time, or `"steady"`.
 #[derive(Clone, Copy, Debug)]
 pub enum AverageFromFile {
-    /// Given start of the averaging period [s].
+    /// [s] given start of the averaging period.
     Time(f64),
     /// Start found by the run: the time from which the flow is steady.
     Steady,
@@ -20,7 +20,7 @@ pub enum AverageFromFile {
 /// Length of a window: a time, or `"auto"`. A window is the time between two exchanges of momentum with the gas.
 #[derive(Clone, Copy, Debug)]
 pub enum WindowFile {
-    /// Given length of the window [s].
+    /// [s] given length of the window.
     Time(f64),
     /// Length chosen by the program from the scene.
     Auto,

@@ -121,7 +121,7 @@ impl KeyPart {
     }
 }
 
-/// Largest number of steps of a path; the longest path of a case has five.
+/// Largest number of steps of a path. The paths of keys that exist have fewer than ten steps.
 const DEEPEST: usize = 64;
 
 /// Reads a path such as `a.b[0].c`.
@@ -183,7 +183,8 @@ pub fn parse(text: &str, source: usize, sources: &Sources) -> Result<CaseNode, D
     }
 }
 
-/// Reads one TOML value; `None` if the text is not TOML, so that the caller can read it as a string.
+/// Reads one TOML value, which begins at the byte `offset` of its source. `None` if the text is not TOML, so that the
+/// caller can read it as a string.
 pub fn parse_value(
     text: &str,
     offset: usize,

@@ -17,8 +17,8 @@ pub struct Variant<'a> {
 }
 
 impl Case {
-    /// Text of the case with the changes of the command line, below a heading. Reading this text gives an equal case.
-    /// `variants` replace the `[[compare]]` list. The text names sets of values instead of copying them.
+    /// Text of a new case file: the case with the changes of the command line, below a heading. `variants` replace the
+    /// `[[compare]]` list. Sets of values are not copied: the text names them, as the case does.
     ///
     /// # Errors
     /// A change that does not fit the case.

@@ -11,10 +11,10 @@ pub(crate) use words::digits;
 use nalgebra::Vector3;
 use std::path::Path;
 
-/// Largest number of triangles of a mesh; this number takes about 15 GB of memory.
+/// Largest number of triangles of a mesh. While a wall is made from so many triangles, it may need 40 GB of memory.
 const MOST_TRIANGLES: usize = 20_000_000;
 
-/// Triangles, each given by its three corners, in units of the file.
+/// Triangles, each given by its three corners: in units of the file or, after scaling, in m.
 pub type Heap = Vec<[Vector3<f64>; 3]>;
 
 /// Format of a file of triangles.
@@ -52,7 +52,7 @@ pub enum TriangleError {
     /// The system could not read the file.
     #[error("{0}: {1}")]
     Unreadable(String, std::io::Error),
-    /// The contents are not triangles, for the reason in words after the name.
+    /// The contents are not triangles: name of the file, and the reason in words.
     #[error("{0} {1}")]
     Faulty(String, String),
 }

@@ -5,8 +5,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
-/// [-] smallest sine of the angle by which a convex polygon turns at a corner, if it is divided as a fan. Smaller
-/// angles would give very thin triangles, which the surface ignores.
+/// [-] smallest sine of the angle by which a polygon turns at a corner, if it is divided as a fan (all triangles have
+/// its first corner). Smaller angles would give very thin triangles, which the surface ignores.
 const TURN: f64 = 1e-6;
 /// [-] relative error of an area that counts as rounding.
 const ROUNDING: f64 = 1e-9;
@@ -16,7 +16,8 @@ const ROUNDING: f64 = 1e-9;
 pub struct Cut {
     /// Triangles as indices of corners of the polygon, in the sense of rotation of the polygon.
     pub triangles: Vec<[usize; 3]>,
-    /// [-] largest distance of a corner from the plane of the polygon, over the length of the polygon.
+    /// [-] largest distance of a corner from the plane of the polygon, over the length of the polygon. The length is
+    /// the largest distance of a corner from the first corner.
     pub off: f64,
 }
 

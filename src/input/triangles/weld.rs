@@ -4,8 +4,8 @@ use super::Heap;
 use nalgebra::Vector3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// [-] possible error of a corner over the rounding of the largest coordinate in single precision. Programs cause this
-/// error by a few arithmetic operations.
+/// [-] possible error of a coordinate, over the rounding error of the largest coordinate in single precision. The error
+/// comes from a few arithmetic operations of the program that wrote the file.
 const ROUNDINGS: f64 = 4.0;
 /// Smallest number of significant digits with which programs write single precision (`%g`). Numbers with fewer digits
 /// are taken as exact.

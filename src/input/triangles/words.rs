@@ -1,5 +1,5 @@
-//! Splits a text into words with their line numbers. The text may have any encoding, since names in mesh files have
-//! any.
+//! Splits a text into words with their line numbers. The text may have any encoding, because names in mesh files may
+//! be written in any.
 
 /// Word of a text, with its line.
 #[derive(Clone, Copy, Debug)]

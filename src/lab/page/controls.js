@@ -1,8 +1,8 @@
-// Sliders and choices of a scene.
+// Controls of a scene: sliders and lists of choices for its parameters.
 
 import { number } from "./words.js";
 
-const STEPS = 120; // of a slider that goes by factors
+const STEPS = 120; // number of steps of a logarithmic slider
 
 function element(name, properties, ...children) {
   const made = Object.assign(document.createElement(name), properties);
@@ -10,7 +10,8 @@ function element(name, properties, ...children) {
   return made;
 }
 
-// Between places of a slider and values. A slider of recorded runs has a stop for each of them.
+// Conversion between positions of a slider and values of its parameter. On a page with recorded runs, `stops` are the
+// recorded values, and the slider has one position for each of them.
 function scale({ number, stops }) {
   if (stops) return { min: 0, max: stops.length - 1, step: 1, value: (place) => stops[place], place: (value) => stops.indexOf(value) };
   const { least, most, logarithmic, whole } = number;
@@ -26,7 +27,7 @@ function scale({ number, stops }) {
   return { min: least, max: most, step, value: Number, place: (value) => value };
 }
 
-// One knob; `turned(name, value)` is called when it is moved.
+// Creates the control (knob) of one parameter. The function `turned(name, value)` is called when the user moves it.
 function knob(shown, turned) {
   const id = `knob-${shown.name}`;
   const label = element("label", { htmlFor: id, textContent: shown.label });
@@ -75,7 +76,8 @@ function knob(shown, turned) {
   return { box, set };
 }
 
-// All knobs of a scene. The answer sets them: a function of their names and values.
+// Creates the controls (knobs) of all parameters of a scene. Returns a function that sets the control with a given name
+// to a given value.
 export function knobs(parent, list, turned) {
   const made = list.map((shown) => knob(shown, turned));
   parent.replaceChildren(...made.map(({ box }) => box));

@@ -1,8 +1,9 @@
-// The numbers of particles in a frame.
+// Numbers of the particles in a frame (data of one instant, from which the page draws its panels).
 
 export const COLUMNS = 6; // x, y, z, speed, overlap, radius
 
-// The numbers of one panel by what they are; `values` has the columns of one particle after the other.
+// Arrays of one panel, one for each quantity. `values` has the six numbers of the first particle, then those of the
+// next. The speed is stored as the x component of the velocity.
 export function panel(values) {
   const count = values.length / COLUMNS;
   const [position, velocity] = [new Float32Array(3 * count), new Float32Array(3 * count)];

@@ -1,9 +1,9 @@
-// Curves of both panels over time, as SVG that keeps the colours of the page.
+// Graphs with curves of both panels, as SVG pictures in the colours of the page.
 
 const NS = "http://www.w3.org/2000/svg";
 const [WIDTH, HEIGHT] = [440, 240];
 const EDGE = { left: 56, right: 26, top: 8, bottom: 38 };
-const MOST = 1500; // points of a curve
+const MOST = 1500; // largest number of points of a curve
 
 function make(name, attributes, parent) {
   const element = document.createElementNS(NS, name);
@@ -12,7 +12,7 @@ function make(name, attributes, parent) {
   return element;
 }
 
-// Round numbers between two ends.
+// Round numbers from `low` to `high` at equal distances, for about `count` intervals.
 export function ticks(low, high, count) {
   const raw = (high - low) / count;
   const power = 10 ** Math.floor(Math.log10(raw));
@@ -22,7 +22,7 @@ export function ticks(low, high, count) {
   return list;
 }
 
-// Numbers at ticks with as many digits as tell them apart, the same number for all.
+// Labels of ticks. All labels have the same number of decimal places, enough to distinguish neighbouring ticks.
 export function labels(values) {
   const size = Math.max(...values.map(Math.abs));
   const step = values.length > 1 ? Math.abs(values[1] - values[0]) : size;
@@ -33,12 +33,12 @@ export function labels(values) {
   return values.map((value) => (tiny(value) ? "0" : large ? value.toExponential(digits) : value.toFixed(digits)));
 }
 
-const SMALLEST = 5e-6; // range of an axis over its values: ticks of a smaller one would have too many digits
-const GAPS = 0.08; // of the largest overlap: how far gaps are drawn
+const SMALLEST = 5e-6; // smallest range of an axis over its largest magnitude; a smaller range needs too many digits
+const GAPS = 0.08; // largest gap that is drawn, divided by the largest overlap
 
 const label = (value) => (value === 0 ? "0" : Math.abs(value) < 1e-3 || Math.abs(value) >= 1e5 ? value.toExponential(0) : String(Number(value.toPrecision(4))));
 
-// One picture. `until`: the end of the axis to the right, where it is the time.
+// One graph. `until` is the right end of the horizontal axis; it is used only if this axis is the time.
 export class Graph {
   constructor(spec, until, parent) {
     this.spec = spec;
@@ -72,7 +72,8 @@ export class Graph {
     if (kept.length > MOST) this.rows[side] = kept.filter((_, k) => k % 2 === 0 || k === kept.length - 1);
   }
 
-  // Lowest and highest of what is drawn along a direction.
+  // Smallest and largest value drawn along the axis `of` ("x" or "y"). `theory` has the points of the theoretical
+  // curve.
   range(of, theory) {
     let [low, high] = [Infinity, -Infinity];
     const take = (value) => {
@@ -92,7 +93,7 @@ export class Graph {
     let [x0, x1] = window ?? (this.until === null ? this.range("x", []) : [0, this.until]);
     let [y0, y1] = this.range("y", theory);
     const log = this.spec.logarithmic;
-    // "x" or "y": the axis of an overlap, which shows gaps only as far as they matter
+    // axis of the overlap, "x" or "y", on which only small gaps are shown; null for other graphs
     const gaps = this.spec.short_gaps ? (this.until === null ? "x" : "y") : null;
     const short = (low, high) => [high > -1e-3 * low ? Math.max(low, -GAPS * high) : low, high];
     if (gaps === "x") [x0, x1] = short(x0, x1);
@@ -149,7 +150,7 @@ export class Graph {
     make("path", { class: "axis", d: `M${left} ${EDGE.top}V${bottom}H${WIDTH - EDGE.right}` }, this.axes);
   }
 
-  // The last values in words, for who does not see the picture.
+  // Gives the latest values as text, for users of screen readers.
   tell() {
     const last = this.rows.map((rows) => rows.at(-1));
     const value = (row) => (row ? this.spec.columns.slice(0, 8).map((column) => Number(row[column])?.toPrecision(3)).join(", ") : "nothing yet");

@@ -1,4 +1,4 @@
-// The line to the program: what is asked goes as JSON, frames come as bytes (src/lab/frame.rs).
+// Connection to the program: requests are sent as JSON, and frames arrive as bytes (src/lab/frame.rs).
 
 import { COLUMNS, panel } from "./frames.js";
 
@@ -15,7 +15,8 @@ export function unpack(buffer) {
   return { head, panels };
 }
 
-// Opens the line. `on` has `told`, `framed` and `closed`.
+// Opens the connection. `on` has the functions that are called for a message (`told`), for a frame (`framed`) and at
+// the end (`closed`). Returns a function that sends a request.
 export function connect(on) {
   const address = new URL("socket", location.href);
   address.protocol = "ws:";

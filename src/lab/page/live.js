@@ -1,4 +1,4 @@
-// The page of a run: draws what comes.
+// Page of the live view of a run: draws the frames that the program sends.
 
 import { Graph } from "./graph.js";
 import { connect, unpack } from "./link.js";
@@ -42,7 +42,7 @@ function draw(now) {
   }
   if (side.state === "over") at("status").textContent = "The run is over.";
   state.drawn += 1;
-  // for tests, and for who wonders
+  // the tests of the page read these values
   Object.assign(document.documentElement.dataset, { drawn: state.drawn, time: side.time, over: side.state === "over" });
   ask({ ask: "drawn" });
 }

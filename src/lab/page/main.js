@@ -1,4 +1,4 @@
-// The page: opens scenes, passes on what is set, draws what comes.
+// Page of the lab: opens scenes, sends the settings of the user to the program, and draws the frames that arrive.
 
 import { knobs } from "./controls.js";
 import { Graph } from "./graph.js";
@@ -16,7 +16,7 @@ const state = {
   frame: null, waiting: false, over: false, graphed: 0, drawn: 0,
 };
 
-// ---- what is asked
+// ---- requests to the program
 
 let ask = () => {};
 let pending = null;
@@ -32,7 +32,7 @@ function open() {
   }, Math.max(0, sent + THROTTLE - performance.now()));
 }
 
-// A sentence above the panels; `alarm` where something went wrong.
+// Shows a sentence above the panels; `alarm` is true if something went wrong.
 function say(words, alarm = false) {
   at("status").textContent = words;
   at("status").classList.toggle("alarm", alarm);
@@ -51,12 +51,12 @@ function play(on) {
   ask({ ask: "play", on });
 }
 
-// What the first button does.
+// Updates the text of the first button, which names the effect of a click.
 function button() {
   at("play").textContent = state.over ? "Play again" : state.playing ? "Pause" : "Play";
 }
 
-// ---- what is told
+// ---- messages from the program
 
 function told(message) {
   if (message.tell === "scenes") {
@@ -90,7 +90,7 @@ function opened(message) {
   say(message.warnings.map((words) => `Note: ${words}.`).join(" "), message.warnings.length > 0);
   if (fresh) words(message);
   if (message.recorded) {
-    // one setting at a time is recorded: the others go back to the case
+    // recorded runs differ from the case by one setting, so all other settings return to those of the case
     Object.assign(state, { settings: { ...message.recorded }, right: message.right });
     at("right").value = message.right;
     message.knobs.forEach((knob) => state.set(knob.name, knob.value));
@@ -107,7 +107,7 @@ function opened(message) {
   }
 }
 
-// What is the same whatever is set of a scene.
+// Shows the texts of a scene, which do not depend on its settings.
 function words(message) {
   document.title = `${message.title} · Diptych lab`;
   at("title").textContent = message.title;
@@ -184,7 +184,7 @@ function draw(now) {
   state.waiting = false;
   const { frame, stage } = state;
   if (!frame) {
-    // another scene was opened meanwhile
+    // the user has opened another scene in the meantime
     ask({ ask: "drawn" });
     return;
   }
@@ -201,7 +201,7 @@ function draw(now) {
     say(failed ? "The scene has stopped: see below the panels." : "The scene is over.", failed);
   }
   state.drawn += 1;
-  // for tests, and for who wonders
+  // the tests of the page read these values
   Object.assign(document.documentElement.dataset, { drawn: state.drawn, scene: state.opened.scene, serial: frame.head.serial, time: frame.head.sides[0].time, over });
   ask({ ask: "drawn" });
 }

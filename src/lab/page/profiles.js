@@ -13,14 +13,15 @@ function make(name, attributes, parent) {
   return element;
 }
 
-// Title, label of the axis, columns of the value and of its standard error, and whether the two panels are subtracted.
+// Title, label of the axis, columns of the value and of its standard error, and true if the difference of the two
+// panels is drawn.
 const PICTURES = [
   ["Profile of the velocity", "velocity [m/s]", 1, 2, false],
   ["Profile of the temperature", "T [m²/s²]", 3, 4, false],
   ["Difference of the velocities, right less left", "difference [m/s]", 1, 2, true],
   ["Difference of the temperatures, right less left", "difference [m²/s²]", 3, 4, true],
 ];
-const BARS = 2; // standard errors up and down
+const BARS = 2; // length of an error bar above and below the value, in standard errors
 const CAP = 3; // [px] half the width of the end of a bar
 
 // Lines of a picture: lists of [height, value, standard error or null].

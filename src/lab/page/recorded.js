@@ -3,7 +3,7 @@
 import { COLUMNS, panel } from "./frames.js";
 
 const MOVING = 5; // columns that change during a run: all but the radius
-const LONGEST = 100; // [ms] of a pause that counts as motion
+const LONGEST = 100; // [ms] longest time between two drawings that moves the run on; the rest of a pause is left out
 
 const { version, scenes, recordings, frames: FRAMES } = JSON.parse(document.getElementById("recording").textContent);
 
@@ -46,7 +46,8 @@ class Run {
 
 const same = (a, b) => JSON.stringify(Object.entries(a).sort()) === JSON.stringify(Object.entries(b).sort());
 
-// The recording for a choice. One setting at a time is recorded, so that the one that was changed last decides.
+// Recorded run for the present choice of the user; `before` is the previous choice. Recorded runs differ from the case
+// by one setting, so the setting that the user has just changed determines the run.
 function recorded(choice, before) {
   const find = (right, settings) => recordings.find((one) => one.right === right && same(one.settings, settings));
   if (choice.right !== before.right) return find(choice.right, {});
@@ -54,7 +55,7 @@ function recorded(choice, before) {
   return (changed && find(0, { [changed]: choice.settings[changed] })) || find(choice.right, {}) || recordings[0];
 }
 
-// The values of a knob that are recorded.
+// Values of a parameter (knob) for which there are recorded runs, in ascending order.
 function stops(knob) {
   const others = recordings.map((one) => one.settings[knob.name]).filter((value) => value !== undefined);
   return [...others, knob.default].sort((a, b) => a - b);
@@ -95,7 +96,7 @@ export function connect(on) {
     then = now;
     if (run && wish.playing && wish.looking) {
       const { pace, duration } = run.recording.opened;
-      // the run of a panel that has stopped may have fewer frames than its duration
+      // if the runs of both panels stopped early, the recording may have fewer frames than its duration needs
       run.at = Math.min(run.at + (passed * pace * wish.factor * FRAMES) / duration, run.last);
       give(Math.floor(run.at));
     }

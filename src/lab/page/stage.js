@@ -1,10 +1,10 @@
-// The two panels: spheres on a canvas, arrows of forces, numbers, the bar of energy.
+// The two panels, each with spheres on a canvas, arrows for forces, numbers, and a bar for the energy.
 
 import { energy, live } from "./words.js";
 
 const AXES = ["x", "y", "z"];
-const LOOKS = 15; // frames between two looks at whether the colours still reach far enough
-const NUMBERS = 120; // [ms] between two changes of the numbers, which nobody reads faster
+const LOOKS = 15; // number of frames between two checks that the colour scale covers all values
+const NUMBERS = 120; // [ms] between two changes of the numbers; faster changes could not be read
 
 export class Stage {
   constructor(opened) {
@@ -29,7 +29,7 @@ export class Stage {
     this.forces = 0;
   }
 
-  // The scale of colours: that of the first frame, wider where faster spheres come.
+  // Ends of the colour scale: those of the first frame, widened if later values lie outside.
   scale(frames, colour) {
     if (colour === "plain") return undefined;
     this.looks = (this.looks ?? 0) + 1;
@@ -38,7 +38,7 @@ export class Stage {
     const known = this.range;
     if (known?.colour === colour && known.ends[0] <= fresh[0] && known.ends[1] >= fresh[1] * 0.999) return known.ends;
     if (!(fresh[1] > 0) && colour !== "overlap") return [0, 1];
-    // from 0, unless nothing is slow: then the scale begins a little below the slowest
+    // the scale begins at 0 or, if the smallest value is at least half of the largest, 10 % below the smallest
     const lowest = fresh[0] < 0.5 * fresh[1] ? Math.min(fresh[0], 0) : 0.9 * fresh[0];
     this.range = { colour, ends: [lowest, 1.1 * fresh[1]] };
     const legend = document.getElementById("legend");
@@ -46,7 +46,8 @@ export class Stage {
     return this.range.ends;
   }
 
-  // Part of the box that a canvas shows. What is higher than the canvas gets more room beside it; the style of the page limits the height.
+  // Part of the box that a canvas shows. If the part is too high for the canvas, a wider part is shown; the style of
+  // the page limits the height of the canvas.
   seen(canvas) {
     if (!this.focus) return undefined;
     const { centre, wide, high } = this.focus;
@@ -71,7 +72,7 @@ export class Stage {
     });
   }
 
-  // Two spheres with their gap drawn larger, and the forces on them.
+  // Positions of two spheres with an enlarged gap, and arrows for the forces on them.
   magnified(frame, side) {
     const { magnify, right } = this.opened.view;
     const position = frame.position.slice();

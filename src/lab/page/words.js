@@ -2,7 +2,7 @@
 
 const PLAIN = new Intl.NumberFormat("en", { maximumSignificantDigits: 4, useGrouping: false });
 
-// A number with four digits at most; with a power of ten where it is very large or small.
+// Number as text, with at most four digits, and with a power of ten if it is very large or small.
 export function number(value) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
   const size = Math.abs(value);
@@ -15,24 +15,24 @@ export function number(value) {
 
 const superscript = (power) => String(power).replace(/./g, (c) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[c] ?? "⁻");
 
-// A quantity in SI with the prefix that suits it.
+// Quantity in an SI unit as text, with a suitable prefix.
 export const si = (value, unit) => (value === null || value === undefined ? "–" : diptych.si(value, unit));
 
-// A share in per cent; what is smaller than any share that matters is 0.
+// Share in per cent as text; a share too small to matter (below 5e-7) is 0.
 const percent = (share) => `${Math.abs(share) < 5e-7 ? 0 : number(Number((100 * share).toPrecision(3)))} %`;
 
-// An energy [J], 0 where only rounding is left.
+// Energy [J] as text; below 1e-15 J it is 0, since this is only rounding.
 const joules = (value) => (Math.abs(value) < 1e-15 ? "0 J" : si(value, "J"));
 
-// [words, value] of the numbers beside a panel.
+// Numbers beside a panel: a list of pairs [words, value].
 export function live(side, model) {
   const l = side.live;
   const list = [
     ["time", si(side.time, "s")],
     ["impacts", number(l.pairs + l.walls)],
-    // none where spheres press on several others at once
+    // no restitution in scenes in which spheres press on several others at once
     ...(l.restitution === null && l.pairs + l.walls > 0 ? [] : [["realised e", l.restitution === null ? "–" : l.restitution.toFixed(4)]]),
-    // none where a run is too short to measure it
+    // no cost if the run is too short to measure it
     ...(l.cost === null ? [] : [["cost", `${number(l.cost)} s per s`]]),
   ];
   if (model !== "hard" || l.missed > 0 || l.steps > 0) list.push(["deepest overlap", l.overlap === null ? "–" : `${percent(l.overlap)} of d`]);
@@ -42,17 +42,17 @@ export function live(side, model) {
   return list;
 }
 
-const RESTING = 1e-3; // of the energy of a fall by one diameter: with less, spheres have only sunk into one another
-const ROUNDING = 1e-11; // share of the energy that rounding alone can cost
+const RESTING = 1e-3; // share of the energy of a fall by one diameter; below it, spheres only sink into one another
+const ROUNDING = 1e-11; // largest share of the energy that rounding alone can change
 
-// Shares of all energy that there was: moving, in springs, lost; and these in a sentence.
+// Shares of the total energy so far: kinetic, elastic and lost. Also returns a sentence with these shares.
 export function energy(l, model) {
   const kept = l.kinetic + l.elastic;
   const given = l.at_start + Math.max(l.work, 0);
   const all = Math.max(given, kept + Math.max(l.dissipated, 0));
   if (!(all > 0)) return { shares: [0, 0, 0], sentence: "no energy" };
   const shares = [l.kinetic, l.elastic, l.dissipated].map((part) => Math.max(part, 0) / all);
-  // of soft spheres, the books close but for what the time steps create or lose
+  // for soft spheres, only errors of the time steps remain unexplained in the energy balance
   const open = model === "hard" ? "not explained" : "error of the time steps";
   if (Math.max(given, kept) < RESTING * l.fall) {
     const fallen = `${percent(Math.abs(l.residual) / l.fall)} of what all spheres would gain in a fall by one diameter`;

@@ -5,8 +5,8 @@ use crate::output::document::{Block, Table, TextRow};
 use crate::output::numbers::{Prefix, percent, significant};
 use serde_json::{Value, json};
 
-/// [-] magnitude of the unexplained energy above which it is highlighted, divided by the sum of all energies in the
-/// balance. The error of the integrator at 20 steps per contact is much smaller.
+/// [-] magnitude of the unexplained energy over the sum of all energies in the balance, above which the unexplained
+/// energy is highlighted. The error of the integrator at 20 steps per contact is much smaller.
 const SUSPECT_RESIDUAL: f64 = 1e-3;
 
 /// Notes on the energy that the restitution would have removed from collisions in quick succession. Collisions within
@@ -101,8 +101,8 @@ pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     blocks
 }
 
-/// [-] unexplained energy, divided by the sum of the initial energy and the magnitudes of the work of drag, gravity,
-/// moving walls and shear. `None` if this sum is 0.
+/// [-] unexplained energy, divided by the sum of the initial energy and the magnitudes of the other terms: work of
+/// drag, gravity, moving walls, shear and thermostat, and inflow less outflow. `None` if this sum is 0.
 fn relative_residual(outcome: &Outcome) -> Option<f64> {
     let ledger = &outcome.record.ledger;
     let through = ledger.through(outcome.energy_at_start);

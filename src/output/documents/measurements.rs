@@ -16,8 +16,8 @@ use serde_json::{Value, json};
 /// Name of the file with the single numbers that all measurements give.
 const NUMBERS: &str = "observables.csv";
 
-/// Table of the numbers of all measurements with their theories, followed by pictures. `pictures` returns the pictures
-/// for a name of figures. Empty if no variant has a measurement.
+/// Table of the numbers of all measurements with their theories, followed by pictures. `pictures` returns the blocks
+/// with the figures of a given name. Empty if no variant has a measurement.
 pub(super) fn blocks(outcomes: &[Outcome], pictures: impl Fn(&str) -> Vec<Block>) -> Vec<Block> {
     let row = |(outcome, observed): (&Outcome, &Observation)| {
         let name = outcome.experiment.name.clone();
@@ -29,7 +29,7 @@ pub(super) fn blocks(outcomes: &[Outcome], pictures: impl Fn(&str) -> Vec<Block>
                 Some((source, value)) => (significant(value, 4), source.to_owned()),
                 None => (String::new(), String::new()),
             };
-            // an error by rounding alone, as of a bed at rest, is none
+            // an error that is only rounding, as for a bed at rest, counts as no error
             let is_rounding = |value: &Estimate| value.error.is_some_and(|error| error < 1e-12 * value.value.abs());
             let value =
                 number.value.map(|value| if is_rounding(&value) { Estimate::exact(value.value) } else { value });

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 pub struct PlanDocument<'a> {
     /// Path of the case file.
     pub case: String,
-    /// Title of the case: the first line of the case file.
+    /// Title of the case: first paragraph of the comment at the beginning of the case file.
     pub title: String,
     /// Collision model that the case itself sets.
     pub model_of_the_case: String,

@@ -219,8 +219,8 @@ fn impacts(outcomes: &[Outcome]) -> Vec<Block> {
     blocks
 }
 
-/// Restitution that a case gives, as text. If it depends on the speed, it is the value at the mean normal speed of
-/// impact `speed` [m/s].
+/// Restitution that a case gives, as text. A restitution that depends on the speed is evaluated at the mean normal
+/// speed of impact, `speed` [m/s].
 fn requested(surface: &Surface, speed: Option<f64>) -> String {
     match (surface.by_speed, speed) {
         (None, _) => significant(surface.restitution, 4),

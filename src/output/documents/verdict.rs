@@ -64,8 +64,8 @@ fn observed_row(one: &ObservedDifference) -> (bool, Vec<String>) {
     (one.answer == Some(Answer::Different), cells)
 }
 
-/// Contents of `observed-differences.csv`: differences of measured numbers in the unit of each number and in per cent of
-/// the reference, with standard errors. `None` if no two variants were compared in any.
+/// Contents of `observed-differences.csv`: differences of measured numbers in the unit of each number and in per cent
+/// of the reference, with standard errors. `None` if no variants were compared in such numbers.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

@@ -75,7 +75,7 @@ pub fn islands(outcomes: &[Outcome]) -> Vec<Block> {
     ]
 }
 
-/// Table with the share of each part of a run, such as drag or sampling, in its wall-clock time.
+/// Table with the share of each part of a run, such as drag or sampling, in the wall-clock time of the run.
 pub fn timing(outcomes: &[Outcome]) -> Vec<Block> {
     let cells = |o: &Outcome| {
         let t = &o.timing;

@@ -50,8 +50,8 @@ pub fn gas(profile: &Profile, height: f64) -> Vec<Figure> {
 /// Figure of the profiles of several gases between walls at y = 0 and y = `height` [m]. The horizontal axis is the
 /// distance from the wall on a logarithmic scale, up to the middle of the channel. `None` for fewer than two gases.
 pub fn gases(profiles: &[(String, Profile)], height: f64) -> Option<Figure> {
-    /// [-] distance from the wall at which the curves begin, over the width of the channel. It is half the radius of
-    /// the smallest sphere of a channel.
+    /// [-] distance from the wall at which the curves begin, over the width of the channel. It is about half the radius
+    /// of spheres of 0.4 mm in a channel of 40 mm.
     const NEAREST: f64 = 2.5e-3;
     if profiles.len() < 2 {
         return None;
@@ -86,8 +86,9 @@ pub fn loaded(outcomes: &[Outcome]) -> Option<Figure> {
     loaded_flows(&flows.collect::<Vec<_>>())
 }
 
-/// Picture of gases that feel particles, beside the gas alone. Each has a name, and the nodes of the gas alone and of the
-/// gas among particles, from the wall to the middle. The gas alone is that of the first. `None` for no gases.
+/// Figure of gas flows with particles, beside the flow without particles. Each entry of `flows` has a name and the grid
+/// nodes, from the wall to the middle, of the gas without and with particles. The flow without particles is drawn once,
+/// from the first entry. `None` if `flows` is empty.
 pub fn loaded_flows(flows: &[(&str, [&[GridNode]; 2])]) -> Option<Figure> {
     let (_, [first, _]) = flows.first()?;
     let prefix = Prefix::of(first.last()?.y);

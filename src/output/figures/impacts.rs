@@ -153,7 +153,7 @@ fn views(outcomes: &[Outcome], views: &[ImpactQuantity]) -> String {
             }
         }
     }
-    // pictures without impacts are left out, unless none would be left
+    // panels without impacts are left out, unless no panel would remain
     if panels.iter().any(|panel| !panel.series.is_empty()) {
         panels.retain(|panel| !panel.series.is_empty());
     }
@@ -227,8 +227,8 @@ impl ImpactQuantity {
     }
 }
 
-/// Cumulative distribution of a histogram: fraction of the values below the upper end of each group of bins. There are
-/// as many groups as a picture shows.
+/// Cumulative distribution of a histogram: fraction of the values below the upper end of each group of bins. The bins
+/// are merged into at most `SHOWN` groups.
 fn shares(histogram: &Histogram) -> Vec<SeriesPoint> {
     let all = bins(histogram);
     let mut below = 0;

@@ -9,7 +9,7 @@ use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use kuva::render::render::render_multiple;
 
-/// Largest number of drawn cells along an edge. More cells would make large files. Neighbours are averaged.
+/// Largest number of drawn cells along an edge. A grid with more cells would make a large file: its cells are averaged.
 const MOST_CELLS: usize = 64;
 
 /// [px] parts of the height and of the width of a picture that labels and the scale of the colours take.

@@ -161,7 +161,7 @@ fn velocity(group: &PanelGroup, time: &TimeAxis, axis: usize) -> Vec<PanelSeries
     if largest(&lines) > ROUNDING * agitation { lines } else { Vec::new() }
 }
 
-/// Panels of all averages over the particles that are drawn as functions of time.
+/// Panels of the averages over all particles as functions of time.
 fn series(group: &PanelGroup, time: &TimeAxis) -> Vec<Panel> {
     let Some((_, first)) = group.members.first() else { return Vec::new() };
     let scene = &first.experiment.scene;

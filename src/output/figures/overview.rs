@@ -25,7 +25,7 @@ const POINT: f64 = 11.0;
 const FURTHEST: f64 = 4.0;
 /// [s] wall-clock time below which the cost of a run depends mainly on other load of the machine.
 const TELLING: f64 = 0.1;
-/// Colours of the variants, equal to those of other pictures. The file style.css contains the colours of the dark mode.
+/// Colours of the variants, the same as in other pictures. The file style.css contains the colours of the dark mode.
 const COLOURS: [&str; 7] = super::chart::COLOURS;
 
 fn colour(place: usize) -> String {
@@ -38,8 +38,8 @@ pub fn symbol(quantity: &str) -> String {
     slice_column(quantity).map_or(quantity, |column| column.symbol).into()
 }
 
-/// Difference of a quantity that a report names first, in % of the scale of the quantity, with its standard error.
-/// `None` if there is none.
+/// [%] main difference in a quantity (the one that a report names first), in per cent of the scale of the quantity,
+/// with its standard error. `None` if there is none.
 pub fn in_per_cent(one: &Judged) -> Option<Estimate> {
     let found = one.tested.headline()?;
     Some(Estimate::new(found.difference, found.error).times(100.0 / one.tested.scale))

@@ -51,7 +51,7 @@ pub fn beside_the_gas(outcomes: &[Outcome]) -> Option<String> {
 }
 
 /// [-] fraction of the slice number `k` of `slices` slices along y that centres of spheres can reach. Centres stay a
-/// radius away from walls. `None` if this fraction is zero. For spheres of several sizes the result is 1.
+/// radius away from walls. `None` if this fraction is zero. For several species or sizes of spheres the result is 1.
 fn open_part(outcome: &Outcome, k: usize, slices: usize) -> Option<f64> {
     let scene = &outcome.experiment.scene;
     let ([species], false) = (scene.species.as_slice(), scene.has_sizes()) else { return Some(1.0) };

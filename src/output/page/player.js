@@ -6,9 +6,9 @@
   const WHOLE = 12; // [s] in which the whole recording is played
   const CLOSE = 4; // [s] in which the interval around a contact is played
   const WIDE = 9; // [diameters] seen of the scene around a contact
-  const LONG = 30; // frames that a contact is followed over
-  const SAMPLES = 30; // frames that a range of speeds is taken from
-  const STEPS = 24; // in which it is played where motion is not wanted
+  const LONG = 30; // largest number of frames over which a contact is followed
+  const SAMPLES = 30; // frames from which the range of the colour scale is computed
+  const STEPS = 24; // steps in which the recording is played if the reader prefers reduced motion
 
   const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
 
@@ -31,7 +31,7 @@
     };
   }
 
-  // The frame that began last before a time.
+  // Index of the last frame at or before a time.
   function interval(times, time) {
     let [low, high] = [0, times.length - 1];
     while (high - low > 1) {
@@ -57,7 +57,7 @@
       const g = scene.gravity[axis];
       way[axis] = ((variant.position[b + axis] - variant.position[a + axis]) * size) / 65535;
       if (scene.periodic[axis]) way[axis] -= size * Math.round((way[axis] - 0.5 * (va + vb) * long) / size);
-      // forth less back at the beginning of the interval, and what is added per time
+      // flight from this frame minus flight back from the next frame: difference of position at the start, and its change per time
       apart[axis] = vb * long - 0.5 * g * long * long - way[axis];
       change[axis] = va - vb + g * long;
       product += apart[axis] * change[axis];
@@ -70,7 +70,7 @@
       const va = variant.velocity[a + axis] * variant.unit;
       const vb = variant.velocity[b + axis] * variant.unit;
       const g = scene.gravity[axis];
-      // what is left between both flights, by drag or further collisions, is shared by both
+      // the distance that remains between both flights, by drag or further collisions, is divided equally between them
       const left = 0.5 * (apart[axis] + meet * change[axis]);
       let x;
       if (scene.linear || long <= 0) x = from + (long > 0 ? (way[axis] * s) / long : 0);
@@ -83,7 +83,7 @@
     }
   }
 
-  // All particles of a variant at a time; of one that has stopped, as they were then.
+  // All particles of a variant at a time. After the end of the recording they stay as in the last frame.
   function frameAt(scene, variant, time, out) {
     const k = interval(variant.times, Math.min(time, variant.last));
     const next = Math.min(k + 1, variant.times.length - 1);
@@ -122,14 +122,14 @@
     return make("label", {}, `${label} `, select);
   };
 
-  // By how much the velocity of a particle changes between two frames, besides what gravity does [m/s].
+  // [m/s] change of the velocity of a particle between two frames, without the change by gravity.
   function turn(scene, variant, k, particle) {
     const long = variant.times[k + 1] - variant.times[k];
     const [a, b] = [3 * (k * variant.count + particle), 3 * ((k + 1) * variant.count + particle)];
     return Math.hypot(...[0, 1, 2].map((axis) => (variant.velocity[b + axis] - variant.velocity[a + axis]) * variant.unit - scene.gravity[axis] * long));
   }
 
-  // The next interval after a time in which a particle of the variants is struck: { particle, from, to }.
+  // The first interval after a time in which a particle of one of the variants is struck: { particle, from, to }.
   function contact(scene, variants, time) {
     const found = [];
     for (const variant of variants) {
@@ -155,7 +155,7 @@
       }
     }
     const [first] = found.sort((a, b) => a.from - b.from);
-    // where it lasts in one variant and not in another it is seen whole
+    // the interval ends with the last contact of those that overlap the first in time, so that each is shown whole
     return first && { ...first, to: Math.max(...found.filter((one) => one.from <= first.to).map((one) => one.to)) };
   }
 
@@ -351,6 +351,6 @@
   }
 
   document.querySelectorAll("section.player").forEach(player);
-  // folds are opened for paper
+  // the hidden parts of the page are opened for printing
   addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((part) => part.setAttribute("open", "")));
 })();

@@ -3,14 +3,14 @@
 //
 //     diptych.drawScene(canvas, scene, frame, options)
 //
-// scene    what does not change
+// scene    data that do not change with time
 //   size       [x, y, z] of the box [m]
-//   periodic   [x, y, z]: whether a side is open to its own far side (such edges are drawn dashed)
+//   periodic   [x, y, z]: true if the box is periodic along the axis (edges of periodic sides are drawn dashed)
 //   radius     one per particle [m]
 //   species    one per particle, counted from 0; may be absent
 //   names      names of the species; may be absent
 //   walls      list of walls, each a flat list of line segments: six numbers [m] each, from x y z to x y z
-// frame    what does
+// frame    data that change with time
 //   position   three numbers [m] per particle
 //   velocity   three numbers [m/s] per particle; may be absent
 //   overlap    one per particle [m], 0 without contact; may be absent
@@ -56,7 +56,7 @@ var diptych = diptych || {};
     const of = (name) => hex(style.getPropertyValue(name));
     const series = Array.from({ length: 8 }, (_, k) => of(`--series-${k + 1}`));
     const found = { ink: of("--ink"), muted: of("--muted"), paper: of("--scene"), sphere: of("--sphere"), series };
-    // what was made in other colours, or for another screen, is made anew
+    // pictures of spheres that were made in other colours, or for another screen, are discarded
     const same = colours && JSON.stringify([colours, fineness]) === JSON.stringify([found, window.devicePixelRatio]);
     if (!same) sprites.clear();
     [colours, looked, fineness] = [found, performance.now(), window.devicePixelRatio];
@@ -96,7 +96,7 @@ var diptych = diptych || {};
     return { context, width, height };
   };
 
-  // Where things stand in the picture.
+  // Functions that give the position of a point in the picture and its depth, and the scale of the picture.
   function camera(scene, options, width, height) {
     const view = options.view && options.view.right ? options.view : diptych.view(options.view || "xy");
     const along = (direction, x, y, z) => direction[0] * x + direction[1] * y + direction[2] * z;
@@ -131,7 +131,7 @@ var diptych = diptych || {};
     context.lineTo(...place(segment[from + 3], segment[from + 4], segment[from + 5]));
   }
 
-  // Edges of the box, those that lead out of a periodic side dashed, and outlines of the walls.
+  // Draws the edges of the box (those of periodic sides dashed) and the outlines of the walls.
   function drawFrame(context, place, scene, colours) {
     const corner = (k) => [k & 1, (k >> 1) & 1, k >> 2].map((side, axis) => side * scene.size[axis]);
     context.strokeStyle = css(mix(colours.paper, colours.muted, 0.6));
@@ -151,7 +151,7 @@ var diptych = diptych || {};
     context.setLineDash([]);
     context.strokeStyle = css(colours.ink);
     for (const wall of scene.walls || []) {
-      // many segments are a curved or fine surface
+      // a wall of many segments is a curved or finely divided surface, and gets thin lines
       context.lineWidth = wall.length > 6 * 24 ? 0.8 : 2;
       context.beginPath();
       for (let k = 0; k + 5 < wall.length; k += 6) line(context, place, wall, k);
@@ -159,7 +159,7 @@ var diptych = diptych || {};
     }
   }
 
-  // What a particle is coloured by, in the unit of the legend; null: nothing to show.
+  // Value by which a particle is coloured, in the unit of the legend; null without a value.
   function value(scene, frame, colour, k) {
     if (colour === "speed" && frame.velocity) {
       return Math.hypot(frame.velocity[3 * k], frame.velocity[3 * k + 1], frame.velocity[3 * k + 2]);
@@ -176,7 +176,7 @@ var diptych = diptych || {};
 
   const isScale = (colour) => colour === "speed" || colour === "overlap" || colour === "spin";
 
-  // Colours are numbered: 0 … 40 the scale, then what has nothing to show, then the series.
+  // Numbers of colours: 0 … 40 the scale, 41 a particle without a value or that flew straight, 42 … 49 the series.
   const NOTHING = 41;
   function colourOf(found, colour, range) {
     if (found === null || (colour === "solver" && found === 0)) return NOTHING;
@@ -200,7 +200,7 @@ var diptych = diptych || {};
     context.stroke();
   }
 
-  // Fading and sizes in steps that no eye sees, so that there are few sprites.
+  // Picture of a sphere (sprite). Fading and size are rounded to steps too small to be seen, so that there are few pictures.
   function sprite(number, fade, radius, fine, colours) {
     const size = Math.round(radius * 2);
     const key = (number * 16 + fade) * 64 + size;
@@ -217,7 +217,7 @@ var diptych = diptych || {};
     return made;
   }
 
-  // What is far fades towards the paper.
+  // The colour of a distant sphere fades towards that of the background.
   const faded = (number, fade, colours) => mix(rgb(number, colours), colours.paper, (0.45 * fade) / 8);
 
   function drawSpheres(context, camera, scene, frame, options, colours) {
@@ -315,7 +315,7 @@ var diptych = diptych || {};
     if (!Number.isFinite(value)) return "–";
     const prefixes = [["G", 1e9], ["M", 1e6], ["k", 1e3], ["", 1], ["m", 1e-3], ["µ", 1e-6], ["n", 1e-9], ["p", 1e-12]];
     const size = Math.abs(value);
-    // the last prefix is taken for all that is smaller
+    // all smaller numbers get the last prefix
     const [prefix, factor] = prefixes.find(([, factor]) => size >= factor * 0.9995) || prefixes[size > 0 ? 7 : 3];
     const number = value / factor;
     const places = Math.max(digits - 1 - Math.floor(Math.log10(Math.abs(number) || 1)), 0);
@@ -329,7 +329,7 @@ var diptych = diptych || {};
     return made;
   };
 
-  // A patch of colour: of a series, or of what has nothing to show.
+  // A patch of colour for the legend: of a series, or of particles without a value (null).
   function patch(series, text) {
     const made = element("span", "scene-key");
     const colour = element("span", "scene-patch");

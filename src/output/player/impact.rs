@@ -9,8 +9,8 @@ use nalgebra::Vector3;
 /// Number of frames (instants) of the recording of an impact.
 const FRAMES: usize = 240;
 
-/// [diameters] overlap that is drawn for the largest overlap of any variant. All gaps and overlaps are enlarged by one
-/// factor for this purpose.
+/// [diameters] size at which the largest overlap of any variant is drawn. All gaps and overlaps are enlarged by the
+/// same factor, which follows from this size.
 const DEEP: f64 = 0.3;
 
 /// [-] durations of the recording before and after the first touch, each divided by the duration of the longest

@@ -29,7 +29,7 @@ const SHOWN: usize = 3;
 /// Scripts, in the order in which a page contains them.
 const SCRIPTS: [&str; 2] = [include_str!("../page/scene.js"), include_str!("../page/player.js")];
 
-/// Largest unsigned 16-bit number [-]. Recorded fractions from 0 to 1 are multiplied by it.
+/// [-] largest unsigned 16-bit number. Recorded fractions from 0 to 1 are multiplied by this number.
 const FULL: f64 = u16::MAX as f64;
 
 /// Recorded motion that a page shows as an animation, with still pictures.

@@ -6,7 +6,7 @@ use crate::walls::{Plane, WallGeometry};
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
-/// [-] cosine of 25 degrees. The common edge of two triangles is drawn if the angle between their normals is larger.
+/// [-] cosine of 25 degrees. The common edge of two triangles is drawn if their normals differ by a larger angle.
 const SHARP: f64 = 0.906;
 
 /// Largest number of line segments that are drawn for one surface. More segments would cover the spheres.

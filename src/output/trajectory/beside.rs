@@ -3,8 +3,8 @@
 use super::Vtp;
 use crate::observe::ContactLine;
 
-/// File that a frame has in addition to that of its particles. The discriminant is the number of its part in the index
-/// for ParaView.
+/// File that a frame has in addition to that of its particles. The discriminant, such as `Walls = 1`, is the part
+/// number of the file in the index for ParaView.
 #[derive(Clone, Copy)]
 pub(super) enum Beside {
     /// Surfaces of the walls at the instant of the frame, if walls move.

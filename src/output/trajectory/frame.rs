@@ -7,8 +7,8 @@ use nalgebra::Vector3;
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// Code, in a trajectory file, of a particle that moved along a straight line in the last window (time between two
-/// exchanges with the gas).
+/// Code, in a trajectory file, of a particle that moved along a straight line in the window before the frame. A window
+/// is the time between two exchanges with the gas.
 const FLEW: u8 = 0;
 /// Code, in a trajectory file, of a particle in an island: a group of particles that may touch each other within a part
 /// of a window (time between two exchanges with the gas).
@@ -36,7 +36,7 @@ pub(super) struct TrajectoryFrame {
     own: Vec<Own>,
 }
 
-/// Data of all particles that do not change during a run, for trajectory files.
+/// Constant data of all particles (id, radius and species), for trajectory files.
 #[derive(Debug)]
 pub(super) struct Cast {
     domain: Domain,
@@ -47,8 +47,8 @@ pub(super) struct Cast {
 }
 
 impl Cast {
-    /// Copies the data that do not change during a run, in the order of the particle store. The writing thread sorts
-    /// them by id later.
+    /// Copies the constant data of the particles, in the order of the particle store. The writing thread sorts them by
+    /// id later.
     pub(super) fn of(simulation: &Simulation) -> Self {
         let particles = &simulation.particles;
         Self {
@@ -177,7 +177,7 @@ impl TrajectoryFrame {
     pub(super) fn xyz(&self, cast: &Cast) -> Vec<u8> {
         let own = &self.own;
         let [x, y, z]: [f64; 3] = cast.domain.size.into();
-        // the image one period above may be displaced along z
+        // in a sheared box, the periodic image above is displaced along z
         let tilt = cast.domain.at(self.time).offset().map_or("0".to_string(), |offset| format!("{offset:?}"));
         let [px, py, pz] = cast.domain.periodic.map(|periodic| if periodic { 'T' } else { 'F' });
         let mut text = String::with_capacity(200 * (own.len() + 1));

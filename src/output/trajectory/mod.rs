@@ -1,5 +1,5 @@
-//! Trajectory files: the particles at times that are equal in all variants. The formats are VTK for ParaView (`.vtp`
-//! with a `.pvd` index), and extended XYZ for OVITO and ASE.
+//! Trajectory files: the particles at the same times in all variants. The formats are VTK for ParaView (`.vtp` with a
+//! `.pvd` index), and extended XYZ for OVITO and ASE.
 //!
 //! An observer copies the required data of the simulation, and sends the copy to a thread that sorts and writes it.
 //! Each file is written either completely or not at all. At any time the memory holds at most two frames. If the disk
@@ -54,7 +54,7 @@ enum WriterMessage {
     Begin(Option<[Vec<u8>; 3]>, Vec<f64>, bool),
     /// A further file of the next frame, with its content: moving walls, or contacts.
     Beside(Beside, Vec<u8>),
-    /// Data of the particles that do not change in the frames that follow.
+    /// Constant data of the particles, for all frames until the next such message.
     Cast(Box<Cast>),
     Frame(TrajectoryFrame),
     /// Simulated time [s] of a frame, and the number of processes that have written their pieces of this frame.
@@ -238,7 +238,7 @@ impl<'scope> Trajectory<'scope> {
             return;
         }
         self.begin(simulation);
-        // particles that come and go are other ones in each frame
+        // with inlets or outlets, each frame may have other particles than the frame before
         if !self.has_cast || simulation.scene().has_openings() {
             self.send(WriterMessage::Cast(Box::new(Cast::of(simulation))));
             self.has_cast = true;
@@ -260,7 +260,7 @@ impl<'scope> Trajectory<'scope> {
 }
 
 impl Observer for Trajectory<'_> {
-    /// Returns the next whole multiple of the requested interval. These times are equal in all variants, for windows
+    /// Returns the next whole multiple of the requested interval. These times are the same in all variants, for windows
     /// (times between two exchanges with the gas) of any length.
     fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
         // 1e-9 allows for the rounding error of a sum of windows
@@ -285,7 +285,7 @@ impl Observer for Trajectory<'_> {
     }
 
     fn end(&mut self, simulation: &Simulation) {
-        // if several processes share the run, they have written the last frame already
+        // if several processes share the run, they have written the final frame already
         if simulation.parts().is_none() {
             self.take_all(simulation);
         }

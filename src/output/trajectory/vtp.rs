@@ -7,7 +7,7 @@
 use std::fmt::Write;
 
 /// [byte] size of the buffer in which numbers are collected before they are appended to the file. It is a multiple of
-/// the size of any point.
+/// the size of every array entry: up to six numbers of at most 8 bytes.
 const PIECE: usize = 6144;
 
 /// VTK file under construction. The header describes the arrays, and the bytes of the arrays follow in the same order.

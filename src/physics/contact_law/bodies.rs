@@ -68,8 +68,8 @@ impl Bodies {
         }
     }
 
-    /// Properties of two spheres of the species `one` and `other` with the common surface `surface`. The stiffness is that of
-    /// the contact law.
+    /// Properties of two spheres of the species `one` and `other` with the common surface `surface`. The stiffness is
+    /// that of the contact law.
     pub fn of(one: &Species, other: &Species, surface: &Surface) -> Self {
         Self {
             effective_mass: 1.0 / (1.0 / one.mass() + 1.0 / other.mass()),
@@ -81,7 +81,8 @@ impl Bodies {
         }
     }
 
-    /// Properties of two spheres of the species with the indices `one` and `other` in the scene, which may be equal.
+    /// Properties of two spheres of the species with the indices `one` and `other` in the scene. Both may be the same
+    /// index.
     pub fn between(scene: &Scene, one: u16, other: u16) -> Self {
         let meeting = scene.meeting(one, Kind::Species(other));
         let (first, second) = (&scene.species[usize::from(one)], &scene.species[usize::from(other)]);
@@ -110,8 +111,8 @@ impl Bodies {
         }
     }
 
-    /// Properties of a sphere of a species, and of a wall with the surface `surface` and the given elasticity. With `None`
-    /// the wall has the elasticity of the contact law.
+    /// Properties of a sphere of a species, and of a wall with the surface `surface` and the given elasticity. With
+    /// `None` the wall has the elasticity of the contact law.
     pub fn of_wall(species: &Species, surface: &Surface, elasticity: Option<Elasticity>) -> Self {
         Self {
             effective_mass: species.mass(),

@@ -14,8 +14,8 @@ use std::f64::consts::PI;
 /// In the plane of w = δ^(5/4) and speed, an impact follows the path of a linear spring and dashpot. The frequency of
 /// this oscillator is ω_0² = 4 k_H/(5 M), and its damping ratio is c/sqrt(5 M k_H) (Antypov and Elliott 2011, EPL 94,
 /// 50004). The constant c = ζ sqrt(5 M k_H), with the ζ of a linear dashpot, therefore gives exactly the required
-/// restitution at every speed, if the contact ends at δ = 0. The force is slightly attractive at the end. Time is dt =
-/// 4/5 w^(-1/5) ds, where s is the time of the oscillator.
+/// restitution at every speed, if the contact ends at δ = 0. The force is slightly attractive at the end. The time of
+/// the impact follows from dt = 4/5 w^(-1/5) ds, where s is the time of the oscillator.
 ///
 /// The constants between two bodies are k_H [N/m^1.5] and c [N s/m^1.25]. Walls count as flat. The law is valid if δ is
 /// small compared with the radius, and the impact is slow compared with the speed of sound.
@@ -126,7 +126,7 @@ impl Law for Hertz {
         (reduced_overlap(spring.restitution) * speed / undamped(spring)).powf(0.8)
     }
 
-    /// Returns the angular frequency sqrt(3/2 k_H sqrt(δ)/M) [1/s] at the overlap δ that is the largest without
+    /// Returns the angular frequency sqrt(3/2 k_H sqrt(δ)/M) [1/s] at the largest overlap δ of an impact without
     /// damping. Damped impacts have lower frequencies.
     fn frequency(&self, spring: &Spring, speed: f64) -> f64 {
         let deepest = (speed / undamped(spring)).powf(0.8);

@@ -4,17 +4,18 @@ use super::{Bodies, Hertz, Law, Parameter, Spring};
 use crate::restitution::{RestitutionBySpeed, ViscoelasticImpact, viscoelastic_impact};
 use crate::scene::Elasticity;
 
-/// Normal force f_n = k δ^(3/2) - c sqrt(δ) u_n of viscoelastic spheres, with c = 3/2 A k and a time A [s] of the material
-/// (Kuwabara and Kono 1987, Jpn. J. Appl. Phys. 26, 1230; Brilliantov, Spahn, Hertzsch and Pöschel 1996, Phys. Rev. E 53,
-/// 5382). The constant k [N/m^1.5] is that of [`Hertz`].
+/// Normal force f_n = k δ^(3/2) - c sqrt(δ) u_n of viscoelastic spheres, with c = 3/2 A k and a time A [s] of the
+/// material (Kuwabara and Kono 1987, Jpn. J. Appl. Phys. 26, 1230; Brilliantov, Spahn, Hertzsch and Pöschel 1996, Phys.
+/// Rev. E 53, 5382). The constant k [N/m^1.5] is that of [`Hertz`].
 ///
-/// The restitution depends on the speed u: it is a function of β = (c/k) (k/M)^(2/5) u^(1/5). The constant c follows from
-/// the surfaces, whose restitution must be [`RestitutionBySpeed::Viscoelastic`] or 1. Then c does not depend on the speed,
-/// and impacts at every speed have the restitution of hard spheres with equal surfaces. Where a program gives a constant
-/// restitution or another law, impacts at 1 m/s have that restitution.
+/// The restitution depends on the speed u: it is a function of β = (c/k) (k/M)^(2/5) u^(1/5). The constant c follows
+/// from the surfaces, whose restitution must be [`RestitutionBySpeed::Viscoelastic`] or 1. Then c does not depend on
+/// the speed, and impacts at every speed have the restitution of hard spheres with the same surfaces. Where a program
+/// gives a constant restitution or another law, impacts at 1 m/s have that restitution.
 ///
-/// The contact ends when δ = 0, so the force attracts a little at the end. The law is valid while δ is small compared with
-/// the radius, and while the impact is slow compared with the speed of sound and with the relaxation of the material.
+/// The contact ends when δ = 0, so the force attracts a little at the end. The law is valid while δ is small compared
+/// with the radius, and while the impact is slow compared with the speed of sound and with the relaxation of the
+/// material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KuwabaraKono {
     /// Elasticity of every body for which a case gives no elasticity.
@@ -95,8 +96,8 @@ impl Law for KuwabaraKono {
         self.hertz().frequency(spring, speed)
     }
 
-    /// Returns the ratio [-] of the viscous constant c sqrt(δ) to the critical one, 2 M ω. Both are taken at the
-    /// overlap δ that is the largest without damping; damped impacts are less deep.
+    /// Returns the ratio [-] of the viscous constant c sqrt(δ) to the critical one, 2 M ω, with the angular frequency
+    /// ω. Both are taken at the largest overlap δ of an impact without damping. Damped impacts have smaller overlaps.
     fn damping_ratio(&self, spring: &Spring, speed: f64) -> f64 {
         let viscous = spring.dashpot * undamped_depth(spring, speed).sqrt();
         viscous / (2.0 * spring.effective_mass * self.frequency(spring, speed))
@@ -145,9 +146,9 @@ mod tests {
         (law, law.between(&bodies), of)
     }
 
-    /// Compares restitution, duration and depth with an integration in time steps, of which there are some 3000. Roots of
-    /// the force at touch reduce the order of that integration to 3/2, so its error is some 3000^(-3/2) = 6e-6 of the
-    /// damping force; ten times as much is allowed.
+    /// Compares restitution, duration and largest overlap with an integration in some 3000 time steps. The square root
+    /// of the overlap in the force reduces the order of that integration to 3/2. Its error is some 3000^(-3/2) = 6e-6
+    /// of the damping force, and ten times as much is allowed.
     #[test]
     fn impacts_are_those_of_the_equation_of_motion() {
         let (law, spring, of) = glass();

@@ -123,7 +123,7 @@ mod tests {
         )
     }
 
-    /// Checks the damping ratio and the reduced contact time ω_0 T_c against independent values (oracle A1).
+    /// Checks the damping ratio and the reduced contact time ω_0 T_c against independently computed values.
     #[test]
     fn reduced_contact_times() {
         for (e, ratio, time) in [
@@ -138,7 +138,8 @@ mod tests {
         }
     }
 
-    /// Checks contact times of polystyrene spheres of 406 µm at 3000 N/m, for a pair and a wall (oracle A1).
+    /// Checks contact times of polystyrene spheres of 406 µm at 3000 N/m, for a pair and a wall, against independently
+    /// computed values.
     #[test]
     fn paper_sized_contact_times() {
         let mass = 3.6372577e-8;

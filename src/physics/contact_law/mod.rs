@@ -84,8 +84,8 @@ pub trait Law: std::fmt::Debug + Send + Sync {
     /// [J] energy stored at overlap δ [m]: the work of the elastic force since touch.
     fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64;
 
-    /// All numbers in which two laws of one type can differ. Programs compare laws by them, and recognise stored runs.
-    /// The first number is the elastic constant that a user increases for a stiffer contact.
+    /// All numbers in which two laws of one type can differ. Programs compare laws, and recognise stored runs, by these
+    /// numbers. The first number is the elastic constant that a user increases for a stiffer contact.
     fn parameters(&self) -> Vec<Parameter>;
 
     /// Name of the law, for use in a sentence.
@@ -100,7 +100,7 @@ pub trait Law: std::fmt::Debug + Send + Sync {
     }
 
     /// [-] exponent n of the elastic force, which is roughly proportional to δ^n. Estimates of the stiffness that a run
-    /// needs use it.
+    /// needs use this exponent.
     fn exponent(&self) -> f64 {
         1.0
     }
@@ -219,7 +219,8 @@ pub enum ContactLaw {
     Other(&'static dyn Law),
 }
 
-/// Evaluates an expression with the chosen law. The laws are listed nowhere else.
+/// Evaluates an expression with the chosen law. For the laws of this library, the compiler knows the type, so that no
+/// virtual call is needed.
 macro_rules! with_law {
     ($chosen:expr, $law:ident => $value:expr) => {
         match $chosen {
@@ -394,8 +395,8 @@ pub fn damping_ratio(restitution: f64) -> f64 {
     -ln / (PI * PI + ln * ln).sqrt()
 }
 
-/// [-] largest overlap of an impact at speed u on a linear spring and dashpot, divided by u/ω_0: exp(-ζ arccos ζ /
-/// sqrt(1 - ζ²)) (the paper's Eq. 10).
+/// [-] largest overlap of an impact at speed u on a linear spring and dashpot, divided by u/ω_0. With the damping ratio
+/// ζ it is exp(-ζ arccos ζ / sqrt(1 - ζ²)) (the paper's Eq. 10).
 pub fn reduced_overlap(restitution: f64) -> f64 {
     let ratio = damping_ratio(restitution);
     if ratio >= 1.0 {

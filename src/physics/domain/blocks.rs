@@ -13,8 +13,8 @@ pub struct Blocks {
 
 impl Blocks {
     /// Cuts the box into one block per process. Along each axis the slices contain nearly equal numbers of particles.
-    /// If the box has periodic axes, only these axes are cut; otherwise all axes may be cut. The axis with the longest
-    /// pieces is cut first.
+    /// If the box has periodic axes, only these axes are cut; otherwise all axes may be cut. The axis along which the
+    /// pieces are longest is cut first.
     pub fn of(positions: &[Vector3<f64>], processes: usize, domain: &Domain) -> Self {
         let blocks = along_axes(processes, domain);
         let ends = std::array::from_fn(|axis| {
@@ -56,7 +56,7 @@ impl Blocks {
     }
 
     /// Calls `visit` with the number of every process whose block is within `width` [m] of the position `x` [m] in the
-    /// box.
+    /// box, along each axis.
     pub fn for_each_within(&self, x: &Vector3<f64>, width: f64, domain: &Domain, mut visit: impl FnMut(usize)) {
         let near: [Vec<usize>; 3] = std::array::from_fn(|axis| {
             let is_near = |block: &usize| {

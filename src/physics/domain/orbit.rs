@@ -30,8 +30,8 @@ impl Orbit {
     }
 
     /// [m/s] change of the velocity of a particle in `duration` [s] at a constant place. `height` [m] is the distance
-    /// x - L_x/2 from the middle of the box, and `velocity` [m/s] the velocity relative to the mean flow. It is the
-    /// exact solution for a constant place: velocities turn in the plane of the orbit.
+    /// x - L_x/2 from the middle of the box, and `velocity` [m/s] the velocity relative to the mean flow. The change is
+    /// the exact solution for a constant place: velocities turn in the plane of the orbit.
     pub fn kick(&self, height: f64, velocity: &Vector3<f64>, duration: f64) -> Vector3<f64> {
         let (sin, cos) = (2.0 * self.rate * duration).sin_cos();
         let less = 1.0 - cos;

@@ -5,7 +5,7 @@
 //! over that before. The law needs a power and three exponentials per particle, the table only a polynomial.
 //!
 //! The table consists of pieces. The index of a piece is the exponent and the leading bits of w² as a floating-point
-//! number. Every octave of w² therefore has an equal number of pieces, which resolve w^0.687 at any speed. No root and
+//! number. Every octave of w² therefore has the same number of pieces, which resolve w^0.687 at any speed. No root and
 //! no logarithm is needed.
 
 use super::{Drag, Sphere};

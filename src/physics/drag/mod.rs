@@ -34,7 +34,7 @@ pub struct Sphere {
 }
 
 impl Sphere {
-    /// Returns a sphere of equal material in the same gas that is `ratio` [-] times as large: τ ∝ d², Re ∝ d.
+    /// Returns a sphere of the same material in the same gas that is `ratio` [-] times as large: τ ∝ d², Re ∝ d.
     #[inline]
     pub fn scaled(&self, ratio: f64) -> Self {
         Self {

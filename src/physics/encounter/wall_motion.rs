@@ -21,8 +21,7 @@ pub struct WallMotion {
 }
 
 impl WallMotion {
-    /// Motion of the surface of a wall at `point` [m], at a time `ahead` [s] after the time for which the wall was put
-    /// at its place.
+    /// Motion of the surface of a wall at `point` [m], at the time `ahead` [s] after the instant of the wall's scene.
     pub fn of(wall: &Wall, point: &Vector3<f64>, ahead: f64) -> Self {
         let (velocity, spin) = (wall.surface_velocity(point, ahead), wall.spin().unwrap_or_default());
         let Some(moving) = &wall.moving else { return Self { velocity, spin, ..Self::default() } };

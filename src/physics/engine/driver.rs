@@ -45,8 +45,8 @@ impl<C> Work<'_, C> {
         Work { particles, scene, lasting, log, record }
     }
 
-    /// Shifts particles outside the box by whole periods into the box. If sides of the box are sheared, adds the changes of
-    /// energy and momentum at crossings of these sides to the ledger.
+    /// Shifts particles outside the box by whole periods into the box. If sides of the box are sheared, adds the
+    /// changes of energy and momentum at crossings of these sides to the ledger.
     pub fn wrap(&mut self) {
         let crossings = self.particles.wrap(&self.scene.domain);
         if self.scene.domain.shear.is_some() {
@@ -111,8 +111,8 @@ pub trait Solver: Send {
     /// particles.
     fn disturb(&mut self);
 
-    /// Marks data about the particle store as outdated, because particles have left the store or come into it. The caller
-    /// has taken the carried state before.
+    /// Marks data about the particle store as outdated, because particles have left the store or come into it. The
+    /// caller has already taken the carried state.
     fn repopulate(&mut self) {
         self.disturb();
     }
@@ -224,7 +224,8 @@ impl<S: DistributedSolver> Driver<S> {
         self.solver.for_each_kept(visit);
     }
 
-    /// Exact sum [J] of `energy` over all items of carried state (such as contacts), in all processes that share the run.
+    /// Exact sum [J] of `energy` over all items of carried state (such as contacts), in all processes that share the
+    /// run.
     fn sum_of_lasting(&self, energy: impl Fn(&Lasting<S>) -> f64) -> f64 {
         let mut sum = ExactSum::default();
         self.for_each_lasting(&mut |carried| sum.add(energy(&carried)));

@@ -56,8 +56,8 @@ pub struct Window {
 /// # Ok::<(), diptych::Failure>(())
 /// ```
 pub trait Engine: Send {
-    /// Moves every particle through the window, the time between two exchanges of momentum with the gas. Only gravity and
-    /// impacts act. Impacts, energies and impulses are added to `record`.
+    /// Moves every particle through the window, the time between two exchanges of momentum with the gas. Only gravity
+    /// and impacts act. Impacts, energies and impulses are added to `record`.
     ///
     /// # Errors
     /// A [`Failure`] with numbers. The store then contains the state at the time of the failure, [`Failure::time`].
@@ -73,11 +73,11 @@ pub trait Engine: Send {
     /// without the stored contacts or collisions. Counts and times are kept.
     fn forget(&mut self) {}
 
-    /// Returns the work done so far: counts, which are equal on every machine, and wall-clock times. The times are those of
-    /// the tasks that engines have in common. The rest of the run time is spent on contacts and collisions.
+    /// Returns the work done so far: counts, which are the same on every machine, and wall-clock times. Only the tasks
+    /// that engines have in common are timed. The rest of the run time is spent on contacts and collisions.
     fn work_done(&self) -> (Counters, EngineTimes);
 
-    /// Energy [J] that is now stored in contacts: for soft spheres in springs; 0, the default, if contacts are
+    /// Energy [J] that is now stored in the springs of soft contacts. The default is 0, for engines whose contacts are
     /// instantaneous.
     fn elastic_energy(&self) -> f64 {
         0.0
@@ -93,8 +93,8 @@ pub trait Engine: Send {
     /// which is the default.
     fn for_each_touching(&self, _visit: &mut dyn FnMut(Couple)) {}
 
-    /// Indices of the particles that were members of islands (groups solved separately) in the last time window. `None`,
-    /// the default, if the classical algorithm moved all particles.
+    /// Indices of the particles that were members of islands (groups solved separately) in the last time window.
+    /// `None`, the default, if the classical algorithm moved all particles.
     fn in_islands(&self) -> Option<&[u32]> {
         None
     }
@@ -103,23 +103,23 @@ pub trait Engine: Send {
     /// windows. Without a clock the engine measures no time.
     fn use_clock(&mut self, clock: Clock);
 
-    /// State of the engine between windows. With this state, an engine with equal settings continues with equal bits.
-    /// The function may be called only between windows.
+    /// State of the engine between windows. An engine with the same settings continues from this state with bitwise
+    /// equal results. The function may be called only between windows.
     ///
     /// # Errors
     /// The state cannot be stored.
     fn stored(&self) -> Result<Stored, StoreError>;
 
-    /// Continues from the stored state of an engine with equal settings.
+    /// Continues from the stored state of an engine with the same settings.
     ///
     /// # Errors
     /// The bytes are not the state of an engine of this type; this engine then remains unchanged.
     fn restore(&mut self, stored: &Stored) -> Result<(), StoreError>;
 
-    /// Follows a change of the population between two windows. `index_of` contains, for each index in the store before the
-    /// change, the index after it, or `None` for a particle that has left. Particles that have come in are at the end of
-    /// the store. The engine keeps the contacts and collision histories of the particles that stay. Returns the energy [J]
-    /// that was stored in contacts of the particles that have left.
+    /// Follows a change of the population between two windows. `index_of` contains, for each index in the store before
+    /// the change, the index after it, or `None` for a particle that has left. Particles that have come in are at the
+    /// end of the store. The engine keeps the contacts and collision histories of the particles that stay. Returns the
+    /// energy [J] that was stored in contacts of the particles that have left.
     fn repopulate(&mut self, index_of: &[Option<u32>]) -> f64;
 }
 
@@ -158,8 +158,8 @@ pub struct Counters {
     /// steps if too many particles touch.
     pub uniform_steps: u64,
     /// Number of pairs, and particles with walls, whose gap or time of touch was computed. For soft uniform steps, all
-    /// candidates in the neighbour list are counted, although most of them are skipped as too far apart. For collisions by
-    /// chance, the pairs that were drawn are counted.
+    /// candidates in the neighbour list are counted, although most of them are skipped as too far apart. For collisions
+    /// by chance, the randomly chosen pairs are counted.
     pub pair_checks: u64,
     /// Number of contact forces computed (soft spheres).
     pub force_evaluations: u64,
@@ -246,8 +246,8 @@ pub enum Failure {
         /// The contract that the law violates.
         broken: BrokenContract,
     },
-    /// Kinetic and elastic energy grew by more than the work of drag and gravity plus the error of the time integrator
-    /// explains.
+    /// The sum of kinetic and elastic energy grew by more than the work of drag and gravity plus the largest possible
+    /// error of the time integrator.
     #[error(
         "at t = {time} s the energy has grown by {grown:.3e} J beyond what drag and gravity put in; the time integrator explains {explained:.3e} J: lower the time step ({remedy})",
         time = nine(time)
@@ -419,15 +419,15 @@ fn speed(particles: &Particles, index: usize) -> f64 {
     particles.velocity.get(index).map_or(0.0, |velocity| velocity.amax())
 }
 
-/// Makes the failure that names the first particle, in the order of the particle store, whose position or velocity is not
-/// a finite number. If all are finite, it names the fastest particle. `time` [s] is the simulated time.
+/// Makes the failure that names the first particle, in the order of the particle store, whose position or velocity is
+/// not a finite number. If all are finite, it names the fastest particle. `time` [s] is the simulated time.
 fn not_a_number(particles: &Particles, time: f64) -> Failure {
     let bad = particles
         .position
         .iter()
         .zip(&particles.velocity)
         .position(|(x, v)| !(x.iter().chain(v.iter()).all(|value| value.is_finite())));
-    // if all numbers are finite, the square of the largest speed is not, so this particle is the fastest
+    // if all numbers are finite, the square of a speed is not; this is the speed of the fastest particle
     let fastest = || (0..particles.len()).max_by(|a, b| speed(particles, *a).total_cmp(&speed(particles, *b)));
     let index = bad.or_else(fastest).unwrap_or_default();
     Failure::NotANumber { time, particle: particles.id.get(index).copied().unwrap_or_default() }

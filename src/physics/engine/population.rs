@@ -1,5 +1,5 @@
 //! Summary of the particles' sizes, by which engines choose between methods. The summary does not depend on the order
-//! of the particles in the store, and is equal in all processes that share a run.
+//! of the particles in the store, and is the same in all processes that share a run.
 
 use crate::domain::Domain;
 use crate::neighbours::levels::Census;
@@ -23,8 +23,8 @@ pub struct PopulationSummary {
     pub mean_radius: [f64; 2],
     /// [-] volume fraction: volume of the particles divided by the volume open to them.
     pub filled: f64,
-    /// [-] volume fraction around a particle: `filled`, or that of a layer under gravity, which does not fill the box.
-    /// Only for particles that this process stores alone.
+    /// [-] mean volume fraction around a particle. It is larger than `filled` if gravity holds the particles in a layer
+    /// that does not fill the box. If several processes share the run, it equals `filled`.
     pub crowded: f64,
     /// True if not all particles have equal radii.
     pub mixed: bool,
@@ -66,11 +66,11 @@ impl PopulationSummary {
     }
 }
 
-/// [1/m³] number density around a particle: that of the box, or the local one if this is at least twice as high, as in a
-/// layer on the floor of a high box.
+/// [1/m³] number density around a particle: the mean density of the box, or the local density if it is more than twice
+/// the mean, as in a layer on the floor of a high box.
 pub fn crowded_density(particles: &Particles, domain: &Domain) -> f64 {
-    /// Smallest ratio of the densities at which the local one counts. In a gas without clusters both are equal, and
-    /// their difference by chance must not change anything.
+    /// [-] ratio of the local density to the mean density above which the local density is used. In a gas without
+    /// clusters the two differ only by chance, and this difference must not change anything.
     const CROWDED: f64 = 2.0;
     let diameter = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
     let mean = particles.len().max(1) as f64 / domain.volume();
@@ -78,11 +78,11 @@ pub fn crowded_density(particles: &Particles, domain: &Domain) -> f64 {
     if local > CROWDED * mean { local } else { mean }
 }
 
-/// [1/m³] number density in the neighbourhood of a particle, averaged over all particles. It exceeds the mean density of
-/// the box where particles lie in a layer or in clusters. `diameter` [m] is that of the largest particle.
+/// [1/m³] number density in the neighbourhood of a particle, averaged over all particles. It exceeds the mean density
+/// of the box where particles lie in a layer or in clusters. `diameter` [m] is that of the largest particle.
 ///
 /// The particles are counted in cells of about three diameters. A particle in a cell of volume V with n particles has
-/// (n - 1)/V neighbours per volume, so that random points have their mean density on average.
+/// (n - 1)/V neighbours per volume. For points at random positions, the average of this value is the mean density.
 fn local_density(positions: &[Vector3<f64>], domain: &Domain, diameter: f64) -> f64 {
     /// Largest number of cells per particle, so that a nearly empty box needs little memory.
     const CELLS: f64 = 4.0;

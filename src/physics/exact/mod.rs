@@ -26,8 +26,8 @@ const SPECIAL: usize = 3;
 const WORDS: usize = DIGITS + SPECIAL;
 /// [-] exponent of two that belongs to the lowest bit of an exact sum. 2^-1075 is half of the smallest `f64` above 0.
 const LOWEST: i32 = -1075;
-/// Number of terms that can be added to an exact sum before its digits must be carried. Each term adds less than 2^52
-/// to a 64-bit digit.
+/// Number of terms that can be added to an exact sum before carries must be passed from digit to digit. Each term adds
+/// less than 2^52 to a 64-bit digit.
 const MOST: u32 = 1024;
 
 /// An exact sum of `f64`, rounded to the nearest (ties to even) when its value is read.

@@ -78,7 +78,8 @@ impl RunSettings {
 }
 
 impl Default for SoftSettings {
-    /// Settings without a contact law: velocity Verlet with 20 steps per contact, uniform or local by cost.
+    /// Settings without a contact law: velocity Verlet with 20 steps per contact, uniform or local stepping by their
+    /// cost.
     fn default() -> Self {
         Self {
             law: None,
@@ -91,7 +92,7 @@ impl Default for SoftSettings {
 }
 
 impl Default for HardSettings {
-    /// Settings with an event queue, in which no collision is made elastic.
+    /// Settings with an event queue and without the TC model, so that no collision is made elastic.
     fn default() -> Self {
         Self { stepping: HardStepping::Events, contact_time: None }
     }

@@ -1,4 +1,4 @@
-//! Buoyancy: force of the gas pressure on a sphere, which carries a part of its weight.
+//! Buoyancy: force by the pressure of the gas on a sphere, opposite to gravity.
 
 use nalgebra::Vector3;
 use serde::Serialize;

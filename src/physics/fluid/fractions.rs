@@ -2,8 +2,9 @@
 //!
 //! The volume of a sphere is divided among cells. Along each axis, the share of a cell is the part of the sphere
 //! between the two planes that bound the cell. A cell gets the product of its shares along the three axes. All products
-//! add up to one. The division is exact if planes of only one axis cut the sphere. The fraction at a particle is the
-//! mean over its cells with the same products as weights, so it changes continuously as particles move.
+//! add up to one. The division is exact if planes of only one axis cut the sphere. The volume fraction at a particle is
+//! the mean over the cells that the particle overlaps, weighted with these products. It therefore changes continuously
+//! as particles move.
 //!
 //! Volumes are added as integers, so that sums do not depend on the order of the particles, on threads or on processes.
 
@@ -33,9 +34,9 @@ pub struct LocalFractions {
 type Portions = [(usize, f64); 2];
 
 impl LocalFractions {
-    /// Volume fractions of particles in `cells` equal cells along x, y and z. With a communicator, each process passes
-    /// its own particles, and all processes receive the fractions of all particles. A cell must be at least as wide as
-    /// a sphere.
+    /// Volume fractions of particles in a grid of equal cells, whose numbers along x, y and z are in `cells`. With a
+    /// communicator, each process passes its own particles, and all processes receive the fractions of all particles. A
+    /// cell must be at least as wide as a sphere.
     pub fn of(
         particles: &Particles,
         domain: &Domain,

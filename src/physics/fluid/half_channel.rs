@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 /// Flow in one half of a channel, in wall units: lengths are in units of ν/u_τ, velocities in units of u_τ. The
 /// viscosity ν and the wall stress τ_w are then 1, and the half height h is Re_τ.
 ///
-/// The flow may also be that in a pipe of radius h, because its stress also falls linearly to the axis. In a pipe the
-/// area of a face is proportional to its distance r from the axis. The equation of a quantity φ is then (1/r) d/dr(r D
-/// dφ/dr) = sink φ - source.
+/// The flow may also be that in a pipe of radius h, because the stress in a pipe also falls linearly, to 0 at the axis.
+/// In a pipe the area of a face is proportional to its distance r from the axis. The equation of a quantity φ with the
+/// diffusivity D is then (1/r) d/dr(r D dφ/dr) = sink φ - source.
 ///
 /// Values are given at cell centres. Face number `i` is between cells `i - 1` and `i`. Face 0 is the wall. The last
 /// face is the centre plane, which has no flux.
@@ -32,8 +32,8 @@ pub(super) struct HalfChannel {
     pub epsilon: Vec<f64>,
     /// [-] eddy viscosity ν_t over ν in each cell.
     pub nu_t: Vec<f64>,
-    /// [-] shear stress (1 + ν_t) dU/dy at the faces of a gas that particles brake or drive. `None` for a gas alone, whose
-    /// stress is 1 - y/h.
+    /// [-] shear stress (1 + ν_t) dU/dy at the faces, for a gas that particles brake or drive. `None` for a gas alone,
+    /// whose stress is 1 - y/h.
     pub face_stress: Option<Vec<f64>>,
 }
 

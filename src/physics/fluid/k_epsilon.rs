@@ -76,8 +76,8 @@ impl TurbulenceModel {
         }
     }
 
-    /// Velocity U of the first cell divided by the stress τ_w at the wall, in wall units. It connects the flow to the
-    /// wall.
+    /// Velocity U of the first cell divided by the stress τ_w at the wall, in wall units. With this ratio the stress at
+    /// the wall follows from the velocity.
     pub(super) fn first_velocity_per_stress(self, channel: &HalfChannel) -> f64 {
         match self {
             Self::WallFunctions => wall_functions::velocity_per_stress(channel, channel.y[0]),
@@ -93,7 +93,7 @@ impl TurbulenceModel {
         }
     }
 
-    /// [-] lowest bulk Reynolds number U_b L_y/ν of the model, where L_y is the width of the channel.
+    /// [-] lowest bulk Reynolds number U_b L_y/ν at which the model applies, where L_y is the width of the channel.
     pub fn lowest_reynolds(self) -> f64 {
         match self {
             Self::WallFunctions => wall_functions::LOWEST_REYNOLDS,
@@ -138,7 +138,7 @@ pub struct ChannelFlow {
     pub height: f64,
     /// [m²/s] kinematic viscosity ν.
     pub kinematic_viscosity: f64,
-    /// [m/s] bulk velocity of the profile, which includes the law of the wall.
+    /// [m/s] bulk velocity: mean over the cross-section, with the flow between the wall and the first node.
     pub bulk_velocity: f64,
     /// [m/s] velocity on the centre plane, or on the axis of a pipe.
     pub centre_velocity: f64,
@@ -269,8 +269,8 @@ impl ChannelFlow {
         Err(format!("k-epsilon channel: no friction velocity for {bulk_velocity} m/s in {CORRECTIONS} corrections"))
     }
 
-    /// Converts a flow from wall units to SI units, given the width of the channel [m], the kinematic viscosity [m²/s] and
-    /// the bulk velocity [m/s].
+    /// Converts a flow from wall units to SI units, given the width of the channel [m], the kinematic viscosity [m²/s]
+    /// and the bulk velocity [m/s].
     pub(super) fn of(
         channel: &HalfChannel,
         model: TurbulenceModel,

@@ -1,5 +1,5 @@
-//! Lift: forces of the gas perpendicular to the slip velocity of a sphere, by shear of the gas or by spin. Torque of
-//! the gas.
+//! Lift and torque of the gas on a sphere. Lift is a force perpendicular to the slip velocity of the sphere, by shear
+//! of the gas or by spin.
 //!
 //! The slip velocity s is the velocity of the gas relative to the sphere. During a kick the gas and the spin are taken
 //! as constant, so that s turns about a fixed axis without a change of length. This solution is exact.
@@ -40,7 +40,8 @@ const SAFFMAN: f64 = 4.1126;
 /// [-] slip Reynolds number up to which the first formula of Mei (1992, Int. J. Multiphase Flow 18, 145) applies.
 const MEI_LIMIT: f64 = 40.0;
 
-/// [-] Reynolds number of spin up to which the torque is that of creeping flow, with the coefficient 64π/Re_r.
+/// [-] Reynolds number Re_r = Ω d²/ν of spin up to which the torque is that of creeping flow, with the coefficient
+/// 64π/Re_r.
 const CREEPING_SPIN: f64 = 32.0;
 
 /// [-] coefficients in 12.9/√Re_r + 128.4/Re_r of the torque at larger Reynolds numbers of spin (Dennis, Singh and
@@ -82,7 +83,8 @@ impl LiftedSphere {
     }
 
     /// [-] angular velocity of the gas relative to the sphere after `duration` [s] of torque alone, over its initial
-    /// magnitude `turn` [rad/s]. The torque is ρ_f/2 (d/2)⁵ C |Ω| Ω. Both formulas for C have solutions in closed form.
+    /// magnitude `turn` [rad/s]. The torque is ρ_f/2 (d/2)⁵ C |Ω| Ω with the coefficient C, and both formulas for C
+    /// have solutions in closed form.
     fn spin_left(&self, turn: f64, duration: f64) -> f64 {
         let re_turn = self.reynolds_of_turn(turn);
         let scale = 0.5 * self.gas_density * (0.5 * self.diameter).powi(5) / self.inertia;

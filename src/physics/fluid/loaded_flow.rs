@@ -1,4 +1,4 @@
-//! Gas flow in a channel or a pipe that feels the particles in it (two-way coupling in one dimension).
+//! Gas flow in a channel or a pipe, changed by the particles in it (two-way coupling in one dimension).
 //! `docs/design/coupling.md` gives the equations and the reasons.
 
 use super::half_channel::{HalfChannel, SweepStep};
@@ -7,8 +7,8 @@ use super::turbulence::Langevin;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// [-] factor C_ε3 of the damping of k by particles in the equation of ε: Elghobashi and Abou-Arab 1983, Phys. Fluids 26,
-/// 931, and Simonin (1996).
+/// [-] factor C_ε3 of the damping of k by particles in the equation of ε: Elghobashi and Abou-Arab 1983, Phys. Fluids
+/// 26, 931, and Simonin (1996).
 const C_EPSILON_3: f64 = 1.2;
 /// [u_τ²] and [u_τ⁴/ν] smallest allowed k and ε, far below any value of a turbulent flow. They keep k/ε finite where
 /// particles have damped the turbulence. The unit u_τ is that of the gas alone.
@@ -17,8 +17,8 @@ const LEAST: f64 = 1e-12;
 /// Settings of the two-way coupling, in which gas and particles change each other's momentum.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Coupling {
-    /// Number of slices of equal width from the wall to the centre plane or the axis, in which the force on the particles
-    /// is summed.
+    /// Number of slices of equal width between the wall and the centre plane or the axis. The force on the particles is
+    /// summed in each slice.
     pub slices: usize,
     /// Quantity that is kept constant while the particles change the flow.
     pub held: HeldFlow,
@@ -42,12 +42,14 @@ pub enum HeldFlow {
 pub enum Modulation {
     /// Particles change the turbulence only through the mean velocity of the gas.
     None,
-    /// Particles damp k at the rate 2 r k St/(1 + St), with the exchange rate r = Σ(m/τ)/(ρ_f V_g) and St = τ/T_seen, and ε
-    /// at 1.2 times this rate ε/k (Simonin 1996). The covariance of gas and particles is that of Tchen (1947), 2k/(1 + St).
+    /// Particles damp k at the rate 2 r k St/(1 + St), and ε at 1.2 ε/k times this rate (Simonin 1996). The exchange
+    /// rate is r = Σ(m/τ)/(ρ_f V_g) with the volume V_g of the gas. St is τ over the integral time of the gas velocity
+    /// that particles see. The covariance of gas and particle velocities is that of Tchen (1947), 2k/(1 + St).
     Simonin,
-    /// Particles produce k at the rate r s² by their mean slip s, with the exchange rate r as above, and ε = k^(3/2)/l with
-    /// 1/l = 1/l_0 + 1/λ. Here l_0 = k^(3/2)/ε is the length of the gas alone, and λ the mean distance between the surfaces
-    /// of neighbouring particles (Crowe 2000, Int. J. Multiphase Flow 26, 719; Kenning and Crowe 1997, ibid. 23, 403).
+    /// Particles produce k at the rate r s² by their mean slip s, with r as above. Then ε is k^(3/2)/l with the length
+    /// l from 1/l = 1/l_0 + 1/λ. Here l_0 = k^(3/2)/ε is that of the gas alone, and λ the mean distance between the
+    /// surfaces of neighbouring particles (Crowe 2000, Int. J. Multiphase Flow 26, 719; Kenning and Crowe 1997, ibid.
+    /// 23, 403).
     Crowe,
 }
 
@@ -67,9 +69,9 @@ pub struct SliceSums {
 }
 
 impl SliceSums {
-    /// [m] mean distance between the surfaces of neighbouring particles in the volume `volume` [m³] of a slice: the edge
-    /// of the cube that one particle has, less the diameter of the mean volume. It is at least a hundredth of this
-    /// diameter, so that dissipation stays finite in a packing. It is infinite without particles.
+    /// [m] mean distance between the surfaces of neighbouring particles in the volume `volume` [m³] of a slice: edge of
+    /// a cube with the volume per particle, minus the diameter for the mean particle volume. It is at least a hundredth
+    /// of this diameter, so that dissipation stays finite in a packing. It is infinite without particles.
     pub fn spacing(&self, volume: f64) -> f64 {
         /// [-] least distance between surfaces over the diameter; chosen for this program.
         const LEAST_SPACING: f64 = 0.01;
@@ -100,13 +102,13 @@ pub struct LoadedFlow {
     gas_fraction: Vec<f64>,
     /// Flow rate of the gas at the start, per area of the wall, in wall units.
     flow_rate: f64,
-    /// [m/s] bulk velocity of the gas alone, divided by its flow rate on the grid. The bulk velocity also counts the law of
-    /// the wall below the first node.
+    /// [m/s] bulk velocity of the gas alone, divided by its flow rate on the grid. The bulk velocity also includes the
+    /// flow between the wall and the first node, by the law of the wall.
     bulk_per_flow: f64,
-    /// Pressure gradient in the last step, in wall units; that of the gas alone is 1/h⁺.
+    /// Pressure gradient in the latest step, in wall units; that of the gas alone is 1/h⁺.
     pressure_gradient: f64,
-    /// [kg m/s] momentum along z that lift has given to the particles of each slice since the last step. The gas loses
-    /// it in the next step.
+    /// [kg m/s] momentum along z that lift has given to the particles of each slice since the latest step. The gas
+    /// loses it in the next step.
     owed: Vec<f64>,
     /// Lengths k^(3/2)/ε of the gas alone, one per cell in wall units. They are used with Crowe's modulation only.
     alone_length: Vec<f64>,
@@ -144,8 +146,8 @@ impl GasBalance {
 }
 
 impl LoadedFlow {
-    /// Makes the flow of a gas alone, before particles act on it. `flow` is its steady solution, `density` [kg/m³] the density
-    /// of the gas, and `wall_area` [m²] the area of the walls in the box.
+    /// Makes the flow of a gas alone, before particles act on it. `flow` is its steady solution, `density` [kg/m³] the
+    /// density of the gas, and `wall_area` [m²] the area of the walls in the box.
     pub fn new(coupling: Coupling, flow: &ChannelFlow, density: f64, wall_area: f64) -> Self {
         let channel = flow.half_channel().clone();
         let mut loaded = Self {
@@ -309,7 +311,7 @@ impl LoadedFlow {
         let channel = &self.channel;
         let count = channel.u.len();
         let volume: Vec<f64> = (0..count).map(|cell| channel.volume(cell)).collect();
-        // where particles move away from the wall, gas moves towards it with its velocity
+        // where particles move away from the wall, gas moves towards the wall and carries its momentum along z with it
         let mut right = Vec::with_capacity(count);
         let mut inflow = 0.0;
         for cell in 0..count {
@@ -350,7 +352,7 @@ impl LoadedFlow {
         self.gas_fraction = fraction;
     }
 
-    /// Computes the shear stress at all faces between cells from the present velocity.
+    /// Computes the shear stress at all faces of the cells from the present velocity.
     fn renew_stress(&mut self) {
         let channel = &self.channel;
         let count = channel.u.len();
@@ -401,8 +403,8 @@ impl LoadedFlow {
         self.on_cells(&rates.collect::<Vec<_>>())
     }
 
-    /// Production r s² of k by the mean slip s of the particles in each cell, in wall units, in a step of `duration` [s];
-    /// empty unless the modulation is that of Crowe.
+    /// Production r s² of k by the mean slip s of the particles in each cell, in wall units, in a step of `duration`
+    /// [s]; empty unless the modulation is that of Crowe.
     fn production(&self, duration: f64, slices: &[SliceSums]) -> Vec<f64> {
         match self.coupling.modulation {
             Modulation::None | Modulation::Simonin => return Vec::new(),
@@ -415,8 +417,8 @@ impl LoadedFlow {
         rates.zip(&self.gas_fraction).map(|((rate, square), gas)| rate / gas * square * unit).collect()
     }
 
-    /// Lengths of dissipation among the particles, one per cell in wall units; empty unless the modulation is that of
-    /// Crowe.
+    /// Lengths l in ε = k^(3/2)/l of the gas among the particles, one per cell in wall units; empty unless the
+    /// modulation is that of Crowe.
     fn hybrid_lengths(&self, slices: &[SliceSums]) -> Vec<f64> {
         match self.coupling.modulation {
             Modulation::None | Modulation::Simonin => return Vec::new(),
@@ -438,7 +440,7 @@ impl LoadedFlow {
         self.volume() * self.wall_area * self.unit_length()
     }
 
-    /// [Pa/m] pressure drop per length in the last step, without the hydrostatic part.
+    /// [Pa/m] pressure drop per length in the latest step, without the hydrostatic part.
     pub fn pressure_gradient(&self) -> f64 {
         self.pressure_gradient * self.density * self.unit_velocity().powi(2) / self.unit_length()
     }
@@ -463,8 +465,8 @@ impl LoadedFlow {
     }
 }
 
-/// Solves inertia u = right + flux for the velocity u of each cell, by Thomas' algorithm. The flux through face i is
-/// conductance[i] (u[i - 1] - u[i]); the velocity at the wall is 0.
+/// Solves inertia u = right + inflow for the velocity u of each cell (Thomas' algorithm). The inflow is the flux
+/// through face i minus that through face i + 1. The flux is conductance[i] (u[i - 1] - u[i]), with u = 0 at the wall.
 fn diffused(inertia: &[f64], conductance: &[f64], right: &[f64]) -> Vec<f64> {
     let count = inertia.len();
     let (mut upper, mut u) = (vec![0.0; count], vec![0.0; count]);

@@ -17,6 +17,7 @@ use serde::Serialize;
 const OUTER_FADE: f64 = 11.0;
 /// [-] distance y⁺ over which the second, shorter correction decays: Reichardt's value.
 const INNER_FADE: f64 = 3.0;
+
 /// Constants κ and B of the logarithmic law U⁺ = ln(y⁺)/κ + B.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LogConstants {

@@ -1,8 +1,8 @@
 //! The gas around the particles.
 //!
-//! The gas is frozen unless the scene has a [`Coupling`]: the particles do not change it. Its mean velocity is streamwise
-//! (along z). In a channel the velocity depends only on the wall-normal distance y (the paper's section 2.1), in a pipe
-//! on the distance from the axis.
+//! The gas is frozen unless the scene has a [`Coupling`]: the particles do not change it. Its mean velocity is
+//! streamwise (along z). In a channel the velocity depends only on the wall-normal distance y (the paper's section
+//! 2.1), in a pipe on the distance from the axis.
 //!
 //! To add a profile, write one file with a function that returns a [`Profile`], and add an arm in the code that
 //! resolves a case.
@@ -62,7 +62,8 @@ pub struct Fluid {
 }
 
 impl Fluid {
-    /// A frozen gas without buoyancy, turbulence and lift: density [kg/m³], kinematic viscosity [m²/s], velocity profile and drag law.
+    /// Makes a frozen gas without buoyancy, turbulence and lift, from its density [kg/m³], kinematic viscosity [m²/s],
+    /// velocity profile and drag law.
     pub fn new(density: f64, kinematic_viscosity: f64, profile: Profile, drag: Option<Drag>) -> Self {
         Self {
             density,

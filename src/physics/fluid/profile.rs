@@ -15,7 +15,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Profile {
-    /// [m/s] a velocity that is equal at all positions.
+    /// [m/s] a velocity that is the same at all positions.
     Uniform(f64),
     /// A monotone cubic through given points (y, u).
     Tabulated(Arc<VelocityTable>),
@@ -91,8 +91,8 @@ impl Profile {
         Ok(Self::Pipe(Arc::new(Pipe::new(center, flow)?)))
     }
 
-    /// Makes the profile of another solution `flow` of the equations from which this channel or pipe profile was made.
-    /// Other profiles do not change.
+    /// Returns this channel or pipe profile with another solution `flow` of its equations. Other profiles do not
+    /// change.
     ///
     /// # Errors
     ///

@@ -10,8 +10,8 @@ const BINS_PER_NODE: usize = 16;
 /// scheme is PCHIP: Fritsch and Butland 1984, slopes by the weighted harmonic mean of Brodlie. The function is constant
 /// outside the points.
 ///
-/// A uniform index over y gives the cubic piece, so that an evaluation takes equal time for every y. One evaluation is
-/// needed per particle and window (time between two exchanges of momentum with the gas).
+/// A uniform index over y gives the cubic piece, so that an evaluation takes the same time for every y. One evaluation
+/// is needed per particle and window (time between two exchanges of momentum with the gas).
 #[derive(Clone, Debug, Serialize)]
 pub struct VelocityTable {
     pieces: Vec<CubicPiece>,
@@ -174,7 +174,7 @@ impl VelocityTable {
 
 /// [1/s] slopes at the points, for which every cubic piece is monotone (Fritsch and Butland 1984). The slope is 0 at an
 /// extremum. Elsewhere it is the harmonic mean of the secants on both sides, weighted by their widths. At an end
-/// without a given slope, it is the limited slope of the three-point formula.
+/// without a given slope, it follows from a one-sided three-point formula, limited so that the piece is monotone.
 fn slopes(points: &[(f64, f64)], ends: [Option<f64>; 2]) -> Vec<f64> {
     let width: Vec<f64> = points.windows(2).map(|p| p[1].0 - p[0].0).collect();
     let secant: Vec<f64> = points.windows(2).map(|p| (p[1].1 - p[0].1) / (p[1].0 - p[0].0)).collect();

@@ -33,13 +33,13 @@ pub struct Turbulence {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum EddyLaw {
-    /// Langevin equation. The store holds **s** = **u**/σ of each particle.
+    /// Langevin equation. The store of particles holds **s** = **u**/σ of each particle.
     #[default]
     Langevin,
     /// Discrete random walk (Gosman and Ioannides 1983, J. Energy 7, 482): the fluctuation **u** [m/s], which the store
     /// holds, is constant until the eddy ends. Eddies have random lifetimes with the mean T along the slip, as in
-    /// [`Langevin::times`], and begin with the σ of the place. There is no drift, so light particles gather where the
-    /// turbulence is weak.
+    /// [`Langevin::times`]. A new **u** has the standard deviation σ at the particle. There is no drift, so light
+    /// particles gather where the turbulence is weak.
     Eddy,
 }
 
@@ -133,8 +133,8 @@ impl Turbulence {
         LocalTurbulence { deviation, gradient, time: self.langevin.share_of_turnover() * turnover }
     }
 
-    /// [m/s] fluctuation **u** of the gas velocity that a particle sees. `eddy` is the value of the particle in the
-    /// store.
+    /// [m/s] fluctuation **u** of the gas velocity that a particle sees. `eddy` is the value that the store of
+    /// particles holds for the particle.
     #[inline]
     pub fn seen(&self, eddy: &Vector3<f64>, local: &LocalTurbulence) -> Vector3<f64> {
         match self.law {
@@ -245,7 +245,7 @@ struct Relaxation {
     kept: f64,
     /// [-] standard deviation of the fluctuation at the end about its mean.
     drawn: f64,
-    /// [-] mean fluctuation over the time h, divided by the sum of both end values: tanh(x/2)/x.
+    /// [-] expected mean of the fluctuation over the time h, over the sum of its two given end values: tanh(x/2)/x.
     ends: f64,
     /// [-] standard deviation of the mean over the time h for given end values: sqrt(2 (x - 2 tanh(x/2)))/x.
     between: f64,
@@ -267,7 +267,7 @@ impl Relaxation {
     }
 }
 
-/// [-] weight of the end value of the gas velocity in the mean over a kick to which a particle responds. It is
+/// [-] weight of the gas velocity at the end of a kick in the mean gas velocity to which a particle responds. It is
 /// coth(r/2) - 2/r with r = h/τ, for a kick of length h and the response time τ. It is 0 for long response times and 1
 /// for short ones.
 #[inline]
@@ -342,9 +342,10 @@ impl Langevin {
 }
 
 impl Langevin {
-    /// Advances the fluctuation **u** [m/s] of a discrete random walk by `duration` [s], exactly. Returns **u** at the end,
-    /// and the mean that the particle responds to. `seen.fluctuation` is **u** here. Lifetimes are exponential, so that
-    /// they may begin anew with each call. They have the correlation exp(-t/T) of the Langevin equation.
+    /// Advances the fluctuation **u** [m/s] of a discrete random walk by `duration` [s], exactly. Returns **u** at the
+    /// end, and the mean that the particle responds to. `seen.fluctuation` is **u** here. Lifetimes are exponential, so
+    /// that they may begin anew with each call. The fluctuation then has the correlation exp(-t/T) of the Langevin
+    /// equation.
     pub fn walk(
         &self,
         seen: &EddySeen,

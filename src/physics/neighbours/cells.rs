@@ -257,8 +257,8 @@ impl CellGrid {
         self.periodic[axis] && (at == 0 || at + 1 == self.count[axis])
     }
 
-    /// Number, along `axis`, of the cell `step` cells after the cell `from`. `None` beyond a side that is not periodic, or if
-    /// the axis has only one cell.
+    /// Number, along `axis`, of the cell `step` cells after the cell `from`. `None` beyond a side that is not periodic,
+    /// or if the axis has only one cell.
     fn shifted(&self, axis: usize, from: usize, step: isize) -> Option<usize> {
         if step == 0 {
             return Some(from);

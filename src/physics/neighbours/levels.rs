@@ -142,8 +142,8 @@ impl Census {
     }
 
     /// [-] number of pairs per sphere that a search tests, if the reach (radius, or radius of a ball around the path)
-    /// of every sphere grows by half of `wider` [m]. Tested are the pairs of one level in 27 cells around a sphere,
-    /// each counted once, and smaller spheres near it.
+    /// of every sphere grows by half of `wider` [m]. A sphere is tested with spheres of its level in 27 cells around
+    /// it, each pair counted once, and with smaller spheres near it.
     pub fn looked_at(&self, wider: f64) -> f64 {
         let all: f64 = self.levels.iter().map(|(count, _)| count).sum();
         let mut pairs = 0.0;

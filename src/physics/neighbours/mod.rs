@@ -122,9 +122,9 @@ impl NeighbourList {
     /// [m] gap up to which an inner list should contain pairs. An inner list is a shorter list of pairs, selected from
     /// this list. `None` if an inner list saves no time.
     ///
-    /// An inner list for gaps up to s contains the fraction s/skin of the pairs, and lasts for `uses`·s/skin uses. In
-    /// this time all pairs are tested once, and those of the inner list at every use. The cost is lowest for s =
-    /// skin/sqrt(uses).
+    /// An inner list for gaps up to s contains the fraction s/skin of the pairs, and can be used `uses`·s/skin times.
+    /// In this time all pairs are tested once, and those of the inner list at every use. The cost is lowest for s =
+    /// skin/sqrt(`uses`).
     pub fn inner_skin(&self) -> Option<f64> {
         // for fewer uses there is no gain; at most 400 are assumed, because speeds may increase
         (self.uses >= 8.0).then(|| self.skin / self.uses.min(400.0).sqrt())
@@ -188,8 +188,8 @@ impl NeighbourList {
         self.build_by(region, particles, scene, &plan)
     }
 
-    /// Builds the list for the present positions, with settings that are equal in all processes of a run. If the cells
-    /// cover the whole box, the pairs of this process have the order of a list of all particles.
+    /// Builds the list for the present positions, with settings that are the same in all processes of a run. If the
+    /// cells cover the whole box, the pairs of this process have the order of a list of all particles.
     pub fn build_by(
         &mut self,
         region: &Region,
@@ -222,8 +222,8 @@ impl NeighbourList {
         order
     }
 
-    /// Returns a copy of the list without pairs and walls. The copy contains the data that are equal in all processes
-    /// of a run.
+    /// Returns a copy of the list without pairs and walls. The copy contains the data that are the same in all
+    /// processes of a run.
     pub fn without_pairs(&self) -> Self {
         let (clock, first_pair) = (self.clock.clone(), Vec::new());
         Self { pairs: Vec::new(), walls: Vec::new(), clock, first_pair, ..*self }
@@ -446,7 +446,7 @@ pub fn overlapping(particles: &Particles, scene: &Scene) -> Vec<Couple> {
 }
 
 /// All pairs of particles with a gap below `gap` [m], by their indices in `particles`. Along periodic axes, the largest
-/// diameter and the gap together are at most half the edge of the box.
+/// diameter and the gap together must be at most half the edge of the box.
 pub fn pairs_with_gap(particles: &Particles, scene: &Scene, gap: f64) -> Vec<[usize; 2]> {
     let (mut sorted, mut list) = (particles.clone(), NeighbourList::default());
     let plan = ListSettings { frame: Vector3::zeros(), largest_speed: 0.0, skin: gap, uses: 1.0, of_all: None };
@@ -454,8 +454,8 @@ pub fn pairs_with_gap(particles: &Particles, scene: &Scene, gap: f64) -> Vec<[us
     list.pairs.iter().map(|pair| [pair.i, pair.j].map(|index| order[index as usize] as usize)).collect()
 }
 
-/// Component of a common velocity or acceleration `vector` of all particles that changes no gap to a wall. It is parallel
-/// to all planes, and zero if some wall is not a plane.
+/// Component of a velocity or acceleration `vector`, common to all particles, that changes no gap to a wall. It is
+/// parallel to all planes, and zero if some wall is not a plane.
 pub fn along_walls(scene: &Scene, vector: Vector3<f64>) -> Vector3<f64> {
     let mut normals: Vec<Vector3<f64>> = Vec::new();
     let mut rest = vector;

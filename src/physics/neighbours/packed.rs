@@ -137,8 +137,8 @@ impl PackedBalls {
     /// Calls `visit` with the index of each ball of a row of cells, and the indices of balls that may overlap it. Each
     /// pair occurs once. The pairs of one ball may come in several consecutive calls. `row` contains the number of a
     /// level, and the number of a row in this level. `smaller` returns the centre and the reach [m] with which a ball
-    /// searches the levels of smaller balls. `CROWDED` should be true if one or more of four tested balls often
-    /// overlap; it does not change results. Returns the number of pairs tested.
+    /// searches the levels of smaller balls. `CROWDED` should be true if often one or more of four tested balls overlap
+    /// the ball; it does not change results. Returns the number of pairs tested.
     #[inline(always)]
     pub fn for_each_near<const CROWDED: bool>(
         &self,
@@ -255,8 +255,8 @@ impl PackedBalls {
         Some([eight_of(x, number)?, eight_of(y, number)?, eight_of(z, number)?, eight_of(radii, number)?])
     }
 
-    /// Collects the balls of a range of the cell order that may overlap the ball `one`. Because of rounding, some of them have
-    /// a small gap. `across` must be true if images through periodic sides may be nearer.
+    /// Collects the balls of a range of the cell order that may overlap the ball `one`. Because of rounding, some of
+    /// them have a small gap. `across` must be true if images through periodic sides may be nearer.
     #[inline(always)]
     fn pick<const CROWDED: bool, L: Lanes>(
         &self,

@@ -61,7 +61,7 @@ impl ListSettings {
 
     fn new((frame, largest_speed): (Vector3<f64>, f64), sizes: (usize, f64), scene: &Scene, between_uses: f64) -> Self {
         let fall = scene.gravity - along_walls(scene, scene.gravity);
-        // the mean flow of a sheared box moves the particles of a pair, which are some diameters apart, towards each other
+        // the mean flow of a sheared box moves two particles, some diameters apart, towards each other
         let strain = scene.domain.strain_rate() * 2.0 * sizes.1;
         let speed = largest_speed + fall.norm() * between_uses + strain + scene.wall_speed();
         let skin = cheapest_skin(sizes, &scene.domain, speed * between_uses);

@@ -1,8 +1,9 @@
 //! Clusters: groups of particles that are connected by pairs with a gap below a given one.
 //!
-//! The gap of two spheres is the distance of their centres less both radii, to the nearest image across periodic sides.
-//! A particle without such a pair is a cluster of one. The mean size of the cluster of a particle is Σ s² n_s/Σ s n_s,
-//! with n_s clusters of s particles (Stauffer and Aharony, Introduction to Percolation Theory, 2nd edition 1994).
+//! The gap of two spheres is the distance of their centres minus both radii, measured to the nearest image across
+//! periodic sides. A particle without such a pair is a cluster of one. The size of the cluster of a particle has the
+//! mean Σ s² n_s/Σ s n_s, with n_s clusters of s particles (Stauffer and Aharony, Introduction to Percolation Theory,
+//! 2nd edition 1994).
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumber, ObservedQuantity};
 use super::{Needs, Observer, plain_data};
@@ -13,8 +14,8 @@ use crate::simulation::Simulation;
 use crate::statistics::estimate;
 use serde::{Deserialize, Serialize};
 
-/// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th sample
-/// is used.
+/// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th
+/// sample is used.
 const MOST_SAMPLES: u64 = 1000;
 /// Number of sizes in the size distribution. The last size also stands for all larger clusters.
 const SIZES: usize = 50;
@@ -70,8 +71,8 @@ impl ParticleClusters {
     }
 }
 
-/// Index of the particle that stands for the cluster of the particle at `place`. The path to it is halved, so that
-/// later searches are shorter.
+/// Index of the particle that stands for the cluster of the particle at `place`. The chain of indices in `forest` that
+/// leads to it is halved, so that later searches are shorter.
 fn root(forest: &mut [usize], mut place: usize) -> usize {
     while forest[place] != place {
         forest[place] = forest[forest[place]];

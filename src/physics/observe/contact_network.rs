@@ -20,8 +20,8 @@ use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 
-/// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th sample
-/// is used.
+/// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th
+/// sample is used.
 const MOST_SAMPLES: u64 = 1000;
 /// Length of a list whose entry k is the number of particles with k contacts. The last entry also counts particles with
 /// more contacts.

@@ -36,15 +36,15 @@ struct MotionSample {
     correlation: f64,
 }
 
-/// Particles at the origin of a block of time and at the last sample. Each list is in the order of the ids of the
+/// Particles at the origin of a block of time and at the latest sample. Each list is in the order of the ids of the
 /// particles.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct TrackedParticles {
     /// [m/s] velocities of the particles at the origin of the block.
     velocity: Vec<Vector3<f64>>,
-    /// [m] positions of the particles in the box at the last sample.
+    /// [m] positions of the particles in the box at the latest sample.
     position: Vec<Vector3<f64>>,
-    /// [m] displacements of the particles from the origin of the block to the last sample, across periodic sides.
+    /// [m] displacements of the particles from the origin of the block to the latest sample, across periodic sides.
     displacement: Vec<Vector3<f64>>,
 }
 
@@ -101,8 +101,8 @@ impl Diffusion {
         self.blocks.push(MotionBlock { origin: simulation.time, samples: vec![Vec::new(); self.species] });
     }
 
-    /// Adds the displacement of each particle since the last sample to its displacement from the origin. `by_id[k]` is
-    /// the index in the store of the particle with the id k.
+    /// Adds the displacement of each particle since the previous sample to its displacement from the origin. `by_id[k]`
+    /// is the index in the store of the particle with the id k.
     fn track(&mut self, simulation: &Simulation, by_id: &[u32]) {
         let domain = &simulation.scene().domain;
         let TrackedParticles { position, displacement, .. } = &mut self.tracked;
@@ -121,8 +121,8 @@ impl Diffusion {
         simulation.particles.velocity.iter().any(reaches)
     }
 
-    /// Adds the means over each species at the present time to the last block. `by_id[k]` is the index in the store of
-    /// the particle with the id k.
+    /// Adds the means over each species at the present time to the latest block. `by_id[k]` is the index in the store
+    /// of the particle with the id k.
     fn measure(&mut self, simulation: &Simulation, by_id: &[u32]) {
         let (particles, tracked) = (&simulation.particles, &self.tracked);
         let sums = sums_in_groups(self.species, by_id.len(), |id| {

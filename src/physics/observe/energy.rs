@@ -17,7 +17,7 @@ pub struct EnergyBooks {
     pub at_end: f64,
     /// [J] unexplained energy at the end: change of energy since the start minus the work and losses in the ledger.
     unexplained: f64,
-    /// [s] simulated time of the last recorded sample.
+    /// [s] simulated time of the latest recorded sample.
     seen: f64,
     /// [J] unexplained energy since the start, at every sample.
     samples: Vec<f64>,

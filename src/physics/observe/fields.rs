@@ -25,11 +25,11 @@ use crate::stored::{StoreError, Stored};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th sample
-/// is used.
+/// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th
+/// sample is used.
 const MOST_SAMPLES: u64 = 400;
-/// Number of blocks of time into which the run is divided. The averaging period begins at the start of a block, because
-/// its start is known only after the run.
+/// Number of blocks of time into which the run is divided. The averaging period is known only after the run, so it is
+/// made to begin at the start of a block.
 const BLOCKS: f64 = 20.0;
 /// [-] distance beyond which the Gaussian weight of a particle counts as zero, in widths of the Gaussian.
 const REACH: f64 = 4.0;

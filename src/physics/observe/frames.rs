@@ -24,8 +24,8 @@ const FRAMES: std::ops::RangeInclusive<usize> = 40..=241;
 /// the page to a few megabytes.
 const BUDGET: usize = 90_000;
 
-/// [-] desired mean distance that a particle flies between two frames, over its radius. It counts only velocity
-/// fluctuations. It is short enough to show collisions.
+/// [-] desired mean distance that a particle flies between two frames, over its radius. The distance is that by
+/// velocity fluctuations alone. It is short enough to show collisions.
 const FLIGHT: f64 = 1.0;
 
 /// [-] largest factor by which the mean flight between two frames may exceed `FLIGHT` so that the frames cover the
@@ -46,8 +46,9 @@ pub struct Frame {
     pub overlap: Vec<f32>,
     /// [rad/s] magnitude of the spin of each recorded particle; empty if spheres do not rotate.
     pub spin: Vec<f32>,
-    /// Method that moved each particle in the last window (time between two exchanges with the gas): 0 straight flight,
-    /// 1 the solution of an island (a small group of particles that may meet), 2 the engine with all particles at once.
+    /// Method that moved each particle in the latest window (time between two exchanges with the gas): 0 straight
+    /// flight, 1 the solution of an island (a small group of particles that may meet), 2 the engine with all particles
+    /// at once.
     pub solver: Vec<u8>,
 }
 
@@ -59,7 +60,7 @@ pub struct Frames {
     duration: f64,
     /// Largest number of recorded particles, and largest number of frames.
     most: (usize, usize),
-    /// [s] time between the last recorded frame and the next one.
+    /// [s] time between the latest recorded frame and the next one.
     spacing: f64,
     /// Number of all particles of the scene, also of those that are not recorded.
     pub particles: usize,
@@ -99,7 +100,7 @@ impl Frames {
         if simulation.count() <= FEW || goes_on {
             return even;
         }
-        let near = FLIGHT * simulation.mean_radius() / simulation.agitation();
+        let near = FLIGHT * simulation.mean_radius() / simulation.fluctuation_speed();
         if even <= WHOLE * near { even } else { near.min(even) }
     }
 }
@@ -116,8 +117,8 @@ impl Observer for Frames {
         (self.frames.len() < self.most.1).then_some(now + self.spacing)
     }
 
-    // no drag is added to the velocities: between the last frame and this one, particles flew with the velocities of
-    // the last window
+    // no drag is added to the velocities: between the previous frame and this one, particles flew with the velocities
+    // of the latest window
     fn needs_velocities(&self) -> bool {
         false
     }

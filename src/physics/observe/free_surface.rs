@@ -1,13 +1,13 @@
 //! Free surface of a layer, seen from above: the waviness of its height, the wavelength and the symmetry of a pattern.
 //!
-//! The box is divided into columns. The height of a column is that of the highest point of a sphere whose centre is in it,
-//! and empty columns have the median height. A Gaussian smooths the heights. Their Fourier transform, with a Hann window
-//! along both axes, gives the pattern. A shell consists of the wave vectors with |f| L near a whole number n, with
-//! f = 1/λ and the longer horizontal edge L. The strongest shell with n > 1 gives the wavelength λ = L/n. Its symmetry is
-//! Q_m = |Σ P exp(i m θ)|/Σ P, with the power P and the direction θ of the wave vectors within 0.75/L of this shell. A
-//! perfect pattern of stripes has Q_2 = Q_4 = Q_6 = 1, squares have Q_4 = 1 and Q_2 = 0, hexagons Q_6 = 1 and
-//! Q_2 = Q_4 = 0. These are the metrics of harness/METRICS.md in the repository cbizon/granular_benchmark, where
-//! C. Bizon compares codes with the patterns of Bizon et al. (1998, Phys. Rev. Lett. 80, 57).
+//! The box is divided into columns. The height of a column is that of the highest point of a sphere whose centre is in
+//! it, and empty columns have the median height. A Gaussian smooths the heights. Their Fourier transform, with a Hann
+//! window along both axes, gives the pattern. A shell consists of the wave vectors with |f| L near a whole number n,
+//! with f = 1/λ and the longer horizontal edge L. The strongest shell with n > 1 gives the wavelength λ = L/n. Its
+//! symmetry is Q_m = |Σ P exp(i m θ)|/Σ P, with the power P and the direction θ of the wave vectors within 0.75/L of
+//! this shell. A perfect pattern of stripes has Q_2 = Q_4 = Q_6 = 1, squares have Q_4 = 1 and Q_2 = 0, hexagons Q_6 = 1
+//! and Q_2 = Q_4 = 0. These are the metrics of harness/METRICS.md in the repository cbizon/granular_benchmark, where C.
+//! Bizon compares codes with the patterns of Bizon et al. (1998, Phys. Rev. Lett. 80, 57).
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedGrid, ObservedNumber, ObservedQuantity};
 use super::{Needs, Observer, plain_data};
@@ -19,8 +19,8 @@ use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
-/// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th sample
-/// is used.
+/// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th
+/// sample is used.
 const MOST_SAMPLES: u64 = 2000;
 /// Number of standard deviations at which the smoothing Gaussian ends.
 const CUT: f64 = 4.0;

@@ -23,7 +23,7 @@ struct OfSpecies {
     /// [m²/s²] granular temperature of the species at every sample; `None` at samples with too few particles.
     temperature: Vec<Option<f64>>,
     /// [J] mean kinetic energy of the random motion per degree of freedom of a particle, at every sample. The list is
-    /// empty if all particles of the species have equal masses.
+    /// empty if all particles of the species have the same mass.
     energy: Vec<Option<f64>>,
 }
 
@@ -138,7 +138,7 @@ fn pool<'a>(runs: impl Iterator<Item = &'a Option<Batches>>, by_runs: bool) -> O
 
 impl KindAverages {
     /// Averages over several independent runs of one variant, with the impacts of all runs. If `by_runs` is true, each
-    /// run is one block for the errors, as in [`Batches::pool`].
+    /// run is one block for the errors, as in [`Batches::pool`]. Curves over time are those of the first run.
     pub fn pool(runs: &[&Self], by_runs: bool) -> Self {
         let Some((first, others)) = runs.split_first() else { return Self::default() };
         let species = first.species.iter().enumerate().map(|(place, own)| {

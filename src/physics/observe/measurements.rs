@@ -62,8 +62,8 @@ pub struct ObservedNumber {
 }
 
 impl ObservedNumber {
-    /// Creates a number that is the mean of `samples`, in the unit of the quantity and in the order of time. `clock` has
-    /// the time of the first sample and the interval between samples, both in s.
+    /// Creates a number that is the mean of `samples`, in the unit of the quantity and in the order of time. `clock`
+    /// has the time of the first sample and the interval between samples, both in s.
     pub fn of_series(
         quantity: ObservedQuantity,
         samples: &[f64],

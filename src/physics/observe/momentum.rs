@@ -16,7 +16,7 @@ pub struct Balance {
     pub weight: f64,
     /// [N] mean shear force of the walls on all particles along z.
     pub wall: Option<Estimate>,
-    /// [N] sum of drag, weight and wall force; zero on average in a steady flow.
+    /// [N] sum of drag, weight, wall force and inflow through inlets and outlets; zero on average in a steady flow.
     pub residual: Option<Estimate>,
 }
 

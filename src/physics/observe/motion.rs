@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// Means over all particles at every sample (instant of measurement). The test for a steady state uses these means.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Motion {
-    /// Number of slices along y relative to whose mean velocities the temperature is computed.
+    /// Number of slices along y; the temperature is relative to the mean velocities of these slices.
     slices: usize,
     /// [s] simulated times of the samples.
     times: Vec<f64>,
@@ -29,8 +29,8 @@ pub struct Motion {
     impacts: Vec<[u64; 2]>,
     /// Number of particles at each sample. The list is empty in a scene without inlets and outlets.
     counts: Vec<f64>,
-    /// Stress against the shear of a sheared box, at every sample: its kinetic part [Pa], and the time integral of its
-    /// contact part since the start [Pa s]. The list is empty without shear.
+    /// Stress that opposes the shear of a sheared box, at every sample: its kinetic part [Pa], and the time integral of
+    /// its contact part since the start [Pa s]. The list is empty without shear.
     stress: Vec<[f64; 2]>,
     /// True for each axis that is not periodic. Mean positions are only computed along such axes.
     bounded: [bool; 3],
@@ -144,7 +144,7 @@ impl Motion {
         self.temperature.iter().skip(first).map(|parts| parts.map(|parts| parts.sum() / 3.0)).collect()
     }
 
-    /// Stress [Pa] against the shear of a sheared box, averaged over blocks of time from the sample with the index
+    /// Stress [Pa] that opposes the shear of a sheared box, averaged over blocks of time from the sample with the index
     /// `first` on. `None` without shear. The kinetic part of an interval is the mean of the values at its ends.
     pub fn stress_batches(&self, first: usize) -> Option<Batches> {
         let interval = self.times.get(1)? - self.times.first()?;

@@ -10,10 +10,11 @@ use nalgebra::Vector3;
 /// Number of particles in one piece of work, whose pairs one thread visits.
 const PIECE: usize = 512;
 
-/// Calls `visit` once for each pair of particles whose centres are less than `reach` [m] apart. Its arguments are the
-/// indices of the two particles, and the vector [m] from the first particle to the nearest image of the second. Along
-/// periodic axes, `reach` is at most half the edge of the box. The pairs are divided into parts, which do not depend on
-/// the number of threads. Each part begins with a value of `none`. The values of all parts are returned in order.
+/// Calls `visit` once for each pair of particles whose centres are less than `reach` [m] apart. It gets the value of
+/// the part, the indices of the two particles, and the vector [m] from the first particle to the nearest image of the
+/// second. Along periodic axes, `reach` is at most half the edge of the box. The pairs are divided into parts, which do
+/// not depend on the number of threads. The value of each part begins as that of `none`. The values of all parts are
+/// returned in order.
 pub(super) fn near_pairs<A: Send>(
     particles: &Particles,
     domain: &Domain,

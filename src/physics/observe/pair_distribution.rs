@@ -1,6 +1,6 @@
 //! Pair distribution g(r) of the centres, and its value at contact.
 //!
-//! g_ab(r) is the number of pairs of the species a and b at the distance r, over the number in an ideal gas of equal
+//! g_ab(r) is the number of pairs of the species a and b at the distance r, over the number in an ideal gas of the same
 //! density: g = n(r, Δr) V/(P 4π/3 ((r + Δr)³ - r³)). n counts the pairs between r and r + Δr, P all pairs, and V is
 //! the volume of the box (Allen and Tildesley, Computer Simulation of Liquids, 2nd edition 2017, section 2.6). Here P
 //! is N(N-1)/2 and not N²/2, so that an ideal gas of any size has g = 1. The box must be periodic along all axes.
@@ -17,8 +17,8 @@ use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th sample
-/// is used.
+/// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th
+/// sample is used.
 const MOST_SAMPLES: u64 = 1000;
 /// Number of bins of the distance, beginning at contact, from whose counts the value of g(r) at contact is
 /// extrapolated.

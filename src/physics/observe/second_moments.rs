@@ -2,7 +2,7 @@
 //! particles.
 //!
 //! The particles of a slice have the second moments R_ij = <v_i″ v_j″>. In a steady flow that depends on y alone, every
-//! moment is constant. With n particles in the slice:
+//! moment is constant. With n particles in the slice, their mean velocity U and the wall-normal velocity v:
 //!
 //! ```text
 //! 0 = - <v_i″v″> dU_j/dy - <v_j″v″> dU_i/dy      production by the gradient of the mean velocity
@@ -318,7 +318,7 @@ impl SecondMoments {
     }
 
     /// Sums of the part of the run in which a window (time between two exchanges with the gas) ends at `time` [s]. A
-    /// new part begins if the last part is complete.
+    /// new part begins if the latest part is complete.
     fn part(&mut self, time: f64) -> &mut MomentBlock {
         let length = (self.schedule.length() as f64 / PARTS as f64).max(1.0) * self.schedule.window;
         let begins = |part: &MomentBlock| time - part.start > length * (1.0 + 1e-9);

@@ -1,5 +1,6 @@
-//! Gas velocity that the particles see in scenes with `[fluid.turbulence]`: its fluctuation **u** in slices of y. A mean
-//! of u across the flow is a drift. Its mean square equals 2k/3 of the gas if particles sample the turbulence evenly.
+//! Gas velocity that the particles see in scenes with `[fluid.turbulence]`: its fluctuation **u** in slices of y. A
+//! mean of **u** across the flow is a drift. A component of **u** has the mean square 2k/3 of the gas if particles
+//! sample the turbulence evenly.
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedQuantity};
 use super::{Needs, Observer, plain_data};
@@ -21,8 +22,8 @@ const SUMS: usize = 8;
 struct SeenGasSample {
     /// [s] simulated time of the sample.
     time: f64,
-    /// For each slice: number of particles, Σ u along z and y [m/s]; Σ u² along z, y and x, Σ 2k/3 and Σ **u**·(**v** - **U**)/3
-    /// [m²/s²], with the velocity **v** of a particle and the mean velocity **U** of the gas.
+    /// For each slice: number of particles, Σ u along z and y [m/s]; Σ u² along z, y and x, Σ 2k/3 and Σ **u**·(**v** -
+    /// **U**)/3 [m²/s²], with the velocity **v** of a particle and the mean velocity **U** of the gas.
     slices: Vec<[f64; SUMS]>,
 }
 

@@ -197,7 +197,7 @@ impl TurbulenceMeans {
 /// Flow of a gas on which the particles act (two-way coupling), at one instant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GasMeans {
-    /// [Pa/m] pressure drop of the gas per length in its last time step, without the hydrostatic part.
+    /// [Pa/m] pressure drop of the gas per length in its latest time step, without the hydrostatic part.
     pub pressure_gradient: f64,
     /// [m/s] flow rate of the gas divided by the area of the cross-section.
     pub bulk_velocity: f64,
@@ -319,7 +319,8 @@ impl MassSums {
 
 /// [s] time between two rows of a series with at most `most` rows. It is a whole number of sample intervals. If there
 /// are fewer than `least` samples, it is a whole number of windows (times between two exchanges with the gas). The case
-/// may set instants that are equal in all variants. They are used if they are closer in time or sufficient for a curve.
+/// may set instants for all variants. They are used if they are closer in time than these rows, or sufficient for a
+/// curve.
 pub(super) fn interval(schedule: &Schedule, least: u64, most: u64) -> f64 {
     let between = |all: u64, rows: u64| all.div_ceil(rows.max(1)).max(1) as f64;
     let own = if schedule.samples >= least {
@@ -332,11 +333,11 @@ pub(super) fn interval(schedule: &Schedule, least: u64, most: u64) -> f64 {
     asked.map_or(own, |asked| if duration / asked >= CURVE as f64 - 0.5 { asked } else { asked.min(own) })
 }
 
-/// Averages over all particles at times that are equal in every variant of a scene. The series has at most a thousand
-/// rows (instants), and one more row at the end of the run.
+/// Averages over all particles at times that are the same in every variant of a scene. The series has at most a
+/// thousand rows (instants), and one more row at the end of the run.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Series {
-    /// Number of slices along y relative to whose mean velocities the temperature is computed.
+    /// Number of slices along y; the temperature is relative to the mean velocities of these slices.
     slices: usize,
     /// [s] time between two rows of the series.
     interval: f64,

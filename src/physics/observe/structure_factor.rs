@@ -15,8 +15,8 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th sample
-/// is used.
+/// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th
+/// sample is used.
 const MOST_SAMPLES: u64 = 400;
 /// Largest number of wave vectors that are used in a bin of the wave number. More vectors of one sample would hardly be
 /// statistically independent.
@@ -42,7 +42,7 @@ pub struct StructureFactor {
 }
 
 /// Wave vectors [1/m] of each of `bins` bins of equal width up to the wave number `largest` [1/m]. Vectors k and -k
-/// have equal S, so the list contains one of them. If a bin has many vectors, some of them are selected at equal
+/// have the same S, so the list contains one of them. If a bin has many vectors, some of them are selected at equal
 /// distances in its list.
 fn wave_vectors(domain: &Domain, largest: f64, bins: usize) -> Vec<Vec<Vector3<f64>>> {
     let unit = domain.size.map(|edge| 2.0 * PI / edge);

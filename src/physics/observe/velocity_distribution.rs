@@ -6,8 +6,8 @@
 //! - a₃) (Brilliantov and Pöschel 2004, Kinetic Theory of Granular Gases, chapter 8).
 //!
 //! **Few particles.** The n velocities of a slice are multiplied by sqrt(n/(n - 1)), because the mean of the slice is
-//! the mean of the same velocities. T of the same particles is in the denominator. The N velocities are then a point on
-//! a sphere in ν = 3(N - S) dimensions, S being the number of slices. The mean of <c⁴> of a Maxwellian gas is then 15/4
+//! the mean of the same velocities. T is also computed from the same particles. The N velocities are then a point on a
+//! sphere in ν = 3(N - S) dimensions, S being the number of slices. The mean of <c⁴> of a Maxwellian gas is then 15/4
 //! ν/(ν + 2), and that of <c⁶> is 105/8 ν²/((ν + 2)(ν + 4)). The moments are divided by ν/(ν + 2) and ν²/((ν + 2)(ν +
 //! 4)), so that a₂ and a₃ of a Maxwellian gas are zero on average for any N. With n particles in a slice, a₂ of another
 //! gas remains too small by about 2 a₂/n.
@@ -26,8 +26,8 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th sample
-/// is used.
+/// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th
+/// sample is used.
 const MOST_SAMPLES: u64 = 1000;
 
 /// Coefficients of the Sonine polynomials in the velocity distribution at one instant.

@@ -1,13 +1,13 @@
 //! Shear viscosity η of the particles: of a gas in equilibrium, and of a sheared box.
 //!
 //! * **Equilibrium.** Let G(t) = ∫ V S dt, with the stress S and the volume V. G is the sum of ∫ Σ m c c dt and of the
-//!   impulses times the vectors between the two centres. The mean square of a shear component of G grows as 2 V k_B T η t (Helfand
-//!   1960, Phys. Rev. 119, 1; Allen and Tildesley, Computer Simulation of Liquids, 2nd edition 2017, section 2.7). The
-//!   rate of growth at the time t is the integral of the stress autocorrelation up to t (Green and Kubo). The mean is
-//!   taken over five components, which are equivalent in an isotropic gas: xy, xz, yz, (xx - yy)/2 and (xx + yy -
-//!   2 zz)/(2 sqrt(3)).
-//! * **Sheared box.** η is the negative shear stress σ_yz over the shear rate. The stress is the time average of both
-//!   parts.
+//!   impulses times the vectors between the two centres. The mean square of a shear component of G grows as
+//!   2 V k_B T η t (Helfand 1960, Phys. Rev. 119, 1; Allen and Tildesley, Computer Simulation of Liquids, 2nd edition
+//!   2017, section 2.7). The rate of growth at the time t is the integral of the stress autocorrelation up to t (Green
+//!   and Kubo). The mean is taken over five components, which are equivalent in an isotropic gas: xy, xz, yz,
+//!   (xx - yy)/2 and (xx + yy - 2 zz)/(2 sqrt(3)).
+//! * **Sheared box.** η is the negative shear stress σ_yz over the shear rate. The stress is the time average of its
+//!   kinetic and its contact part together.
 //!
 //! Velocities c are relative to the mean velocity, in a sheared box to the mean flow. The thermal energy k_B T is the
 //! kinetic energy per degree of freedom, times two. Impulses are summed exactly; the kinetic part is integrated by the
@@ -86,8 +86,8 @@ impl Viscosity {
         ]
     }
 
-    /// Viscosity at the times of the curve in a gas in equilibrium, and the viscosity by the second half of these times
-    /// for each origin. `longest` is the number of intervals between samples in the longest time.
+    /// Times of the curve, the viscosity at these times in a gas in equilibrium, and for each origin the viscosity by
+    /// the second half of the longest time. `longest` is the number of intervals between samples in the longest time.
     fn at_rest(
         &self,
         experiment: &Experiment,

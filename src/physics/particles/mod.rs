@@ -44,8 +44,8 @@ columns! {
     /// ```
     #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
     pub struct Particles {
-        /// [m] positions of the centres. After the last call of [`wrap`](crate::domain::Domain::wrap), centres may have
-        /// left the box along periodic axes.
+        /// [m] positions of the centres. Along periodic axes, centres may have left the box since the most recent call
+        /// of [`wrap`](crate::domain::Domain::wrap).
         pub position: Vec<Vector3<f64>> => ["x", "y", "z"] as moving,
         /// [m/s] velocities of the centres.
         pub velocity: Vec<Vector3<f64>> => ["vx", "vy", "vz"] as moving by kicks,

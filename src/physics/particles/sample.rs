@@ -24,8 +24,8 @@ impl<'a> From<&'a Particles> for Sample<'a> {
 }
 
 impl<'a> Sample<'a> {
-    /// Makes a sample (particles over which sums are taken) of the particles of this process. Sums include the particles
-    /// of the other processes, if `communicator` connects them.
+    /// Makes a sample (particles over which sums are taken) of the particles of this process. Sums include the
+    /// particles of the other processes, if `communicator` connects them.
     pub fn part(particles: &'a Particles, communicator: Option<&'a dyn Communicator>) -> Self {
         Self { particles, communicator }
     }
@@ -35,8 +35,8 @@ impl<'a> Sample<'a> {
         self.communicator.is_some()
     }
 
-    /// Returns a sample of particles that every process has computed from its particles in this sample, such as copies
-    /// with other velocities.
+    /// Returns a sample of other particles. Each process passes those that it has computed from its own particles of
+    /// this sample, such as copies with other velocities.
     pub fn with<'b>(&self, particles: &'b Particles) -> Sample<'b>
     where
         'a: 'b,
@@ -86,8 +86,9 @@ impl<'a> Sample<'a> {
         Vector3::from(exact::values(&sums)) / self.count().max(1) as f64
     }
 
-    /// [m/s] agitation over all processes: root mean square of the velocities about their mean; 0 without particles.
-    pub fn agitation(&self) -> f64 {
+    /// [m/s] root mean square of the velocities relative to their mean, over the particles in all processes; 0 without
+    /// particles.
+    pub fn fluctuation_speed(&self) -> f64 {
         let mut sum = self.particles.square_speeds(self.mean_velocity());
         self.total(&mut [&mut sum]);
         (sum.value() / self.count().max(1) as f64).sqrt()

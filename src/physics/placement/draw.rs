@@ -14,9 +14,10 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 /// arbitrary.
 const SPINS: u64 = 0x5350_494e_5350_494e;
 
-/// Draws the particles of all populations (groups of particles with common settings) at random, each in its free space.
-/// The ids are 0 to N - 1 over all populations. Returns the drawn particles for whose position [m] `is_kept` is true,
-/// and all particles with given positions. If some positions are given, `is_kept` must be true everywhere.
+/// Makes the particles of all populations (groups of particles with common settings). Random positions are in the free
+/// space of the population. The ids are 0 to N - 1 over all populations. Returns all particles with given positions,
+/// and the particles at random positions [m] for which `is_kept` is true. If some positions are given, `is_kept` must
+/// be true everywhere.
 pub fn draw(
     plan: StartPlan,
     rooms: &[&FreeRoom],
@@ -26,7 +27,7 @@ pub fn draw(
     let (mut particles, mut id) = (Particles::default(), 0);
     let rotates = plan.scene.rotation.is_some();
     particles.spin = rotates.then(Vec::new);
-    // spins have their own random numbers, so that positions and velocities are equal with and without rotation
+    // spins have their own random numbers, so that positions and velocities are the same with and without rotation
     let mut of_spins = Xoshiro256PlusPlus::seed_from_u64(plan.seed ^ SPINS);
     for (population, room) in plan.populations.iter().zip(rooms) {
         let species = &room.scene.species[population.species as usize];
@@ -69,15 +70,16 @@ pub fn draw(
 
 /// Diameters of the spheres of a population. Each new sphere takes the next diameter.
 enum Diameters {
-    /// [m] equal diameter of all spheres.
+    /// [m] common diameter of all spheres.
     Same(f64),
-    /// [m] diameters that are not yet used; the next sphere takes the last of the list.
+    /// [m] diameters that are not yet used; the next sphere takes the final element of the list.
     Spread(Vec<f64>),
 }
 
 impl Diameters {
     /// Diameters of `count` spheres of a species, in random order. A distribution of sizes is cut into `count` parts of
-    /// equal probability, and one diameter is drawn from each part. Even a few spheres then represent the distribution.
+    /// equal probability, and one diameter is chosen at random in each part. Even a few spheres then represent the
+    /// distribution.
     fn new(species: &Species, count: usize, random: &mut Xoshiro256PlusPlus) -> Self {
         let Some(sizes) = &species.sizes else { return Self::Same(species.diameter) };
         let mut draw = |part: usize| sizes.quantile((part as f64 + random.random::<f64>()) / count as f64);
@@ -97,19 +99,19 @@ impl Diameters {
 
 /// Gaussian velocities or spins, shifted and scaled so that every component has exactly the required mean and standard
 /// deviation. The standard deviation is the root of the mean square about the mean, with the number of spheres as
-/// divisor. A single sphere has no standard deviation: its drawn value is multiplied by the required deviation and
-/// shifted.
+/// divisor. A single sphere has no standard deviation: its random number is multiplied by the required deviation, and
+/// the mean is added.
 ///
-/// The values are drawn three times: for their mean, for their deviation, and for use. Stored values would take more
-/// memory than the particles, if only a part of the particles is kept.
+/// The same random numbers are generated three times: for their mean, for their deviation, and for use. To store them
+/// would take more memory than the particles, if only a part of the particles is kept.
 struct Normals {
-    /// Random generator in the state before the next value is drawn.
+    /// Random generator in the state before the next value.
     random: Xoshiro256PlusPlus,
-    /// [-] mean of all drawn numbers, for each component of the vectors.
+    /// [-] mean of all random numbers, for each component of the vectors; 0 for a single sphere.
     drawn: Vector3<f64>,
     /// Required mean, in the unit of the values.
     mean: Vector3<f64>,
-    /// Factor of the difference between a drawn number and the mean of all drawn numbers, in the unit of the values.
+    /// Factor of the difference between a random number and the mean `drawn`, in the unit of the values.
     factor: Vector3<f64>,
 }
 
@@ -127,7 +129,8 @@ impl Normals {
                 v.component_mul(&v)
             };
             let squares = (0..count).map(square).sum::<Vector3<f64>>() / count as f64;
-            // equal draws, which cannot happen in practice, have no deviation; the division by zero must be excluded
+            // equal random numbers, which do not occur in practice, have no deviation; a division by zero must be
+            // excluded
             stretch = squares.map(|square| if square > 0.0 { 1.0 / square.sqrt() } else { 0.0 });
         }
         Self { random: before, drawn, mean, factor: deviation.component_mul(&stretch) }

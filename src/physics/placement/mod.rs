@@ -1,6 +1,6 @@
-//! Initial state of the particles: random positions without overlap, which are equal for every model.
+//! Initial state of the particles: random positions without overlap, which are the same for every model.
 //!
-//! Three methods remove overlaps. At low density, overlapping particles draw new random positions (sequential
+//! Three methods remove overlaps. At low density, overlapping particles get new random positions (sequential
 //! insertion). At higher density, overlapping pairs are pushed apart. At the highest densities, all particles are moved
 //! at once like soft spheres (relaxation).
 
@@ -31,13 +31,13 @@ const INSERTION_LIMIT: f64 = 0.2;
 /// Number of rounds after which a placement is given up. A round treats each overlap once.
 const ROUNDS: usize = 5000;
 
-/// Number of rounds in which spheres that overlap much larger ones draw new positions, before pairs are pushed apart.
-/// Without these draws, dense groups around the larger spheres would spread slowly. After eight rounds, at a volume
-/// fraction of 0.3, fewer than one in 10⁴ spheres still overlap a larger sphere.
+/// Number of rounds in which spheres that overlap much larger ones get new random positions, before pairs are pushed
+/// apart. Without these new positions, dense groups around the larger spheres would spread slowly. After eight rounds,
+/// at a volume fraction of 0.3, fewer than one in 10⁴ spheres still overlap a larger sphere.
 const ROUNDS_OF_INSERTION: usize = 8;
 
-/// Number of pairs in the neighbour list whose search costs as much effort as one particle in a round. In a dense start
-/// there are about as many pairs per particle.
+/// Number of pairs in the neighbour list whose search costs as much effort as one particle in a round. A dense start
+/// has about this number of pairs per particle.
 const PER_PARTICLE: u64 = 32;
 
 /// [-] fraction by which the radii of spheres are enlarged during placement, so that no spheres touch at the start. The
@@ -91,7 +91,7 @@ impl Crowded {
     }
 }
 
-/// Makes the initial state of the particles. It depends only on the experiment and its seed, and is equal for every
+/// Makes the initial state of the particles. It depends only on the experiment and its seed, and is the same for every
 /// model.
 ///
 /// # Errors
@@ -313,8 +313,8 @@ fn are_unequal(particles: &Particles, (i, j): (u32, u32)) -> bool {
     a.min(b) <= 0.5 * a.max(b)
 }
 
-/// Draws a new position for one particle of each overlapping pair: the smaller of those that may move. If the radii are
-/// equal, the particle with the higher id is moved.
+/// Puts one particle of each overlapping pair at a new random position: the one that may move, or the smaller one if
+/// both may move. If the radii are equal, the particle with the higher id is moved.
 fn insert_again(
     particles: &mut Particles,
     overlaps: &[(u32, u32)],
@@ -329,8 +329,8 @@ fn insert_again(
     }
 }
 
-/// Ids and indices of the particles that draw new positions, one of each overlapping pair. They are sorted by id, so
-/// that the draws do not depend on the order of the store.
+/// Ids and indices of the particles that get new random positions, one of each overlapping pair. They are sorted by id,
+/// so that the new positions do not depend on the order of the store.
 fn displaced(particles: &Particles, overlaps: &[(u32, u32)], may_move: &dyn Fn(u32) -> bool) -> Vec<(u32, u32)> {
     let mut again: Vec<(u32, u32)> = overlaps
         .iter()
@@ -348,7 +348,7 @@ fn displaced(particles: &Particles, overlaps: &[(u32, u32)], may_move: &dyn Fn(u
     again
 }
 
-/// Draws a new position for each free particle that was pushed out of the walls within which it must start.
+/// Puts each free particle that was pushed out of the walls of its region at a new random position inside them.
 fn draw_strays_again(particles: &mut Particles, is_free: &[bool], room: &FreeRoom, random: &mut Xoshiro256PlusPlus) {
     let is_stray = |particles: &Particles, place: usize| {
         is_free[particles.id[place] as usize] && !room.holds(&particles.position[place])
@@ -364,7 +364,7 @@ fn draw_strays_again(particles: &mut Particles, is_free: &[bool], room: &FreeRoo
 /// positions. If all pairs were moved at once, spheres with several neighbours would be pushed too far and would not
 /// settle. Particles that overlap a wall are moved along its normal.
 fn push_apart(particles: &mut Particles, overlaps: &[(u32, u32)], is_free: &[bool], room: &FreeRoom) {
-    /// [-] displacement over overlap. With a ratio of 1, the last overlaps would shrink but never end.
+    /// [-] displacement over overlap. With a ratio of 1, the remaining overlaps would shrink but never end.
     const OVERSHOOT: f64 = 1.05;
     let scene = &room.scene;
     let mut walls = Vec::new();
@@ -392,7 +392,7 @@ fn push_apart(particles: &mut Particles, overlaps: &[(u32, u32)], is_free: &[boo
         }
         let radius = particles.radius[place];
         let mut position = particles.position[place];
-        // a wall moves a free centre by at most a radius, and the centre may then overlap another wall
+        // a wall moves a free sphere by at most a radius, and the sphere may then overlap another wall
         room.near.list(&position, 3.0 * radius, &mut walls);
         for wall in &walls {
             // the position includes the displacements by the previous walls

@@ -1,5 +1,5 @@
-//! Random starts that several processes make together. Each process draws all particles, and keeps the particles in its
-//! block (part of the box) and near that block.
+//! Random starts that several processes make together. Each process generates all particles at random, and keeps those
+//! in its block (part of the box) and near that block.
 
 use super::draw::draw;
 use super::{
@@ -62,9 +62,9 @@ impl Start {
     }
 }
 
-/// True if processes can make a start together, so that no process stores all particles. All particles must be drawn at
-/// random in the whole box, and all particles of a species must have one size. The volume fraction must be so low that
-/// overlapping particles draw new positions. The box must not be sheared.
+/// True if processes can make a start together, so that no process stores all particles. All particles must start at
+/// random positions in the whole box, and all particles of a species must have one size. The volume fraction must be so
+/// low that overlapping particles get new random positions. The box must not be sheared.
 pub fn comes_in_parts(experiment: &Experiment) -> bool {
     let drawn = experiment.start.iter().all(|population| matches!(population.amount, Amount::Count(_)));
     let anywhere = experiment.start.iter().all(|population| population.region.is_none());

@@ -60,8 +60,8 @@ pub fn push_placed_apart(particles: &mut Particles, scene: &Scene) -> Result<Mov
 /// zero. Returns the number of remaining overlaps.
 ///
 /// The method is FIRE (Bitzek et al. 2006, Phys. Rev. Lett. 97, 170201, with its constants). It solves Newton's
-/// equations for equal springs and masses, and turns the velocities towards the forces. When the forces do negative
-/// work, all velocities are set to zero.
+/// equations for spheres with the same mass and repelling springs of the same stiffness, and turns the velocities
+/// towards the forces. When the forces do negative work, all velocities are set to zero.
 pub fn relax(particles: &mut Particles, is_free: &[bool], room: &FreeRoom) -> usize {
     push_apart(particles, is_free, room, MARGIN)
 }

@@ -24,8 +24,8 @@ pub struct FreeRoom {
     pub scene: Scene,
     /// Search structure for the walls near a point.
     pub near: NearWalls,
-    /// [m] corners of the box from which positions are drawn. It is the part of the domain between flat walls, within
-    /// vessels and within the region.
+    /// [m] corners of the box in which random positions are chosen. It is the part of the domain between flat walls,
+    /// within vessels and within the region.
     corners: [Vector3<f64>; 2],
     /// Indices of the walls inside which the particles start; empty if particles may start anywhere.
     inside: Vec<u32>,
@@ -102,8 +102,8 @@ impl FreeRoom {
         gap
     }
 
-    /// Calls `visit` with the nearest point of every wall that a sphere overlaps or is behind. It may also be called
-    /// for other walls near the sphere. `place` [m] is the centre.
+    /// Calls `visit` with the nearest point of every wall that a sphere overlaps or has passed through. `visit` may
+    /// also be called for other walls near the sphere. `place` [m] is the centre.
     fn for_each_wall(&self, place: &Vector3<f64>, radius: f64, mut visit: impl FnMut(Nearest)) {
         self.near.for_each_nearest(&self.scene.walls, place, radius, |_, nearest| visit(nearest));
     }
@@ -177,9 +177,9 @@ impl FreeRoom {
         self.gap(place, radius) > 0.0 && self.holds(place)
     }
 
-    /// [m³] volume that walls leave free in the box from which positions are drawn. It is measured with points that
-    /// fill the box evenly. Their coordinates are an additive recurrence with the inverse powers of 1.2207..., the root
-    /// of x⁴ = x + 1 (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
+    /// [m³] volume that walls leave free in the box in which random positions are chosen. It is measured with points
+    /// that fill the box evenly. Their coordinates are an additive recurrence with the inverse powers of 1.2207..., the
+    /// root of x⁴ = x + 1 (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
     pub fn volume(&self) -> f64 {
         *self.volume.get_or_init(|| self.measured_volume())
     }
@@ -213,8 +213,9 @@ pub fn regions(populations: &[Population]) -> Vec<(Option<StartRegion>, Vec<usiz
     regions
 }
 
-/// [m] lowest and highest corner of the part of a domain, with edges `size` [m], from which positions are drawn. The
-/// part lies between flat walls perpendicular to the axes, within vessels, and within the walls around the region.
+/// [m] lowest and highest corner of the part of a domain in which random positions are chosen. The domain has the edges
+/// `size` [m]. The part lies between flat walls perpendicular to the axes, within vessels, and within the walls around
+/// the region.
 fn corners(walls: &[Wall], inside: &[u32], size: Vector3<f64>) -> [Vector3<f64>; 2] {
     let [mut low, mut high] = [Vector3::zeros(), size];
     let mut narrow = |[from, to]: [Vector3<f64>; 2]| {

@@ -147,7 +147,7 @@ impl Bouncing {
         Some(Self { gravity, up, flights })
     }
 
-    /// [s] times of the bounces from the floor and the ceiling, from the start on.
+    /// [s] times of the bounces from the floor and the ceiling, in the order in which they occur.
     pub fn bounces(&self) -> impl Iterator<Item = f64> {
         self.flights.iter().skip(1).map(|flight| flight.begin)
     }
@@ -178,7 +178,8 @@ pub struct Chain {
     /// Rank of each sphere in the order along the row, from 0 for the first sphere.
     rank: Vec<usize>,
     /// Coordinate [m] at the start and velocity [m/s] of each straight flight along the row, in the order along the
-    /// row. The diameters of all spheres before the flight are subtracted from the coordinate.
+    /// row. For each sphere further back in the row, one diameter is subtracted from the coordinate, as if spheres were
+    /// points.
     free: Vec<[f64; 2]>,
 }
 

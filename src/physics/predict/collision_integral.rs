@@ -42,9 +42,9 @@ fn simpson(end: f64, intervals: usize, of: impl Fn(f64) -> f64) -> f64 {
 /// [rad] angle χ by which an impact turns the relative velocity of two soft spheres: π for a head-on impact, 0 for a
 /// miss.
 ///
-/// `impact` is the impact parameter b [-], and `depth` the largest overlap a = u sqrt(M/k)/d [-] of a head-on impact at
-/// the same speed. Both are divided by the diameter d. The angle is χ = π - 2 asin b - 2 φ, where φ is half the angle
-/// by which the spheres turn about each other during contact,
+/// `impact` is the impact parameter b, and `depth` the largest overlap a = u sqrt(M/k)/d of a head-on impact at the
+/// same speed u, with the effective mass M and the stiffness k. Both are divided by the diameter d [-]. The angle is χ
+/// = π - 2 asin b - 2 φ, where φ is half the angle by which the spheres turn about each other during contact,
 ///
 /// ```text
 /// φ = ∫ b dr/(r² sqrt(1 - b²/r² - (1-r)²/a²))   from the turning point to r = 1.
@@ -90,10 +90,10 @@ fn turned(depth: f64) -> f64 {
 /// collisions make the agitation of different directions equal. It is 1 for infinitely stiff spheres, and 1 - π
 /// sqrt(2π)/4 s to first order in the softness s.
 ///
-/// `softness` is s = sqrt(m T/k)/d [-], with the granular temperature T; the overlap number is κ_n = sqrt(2/π) s. Hard
-/// spheres with Barker and Henderson's diameter d_eff would have a cross-section smaller by 2 (1 - d_eff/d) = sqrt(2π)
-/// s. To first order, Ω^(2,2) decreases by π/4 times this fraction. The result is valid for a dilute gas and s up to
-/// 0.15. At larger s, spheres with the reduced speed γ = 4.7 would pass through each other's centre.
+/// `softness` is s = sqrt(m T/k)/d [-], with the granular temperature T; the overlap number is κ_n = sqrt(2/π) s.
+/// Barker and Henderson's diameter d_eff reduces the cross-section of hard spheres by the fraction 2 (1 - d_eff/d) =
+/// sqrt(2π) s. To first order, Ω^(2,2) decreases by π/4 times this fraction. The result is valid for a dilute gas and s
+/// up to 0.15. At larger s, spheres with the reduced speed γ = 4.7 would pass through each other's centre.
 pub fn viscosity_integral(softness: f64) -> f64 {
     // the integral ∫ γ⁷ exp(-γ²) dγ from 0 to infinity is Γ(4)/2
     const NORM: f64 = 3.0;

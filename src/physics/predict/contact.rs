@@ -19,7 +19,7 @@ const CFL_COLLISION: f64 = 0.01;
 /// the paper's Table 1.
 const CFL_PARTICLE: f64 = 1.5;
 
-/// Kind of contact: between particles of two species, or between a species and walls with equal surfaces.
+/// Kind of contact: between particles of two species, or between a species and walls with the same surface properties.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ContactKind {
     /// Names of the two touching bodies.
@@ -67,7 +67,7 @@ pub enum ImpactSpeeds {
 }
 
 impl ImpactSpeeds {
-    /// Makes the distribution in a gas whose velocity variance [m²/s²] is equal everywhere and in all directions.
+    /// Makes the distribution in a gas whose velocity variance [m²/s²] is the same everywhere and in all directions.
     pub fn isotropic(variance: f64) -> Self {
         Self::Gas { variance, parts: vec![[1.0, 1.0]] }
     }
@@ -170,8 +170,8 @@ pub struct ContactPrediction {
 
 /// Lists all possible kinds of contact of a scene. `counts` holds the number of particles of each species. `pair`
 /// returns the distribution of impact speeds for the indices of two species, and `at_wall` that for a species at a
-/// wall. Walls with equal surfaces are one kind. A species with one particle has no contact with itself. A restitution
-/// that depends on the speed is taken at the mean speed of the impacts.
+/// wall. Walls with the same surface properties are one kind. A species with one particle has no contact with itself. A
+/// restitution that depends on the speed is taken at the mean speed of the impacts.
 pub fn contacts(
     scene: &Scene,
     counts: &[usize],

@@ -94,8 +94,8 @@ fn sliders(experiment: &Experiment, law: &ContactLaw, bodies: &Bodies, step: f64
     springs.map(|spring| (spring.frequency * step, spring.damping_ratio)).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// Error for a contact law of the calling program that violates the contract of contact laws between two bodies of the
-/// scene. `None` if the law fulfils the contract, or if it is a law of this program.
+/// Error for a contact law of the calling program that violates the contract (conditions on every contact law) for two
+/// bodies of the scene. `None` if the law fulfils the contract, or if it is a law of this program.
 pub fn broken_contract(experiment: &Experiment, particles: usize) -> Option<Failure> {
     let law = experiment.law().filter(|law| matches!(law, ContactLaw::Other(_)))?;
     let (speed, contacts) = (fastest_impact(experiment), contacts(&experiment.scene, particles));
@@ -112,8 +112,9 @@ pub fn broken_contract(experiment: &Experiment, particles: usize) -> Option<Fail
 /// * The normal of a mesh may jump by Δn under a sphere. The force, at most ω_0 M u_n, then has a wrong direction for
 ///   up to one step, and its work is wrong by |Δn| ω_0 M u_n u Δt. With u about u_n this is s M u_n²/2 with s = 2 |Δn|
 ///   ω_0 Δt.
-/// * An overlap is a difference of coordinates, which are rounded at ε L, with L the edge of the box. In each step the
-///   work of the force f is wrong by ε L f. Over all steps this gives ε L/Δt times the impulse of all contacts, ∫f dt.
+/// * An overlap is a difference of coordinates. They are rounded at ε L, with the relative rounding error ε and the
+///   edge L of the box. In each step the work of the force f is wrong by ε L f. Over all steps this gives ε L/Δt times
+///   the impulse of all contacts, ∫f dt.
 /// * Rounding of the energy balance (ledger) itself.
 ///
 /// A larger growth cannot be due to isolated contacts.
@@ -123,9 +124,9 @@ pub fn broken_contract(experiment: &Experiment, particles: usize) -> Option<Fail
 /// window contains a whole number of steps, which are therefore a little shorter than the longest. Two cases need no
 /// search:
 ///
-/// * Verlet on the step grid conserves v_(n+½)² + ω_0² q_n q_(n+1). Let a contact begin and end at the fractions s and
-///   s' of a step. The invariant then changes by (1 - s(1-s) x²)/(1 - s'(1-s') x²), x = ω_0 Δt. So g is
-///   1/(1 - x²/4) - 1 for a linear spring; damping only reduces it.
+/// * Verlet on the step grid conserves v_(n+½)² + ω_0² q_n q_(n+1) for the overlap q and its rate v. Let a contact
+///   begin and end at the fractions s and s' of a step. The invariant then changes by the factor (1 - s(1-s) x²)/(1 -
+///   s'(1-s') x²) with x = ω_0 Δt. So g is 1/(1 - x²/4) - 1 for a linear spring; damping only reduces it.
 /// * For a step beyond the stability limit (Verlet), or with fewer than five steps in a contact (Heun), g is taken as
 ///   0.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -190,8 +191,8 @@ impl Bound {
         })
     }
 
-    /// Adds to this bound, read from a stored state, the data that are not stored. They come from `new`, the bound of an
-    /// equal experiment.
+    /// Adds to this bound, read from a stored state, the data that are not stored. They come from `new`, the bound made
+    /// anew for the same experiment.
     pub fn completed(self, new: Option<Self>) -> Self {
         Self { gains: new.map(|new| new.gains).unwrap_or_default(), ..self }
     }

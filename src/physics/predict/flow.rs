@@ -59,9 +59,9 @@ pub fn lift(scene: &Scene, flows: &[Flow]) -> Option<f64> {
     })
 }
 
-/// Response to the gas of one species, whose particles have the number density `number_density` [1/m³]. All particles
-/// have the volume fraction `fraction` [-]. The channel has the width `height` [m], and gravity the magnitude `gravity`
-/// [m/s²]. `None` without drag.
+/// Response to the gas of one species, whose particles have the number density `number_density` [1/m³]. Particles of
+/// all species together have the volume fraction `fraction` [-]. The channel has the width `height` [m], and gravity
+/// the magnitude `gravity` [m/s²]. `None` without drag.
 pub fn flow(
     fluid: &Fluid,
     species: &Species,

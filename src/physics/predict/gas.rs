@@ -46,8 +46,8 @@ pub struct Component {
 
 impl Component {
     /// Makes the components of `count` particles of a species, whose velocity components have the variance `variance`
-    /// [m²/s²]. If the sizes differ, there are sixteen components with equal numbers of particles. The particles of
-    /// each component have the median diameter of a sixteenth of the size distribution.
+    /// [m²/s²]. If the sizes differ, there are sixteen components with about the same number of particles. The
+    /// particles of each component have the median diameter of a sixteenth of the size distribution.
     pub fn of(species: &Species, count: usize, variance: f64) -> Vec<Self> {
         const PARTS: usize = 16;
         let Some(sizes) = &species.sizes else { return vec![Self { count, diameter: species.diameter, variance }] };
@@ -71,24 +71,24 @@ pub struct Slice {
     pub variance: [f64; 3],
 }
 
-/// Effect of agitation that depends on position and direction, relative to a uniform gas with equal mean agitation. All
-/// numbers are ratios [-]; s is the standard deviation of the normal relative velocity.
+/// Effect on collisions of an agitation that depends on position and direction, relative to a uniform gas with the same
+/// mean agitation. All numbers are ratios [-]; s is the standard deviation of the normal relative velocity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AgitationSpread {
-    /// Rate of pair collisions over that of a uniform gas with equal mean agitation.
+    /// Rate of pair collisions over that of a uniform gas with the same mean agitation.
     pub pair_rate: f64,
-    /// Rate of wall impacts over that of a uniform gas with equal mean agitation, for walls perpendicular to y.
+    /// Rate of wall impacts over that of a uniform gas with the same mean agitation, for walls perpendicular to y.
     pub wall_rate: f64,
-    /// Groups of pair collisions. A group is given by its share of all pair collisions, and by its s over the mean s,
-    /// with the standard deviation s of the normal relative velocity.
+    /// Groups of pair collisions. A group is given by its share of all pair collisions, and by its s over that of the
+    /// uniform gas, with the standard deviation s of the normal relative velocity.
     pub pairs: Vec<[f64; 2]>,
-    /// Groups of wall impacts. A group is given by its share of all wall impacts, and by its s over the mean s, with
-    /// the standard deviation s of the normal relative velocity.
+    /// Groups of wall impacts. A group is given by its share of all wall impacts, and by its s over that of the uniform
+    /// gas, with the standard deviation s of the normal relative velocity.
     pub walls: Vec<[f64; 2]>,
 }
 
 impl AgitationSpread {
-    /// Returns the ratios to a uniform gas for agitation that is equal everywhere and in all directions; all are 1.
+    /// Returns the ratios to a uniform gas for agitation that is the same everywhere and in all directions; all are 1.
     pub fn even() -> Self {
         Self { pair_rate: 1.0, wall_rate: 1.0, pairs: vec![[1.0, 1.0]], walls: vec![[1.0, 1.0]] }
     }

@@ -10,8 +10,8 @@ use crate::contact_law::{ContactLaw, Spring, damping_ratio};
 use crate::experiment::{Integrator, SoftStepping};
 use std::f64::consts::PI;
 
-/// Number of impacts over which results are averaged. The impacts differ in phase, which is the time from the last time
-/// step to the first touch.
+/// Number of impacts over which results are averaged. The impacts differ in phase, which is the time from the step
+/// before the first touch to this touch.
 const PHASES: usize = 200;
 
 /// [-] time since the first touch, over the contact time, after which a contact counts as endless.
@@ -56,13 +56,13 @@ impl Scheme {
 /// speeds [-].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Realised {
-    /// [-] mean of the restitution over the phases, which are the times from the last time step to the first touch.
+    /// [-] mean of the restitution over the phases (times from a step to the first touch after it).
     pub mean: f64,
-    /// [-] smallest restitution over all phases (times from the last time step to the first touch).
+    /// [-] smallest restitution over all phases (times from a step to the first touch after it).
     pub least: f64,
-    /// [-] largest restitution over all phases (times from the last time step to the first touch).
+    /// [-] largest restitution over all phases (times from a step to the first touch after it).
     pub largest: f64,
-    /// [-] mean square of the restitution over the phases (times from the last time step to the first touch). It
+    /// [-] mean square of the restitution over the phases (times from a step to the first touch after it). It
     /// determines the energy that a gas loses in collisions.
     pub mean_square: f64,
 }
@@ -176,7 +176,7 @@ pub fn stability_limit(method: Method, damping: f64) -> f64 {
 /// is 0.
 ///
 /// In uniform steps the first touch may occur at any time within a step, so 200 equally spaced phases are computed.
-/// With exact instants all phases are equal.
+/// With exact instants all phases give the same result.
 pub fn realised_restitution(
     scheme: Scheme,
     law: &ContactLaw,
@@ -253,7 +253,7 @@ pub fn heating_per_collision(realised: &Realised) -> f64 {
 }
 
 /// Linear spring and dashpot with a given restitution [-], in units in which mass and stiffness are 1. In these units
-/// all linear impacts with equal restitution are equal.
+/// all linear impacts with the same restitution are identical.
 pub fn unit_spring(restitution: f64) -> Spring {
     let dashpot = 2.0 * damping_ratio(restitution);
     Spring { effective_mass: 1.0, restitution, stiffness: 1.0, dashpot }

@@ -29,7 +29,7 @@ pub struct Overlaps {
 
 impl Overlaps {
     /// Computes the distribution of overlaps of one kind of contact under a contact law. An engine tests for contacts
-    /// every `time_step` [s]. `None` unless the speeds are those of a Maxwellian gas that is equal everywhere and in
+    /// every `time_step` [s]. `None` unless the speeds are those of a Maxwellian gas that is the same everywhere and in
     /// all directions.
     pub fn of(contact: &ContactKind, law: &ContactLaw, time_step: f64) -> Option<Self> {
         let ImpactSpeeds::Gas { variance, parts } = &contact.speeds else { return None };
@@ -105,7 +105,7 @@ mod tests {
 
     #[test]
     fn overlaps_of_case_d_are_those_of_kinetic_theory() {
-        // values from a quadrature for an equal gas, computed independently and rounded to the last digit given
+        // values from a quadrature for a uniform gas, computed independently and rounded to the last digit given
         for (stiffness, average, deep, share) in [(300.0, 0.023798, 0.05, 0.0312), (3000.0, 0.007525, 0.01, 0.2499)] {
             let overlaps = case_d(stiffness);
             let found = mean(|x| overlaps.maximum_share(x), 10.0 * average);

@@ -1,6 +1,6 @@
 //! Recommendation of an engine, a stiffness and a time step for a case, with reasons.
 //!
-//! The recommendation depends on the scene, not on measured times, so it is equal on every machine.
+//! The recommendation depends on the scene, not on measured times, so it is the same on every machine.
 
 use super::RunPrediction;
 use super::contact::ContactKind;
@@ -56,7 +56,7 @@ pub enum EngineChoice {
     SoftUniform,
     /// Hybrid spheres: instantaneous collisions if two particles meet alone, soft contacts otherwise.
     Hybrid,
-    /// Collisions by chance: pairs are drawn at random in cells.
+    /// Collisions by chance: pairs are chosen at random in cells.
     Dsmc,
 }
 

@@ -41,7 +41,7 @@ pub struct Rest {
 ///
 /// The time until rest is that of a sphere dropped from the height h. Its bounces last (1+e)/(1-e) sqrt(2h/g) in total
 /// (a geometric series). If e depends on the speed, the bounces are added one by one. A bed of N spheres needs less
-/// time.
+/// time than one sphere.
 pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<Rest> {
     // walls that move may throw the particles up again
     if lift.is_some_and(|lift| lift > 0.0) || particles.is_empty() || scene.has_moving_walls() {
@@ -86,9 +86,9 @@ pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<R
 }
 
 /// [-] duration of all bounces of a sphere that first meets a surface at `speed` [m/s], over the time of the fall
-/// before. It is (1+e)/(1-e) for a constant restitution. Otherwise it is 1 + 2 Σ u_k/u_0 with the speeds u_k of the
-/// rebounds. The sum ends at slow rebounds. It is infinite if rebounds never become slow, because slow impacts are
-/// elastic.
+/// before the first impact. It is (1+e)/(1-e) for a constant restitution. Otherwise it is 1 + 2 Σ u_k/u_0 with the
+/// speeds u_k of the rebounds. The sum ends at slow rebounds. It is infinite if rebounds never become slow, because
+/// slow impacts are elastic.
 fn falls(surface: &Surface, speed: f64) -> f64 {
     /// [-] speed of a rebound over the speed of the first impact, below which bounces are neglected.
     const SLOW: f64 = 1e-6;
@@ -189,7 +189,7 @@ pub fn lying(scene: &Scene, particles: &Particles, given: &[bool]) -> usize {
 /// True if some particle at the start has two neighbours (or a neighbour and a wall) so close that an impact has
 /// contacts with both at the same time. `overlap` [m] is the overlap of such an impact. Hard spheres would transmit the
 /// impulse in successive collisions. The test is for starts with given positions, since particles at random positions
-/// have larger distances.
+/// are farther apart.
 pub fn in_a_row(scene: &Scene, particles: &Particles, overlap: f64) -> bool {
     let count = particles.len();
     if count > ALL_PAIRS {

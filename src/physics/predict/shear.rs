@@ -1,9 +1,9 @@
 //! Soft spheres in a sheared box: ratios of time scales, and the difference of the stress from that of hard spheres.
 //!
 //! Otsuki, Hayakawa and Luding (2010, Prog. Theor. Phys. Suppl. 184, 110) describe sheared soft disks by ratios of time
-//! scales. According to their abstract the dissipation rate over the shear rate tells near-rigid disks, which collide,
-//! from soft disks with several contacts at once. The ratios of this module are the shear rate γ, the collision rate ω
-//! and the dissipation rate, each times the contact time or over each other.
+//! scales. According to their abstract the dissipation rate over the shear rate distinguishes near-rigid disks, which
+//! collide, from soft disks with several contacts at once. The ratios of this module combine the shear rate γ, the
+//! collision rate ω, the dissipation rate and the contact time.
 
 use super::gas::Gas;
 use super::recommendation::plain;
@@ -11,13 +11,13 @@ use crate::contact_law::ContactLaw;
 use crate::scene::Scene;
 use serde::Serialize;
 
-/// [-] largest relative difference of the shear stress from that of hard spheres, over the share T_c ω of the time in which
-/// a particle is in contact. Measured for smooth spheres of restitution 0.7 and 0.9 with linear springs: 0.36 to 0.43 at a
-/// volume fraction of 0.3, less at 0.5 (docs/design/shear.md, "Soft or hard").
+/// [-] largest relative difference of the shear stress from that of hard spheres, over the share T_c ω of the time in
+/// which a particle is in contact. Measured for smooth spheres of restitution 0.7 and 0.9 with linear springs: 0.36 to
+/// 0.43 at a volume fraction of 0.3, less at 0.5 (docs/design/shear.md, "Soft or hard").
 const STRESS_CHANGE: f64 = 0.4;
 
-/// [-] largest share of the time in contact for which the difference of the stress is taken as proportional to this share.
-/// It is the largest share in the measurements of [`STRESS_CHANGE`] at a volume fraction of 0.3.
+/// [-] largest share of the time in contact for which the difference of the stress is taken as proportional to this
+/// share. It is the largest share in the measurements of [`STRESS_CHANGE`] at a volume fraction of 0.3.
 const LONGEST: f64 = 0.5;
 
 /// Predictions for soft spheres in a sheared box: ratios of time scales, and the difference of the shear stress from
@@ -32,11 +32,11 @@ pub struct ShearPrediction {
     /// [-] rate at which collisions reduce the granular temperature, over this temperature and over the shear rate. In
     /// steady shear of hard spheres this ratio is a function of volume fraction and restitution alone.
     pub dissipation_over_shear: f64,
-    /// [-] largest expected relative difference of the shear stress from that of hard spheres; `None` if contacts last so
-    /// long that the difference is not proportional to their duration.
+    /// [-] largest expected relative difference of the shear stress from that of hard spheres; `None` if contacts last
+    /// so long that the difference is not proportional to their duration.
     pub largest_stress_change: Option<f64>,
-    /// Parameter of the contact law from which on the shear stress is that of hard spheres within the relative error
-    /// that the plan allows, with its unit.
+    /// Smallest parameter of the contact law with which the shear stress is that of hard spheres within the relative
+    /// error that the plan allows, with its unit.
     pub hard_from: String,
 }
 

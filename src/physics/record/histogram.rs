@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 const BINS: usize = 512;
 
 /// Histogram of a non-negative quantity, with bins of equal width that begin at 0. The width is the smallest power of
-/// two for which the bins contain the largest value, so the result does not depend on the order of the values. It
-/// doubles when a value lies beyond the last bin. Numbers are in the unit of the quantity.
+/// two for which the bins contain the largest value, so the result does not depend on the order of the values. The
+/// width doubles when a value lies beyond the last bin. Numbers are in the unit of the quantity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Histogram {
     /// Width of a bin, in the unit of the values; 0 before the first positive value.

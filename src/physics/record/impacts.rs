@@ -4,7 +4,7 @@ use super::Histogram;
 use crate::exact::ExactSum;
 use serde::{Deserialize, Serialize};
 
-/// One finished impact: a contact that has ended, or a collision.
+/// One finished impact: a finished contact, or a collision.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Impact {
     /// [m/s] normal speed of approach at first touch, positive.
@@ -302,9 +302,8 @@ pub struct Summary {
     pub count: u64,
     /// [m/s] mean normal speed of approach at first touch.
     pub mean_normal_speed: Option<f64>,
-    /// [-] realised restitution: square root of the normal kinetic energy after the impacts divided by that before
-    /// them, each summed over all impacts. A grazing impact, whose normal turns during the contact, has little normal
-    /// energy and so counts little.
+    /// [-] realised restitution sqrt(Σ u'²/Σ u²), with the normal speeds u before and u' after each impact. A grazing
+    /// impact, whose normal turns during the contact, has a low normal speed and so counts little.
     pub mean_restitution: Option<f64>,
     /// [-] realised tangential restitution β: -1 without friction, 1 if every slip is reversed
     /// ([`Slips::restitution`]). `None` without slips, and where spheres do not rotate.
@@ -314,14 +313,14 @@ pub struct Summary {
     /// spheres do not rotate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub share_sliding: Option<f64>,
-    /// [s] mean duration of a contact.
+    /// [s] mean duration of the impacts; a collision counts with the duration 0.
     pub mean_duration: Option<f64>,
     /// [-] mean of the overlaps at which impacts were first detected, each divided by the smaller diameter.
     pub mean_first_overlap: Option<f64>,
     /// [-] time average, during the contacts, of the overlap divided by the smaller diameter. `None` without impacts,
     /// and if all impacts were instantaneous.
     pub time_mean_overlap: Option<f64>,
-    /// [-] mean of the largest overlaps of the contacts, each divided by the smaller diameter.
+    /// [-] mean of the largest overlaps of the impacts, each divided by the smaller diameter.
     pub mean_maximum_overlap: Option<f64>,
     /// [-] overlap, divided by the smaller diameter, that is not exceeded in 99 % of the impacts.
     pub p99_maximum_overlap: Option<f64>,

@@ -12,13 +12,14 @@ pub const ENTRIES: usize = 44;
 /// Length of the lists [`OF_PAIRS`] and [`AT_WALLS`]: number of ledger entries to which one contact adds.
 pub const SOME: usize = 12;
 
-/// Indices, in [`Ledger::to_array`], of the entries to which a contact of two particles adds. They are first column of
-/// the virial, loss by restitution, second column, loss by friction, third column, loss by tangential restitution.
+/// Indices, in [`Ledger::to_array`], of the entries to which a contact of two particles adds. In this order they are:
+/// first column of the virial, loss by restitution, second column, loss by friction, third column, loss by tangential
+/// restitution.
 pub const OF_PAIRS: [usize; SOME] = [18, 19, 20, 3, 21, 22, 23, 4, 24, 25, 26, 27];
 
-/// Indices, in [`Ledger::to_array`], of the entries to which a contact with a wall adds. They are impulse (three), loss
-/// by restitution, work of the wall, impulse along the normal, work of gravity, loss by friction, loss by tangential
-/// restitution. The last index is repeated, with amounts of 0, to fill the array.
+/// Indices, in [`Ledger::to_array`], of the entries to which a contact with a wall adds. In this order they are:
+/// impulse (three components), loss by restitution, work of the wall, impulse along the normal, work of gravity, loss
+/// by friction, loss by tangential restitution. The last index is repeated, with amounts of 0, to fill the array.
 pub const AT_WALLS: [usize; SOME] = [15, 16, 17, 5, 2, 8, 1, 6, 27, 27, 27, 27];
 
 /// Indices, in [`Ledger::to_array`], of the entries to which only contacts with tangential, rolling or twisting springs
@@ -51,7 +52,7 @@ pub struct Ledger {
     pub drag_work: f64,
     /// [J] work done by gravity and buoyancy on the particles.
     pub gravity_work: f64,
-    /// [J] work done on the particles by walls whose surface moves tangentially.
+    /// [J] work done on the particles by walls that move, or whose surface moves along itself.
     pub wall_work: f64,
     /// [J] energy lost to restitution (dashpot) in impacts between particles, >= 0.
     pub pair_restitution_loss: f64,
@@ -80,8 +81,8 @@ pub struct Ledger {
     pub pair_virial: Matrix3<f64>,
     /// Parts of the losses by friction between particles and at walls; 0 for spheres without rotation.
     pub friction: FrictionLosses,
-    /// [J] work of the shear of a sheared box on the particles in the box: where they cross a sheared side they get the
-    /// velocity of their image, and a contact across that side acts on the image.
+    /// [J] work of the shear of a sheared box on the particles in the box. Particles that cross a sheared side get the
+    /// velocity of their image. A contact across that side acts on the image.
     pub shear_work: f64,
     /// [kg m/s] momentum that particles gain where they cross a sheared side and get the velocity of their image.
     pub shear_impulse: Vector3<f64>,
@@ -206,7 +207,7 @@ impl Ledger {
     }
 
     /// [J] residual of the energy balance: the change of energy that work and losses do not explain. Both arguments are
-    /// kinetic plus elastic energy [J]: `energy_at_start` at the start, `energy_now` at present.
+    /// kinetic, rotational and elastic energy together [J]: `energy_at_start` at the start, `energy_now` at present.
     pub fn residual(&self, energy_at_start: f64, energy_now: f64) -> f64 {
         energy_now - energy_at_start - self.work() + self.dissipated()
     }

@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 /// engine can discard a part of its work, and several threads can write.
 #[derive(Clone, Debug, Default)]
 pub struct Log {
-    /// Impacts that have ended, with the kinds of the two bodies.
+    /// Finished impacts, each with the kinds of its two bodies.
     pub impacts: Vec<(Between, Impact)>,
     /// Amounts to add to the ledger of the record.
     pub ledger: Ledger,
@@ -41,7 +41,7 @@ impl Record {
         log.islands.clear();
     }
 
-    /// Counts impacts that have ended, in any order, and empties `impacts`.
+    /// Counts finished impacts, in any order, and empties `impacts`.
     pub fn count(&mut self, impacts: &mut Vec<(Between, Impact)>) {
         if impacts.len() <= TOGETHER {
             self.count_some(impacts);

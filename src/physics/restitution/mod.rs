@@ -1,7 +1,7 @@
 //! Restitution that depends on the speed of the impact.
 //!
-//! Every law gives e as a function of the normal speed u of approach. A law knows no masses: its constants hold for the
-//! two kinds of bodies for which a case gives them, as a constant restitution does.
+//! Every law gives e as a function of the normal speed u of approach. A law contains no masses: its constants are valid
+//! for the two kinds of bodies for which a case gives them, like a constant restitution.
 
 mod viscoelastic;
 
@@ -31,9 +31,9 @@ pub enum RestitutionBySpeed {
         /// [-] exponent p >= 0 in e = (u/u_c)^-p.
         exponent: f64,
     },
-    /// Restitution e = max(e_min, 1 - (1 - e_1) (u/u_1)^q). The form 1 - B u^q has q = 1/5 as the first term of
-    /// viscoelastic spheres (Kuwabara and Kono 1987, Jpn. J. Appl. Phys. 26, 1230). It has q = 3/4 with e_min = e_1 in
-    /// simulations of shaken beds (Bizon et al. 1998, Phys. Rev. Lett. 80, 57).
+    /// Restitution e = max(e_min, 1 - (1 - e_1) (u/u_1)^q). The form 1 - B u^q has q = 1/5 in the first terms of the
+    /// series for viscoelastic spheres (Kuwabara and Kono 1987, Jpn. J. Appl. Phys. 26, 1230). It has q = 3/4 with
+    /// e_min = e_1 in simulations of shaken beds (Bizon et al. 1998, Phys. Rev. Lett. 80, 57).
     Power {
         /// [-] restitution e_1 at the normal speed u_1.
         restitution: f64,

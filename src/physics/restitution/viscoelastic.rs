@@ -1,9 +1,10 @@
 //! Impact of two viscoelastic spheres: one function of one number.
 //!
 //! In units of the mass M, the speed of approach u and Hertz's constant k, the overlap x obeys x'' = -x^(3/2) - β
-//! sqrt(x) x'. At touch x = 0 and x' = 1. The impact ends when x = 0 again. With w = sqrt(x), p = x' and the variable
-//! σ, dt = 2 w dσ, the equations are polynomials: dw/dσ = p, dp/dσ = -2 w² (w² + β p). So the classical Runge-Kutta
-//! method keeps its order at touch and at the end, where force and time have roots.
+//! sqrt(x) x'. At touch x = 0 and x' = 1. The impact ends when x = 0 again. With w = sqrt(x), p = x' and the
+//! integration variable σ, defined by dt = 2 w dσ, the equations are polynomials: dw/dσ = p, dp/dσ = -2 w² (w² + β p).
+//! So the classical Runge-Kutta method keeps its order at touch and at the end, where sqrt(x) in the force would
+//! otherwise reduce it.
 
 use std::sync::LazyLock;
 
@@ -59,7 +60,8 @@ fn integrate(damping: f64) -> ViscoelasticImpact {
         let overlap = s.root * s.root;
         ImpactState { root: s.rate, rate: -2.0 * overlap * (overlap + damping * s.rate), time: 2.0 * s.root }
     };
-    // slopes over another variable: the rate up to the largest overlap, the root up to the end
+    // derivatives with respect to another variable: `rate` for the step to the largest overlap, `root` for the step to
+    // the end
     let over_rate = |s: &ImpactState| {
         let ImpactState { root, rate, time } = slope(s);
         ImpactState { root: root / rate, rate: 1.0, time: time / rate }
@@ -158,7 +160,8 @@ mod tests {
     /// force along the undamped impact.
     const FIRST: f64 = 1.153_448_858;
 
-    /// Compares with the series for small damping. After two terms the next one, a_3 β³ with |a_3| < 1, is left.
+    /// Compares with the series for small damping. The test uses the terms up to β². The error is then the next term,
+    /// a_3 β³ with |a_3| < 1.
     #[test]
     fn slow_impacts_follow_the_series() {
         for damping in [1e-3, 1e-2, 0.05] {

@@ -20,7 +20,7 @@ pub enum ImpactRule {
     OfSpring(Arc<[ReboundTable]>),
 }
 
-/// Properties of impacts between two kinds of bodies. Impacts with equal properties follow one rule.
+/// Properties of impacts between two kinds of bodies. Impacts with the same properties follow the same rule.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImpactKind {
     /// [-] normal restitution e of impacts between the two kinds of bodies.
@@ -38,8 +38,8 @@ impl ImpactKind {
         self.has_table_of(other) && near(self.shear_ratio, other.shear_ratio)
     }
 
-    /// True if one rebound table serves both kinds of impacts: their restitution and, up to rounding, their ratio of
-    /// normal to tangential effective mass are equal.
+    /// True if one rebound table serves both kinds of impacts: they have the same restitution and, up to rounding, the
+    /// same mass ratio M_t/M.
     pub fn has_table_of(&self, other: &Self) -> bool {
         self.restitution == other.restitution && (self.mass_ratio - other.mass_ratio).abs() <= 1e-9 * self.mass_ratio
     }

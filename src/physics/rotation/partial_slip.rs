@@ -1,14 +1,14 @@
 //! Oblique impact of elastic spheres whose contact circle sticks in the middle and slips at its edge, after Maw, Barber
-//! and Fawcett (1976, Wear 38, 101). A spring model has one tangential force per contact; in this model the traction
-//! (tangential force per area) depends on the radius.
+//! and Fawcett (1976, Wear 38, 101). A spring model has one tangential force per contact. In this model the traction
+//! (tangential force per area) depends on the distance r from the centre of the contact circle.
 //!
 //! The normal motion is Hertz's. The contact circle is divided into rings, and time into as many steps per half of the
 //! contact, so that the edge of the contact is always the edge of a ring. The traction is a sum of the distributions q
-//! sqrt(1 - r²/c²), one per radius c. The tangential displacement by one distribution is averaged around the ring at r.
-//! This mean is the normal displacement by an equal pressure, times the ratio of the tangential to the normal
-//! compliance (Johnson 1985, Contact Mechanics, Eqs. 3.42 and 3.91), since the mean of cos² over all directions is 1/2.
-//! The displacement of a ring that sticks changes as that of the bodies. The traction of a ring that slides is μ times
-//! the pressure.
+//! sqrt(1 - r²/c²), one for the outer radius c of each ring. The tangential displacement by one distribution is
+//! averaged around the ring at r. A pressure with the same distribution gives a normal displacement. The mean
+//! tangential displacement is this displacement times the ratio of the tangential to the normal compliance (Johnson
+//! 1985, Contact Mechanics, Eqs. 3.42 and 3.91), since the mean of cos² over all directions is 1/2. A ring that sticks
+//! is displaced by as much as the bodies. In a ring that slides, the traction is μ times the pressure.
 //!
 //! Units: largest overlap, effective radius, effective mass and normal speed are 1. The slip is divided by μ.
 
@@ -36,7 +36,7 @@ enum RingState {
 pub struct PartialSlip {
     /// [-] effective mass M_t of the slip over the effective mass M of the normal motion.
     mass: f64,
-    /// [-] outer radii of the rings, from the inside out. The last one is the largest radius of the contact, 1.
+    /// [-] outer radii of the rings, from the inside out. The outermost one is the largest radius of the contact, 1.
     radii: Vec<f64>,
     /// [-] time in which the edge of the growing contact crosses each ring, from the inside out.
     steps: Vec<f64>,
@@ -66,7 +66,8 @@ impl PartialSlip {
     }
 
     /// [-] reduced slip σ' = s'/(μ u_n) after an impact. `slip` is the reduced slip σ_0 >= 0 before the impact. A
-    /// negative result means that the surfaces slip backwards. Spins are not resisted.
+    /// negative result means that the surfaces slip backwards. The model contains no resistance to rolling and
+    /// twisting.
     pub fn rebound(&self, slip: f64) -> f64 {
         let mut slip = slip;
         let mut displaced = DVector::zeros(RINGS);
@@ -83,7 +84,7 @@ impl PartialSlip {
             force = amplitudes.iter().zip(&self.radii).map(|(q, c)| 2.0 / 3.0 * PI * c * c * q).sum();
             slip -= 0.5 * time * force / self.mass;
         }
-        // the last ring opens without a force at the end
+        // in the last step the innermost ring opens, and the force falls to zero
         slip - 0.5 * self.steps[0] * force / self.mass
     }
 

@@ -3,11 +3,12 @@
 //! The units are the effective mass M, the normal speed u_n and the normal stiffness. In these units, the overlap δ(t)
 //! and the normal force f are fixed functions for a given restitution. The reduced slip is σ = s/(μ u_n), and the shear
 //! ξ has the unit of length times μ. The tangential motion is ξ' = σ, (M_t/M) σ' = -F, F = k ξ + c σ with |F| at most
-//! max(f, 0). These equations contain no μ, size or speed, so σ after the impact is a function Φ(σ_0) (Becker et al.
-//! 2008, Phys. Rev. E 77, 011304, propose such a map).
+//! max(f, 0). Here F is the tangential force over μ, k the tangential stiffness, and c the tangential dashpot constant.
+//! These equations contain no μ, size or speed, so σ after the impact is a function Φ(σ_0) (Becker et al. 2008, Phys.
+//! Rev. E 77, 011304, propose such a map).
 //!
-//! The linear law has δ = exp(-ζt) sin(ω_d t)/ω_d, with time in units of 1/ω_0. For Hertz's law, w = δ^(5/4) is this
-//! function of the oscillator's time (Antypov and Elliott 2011, EPL 94, 50004).
+//! The linear law has δ = exp(-ζt) sin(ω_d t)/ω_d and ω_d = sqrt(1 - ζ²), with time in units of 1/ω_0. For Hertz's law,
+//! w = δ^(5/4) is this function of the oscillator's time (Antypov and Elliott 2011, EPL 94, 50004).
 
 use super::{NormalSpring, SpringDashpotSlider, TangentialLaw};
 use std::f64::consts::PI;
@@ -281,8 +282,8 @@ fn crowded(share: f64) -> (f64, f64) {
     (at, 30.0 * (share * (1.0 - share)).powi(2))
 }
 
-/// Table of the function Φ of an [`ObliqueImpact`]: reduced slip after an impact over that before. It is computed at
-/// the first use, because soft runs do not need it.
+/// Table of the function Φ of an [`ObliqueImpact`]: reduced slip after an impact as a function of that before. The
+/// table is computed at the first use, because soft runs do not need it.
 #[derive(Clone, Debug)]
 pub struct ReboundTable {
     /// [-] normal restitution of the surfaces to which the table belongs.
@@ -360,8 +361,8 @@ mod tests {
 
     const MASS: f64 = 2.0 / 7.0;
 
-    /// Tangential velocity v_t'/V after the impact of a sphere of speed V at a wall. The pair is the angle [°] and the
-    /// spin R ω_0/V before the impact.
+    /// Tangential velocity v_t'/V after the impact of a sphere of speed V at a wall. The pair is the angle [°] of the
+    /// velocity to the normal and the spin R ω_0/V before the impact.
     fn rebound(impact: ObliqueImpact, restitution: f64, friction: f64, (angle, spin): (f64, f64), table: bool) -> f64 {
         let (sin, cos) = f64::to_radians(angle).sin_cos();
         let (slip, unit) = (sin - spin, friction * cos);

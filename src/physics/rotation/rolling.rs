@@ -11,8 +11,8 @@ use super::tangential::NormalSpring;
 use serde::{Deserialize, Serialize};
 
 /// Law of rolling resistance, of the types A to C of Ai et al. (2011, Powder Technol. 206, 269). The torque of types A
-/// and C is at most μ_r R_eff max(f_n, 0). The torque of type B is proportional to R_eff max(f_n, 0) and to the rolling
-/// speed.
+/// and C is at most μ_r R_eff max(f_n, 0), with the normal force f_n. The torque of type B is proportional to R_eff
+/// max(f_n, 0) and to the rolling speed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RollingLaw {
@@ -20,8 +20,8 @@ pub enum RollingLaw {
     Spring {
         /// [-] coefficient μ_r of rolling friction.
         friction: f64,
-        /// [-] stiffness of the rolling spring over k_n R_eff², with the effective radius R_eff. `None`: 2.25 μ_r², with the
-        /// rolling friction μ_r (Iwashita and Oda 1998, cited by Ai et al.).
+        /// [-] stiffness of the rolling spring over k_n R_eff², with the effective radius R_eff. `None`: 2.25 μ_r²,
+        /// with the rolling friction μ_r (Iwashita and Oda 1998, cited by Ai et al.).
         stiffness: Option<f64>,
         /// [-] dashpot constant as a fraction η_r of critical damping. The dashpot acts as long as the torque is below
         /// its limit.
@@ -40,8 +40,9 @@ pub enum RollingLaw {
     },
 }
 
-/// Twisting resistance: a spring of stiffness k_t a²/2 with the limit (2/3) μ a f_n, where a = sqrt(R_eff δ) is the
-/// radius of the contact (Marshall 2009, J. Comput. Phys. 228, 1541).
+/// Twisting resistance: a spring of stiffness k_t a²/2 with the limit (2/3) μ a f_n (Marshall 2009, J. Comput. Phys.
+/// 228, 1541). Here k_t is the tangential stiffness, μ the friction coefficient, f_n the normal force, and a =
+/// sqrt(R_eff δ) the radius of the contact at the overlap δ.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TwistingLaw {
     /// [-] dashpot constant as a fraction of critical damping. The dashpot acts as long as the torque is below its

@@ -108,7 +108,7 @@ impl SpringDashpotSlider {
         SpringRates { forgotten, force: stiffness - forgotten, dashpot: 0.5 * stiffness }
     }
 
-    /// [J] energy k_t ξ²/2 of the spring with the shear ξ [m].
+    /// [J] energy k ξ²/2 of the spring with the shear ξ [m].
     #[inline(always)]
     pub fn energy(&self, shear: &Vector3<f64>) -> f64 {
         0.5 * self.stiffness * shear.norm_squared()
@@ -154,7 +154,7 @@ pub fn turned(shear: &Vector3<f64>, normal: &Vector3<f64>, angle: f64) -> Vector
         return *shear;
     }
     let along = shear.dot(normal);
-    // factor 1/sqrt(1 - x), where x is the share of its square that the shear loses
+    // factor 1/sqrt(1 - x), where x is the share of the squared length that the shear loses by the projection
     let lost = along * along / square;
     let stretch = if lost < 1e-3 { 1.0 + lost * (0.5 + 0.375 * lost) } else { 1.0 / (1.0 - lost).max(1e-12).sqrt() };
     let flat = (shear - normal * along) * stretch;

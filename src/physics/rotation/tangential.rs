@@ -15,8 +15,8 @@ pub enum TangentialLaw {
     /// 1979, Géotechnique 29, 47).
     Linear(LinearTangential),
     /// Mindlin's law for two elastic spheres with Hertz's normal law (Mindlin 1949, J. Appl. Mech. 16, 259). The
-    /// stiffness is 8 G* a, where a = sqrt(R δ) is the radius of the contact area. The total force of this spring and a
-    /// dashpot is at most μ max(f_n, 0).
+    /// stiffness is 8 G* a, with the effective shear modulus G* and the radius a = sqrt(R δ) of the contact area. R is
+    /// the effective radius and δ the overlap. The total force of this spring and a dashpot is at most μ max(f_n, 0).
     Mindlin {
         /// Quantity that the contact stores while its stiffness changes.
         history: SpringHistory,

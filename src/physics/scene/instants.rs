@@ -61,8 +61,8 @@ impl Scene {
 pub enum SceneInTime<'a> {
     /// A scene that does not change.
     Fixed(&'a Scene),
-    /// Copy of a scene that changes. Its walls and periodic images are at their places of the last instant that was
-    /// asked for.
+    /// Copy of a scene that changes. Its walls and periodic images are at their places of the most recently requested
+    /// instant.
     Changing(Box<Scene>),
 }
 

@@ -20,7 +20,8 @@ pub struct Outlet {
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum OutletShape {
-    /// The half-space behind a plane, whose normal points to the particles that stay. A side of the box is such a plane.
+    /// The half-space behind a plane, whose normal points to the particles that stay. A side of the box is such a
+    /// plane.
     Behind(Plane),
     /// The interior of a hollow body.
     Body(Hollow),
@@ -40,8 +41,8 @@ impl Outlet {
     }
 }
 
-/// Part of space in which particles come into the scene at random positions, at a constant rate. Velocities and spins are
-/// normally distributed.
+/// Part of space in which particles come into the scene at random positions, at a constant rate. Velocities and spins
+/// are normally distributed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Inlet {
     /// Name of the inlet in results.

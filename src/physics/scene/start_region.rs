@@ -9,6 +9,7 @@ use serde::Serialize;
 pub enum StartRegion {
     /// The interior of a hollow body, which contains each particle wholly.
     Body(Hollow),
-    /// The interior of the walls with these indices in the scene. One of them contains the centre of each particle.
+    /// The interior of the walls with these indices in the scene. The centre of each particle is inside one of these
+    /// walls.
     InsideWalls(Vec<u32>),
 }

@@ -2,21 +2,21 @@
 
 use serde::Serialize;
 
-/// Heating of all particles, in addition to gravity and gas. It acts on velocities alone, in kicks at the ends of windows,
-/// and keeps the total momentum. Velocities c are relative to the mean velocity of all particles and, in a sheared box, to
-/// the mean flow.
+/// Heating of all particles, in addition to gravity and gas. It acts on velocities alone, in kicks at the ends of
+/// windows, and keeps the total momentum. Velocities c are relative to the mean velocity of all particles and, in a
+/// sheared box, to the mean flow.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Thermostat {
-    /// Random accelerations, white in time and independent for each particle (Williams and MacKintosh 1996, Phys. Rev. E
-    /// 54, R9). Within a time h each component of the velocity changes by a Gaussian number of variance `heating` h.
+    /// Random accelerations, white in time and independent for each particle (Williams and MacKintosh 1996, Phys. Rev.
+    /// E 54, R9). Within a time h each component of the velocity changes by a Gaussian number of variance `heating` h.
     Stochastic {
-        /// [m²/s³] growth rate of the granular temperature without collisions, ξ² of van Noije and Ernst (1998, Granular
-        /// Matter 1, 57).
+        /// [m²/s³] growth rate of the granular temperature without collisions, ξ² of van Noije and Ernst (1998,
+        /// Granular Matter 1, 57).
         heating: f64,
     },
-    /// The force m `rate` c on each particle, by which velocities grow exponentially (Montanero and Santos 2000, Granular
-    /// Matter 2, 53). A gas heated in this way has the velocity distribution of a cooling gas.
+    /// The force m `rate` c on each particle, by which velocities grow exponentially (Montanero and Santos 2000,
+    /// Granular Matter 2, 53). A gas heated in this way has the velocity distribution of a cooling gas.
     Gaussian {
         /// [1/s] growth rate of the velocities c, half that of the granular temperature.
         rate: f64,
@@ -24,8 +24,8 @@ pub enum Thermostat {
 }
 
 impl Thermostat {
-    /// [m²/s²] granular temperature T that a gas without losses reaches after `time` [s] from the temperature `at_start`
-    /// [m²/s²].
+    /// [m²/s²] granular temperature T that a gas without losses reaches after `time` [s] from the temperature
+    /// `at_start` [m²/s²].
     pub fn temperature_after(&self, at_start: f64, time: f64) -> f64 {
         match self {
             Self::Stochastic { heating } => at_start + heating * time,

@@ -15,7 +15,7 @@ pub struct SchedulePosition {
     schedule: Schedule,
     /// Number of completed windows, in units of the shortest windows of the schedule.
     done: u64,
-    /// [s] time within a window at which the run was last interrupted; `None` if the run is at the end of a window.
+    /// [s] time within a window at which the run has been interrupted; `None` if the run is at the end of a window.
     cut: Option<f64>,
 }
 

@@ -30,8 +30,8 @@ fn contact_time(experiment: &Experiment) -> Option<f64> {
 }
 
 /// [s] longest window with servo walls; infinite without such walls. A contact lasts at least ten windows. The
-/// correction within a window is h K/(c d²) for particles of the stiffness K that cover the wall, where c is the damping
-/// of the wall. It is at most a third.
+/// correction within a window is h K/(c d²) for particles of the stiffness K that cover the wall, where c is the
+/// damping of the wall. It is at most a third.
 pub fn longest_for_servo(experiment: &Experiment) -> f64 {
     let impedance = impedance(experiment);
     let Some(time) = contact_time(experiment) else { return f64::INFINITY };

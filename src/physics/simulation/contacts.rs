@@ -30,8 +30,8 @@ impl Simulation {
         self.unseen.unwrap_or_else(|| self.engine.elastic_energy())
     }
 
-    /// [J] parts of the elastic energy of all particles that are stored in tangential, rolling and twisting springs.
-    /// Each is a sum over the [`sample`](Self::sample).
+    /// [J] energies stored in tangential, rolling and twisting springs, as parts of the elastic energy of all
+    /// particles. Each is a sum over the [`sample`](Self::sample).
     pub fn spring_energies(&self) -> [f64; 3] {
         self.engine.spring_energies()
     }

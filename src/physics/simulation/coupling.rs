@@ -1,4 +1,5 @@
-//! Two-way coupling: the gas loses the momentum that a kick gives to the particles, and its profile is made anew.
+//! Two-way coupling: the gas loses the momentum that a kick gives to the particles, and its velocity profile is
+//! renewed.
 
 use super::Simulation;
 use crate::domain::Domain;
@@ -7,8 +8,8 @@ use crate::engine::Failure;
 use crate::fluid::{Fluid, LoadedFlow, LocalFractions, Modulation, Profile, SliceSums, TurbulenceStatistics};
 use std::f64::consts::PI;
 
-/// Makes the gas flow that feels the particles, as it is at the start; `None` if the particles do not change the gas of
-/// the scene.
+/// Makes the gas flow on which the particles act, as it is at the start; `None` if the particles do not change the gas
+/// of the scene.
 pub(super) fn flow_at_start(fluid: &Fluid, domain: &Domain) -> Option<LoadedFlow> {
     let (coupling, flow) = (fluid.coupling?, fluid.profile.channel_flow()?);
     let wall_area = match &fluid.profile {
@@ -21,7 +22,7 @@ pub(super) fn flow_at_start(fluid: &Fluid, domain: &Domain) -> Option<LoadedFlow
 }
 
 impl Simulation {
-    /// Gas flow that feels the particles; `None` if the particles do not change the gas of the scene.
+    /// Gas flow on which the particles act; `None` if the particles do not change the gas of the scene.
     pub fn loaded_flow(&self) -> Option<&LoadedFlow> {
         self.loaded_flow.as_deref()
     }
@@ -77,7 +78,7 @@ impl Simulation {
         }
     }
 
-    /// Replaces the gas that feels the particles by `flow`, and makes the velocity profile from it.
+    /// Replaces the gas flow on which the particles act by `flow`, and makes the velocity profile from it.
     pub(super) fn take_gas(&mut self, flow: Option<Box<LoadedFlow>>) {
         if flow.is_some() && flow != self.loaded_flow {
             self.loaded_flow = flow;

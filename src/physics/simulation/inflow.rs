@@ -1,6 +1,6 @@
 //! Particles that come in through inlets: random positions without overlap, by random sequential insertion.
 //!
-//! The size, velocity and spin of a particle are random numbers of its id; its position is one of the id and the window.
+//! The random size, velocity and spin of a particle follow from the seed and its id, its position also from the window.
 //! So they do not depend on threads, on the order of the store, or on a stop and continuation of the run.
 
 use super::Simulation;
@@ -55,7 +55,7 @@ struct NewParticle {
 }
 
 impl NewParticle {
-    /// Draws radius, velocity and spin of the particle with the id `id` from random numbers.
+    /// Chooses radius, velocity and spin of the particle with the id `id` at random.
     fn drawn(inlet: &Inlet, species: &Species, seed: u64, id: u32) -> Self {
         let mut noise = Noise::new(seed, NoiseUse::Inlets, 0);
         let random = noise.of(id);
@@ -84,8 +84,8 @@ impl Simulation {
         (fresh, entries)
     }
 
-    /// Appends up to `due` particles of the inlet with the index `number` to `fresh`, and returns how many these are.
-    /// If one particle finds no free position, this particle and the rest wait.
+    /// Appends up to `due` particles of the inlet with the index `number` to `fresh`, and returns their number. If one
+    /// particle finds no free position, this particle and the rest wait.
     fn insert(
         &mut self,
         number: usize,

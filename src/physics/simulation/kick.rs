@@ -22,7 +22,7 @@ impl Simulation {
     }
 
     /// Applies drag and a thermostat to all particles for `duration` [s], without any motion. The random numbers of the
-    /// kick are drawn from its `number`.
+    /// kick follow from its `number`.
     pub(super) fn kick(&mut self, duration: f64, number: u64) {
         let (dragged, heated) = (self.is_dragged(), self.scene.thermostat.is_some());
         if (dragged || heated) && self.engine.is_cut() {
@@ -37,8 +37,8 @@ impl Simulation {
         }
     }
 
-    /// Applies drag alone to all particles for `duration` [s]. The random numbers of turbulence are drawn from
-    /// `number`, the number of the kick.
+    /// Applies drag alone to all particles for `duration` [s]. The random numbers of turbulence follow from `number`,
+    /// the number of the kick.
     fn drag(&mut self, duration: f64, number: u64) {
         let Some(fluid) = &self.scene.fluid else { return };
         let Some(law) = &fluid.drag else { return };

@@ -9,7 +9,7 @@ impl Simulation {
     /// Accelerates all particles for `duration` [s] without any motion. `acceleration` returns the acceleration [m/s²]
     /// of the particle with an index in the store. The ledger counts work and impulse as those of drag.
     ///
-    /// Velocities and positions belong to one time when this method is called: after [`run`](Self::run), or after
+    /// Call this method when velocities and positions belong to one time: after [`run`](Self::run), or after
     /// [`complete`](Self::complete). Half a window of acceleration before and half a window after each window is of
     /// second order in the window (Strang splitting), as for the drag of the scene. The simulation must belong to this
     /// process alone.

@@ -1,4 +1,5 @@
-//! Servo walls: at the end of each window the force of the particles on the wall is measured, and its speed is set.
+//! Servo walls: at the end of each window the force of the particles on a wall is measured, and the wall gets a new
+//! speed.
 
 use super::Simulation;
 use crate::contact_law::ContactLaw;

@@ -29,18 +29,18 @@ pub struct GatheredParticles {
     every: u32,
     /// [m/s] root mean square of the velocities of all particles about their mean velocity. `None` if all particles are
     /// gathered.
-    pub agitation: Option<f64>,
+    pub fluctuation_speed: Option<f64>,
 }
 
 /// Order from the lead process to the other processes. The lead also does the ordered work itself, on its own
 /// particles.
 #[derive(Clone, Serialize, Deserialize)]
 pub enum Order {
-    /// Apply drag and heat without motion for a duration [s]. The second value is the number of the kick, from which
-    /// its random numbers are drawn.
+    /// Apply drag and heat without motion for a duration [s]. The second value is the number of the kick, which
+    /// determines its random numbers.
     Kick(f64, u64),
     /// Advance the engine from a start time [s] through a window [s]. If particles change the gas, the gas is sent too,
-    /// since processes without particles have not followed it.
+    /// since processes that had no particles have not computed it.
     Advance(f64, f64, Option<Box<LoadedFlow>>),
     /// Store the velocities and the state of the gas, before a half-kick for observers.
     Keep,
@@ -57,7 +57,7 @@ pub enum Order {
     /// Call the observers at these indices for the particles of the process. The first two values are the time [s] and
     /// the momentum [kg m/s] of all particles.
     ///
-    /// At the first call in this way, an observer continues from the data that its copy in the lead process has stored.
+    /// At its first call in this way, an observer continues from the data that its copy in the lead process has stored.
     See(f64, Vector3<f64>, Vec<(usize, Option<Stored>)>),
     /// End the work of the other processes, because the run is over.
     End,
@@ -85,10 +85,10 @@ impl Drop for SharedSimulation {
 
 impl Simulation {
     /// Shares this simulation with other processes. While this saves time, each process moves the particles in its own
-    /// block of the domain. The lead process then returns the bits of a run in one process. Each other process must
-    /// make a simulation of an equal scene and engine, whose particles are discarded. It must [`follow`](Self::follow)
-    /// the lead until the simulation of the lead is dropped. The first `observers` observers of the lead exist in all
-    /// processes.
+    /// block of the domain. The results of the lead process are then, bit by bit, those of a run in one process. Each
+    /// other process must make a simulation with the same scene and engine, whose particles are discarded. It must
+    /// [`follow`](Self::follow) the lead until the simulation of the lead is dropped. The first `observers` observers
+    /// of the lead exist in all processes.
     pub fn shared(mut self, communicator: Arc<dyn Communicator>, observers: usize) -> Self {
         let told = communicator.broadcast(postcard::to_stdvec(&self.totals).unwrap_or_default());
         self.totals = postcard::from_bytes(&told).unwrap_or(self.totals);
@@ -176,7 +176,8 @@ impl Simulation {
         }
         self.scatter();
         self.order(&Order::Gather(every));
-        let agitation = if every > 1 && self.engine.is_cut() { Some(self.sample().agitation()) } else { None };
+        let fluctuation_speed =
+            if every > 1 && self.engine.is_cut() { Some(self.sample().fluctuation_speed()) } else { None };
         if let Some(engine) = self.engine.distributed_mut() {
             engine.gather(&mut self.particles, &self.scene, every);
         }
@@ -184,7 +185,7 @@ impl Simulation {
             self.collect_records();
         }
         if !self.is_follower() {
-            self.shown = Some(GatheredParticles { every, agitation });
+            self.shown = Some(GatheredParticles { every, fluctuation_speed });
         }
     }
 
@@ -211,9 +212,9 @@ impl Simulation {
     }
 
     /// [m/s] root mean square of the velocities of all particles about their mean.
-    pub fn agitation(&self) -> f64 {
-        let known = self.shown.as_ref().and_then(|shown| shown.agitation);
-        known.unwrap_or_else(|| Sample::from(&self.particles).agitation())
+    pub fn fluctuation_speed(&self) -> f64 {
+        let known = self.shown.as_ref().and_then(|shown| shown.fluctuation_speed);
+        known.unwrap_or_else(|| Sample::from(&self.particles).fluctuation_speed())
     }
 
     /// Replaces the particles gathered from all processes by the particles that this process moves.

@@ -12,7 +12,7 @@ use crate::stored::{StoreError, Stored};
 use crate::walls::ServoState;
 use serde::{Deserialize, Serialize};
 
-/// All data that a simulation needs to continue after a window. A simulation of an equal experiment continues from a
+/// All data that a simulation needs to continue after a window. A simulation of the same experiment continues from a
 /// snapshot with identical bits. `docs/design/runs.md` lists the contents.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Snapshot {
@@ -31,14 +31,14 @@ pub struct Snapshot {
     pub spent: SimulationTimes,
     /// Sums over all particles of all processes.
     totals: SimulationTotals,
-    /// True if the kick after the last window has been applied completely, so that velocities and positions belong to
+    /// True if the kick after the latest window has been applied completely, so that velocities and positions belong to
     /// one time. False if velocities still lack a half-kick.
     half_kicked: bool,
     /// Limit of the growth of the energy by errors of the soft scheme. It depends on the initial state.
     bound: Option<Bound>,
     /// [J] elastic energy of the overlaps at the start; `None` after the first window.
     unseen: Option<f64>,
-    /// Gas that feels the particles; `None` if the gas is frozen.
+    /// Gas flow that the particles change; `None` if the gas is frozen.
     loaded_flow: Option<Box<LoadedFlow>>,
     /// Particles that have come in and left; `None` in a scene without inlets and outlets.
     through_flow: Option<Box<ThroughFlow>>,
@@ -61,7 +61,7 @@ impl Snapshot {
 }
 
 impl Simulation {
-    /// Creates a snapshot from which a simulation of an equal experiment can continue. If each process has a part of
+    /// Creates a snapshot from which a simulation of the same experiment can continue. If each process has a part of
     /// the particles, the snapshot does not contain the particles. In this case call [`give_parts`](Self::give_parts)
     /// first.
     ///

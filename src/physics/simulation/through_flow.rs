@@ -26,14 +26,15 @@ pub struct FlowTotals {
     pub kinetic_energy: f64,
     /// [J] rotational energy of the particles when they passed.
     pub rotational_energy: f64,
-    /// [J] potential energy -m g·x in the gravity of the scene, which is 0 at the origin. The ledger has the work of gravity
-    /// in its place, so this energy is not part of the balance.
+    /// [J] potential energy -m g·x in the gravity of the scene, which is 0 at the origin. The ledger has the work of
+    /// gravity in its place, so this energy is not part of the balance.
     pub potential_energy: f64,
     /// [m/s] sum of the speeds of the particles when they passed.
     pub speed: f64,
 }
 
-/// Flow through one inlet or outlet since the start, with exact sums, which do not depend on the order of the particles.
+/// Flow through one inlet or outlet since the start, with exact sums, which do not depend on the order of the
+/// particles.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct OpeningFlow {
     count: u64,
@@ -141,8 +142,8 @@ impl Simulation {
         self.through_flow.as_deref()
     }
 
-    /// Lets particles leave through outlets and come in through inlets at the end of a window. Engine, ledger and totals
-    /// follow. Velocities may lack a half-kick of drag, as between windows.
+    /// Lets particles leave through outlets and come in through inlets at the end of a window, and updates engine,
+    /// ledger and totals. Velocities may lack a half-kick of drag, as between windows.
     pub(super) fn exchange_particles(&mut self) {
         let Some(mut flow) = self.through_flow.take() else { return };
         // all particles are in the lead process

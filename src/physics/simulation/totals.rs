@@ -13,8 +13,8 @@ pub struct SimulationTotals {
     pub mean_radius: f64,
     /// [kg] mass of all particles in all processes.
     pub mass: f64,
-    /// [kg m/s] momentum of all particles: the sum at the start, or when particles last came or left, plus all changes
-    /// since.
+    /// [kg m/s] momentum of all particles: the sum at the start, or after the latest particles came or left, plus all
+    /// changes since.
     pub momentum: Vector3<f64>,
 }
 

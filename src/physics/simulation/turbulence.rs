@@ -13,21 +13,22 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 
 impl Simulation {
-    /// Number of the kick that follows the last completed window. The random numbers of the kick depend on it. A
+    /// Number of the kick that follows the latest completed window. The random numbers of the kick depend on it. A
     /// half-kick for observers uses the same number, because it is undone before the kick itself.
     pub(super) fn number_of_kick(&self) -> u64 {
         2 * self.windows
     }
 
-    /// Number of the half-kick before the next window, from which its random numbers are drawn. It is for a run whose
-    /// last window ended with a half-kick.
+    /// Number of the half-kick before the next window, which determines its random numbers. It is for a run whose
+    /// previous window ended with a half-kick.
     pub(super) fn number_of_first_half(&self) -> u64 {
         2 * self.windows + 1
     }
 }
 
 impl Simulation {
-    /// Draws the gas fluctuations seen by particles that come in, if the particles in the scene have such fluctuations.
+    /// Chooses at random the gas fluctuations seen by particles that come in, if particles in the scene have
+    /// fluctuations.
     pub(super) fn draw_eddies_of(&self, fresh: &mut Particles) {
         let fluid = self.scene.fluid.as_ref().filter(|_| self.particles.eddies.is_some());
         if let Some((fluid, turbulence)) = fluid.and_then(|fluid| Some((fluid, fluid.turbulence.as_ref()?))) {
@@ -36,8 +37,9 @@ impl Simulation {
     }
 }
 
-/// Draws the fluctuation of the gas velocity that each particle sees at the start, unless particles have one already.
-/// The Langevin equation stores it over its standard deviation [-], the discrete random walk as a velocity [m/s].
+/// Chooses at random the fluctuation of the gas velocity that each particle sees at the start, unless particles have
+/// one already. The Langevin equation stores it over its standard deviation [-], the discrete random walk as a velocity
+/// [m/s].
 pub(super) fn draw_first_eddies(particles: &mut Particles, (fluid, turbulence): (&Fluid, &Turbulence), seed: u64) {
     let Particles { eddies, id, position, .. } = particles;
     eddies.get_or_insert_with(|| {
@@ -54,7 +56,7 @@ pub(super) fn draw_first_eddies(particles: &mut Particles, (fluid, turbulence): 
 }
 
 /// Mirrors the fluctuations of the gas velocity that particles see, for particles that a wall has reflected within the
-/// last `window` [s]. The component along the normal of the wall changes its sign. A particle counts as reflected if it
+/// past `window` [s]. The component along the normal of the wall changes its sign. A particle counts as reflected if it
 /// has a gap to the wall, but its free flight back in time leads into the wall.
 pub(super) fn mirror_at_walls(particles: &mut Particles, scene: &Scene, window: f64) {
     let Some(mut eddies) = particles.eddies.take() else { return };

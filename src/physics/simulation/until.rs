@@ -16,9 +16,9 @@ impl Simulation {
         Ok(Self::new(experiment, initial_state(experiment)?))
     }
 
-    /// Runs until `time` [s] in the windows that the program uses for the experiment. For a simulation with an engine of
-    /// the calling program, windows are chosen from its particles at the first call, and keep that length. At the end,
-    /// velocities and positions belong to `time`. Nothing happens if the simulation has reached `time` already.
+    /// Runs until `time` [s] in the windows that the program uses for the experiment. For a simulation with an engine
+    /// of the calling program, windows are chosen from its particles at the first call, and keep that length. At the
+    /// end, velocities and positions belong to `time`. Nothing happens if the simulation has reached `time` already.
     ///
     /// A call that ends at a sample of the schedule changes no bit of the results. At any other time the call divides a
     /// kick of drag, which changes rounding, and may divide a window.
@@ -98,7 +98,7 @@ impl Simulation {
     }
 
     /// Position of the present time in `schedule`. It is the stored position, unless other methods have moved the
-    /// simulation since; it is then searched.
+    /// simulation since. In that case it is found from the time.
     fn position_at_present(&self, schedule: Schedule) -> SchedulePosition {
         let known = Some(&self.schedule_position)
             .filter(|schedule_position| schedule_position.window() > 0.0 && schedule_position.is_at(self.time));

@@ -91,8 +91,8 @@ impl Batches {
         self.blocks.first().map_or(0, Vec::len)
     }
 
-    /// Combines averages that have equal blocks of time to one set with all components. `None` without parts, or if the
-    /// blocks differ.
+    /// Combines averages that have the same blocks of time into one set with all components. `None` without parts, or
+    /// if the blocks differ.
     pub fn join<'a>(parts: impl IntoIterator<Item = &'a Self>) -> Option<Self> {
         let mut parts = parts.into_iter();
         let mut whole = parts.next()?.clone();

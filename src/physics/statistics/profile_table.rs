@@ -31,8 +31,8 @@ pub struct ProfileTable {
     /// Number of blocks of time from which each standard error is computed; with fewer than 8 blocks there are no
     /// errors.
     pub blocks: usize,
-    /// [s] time of the first sample in the averages. It begins the first whole block of time after the requested start
-    /// of averaging.
+    /// [s] time of the first sample in the averages: the start of a whole block of time, at or after the requested
+    /// start of averaging.
     pub from: f64,
     /// [s] time of the last sample in the averages.
     pub until: f64,

@@ -5,8 +5,8 @@ use super::{Flight, Geometry};
 /// [-] ratio of the gap to the radius of the sphere, below which the tangent plane is used in place of the wall.
 ///
 /// The centre of a sphere of radius r cannot be nearer to the wall than r. The excluded points form a union of balls of
-/// radius r. If both ends of a path of length s lie outside this union, the centre is at most s²/(8 r) inside it. For a
-/// path as long as this gap, the depth is 1e-17 r, which is below rounding.
+/// radius r. If both ends of a path of length s lie outside this union, no point of the path lies deeper inside it than
+/// s²/(8 r). For a path as long as this gap, the depth is 1e-17 r, which is below rounding.
 const CLOSE: f64 = 1e-8;
 /// Largest number of steps of a search. A flight at an angle a to the surface needs about ln(1/CLOSE)/(2 sin a) steps,
 /// so this number is enough for angles down to 1e-3 rad. At smaller angles the normal speed is below a thousandth of
@@ -20,8 +20,8 @@ pub(super) fn touch_time<G: Geometry + ?Sized>(shape: &G, flight: &Flight, radiu
     within(shape, flight, radius, (until, STEPS)).flatten()
 }
 
-/// [s] time of touch as [`touch_time`] returns it, but with at most `steps` steps. The outer `None` means that more steps
-/// are needed, the inner `None` that the sphere does not touch until `until` [s].
+/// [s] time of touch as [`touch_time`] returns it, but with at most `steps` steps. The outer `None` means that more
+/// steps are needed, the inner `None` that the sphere does not touch until `until` [s].
 pub(super) fn within<G: Geometry + ?Sized>(
     shape: &G,
     flight: &Flight,
@@ -33,7 +33,7 @@ pub(super) fn within<G: Geometry + ?Sized>(
         let now = flight.from(t);
         let nearest = shape.nearest(&now.position);
         let gap = nearest.distance - radius;
-        let free = time_to_cover(gap.max(CLOSE * radius), &now);
+        let free = now.time_to_cover(gap.max(CLOSE * radius));
         let plane = nearest.tangent(&now.position);
         let touch = if gap <= CLOSE * radius { plane.touch_time(&now, radius, free) } else { None };
         match touch {
@@ -47,12 +47,4 @@ pub(super) fn within<G: Geometry + ?Sized>(
         }
     }
     None
-}
-
-/// [s] shortest time in which a flight can cover the distance `length` [m]: the root of |v| t + |g| t²/2 = length.
-/// Infinite at rest without gravity.
-fn time_to_cover(length: f64, flight: &Flight) -> f64 {
-    let (speed, gravity) = (flight.velocity.norm(), flight.gravity.norm());
-    // the positive root, in a form without cancellation
-    2.0 * length / (speed + (speed * speed + 2.0 * gravity * length).sqrt())
 }

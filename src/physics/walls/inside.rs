@@ -1,5 +1,5 @@
-//! Tests whether a point is inside an open wall (a round shell that is open at its ends, or a sheet of triangles), or inside
-//! a closed surface of triangles.
+//! Tests whether a point is inside an open wall (a round shell that is open at its ends, or a sheet of triangles), or
+//! inside a closed surface of triangles.
 
 use super::{Frustum, Geometry, Mesh, Sides};
 use nalgebra::Vector3;

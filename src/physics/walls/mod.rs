@@ -149,7 +149,7 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
     }
 
     /// True if `point` [m] is certainly on the particles' side and farther than `distance` [m] from the surface. The
-    /// result may be false for other such points, because the test must not compute the nearest point.
+    /// result may also be false for some of these points, because the test must not compute the nearest point.
     fn is_clear(&self, point: &Vector3<f64>, distance: f64) -> bool {
         let _ = (point, distance);
         false
@@ -250,6 +250,14 @@ impl Flight {
     /// [m/s] velocity of the centre at time `t` [s].
     pub fn velocity_at(&self, t: f64) -> Vector3<f64> {
         self.velocity + self.gravity * t
+    }
+
+    /// [s] shortest time in which the centre can cover the distance `length` [m]: the root of |v| t + |g| t²/2 =
+    /// `length`. Infinite at rest without gravity.
+    pub fn time_to_cover(&self, length: f64) -> f64 {
+        let (speed, gravity) = (self.velocity.norm(), self.gravity.norm());
+        // the positive root, in a form without cancellation
+        2.0 * length / (speed + (speed * speed + 2.0 * gravity * length).sqrt())
     }
 
     /// Returns this flight with its time counted from `t` [s] on: position and velocity are those at `t`.
@@ -411,7 +419,7 @@ pub struct Wall {
     /// Roughness; `None`: the wall is smooth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub roughness: Option<WallRoughness>,
-    /// Temperature, for instantaneous impacts; `None`: rebounds are those of the surface.
+    /// Temperature, for instantaneous impacts; `None`: rebounds follow the restitution and friction of `surface`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub thermal: Option<ThermalWall>,
 }

@@ -4,7 +4,8 @@ use super::mesh::Tree;
 use super::{Nearest, Wall};
 use nalgebra::Vector3;
 
-/// Number of boxes around walls from which a tree is used. With fewer boxes, every wall is tested for every point.
+/// Smallest number of boxes around walls for which a tree is used. With fewer boxes, every wall is tested for every
+/// point.
 const MANY: usize = 8;
 
 /// Search structure for the walls of a scene: a tree of the boxes around them. Among hundreds of bodies, such as the

@@ -75,8 +75,8 @@ impl Repeated {
     }
 
     /// True if the condition `is_true` holds near any image of the body. For each image, `is_true` is called with
-    /// `point` [m], shifted from this image to the body. Tested are the images nearest to any point within `reach` [m]
-    /// of `point`.
+    /// `point` [m], shifted from this image to the body. The images tested are those nearest to any point within
+    /// `reach` [m] of `point`, at most one image to each side along an axis.
     fn any_near(&self, point: &Vector3<f64>, reach: f64, is_true: impl Fn(&Vector3<f64>) -> bool) -> bool {
         let range = |axis: usize| {
             let here = self.image(axis, point[axis]);

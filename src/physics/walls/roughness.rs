@@ -6,25 +6,27 @@ use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
 
-/// Roughness of a wall that is small compared with the spheres. A sphere meets a plane facet, the virtual wall, whose normal is tilted at random (Sommerfeld and Huber 1999, Int. J. Multiphase Flow 25, 1457).
+/// Roughness of a wall, small compared with the spheres. A sphere meets a plane facet (the virtual wall), whose normal
+/// is tilted at random (Sommerfeld and Huber 1999, Int. J. Multiphase Flow 25, 1457).
 ///
-/// The tilts γ_1 and γ_2 in two perpendicular directions along the wall are Gaussian, with the standard deviation Δγ each.
-/// The normal is turned by sqrt(γ_1² + γ_2²) towards (γ_1, γ_2). A facet is met in proportion to the area that it shows to the
-/// sphere, max(0, -û·n') with the direction û of the flight: this is the shadow effect. For tilts in the plane of the
-/// flight at the angle α to the wall, the density is then that of Sommerfeld and Huber, sin(α + γ)/sin α times the
-/// Gaussian. No facet is met from behind.
+/// The tilts γ_1 and γ_2 in two perpendicular directions along the wall are Gaussian, with the standard deviation Δγ
+/// each. The normal is turned by sqrt(γ_1² + γ_2²) towards (γ_1, γ_2). The probability of a facet is proportional to
+/// the area that it shows to the sphere: max(0, -û·n'), with the direction û of the flight and the normal n' of the
+/// facet. This is the shadow effect. For tilts in the plane of the flight at the angle α to the wall, the density is
+/// then that of Sommerfeld and Huber, sin(α + γ)/sin α times the Gaussian. No facet is met from behind.
 ///
 /// A sphere that would move into the wall after the impact would hit a further facet (Konan, Kannengieser and Simonin
-/// 2009, Int. J. Multiphase Flow 35, 1). Such facets are drawn again, so that an impact is one impact.
+/// 2009, Int. J. Multiphase Flow 35, 1). In place of such a facet another one is chosen at random, so that an impact
+/// remains a single impact.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct WallRoughness {
     /// [rad] standard deviation Δγ of the tilt in each of two directions, > 0.
     pub deviation: f64,
-    /// Seed of the random numbers from which the tilts are drawn.
+    /// Seed of the random numbers that determine the tilts.
     pub seed: u64,
 }
 
-/// Data of an impact on a rough or thermal wall, from which the random rebound is drawn.
+/// Data of an impact on a rough or thermal wall, on which the random rebound depends.
 #[derive(Clone, Copy, Debug)]
 pub struct WallApproach {
     /// [m/s] velocity of the particle relative to the wall.
@@ -39,8 +41,9 @@ pub struct WallApproach {
 
 impl WallRoughness {
     /// [-] unit normal of the facet that an impact meets. `restitution` gives e > 0 [-] for a normal speed [m/s]. The
-    /// draw is a function of the seed, the wall, the particle and its velocity. The result is the normal of the smooth
-    /// wall if the sphere does not approach, or if it leaves the wall by none of `MOST` drawn facets, as with e = 0.
+    /// random choice depends only on the seed, the wall, the particle and its velocity. The result is the normal of the
+    /// smooth wall if the sphere does not approach. It is also this normal if none of `MOST` random facets makes the
+    /// sphere leave the wall, as at normal incidence with e = 0.
     pub fn facet(&self, impact: &WallApproach, restitution: impl Fn(f64) -> f64) -> Vector3<f64> {
         /// [-] tilt over Δγ that is taken as the largest expected one: the probability of larger tilts is exp(-50).
         const FAR: f64 = 10.0;
@@ -54,7 +57,7 @@ impl WallRoughness {
         let speed = velocity.norm();
         let toward = -velocity / speed;
         let (first, second) = perpendicular(&normal);
-        // largest share that a facet shows to the sphere: its angle to the flight grows by the tilt at most
+        // upper limit of -û·n' of a facet: a tilt changes this cosine by at most the tilt [rad]
         let most = (toward.dot(&normal) + FAR * self.deviation).min(1.0);
         let words = [velocity.x.to_bits(), velocity.y.to_bits(), velocity.z.to_bits(), u64::from(wall)];
         let mut noise = Noise::new(self.seed, NoiseUse::Facets, mixed(&words));

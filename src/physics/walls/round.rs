@@ -6,8 +6,8 @@ use super::{Drawing, Flight, Geometry, Nearest, Touch, Turning, convex, polynomi
 use nalgebra::{Vector2, Vector3};
 use serde::Serialize;
 
-/// [-] distance over the radius of the sphere that is returned for a side of a wall which the sphere cannot touch. A
-/// value above 1 means that there is no contact.
+/// [-] smallest distance, over the radius of the sphere, that is returned if the sphere cannot touch a side of a wall.
+/// It exceeds 1, so that there is no contact.
 const OUT_OF_SIGHT: f64 = 1.25;
 
 /// Axis of a round wall, parallel to x, y or z. Points are described in a half-plane bounded by this axis. Their
@@ -21,8 +21,8 @@ pub struct RoundAxis {
 }
 
 impl RoundAxis {
-    /// [m] coordinates of a point in the half-plane through the point that the axis bounds: distance from the axis, and
-    /// coordinate along the axis.
+    /// [m] coordinates of a point in the half-plane that contains the point and is bounded by the axis: distance from
+    /// the axis, and coordinate along the axis.
     fn seen(&self, point: &Vector3<f64>) -> Vector2<f64> {
         let from = point - self.center;
         Vector2::new(self.across(&from).norm(), from[self.axis])
@@ -66,9 +66,11 @@ impl Geometry for Tube {
     }
 
     /// Computes the time of touch as the first root of a polynomial. Let ρ(t) = |p + q t + α t²/2| be the distance of
-    /// the sphere's centre from the axis. The sphere touches the wall when ρ = a + b t + c t²/2. For a straight flight
-    /// (for pipes: straight in the plane perpendicular to the axis) the degree is two, otherwise four. Conservative
-    /// advancement would need too many steps for a sphere that slides down a cone in ever smaller bounces.
+    /// the sphere's centre from the axis. Here p, q and α are the components of position, velocity and gravity
+    /// perpendicular to the axis. The sphere touches the wall when ρ = a + b t + c t²/2, the radius of the wall beside
+    /// the centre minus sqrt(1 + s²) times the radius of the sphere. For a straight flight (for pipes: straight in the
+    /// plane perpendicular to the axis) the degree is two, otherwise four. Conservative advancement would need too many
+    /// steps for a sphere that slides down a cone in ever smaller bounces.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         let curved = if self.slope == 0.0 { self.axle.across(&flight.gravity) } else { flight.gravity };
         let from = flight.position - self.axle.center;
@@ -134,8 +136,9 @@ impl Geometry for Bowl {
     }
 
     /// Computes the time of touch as the first root of a polynomial. The centre of the particle is at the distance |p +
-    /// q t + g t²/2| from the centre of the bowl. At a touch this distance is the radius of the bowl minus that of the
-    /// particle. The degree is two without gravity, and four with gravity.
+    /// q t + g t²/2| from the centre of the bowl. Here p is the position relative to the centre of the bowl, q the
+    /// velocity, and g gravity. At a touch this distance is the radius of the bowl minus that of the particle. The
+    /// degree is two without gravity, and four with gravity.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         let (p, q, g) = (flight.position - self.center, flight.velocity, flight.gravity);
         let reach = self.radius - radius;
@@ -240,9 +243,9 @@ impl Frustum {
         ]
     }
 
-    /// Point of the outline that is nearest to `point` [m], which is `seen` by distance from the axis and coordinate
-    /// along it. With `out` = 1 the point of the outline is on the near side. With `out` = -1 it is on the opposite
-    /// side, and the distance in `seen` is negative.
+    /// Point of the outline that is nearest to `point` [m]. `seen` [m] contains the distance of `point` from the axis
+    /// and its coordinate along the axis. With `out` = 1 the point of the outline is on the near side. With `out` = -1
+    /// it is on the opposite side, and the distance in `seen` is negative.
     fn nearest_of_side(&self, seen: &Vector2<f64>, out: f64, point: &Vector3<f64>) -> Nearest {
         let outline = self.outline();
         let ways = outline.windows(2).map(|ends| {

@@ -10,8 +10,8 @@ use nalgebra::{Vector2, Vector3};
 /// Number of steps of conservative advancement. This method is tried first, because it is faster for flights that are
 /// not along the shell.
 const STEPS: usize = 100;
-/// [-] largest distance of a sphere from a touch, at a root that counts as a touch. It is relative to the radius of the
-/// sphere plus the distance of its centre from the centre of the shell.
+/// [-] largest gap or overlap at a root that counts as a touch. It is divided by a length: the radius of the sphere
+/// plus the distance of its centre from the centre of the shell.
 const NEAR: f64 = 1e-9;
 
 /// [s] time of touch as [`Geometry::touch_time`] defines it, for a thin shell.
@@ -106,7 +106,8 @@ impl FlightAcrossShell {
     }
 
     /// [s] all times up to `until` [s] at which a polynomial rises to zero. Its values are squared lengths of the order
-    /// of `size`² [m²]. A polynomial that is zero at time 0, up to rounding, is treated as slightly negative.
+    /// of `size`² [m²]. If a polynomial is zero at time 0, up to positive rounding errors, time 0 is a result if the
+    /// polynomial rises there. For later times it is treated as falling from zero.
     fn rises(&self, way: &[f64], size: f64, until: f64) -> Vec<f64> {
         let mut way = way.to_vec();
         let resolution = 16.0 * f64::EPSILON * size * self.speed;

@@ -22,7 +22,8 @@ impl Turning {
         self.spin.cross(along).norm() <= ROUNDING * self.spin.norm() * along.norm()
     }
 
-    /// True if the axis goes through `point` [m] in the direction of axis 0, 1 or 2.
+    /// True if the axis of rotation goes through `point` [m] and is parallel to the coordinate axis `axis` (0, 1, 2 for
+    /// x, y, z).
     pub(super) fn is_axis(&self, point: &Vector3<f64>, axis: usize) -> bool {
         let along = Vector3::from_fn(|k, _| if k == axis { 1.0 } else { 0.0 });
         let offset = (self.center - point).cross(&along);
@@ -49,8 +50,8 @@ impl Wall {
         }
     }
 
-    /// [m/s] velocity of the surface along itself, relative to the shape, at `point` [m] of the shape where the case
-    /// puts it.
+    /// [m/s] velocity of the surface along itself, relative to the shape. `point` [m] is a point of the shape at the
+    /// place where the case puts it.
     #[inline(always)]
     pub fn sliding_velocity(&self, point: &Vector3<f64>) -> Vector3<f64> {
         match &self.turning {

@@ -39,7 +39,7 @@ pub trait Link {
     fn largest(&self, values: &mut [f64]);
 }
 
-/// Link of a process that works alone. It is process 0 of one, and messages have no receiver.
+/// Link of a process that works alone. It is process 0, and no other process receives its messages.
 pub struct LoneProcess;
 
 impl Link for LoneProcess {

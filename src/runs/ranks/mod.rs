@@ -1,10 +1,10 @@
 //! Processes that work on one command: this process alone, or those that `mpirun` has started (feature `mpi`). The
 //! number of a process is called its rank in MPI.
 //!
-//! All processes read equal command lines and cases, and [check](Ranks::agree) that these are equal. Process 0, the
-//! lead, then does the command. The other processes are helpers. Every process makes the same list of runs by itself.
-//! The lead sends indices of this list to the helpers, and the helpers send back the results of the runs. The result of
-//! a run does not depend on the process that has done it.
+//! All processes read the same command line and case, and [check](Ranks::agree) that these agree. Process 0, the lead,
+//! then does the command. The other processes are helpers. Every process makes the same list of runs by itself. The
+//! lead sends indices of this list to the helpers, and the helpers send back the results of the runs. The result of a
+//! run does not depend on the process that has done it.
 
 mod link;
 #[cfg(feature = "mpi")]
@@ -22,7 +22,8 @@ use serde::{Deserialize, Serialize};
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 
-/// Processes that work on one command, as each of them knows them. Process 0 is the lead, the others are helpers.
+/// Processes that work on one command, as one of these processes knows them. Process 0 is the lead, the others are
+/// helpers.
 pub struct Ranks {
     link: Box<dyn Link>,
     /// True when the processes have compared the checksums of their lists of runs.
@@ -142,8 +143,8 @@ impl Ranks {
         if self.is_lead() { work() } else { Ok(T::default()) }
     }
 
-    /// Compares the work of this process with the work of all others before they begin; the function `mark` computes
-    /// its checksum. Every process must call this function or [`close`](Self::close).
+    /// Compares the work of this process with the work of all other processes before the work begins. The function
+    /// `mark` computes the checksum of the work. Every process must call this function or [`close`](Self::close).
     ///
     /// # Errors
     /// Returns the error of the first process that has one, in all processes. It also returns an error if the work of a

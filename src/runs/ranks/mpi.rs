@@ -95,7 +95,8 @@ impl Link for Mpi {
         let own = self.rank();
         let pieces = outgoing.iter().map(|bytes| bytes.len().div_ceil(PIECE)).sum();
         mpi::request::multiple_scope(pieces, |scope, sent| {
-            // bytes are sent to those processes for which there are any; during most of a run these are neighbours
+            // only processes for which there are bytes get a message; during most of a run these are the neighbouring
+            // ones
             for (rank, bytes) in outgoing.iter().enumerate().filter(|(rank, _)| *rank != own) {
                 let to = self.world.process_at_rank(rank as i32);
                 bytes.chunks(PIECE).for_each(|piece| {

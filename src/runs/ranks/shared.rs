@@ -1,5 +1,5 @@
-//! Communication in a run that all processes share. Only the thread that has started MPI may call it. So a second
-//! thread does the run, and sends requests for communication to the thread of MPI.
+//! Communication in a run that all processes share. Only the thread that has started MPI may call MPI. So a second
+//! thread does the run, and sends requests for communication to the first thread, the thread of MPI.
 
 use super::Ranks;
 use super::link::Link;
@@ -112,8 +112,9 @@ fn answer(link: &dyn Link, call: Call) -> Call {
 }
 
 impl Ranks {
-    /// Does `work` on a run that all processes share. In each process a second thread does it, since only the thread
-    /// that has started MPI may call it. Returns the result of the work, and the amount of communication.
+    /// Does `work` on a run that all processes share. In each process a second thread does this work, since only the
+    /// first thread, which has started MPI, may call MPI. Returns the result of the work, and the amount of
+    /// communication.
     pub fn together<T: Send>(&self, work: impl FnOnce(Arc<dyn Communicator>) -> T + Send) -> (T, Traffic) {
         let (asked, calls) = channel();
         let (answers, answered) = channel();

@@ -362,7 +362,7 @@ fn rms_error(values: &[f64], reference: f64, scale: f64) -> PointError {
     let mean = squares.iter().sum::<f64>() / count;
     let variance = squares.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (count - 1.0);
     let error = mean.sqrt();
-    // δ(rms²) = 2 rms δrms
+    // the errors δ follow from δ(rms²) = 2 rms δ(rms)
     let uncertainty = if error > 0.0 { (variance / count).sqrt() / (2.0 * error) } else { 0.0 };
     let (value, range) = (values.iter().sum::<f64>() / count, Some(range(values)));
     PointError { value, error, uncertainty: Some(uncertainty), range }

@@ -147,7 +147,7 @@ impl MethodSweep {
 }
 
 /// Number of operations of a run: pair checks plus force evaluations plus events. It is a measure of the cost that is
-/// equal on every machine.
+/// the same on every machine.
 pub fn work(counters: &Counters) -> f64 {
     (counters.pair_checks + counters.force_evaluations + counters.events) as f64
 }

@@ -90,8 +90,8 @@ impl Outlook {
     }
 }
 
-/// [s] wall time until the last run ends; `None` after the last run. So far `done` runs and the share `part` [-] of the
-/// next run took the wall time `elapsed` [s]. `expected` [s] are the estimated wall times of all runs.
+/// [s] wall time until all runs have ended; `None` after the end of all runs. So far `done` runs and the share `part`
+/// [-] of the next run took the wall time `elapsed` [s]. `expected` [s] are the estimated wall times of all runs.
 fn time_left(expected: &[f64], done: usize, part: f64, elapsed: f64) -> Option<f64> {
     let next = expected.get(done)?;
     let total: f64 = expected.iter().sum();

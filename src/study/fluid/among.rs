@@ -10,8 +10,8 @@ use std::path::Path;
 const GAS_TABLE: &str = "gas.csv";
 /// Largest size [bytes] of the table that is read. The table of one variant has some 20 kB.
 const LARGEST: u64 = 50_000_000;
-/// [-] largest difference of the velocities of the gas alone in the run and in the case, over the largest velocity. The
-/// table has the digits of a double.
+/// [-] largest allowed difference between the velocity of the gas alone in the table of the run and in the case,
+/// divided by the largest velocity. The table has the digits of a double.
 const SAME_GAS: f64 = 1e-6;
 
 /// Row of `gas.csv`: the gas at one grid point, alone and averaged among the particles.
@@ -52,14 +52,14 @@ impl GasRow {
 pub struct GasAmongParticles {
     /// Name of the variant.
     pub name: String,
-    /// Gas alone, from the wall to the middle.
+    /// Gas alone, from the wall to the middle of the channel.
     pub alone: Vec<GridNode>,
     /// Time average of the gas among the particles, at the same points.
     pub mean: Vec<GridNode>,
 }
 
 impl GasAmongParticles {
-    /// Sentence about the gas in the middle, before and after.
+    /// Sentence about the gas in the middle of the channel, without and with particles.
     pub fn sentence(&self) -> Option<String> {
         let (alone, mean) = (self.alone.last()?, self.mean.last()?);
         Some(format!(

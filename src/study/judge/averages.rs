@@ -21,8 +21,8 @@ const SLICES: usize = 4;
 /// Number of points in each half of the channel at which the gas profile is tested for mirror symmetry.
 const POINTS: usize = 20;
 
-/// Observables of a variant and of its reference, in equal order in both lists. A mixture adds the temperature and the
-/// impact rate of each species, and its velocity if gas or gravity drives a stream.
+/// Observables of a variant and of its reference, in the same order in both lists. A mixture adds the temperature and
+/// the impact rate of each species, and its velocity if gas or gravity drives a stream.
 ///
 /// The velocities V and W and the stresses uw and vw are left out: V vanishes since mass is conserved, the others
 /// vanish by symmetry. U needs gas or gravity along the stream, since momentum is conserved otherwise. The number

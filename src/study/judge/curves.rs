@@ -35,7 +35,7 @@ fn agitation(row: &Row) -> Option<f64> {
     row.granular_temperature().map(|temperature| temperature.max(0.0).sqrt())
 }
 
-/// Compares two variants that are not steady by their curves over time, at instants at which all their runs have a
+/// Compares the curves over time of two variants that are not steady, at instants at which all their runs have a
 /// sample. `runs` has the replicas of the variant, then those of its reference.
 pub fn judge(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
     let all: [Vec<&Outcome>; 2] = [0, 1].map(|k| std::iter::once(runs[k].outcome).chain(runs[k].others).collect());

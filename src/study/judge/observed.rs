@@ -1,7 +1,7 @@
 //! Comparison of the numbers that two steady runs measure under `[observe]`, by the rule of the other averages.
 //!
-//! These numbers are tested together, with a level of 1 % of their own, and are no part of the answer for the variants.
-//! So a further measurement changes neither this answer nor its chances.
+//! These numbers are tested together, with a separate error level of 1 %, and are no part of the answer for the
+//! variants. So a further measurement changes neither this answer nor its probability of error.
 
 use super::words::pair;
 use super::{Criteria, averages};
@@ -14,7 +14,7 @@ use crate::statistics::{Answer, Batches, Estimate, Judged, Observable, compare};
 /// Largest number of quantities with one answer that a sentence names. The table of the report contains all of them.
 const NAMED: usize = 4;
 
-/// Remark on a reference that is no scale for differences.
+/// Remark on a reference value that is zero within its error, so that differences cannot be divided by it.
 const ZERO: &str = "no relative difference: the value is zero within its error";
 /// Remark on numbers whose errors have no known number of blocks.
 const NORMAL: &str = "tested by the normal distribution: the number of independent values is not known";
@@ -37,9 +37,9 @@ pub(super) fn judge(both: [&Outcome; 2], asked: Criteria) -> Vec<ObservedDiffere
     found
 }
 
-/// Differences of the numbers that two runs share, first run minus second run, with answers by the margin and the levels
-/// of `asked`. Samples after `until` [s] are left out. The scale of a number is its magnitude in the second run. If this
-/// is zero within its error, a difference is tested, but no equivalence.
+/// Differences of the numbers that two runs share, first run minus second run, with answers by the margin and the
+/// levels of `asked`. Samples after `until` [s] are left out. The scale of a number is its magnitude in the second run.
+/// If this magnitude is zero within its error, only a difference can be shown, and no equivalence.
 pub fn observed_differences(runs: [&[Observation]; 2], until: f64, asked: Criteria) -> Vec<ObservedDifference> {
     let shared = shared(runs);
     let (mut own, mut other) = (Vec::new(), Vec::new());
@@ -67,7 +67,7 @@ struct SharedNumber<'a> {
 }
 
 impl SharedNumber<'_> {
-    /// Name that no other number of a run has.
+    /// Name of the number, made of its measurement and its column. No other number of a run has this name.
     fn name(&self) -> String {
         format!("{}, {}", self.measurement, self.numbers[0].quantity.column)
     }
@@ -77,7 +77,8 @@ impl SharedNumber<'_> {
         if self.values[1].is_zero_within_error() { 0.0 } else { self.values[1].value.abs() }
     }
 
-    /// True if a standard error has no known number of blocks, so that it counts as exact. An exact value has no error.
+    /// True if a standard error has no known number of blocks, so that this error counts as exactly known. Values with
+    /// the error 0 are not meant.
     fn is_stated(&self) -> bool {
         let each = self.numbers.iter().zip(&self.values);
         each.into_iter().any(|(number, value)| number.batches.is_none() && value.error != Some(0.0))
@@ -138,8 +139,8 @@ fn shared(runs: [&[Observation]; 2]) -> Vec<SharedNumber<'_>> {
 }
 
 /// Values over blocks of time up to `until` [s]. A number without blocks counts as one with an exactly known standard
-/// error; its error is independent of those with other values of `place`. `None` without a standard error, and if the
-/// first block ends after `until`.
+/// error; this error is independent of the errors of numbers with another `place`. `None` without a standard error, and
+/// if the first block ends after `until`.
 fn batches(number: &ObservedNumber, place: usize, until: f64) -> Option<Batches> {
     let stated = || number.value.and_then(|found| Some(Batches::of_stated(found.value, found.error?, place)));
     let blocks = |batches: &Batches| Some(batches.until(until)).filter(|kept| kept.per_run > 0);

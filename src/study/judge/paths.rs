@@ -1,4 +1,4 @@
-//! Comparison of two variants with few bodies, by position and velocity of each body at equal instants.
+//! Comparison of two variants with few bodies, by position and velocity of each body at the same instants.
 //!
 //! Paths of colliding spheres are chaotic: small differences grow with every impact. The growth is measured with a twin
 //! of the reference, a second run whose initial velocities are slightly disturbed. Paths are compared up to the instant

@@ -278,8 +278,8 @@ fn without_error(a: &Observable, b: &Observable) -> Option<Shift> {
 
 /// Increases the errors of shifts that come from a straight line through several runs, if the runs do not lie on the
 /// line. `misses` has the distance of a run from the line for each observable. Each error is multiplied by the ratio of
-/// this distance to its own error, if the ratio exceeds 1. Without scatter, the distance times `share` [-] is added to
-/// the error.
+/// this distance to the error of the distance, if the ratio exceeds 1. Without scatter, the distance times `share` [-]
+/// is added to the error.
 pub fn widened(shifts: Vec<Shift>, misses: &[Shift], share: f64) -> Vec<Shift> {
     let one = |mut shift: Shift| {
         let miss = misses.iter().find(|miss| miss.observable == shift.observable);

@@ -82,9 +82,9 @@ fn first_file(side: &JudgeSide) -> PathBuf {
     first.split(':').next().unwrap_or(first).into()
 }
 
-/// Answers for all quantities. Quantities with equal margin and equal kind of data (averages or curves) form a group
-/// with one answer. The error level of a group is proportional to its number of quantities. So the probability of any
-/// false difference is as large as for a single test.
+/// Answers for all quantities. Quantities with the same margin and the same kind of data (averages or curves) form a
+/// group with one answer. The error level of a group is proportional to its number of quantities. So the probability of
+/// any false difference is as large as for a single test.
 fn verdicts(measured: &[MeasuredQuantity], names: &[String; 2]) -> Vec<Verdict> {
     let key = |one: &MeasuredQuantity| (one.summary.basis, one.summary.margin);
     let mut keys: Vec<(Basis, f64)> = Vec::new();
@@ -100,8 +100,8 @@ fn verdicts(measured: &[MeasuredQuantity], names: &[String; 2]) -> Vec<Verdict> 
     keys.into_iter().map(one).collect()
 }
 
-/// Answer for a group of quantities with equal margin and equal kind of data (averages or curves). `share` [-] is the
-/// number of quantities in the group divided by that of all quantities.
+/// Answer for a group of quantities with the same margin and the same kind of data (averages or curves). `share` [-] is
+/// the number of quantities in the group divided by that of all quantities.
 fn verdict(group: &[&MeasuredQuantity], names: &[String; 2], share: f64) -> Verdict {
     let (basis, margin) = (group[0].summary.basis, group[0].summary.margin);
     let observables = [0, 1].map(|k| -> Vec<Observable> {

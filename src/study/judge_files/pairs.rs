@@ -1,4 +1,4 @@
-//! Pairs of columns that are compared: those that the settings name, or all columns with equal names on both sides.
+//! Pairs of columns that are compared: those that the settings name, or all columns with the same name on both sides.
 
 use super::settings::{JudgeFile, JudgedAs, QuantityFile};
 use super::side::{JudgeSide, MeasuredPoint, SideData};
@@ -97,8 +97,8 @@ fn lacking(side: &JudgeSide, name: &str) -> Option<(String, String)> {
     }
 }
 
-/// Quantities made of columns or points that have equal names on both sides, except times, and notes for the reader. A
-/// column with cells that are not numbers is left out, and a note says so.
+/// Quantities made of columns or points that have the same name on both sides, except times, and notes for the reader.
+/// A column with cells that are not numbers is left out, and a note says so.
 fn equal_names(margin: f64, sides: &[JudgeSide; 2]) -> Result<(Vec<ComparedColumns>, Vec<String>), Diagnostic> {
     let (first, left_out) = names(&sides[0]);
     let (second, more) = names(&sides[1]);

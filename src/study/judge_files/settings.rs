@@ -22,7 +22,7 @@ pub struct JudgeFile {
     /// Table `[b]`: second side, the reference.
     #[serde(default)]
     pub b: SideFile,
-    /// Quantities that are compared. Default: all columns with equal names on both sides.
+    /// Quantities that are compared. Default: all columns with the same name on both sides.
     #[serde(default)]
     pub quantities: Vec<Located<QuantityFile>>,
 }

@@ -81,8 +81,8 @@ pub fn anisotropy_decay(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     })?;
     let (hard, soft) = runs.split_at(seeds.len());
     let row = |(&kappa, runs): (&f64, &[(f64, Option<Failure>)])| {
-        // all runs with one seed have the same start and mostly equal first collisions, so most of the scatter cancels
-        // in the ratio
+        // all runs with one seed have the same start, and mostly the same first collisions. So most of the scatter
+        // cancels in the ratio
         let ratios: Vec<f64> = runs.iter().zip(hard).map(|(soft, hard)| soft.0 / hard.0).collect();
         let (ratio, error) = mean(&ratios, |ratio| *ratio);
         let s = softness(kappa);

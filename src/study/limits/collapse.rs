@@ -144,8 +144,8 @@ struct CollapseInterval {
     at: f64,
     /// [1/s] number of collisions per sphere and time in the bin.
     rate: f64,
-    /// [-] energy that collisions did not lose because of the TC model (elastic collisions in quick succession), summed
-    /// from the start to the end of the bin. It is divided by the initial energy plus the work of gravity.
+    /// [-] energy that the TC model saves, because it makes collisions in quick succession elastic. It is summed from
+    /// the start to the end of the bin, and divided by the initial energy plus the work of gravity.
     kept: f64,
     failure: Option<Failure>,
 }

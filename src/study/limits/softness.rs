@@ -38,8 +38,9 @@ fn of_smaller_spheres(softness: f64) -> f64 {
 }
 
 /// [-] rate at which soft spheres touch at the distance d, divided by the rate of hard spheres. `softness` [-] is
-/// sqrt(m T/k)/d. Their neighbours are those of spheres of diameter d_eff, slightly beyond contact: g (1 + g'/g (d -
-/// d_eff)). The slope at contact is from Percus and Yevick's equation (Wertheim 1963): g' d = -(9/2) φ (1+φ)/(1-φ)³.
+/// sqrt(m T/k)/d. The pair distribution is that of hard spheres of diameter d_eff at the distance d: g + g' (d -
+/// d_eff), with contact value g and slope g'. The slope is from Percus and Yevick's equation (Wertheim 1963): g' d_eff
+/// = -(9/2) φ (1+φ)/(1-φ)³, with the volume fraction φ of these spheres.
 fn touches(softness: f64) -> f64 {
     let contact = |fraction: f64| (1.0 - 0.5 * fraction) / (1.0 - fraction).powi(3);
     let smaller = effective_diameter(softness);

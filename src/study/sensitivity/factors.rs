@@ -31,8 +31,8 @@ const PAPER_STEPS: f64 = 7.7;
 /// [-] step criterion θ of hard spheres that move in time steps. It is a third of the usual 0.3, at which fast spheres
 /// pass through walls (docs/limits.md).
 const THETA: f64 = 0.1;
-/// [-] factor by which the stiffness of each of three runs is lower than that of the run before. With each reduction by
-/// 4 the overlaps of linear springs double, so the softest spheres overlap four times as deeply.
+/// [-] factor between the stiffnesses of successive runs, the first of which has the stiffness of the case. With each
+/// reduction by 4 the overlaps of linear springs double, so the softest of three runs has overlaps four times as deep.
 const STIFFNESS_RATIO: f64 = 4.0;
 /// [-] length of the shortened box divided by that of the box of the case.
 const BOX_SHARE: f64 = 0.5;

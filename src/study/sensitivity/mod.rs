@@ -113,7 +113,7 @@ pub fn sensitivity(
     Ok(overall)
 }
 
-/// Runs of the plan that begin with the run of index `first`, each with all its replicas (runs with different seeds).
+/// Runs of the plan from the index `first` on, each with all its replicas (runs with different seeds).
 fn runs(plan: &SensitivityPlan, first: usize) -> Result<Vec<ResumableRun>, StudyError> {
     let mut runs = Vec::new();
     for planned in &plan.runs[first..] {

@@ -233,7 +233,8 @@ mod tests {
         let small = |name: &str, share: f64| factor(name, share, Answer::Equivalent);
         let all = [small("lift", 0.003), small("drag", -0.003), small("spin", 0.003)];
         assert_eq!(names(&superfluous(&plan, &all, &runs, MARGIN)), ["drag", "spin", "lift"]);
-        // 0.6 % and 0.5 % together are beyond 1 %, whatever their signs; the one that saves most time is left out
+        // 0.6 % and 0.5 % together are beyond 1 %, whatever their signs; of these two, only the model that saves more
+        // time is left out
         let all = [small("lift", 0.005), small("drag", -0.006), small("spin", 0.003)];
         assert_eq!(names(&superfluous(&plan, &all, &runs, MARGIN)), ["drag", "spin"]);
         let open = [factor("lift", 0.001, Answer::Unresolved), factor("drag", 0.5, Answer::Different)];

@@ -149,8 +149,8 @@ fn squeezed(scene: &CheckScene) -> Result<CheckResult, StudyError> {
         let found = [x[0].y, v[0].y, x[1].y, v[1].y];
         let names = ["y of the lower ball", "v of the lower ball", "y of the upper ball", "v of the upper ball"];
         for (k, name) in names.into_iter().enumerate() {
-            // displacements are up to 0.1 mm and speeds up to 0.4 m/s; the first step with a dashpot has a relative
-            // error of 2 ζ ω_0 Δt
+            // displacements are up to 0.1 mm and speeds up to 0.4 m/s; the first step Δt with a dashpot has a relative
+            // error of 2 ζ ω_0 Δt (damping ratio ζ, undamped angular frequency ω_0)
             let (unit, scale) = if k % 2 == 0 { ("m", 1e-4) } else { ("m/s", 0.4) };
             let what = format!("{name}, e = {restitution}, {} ms", time * 1e3);
             numbers.push(exact(what, unit, expected[k], found[k], 3e-4 * scale));

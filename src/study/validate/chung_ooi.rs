@@ -187,7 +187,9 @@ pub const FINITE_ELEMENTS: ValidationCheck = ValidationCheck {
     measure: finite_elements,
 };
 
-/// Test 5 of Chung and Ooi, by finite elements: v_t/(μ v_n) [-] before the impact, and R ω'/(μ v_n) [-] after it.
+/// Test 5 of Chung and Ooi, by finite elements: v_t/(μ v_n) [-] before the impact, and R ω'/(μ v_n) [-] after it. Here
+/// v_t and v_n are the tangential and the normal velocity before the impact, R is the radius and ω' the spin after the
+/// impact.
 const TEST_5: [(f64, f64); 10] = [
     (0.5954, 0.4056),
     (1.1850, 0.9818),
@@ -267,7 +269,8 @@ fn spinning(scene: &CheckScene) -> Result<CheckResult, StudyError> {
         let mut simulation = scene.simulation(Model::Soft, None, &sets)?;
         run_to(&mut simulation, 2e-3, 1)?;
         let after = surface_speed(&simulation, 0.1);
-        // in gross sliding β is 3.5 μ (1 + e) v_n/v_st - 1, from which the digitised points deviate by 0.003
+        // in gross sliding β is 3.5 μ (1 + e) v_n/v_st - 1, with normal velocity v_n and slip v_st; the digitised
+        // points deviate from this by 0.003
         numbers.push(read_off(format!("β at v_st = {slip:.3} m/s"), "", (expected, 0.005), -after / slip, 0.03));
         found.push(SeriesPoint::at(slip, -after / slip));
     }

@@ -10,8 +10,9 @@ use crate::simulation::Simulation;
 use crate::statistics::Estimate;
 use std::f64::consts::PI;
 
-/// [1/s] collision rate of one sphere in a gas, by Enskog's theory: 24 φ g sqrt(T/π)/d (1 - 1/N). The contact value g
-/// is that of Carnahan and Starling (1969). `temperature` [m²/s²] is the granular temperature T.
+/// [1/s] collision rate of one sphere in a gas, by Enskog's theory: 24 φ g sqrt(T/π)/d (1 - 1/N) for N spheres of
+/// diameter d at the volume fraction φ. The contact value g is that of Carnahan and Starling (1969). `temperature`
+/// [m²/s²] is the granular temperature T.
 pub fn enskog(simulation: &Simulation, temperature: f64) -> f64 {
     let (count, diameter) = (simulation.count() as f64, 2.0 * simulation.mean_radius());
     let fraction = count * PI / 6.0 * diameter.powi(3) / simulation.scene().domain.volume();

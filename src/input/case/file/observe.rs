@@ -114,7 +114,7 @@ pub struct SeenGasFile {}
 pub struct ViscosityFile {
     /// Longest time over which stresses are correlated: at least ten times `statistics.sample_interval`, and some twenty
     /// mean free times. Give it unless the box is sheared.
-    #[schemars(example = &"1 ms", extend("default" = "none, for sheared boxes", "x-range" = "greater than 0 s"))]
+    #[schemars(example = &"1 ms", extend("x-default" = "none, for sheared boxes", "x-range" = "greater than 0 s"))]
     pub duration: Option<Located<Time>>,
 }
 
@@ -138,6 +138,6 @@ pub struct FreeSurfaceFile {
     #[schemars(example = &"1 mm", extend("x-required" = "always", "x-range" = "1e-9 ..= 1e4 m"))]
     pub spacing: Option<Located<Length>>,
     /// Standard deviation of the Gaussian that smooths the heights.
-    #[schemars(example = &"2 mm", extend("default" = "2 spacings", "x-range" = "0 ..= 1e4 m"))]
+    #[schemars(example = &"2 mm", extend("x-default" = "2 spacings", "x-range" = "0 ..= 1e4 m"))]
     pub smoothing: Option<Located<Length>>,
 }

@@ -14,7 +14,7 @@ const LAWS: &[&str] = &["bridges", "power", "viscoelastic"];
 /// Restitution of a contact.
 #[derive(Clone, Debug)]
 pub enum RestitutionFile {
-    /// Restitution [-] that is equal at all speeds.
+    /// [-] restitution, the same at all speeds.
     Constant(Ratio),
     /// Law by which the restitution depends on the normal speed of the impact.
     BySpeed(Box<RestitutionLawFile>),

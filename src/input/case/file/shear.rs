@@ -31,6 +31,6 @@ pub struct OrbitFile {
     #[schemars(example = &"1.3e-4 1/s", extend("x-required" = "always", "x-range" = "-1e9 ..= 1e9 1/s"))]
     pub rate: Option<Located<Spin>>,
     /// Frequency ν of oscillations along x about the middle of the box.
-    #[schemars(example = &"0 1/s", extend("default" = "|Ω|, as around a point mass", "x-range" = "0 ..= 1e9 1/s"))]
+    #[schemars(example = &"0 1/s", extend("x-default" = "|Ω|, as around a point mass", "x-range" = "0 ..= 1e9 1/s"))]
     pub vertical_frequency: Option<Located<Spin>>,
 }

@@ -1,4 +1,5 @@
-//! Checks that the velocity of the gas is defined at all particles, and that the drag law is valid for all particles.
+//! Reads the velocity profiles of a pipe flow and of the logarithmic law. Checks that the velocity of the gas is
+//! defined at all particles, and that the drag law is valid for them.
 
 use super::{Resolver, short};
 use crate::case::de::Located;
@@ -10,12 +11,12 @@ use crate::experiment::{Amount, Experiment, Population};
 use crate::fluid::{Fluid, LogConstants, LogLaw, Profile};
 use crate::predict::flow::terminal_slip;
 
-/// Number of positions across the channel at which the slip velocity, gas minus particles, is computed before the run.
+/// Number of positions across the channel at which the slip of particles through the gas is computed before the run.
 const PLACES: usize = 101;
 
 impl Resolver {
-    /// Checks that the scene has walls at y = 0 and y = L_y, as a channel flow requires. `typed` is the value in the
-    /// case by which the flow was chosen, for the message.
+    /// Checks that the domain is not periodic along y, because a channel flow needs walls at y = 0 and y = L_y. `typed`
+    /// is the value in the case by which the flow was chosen, for the message.
     pub(super) fn between_walls<const M: i8, const K: i8, const S: i8>(
         &self,
         typed: &Located<Quantity<M, K, S>>,

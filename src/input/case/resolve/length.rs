@@ -15,8 +15,8 @@ use crate::simulation::soft_step;
 /// times that of the paper's longest run (6.5e6). A run of a single particle with this number takes minutes to hours.
 pub const MOST: f64 = 1e9;
 
-/// Largest number of time steps if time steps move only particles in contact. With more steps, a step would be shorter
-/// than the rounding error of the simulated time (1e-16 of that time).
+/// Largest number of time steps if time steps move only particles in contact. With more steps, the length of a step
+/// would be close to the rounding error of the simulated time (1e-16 of that time).
 const MOST_LOCAL: f64 = 1e15;
 
 impl Resolver {

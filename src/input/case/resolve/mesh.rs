@@ -151,7 +151,7 @@ impl Resolver {
         Ok(heap)
     }
 
-    /// Warns about parts of the file that are ignored, and about `welded` corners that were merged with others.
+    /// Warns about parts of the file that are ignored, and about corners that were merged; `welded` is their number.
     fn warn_of_file(&mut self, name: &Located<String>, welded: usize, notes: Vec<String>) {
         let typed = self.as_typed(name);
         if !notes.is_empty() {
@@ -269,8 +269,8 @@ impl Resolver {
         Ok(())
     }
 
-    /// Checks that a mesh is within the domain, of about the size of the domain, and not too near its own periodic
-    /// images.
+    /// Checks that a mesh is of about the size of the domain, not wholly outside, and not too near its own periodic
+    /// images. A mesh around the particles must be between the periodic sides.
     fn check_bounds(
         &self,
         mesh: &Located<MeshFile>,

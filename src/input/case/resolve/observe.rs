@@ -21,10 +21,10 @@ const MOST_BINS: i64 = 10_000;
 /// Largest number of wavelengths along an edge of the box. The list of wave vectors grows with the third power of this
 /// number.
 const MOST_WAVES: f64 = 100.0;
-/// Largest number of cells of a grid of fields. A cell takes 2.5 KB, for 20 blocks of time.
+/// Largest number of cells of a grid of fields. A cell takes 2.5 KB of memory: 16 sums in each of 20 blocks of time.
 const MOST_CELLS: i64 = 50_000;
-/// Smallest and largest number of columns of a surface along an edge of the box. The time of a sample grows with the
-/// third power of this number.
+/// Smallest and largest number of columns of a surface along an edge of the box. The computing time of a sample grows
+/// with the third power of the number of columns.
 const FEWEST_COLUMNS: f64 = 10.0;
 const MOST_COLUMNS: f64 = 500.0;
 /// Smallest number of samples within the longest time of the mean squared displacement, or of the correlation of

@@ -20,7 +20,7 @@ impl Resolver {
     /// Outlets of a case (places where particles leave), in the order of the case.
     ///
     /// # Errors
-    /// A shape that is out of range, a surface that is not closed, or a box whose images slide.
+    /// A shape that is out of range, a surface that is not closed, or a sheared box, whose periodic images slide.
     pub(super) fn outlets(&mut self, file: &CaseFile, scene: &Scene) -> Result<Vec<Outlet>, Diagnostic> {
         let mut outlets = Vec::new();
         for (number, typed) in file.outlets.iter().flatten().enumerate() {

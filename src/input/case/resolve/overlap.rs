@@ -15,8 +15,8 @@ use std::ops::ControlFlow;
 /// written after a long run have this accuracy.
 const ROUNDING: f64 = 1e-9;
 /// Number of close pairs per particle above which a start is refused without examining the rest. Close particles are in
-/// one cell or in neighbouring cells, one diameter wide. Without overlap, at most 0.74 of these cells is filled, so
-/// that an equal sphere has fewer than 40 others near it.
+/// one cell or in neighbouring cells, one diameter wide. Spheres without overlap fill at most 0.74 of these 27 cells.
+/// Among equal spheres, each then has fewer than 40 others near it.
 const ENOUGH: usize = 100;
 /// [-] largest overlap over the smaller diameter with which the soft engine starts from positions given by the user.
 /// The particles then start within a contact.
@@ -116,8 +116,8 @@ impl Resolver {
     /// [-] largest overlap, over the smaller diameter, with which the model can start. `of` contains two particles, or
     /// one particle twice if it touches a wall; `flat` is true for a flat wall. Soft and hybrid spheres from a saved
     /// state or a file of another program may overlap as during a run, those placed by the user at most by
-    /// `SOFT_LIMIT`. Hard spheres and spheres that collide by chance may overlap only in a saved state, and
-    /// event-driven hard spheres not at all.
+    /// `SOFT_LIMIT`. Hard spheres and spheres that collide by chance may overlap only in a saved state. Event-driven
+    /// hard spheres may not overlap at all, unless they are moved apart before the start.
     fn deepest(&self, of: [&Placed; 2], rule: Rule, flat: bool) -> f64 {
         let saved = of.iter().all(|placed| placed.saved);
         let settled = of.iter().all(|placed| placed.saved || placed.foreign);

@@ -14,8 +14,8 @@ use std::f64::consts::PI;
 struct Wanted<'a> {
     /// [N/m] stiffness that follows from the key.
     stiffness: f64,
-    /// [kg] effective mass for which the stiffness was computed. `None` if the stiffness does not depend on the masses
-    /// of the two bodies.
+    /// [kg] effective mass for which the stiffness was computed. `None` if all contacts of the pair have the same
+    /// stiffness.
     at_mass: Option<f64>,
     /// Source position and path of the key, for messages.
     key: (&'a crate::case::source::Origin, &'a str),
@@ -114,8 +114,8 @@ impl Resolver {
     }
 
     /// Stiffness of a pair, if a key of the pair determines it. The damping ratio ζ follows from the restitution. A
-    /// contact then lasts T_c = π/(ω_0 sqrt(1 - ζ²)), where ω_0² = k_n/M. Its largest overlap is `reduced_overlap` ·
-    /// u/ω_0, with the speed of approach u.
+    /// contact then lasts T_c = π/(ω_0 sqrt(1 - ζ²)), where ω_0² = k_n/M, with stiffness k_n and effective mass M. Its
+    /// largest overlap is `reduced_overlap` · u/ω_0, with the speed of approach u.
     fn pair_stiffness<'a>(
         &self,
         pair: &'a PairFile,

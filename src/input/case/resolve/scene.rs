@@ -12,8 +12,8 @@ use crate::fluid::{Fluid, Lift, Profile};
 use crate::scene::{ADDED_MASS, Scene, Species};
 use nalgebra::Vector3;
 
-/// [-] ratio of a force of the displaced gas (buoyancy or added mass) to the weight. Below this ratio no warning is
-/// given if the case leaves out the force. The value equals the default margin of comparisons.
+/// [-] ratio of the buoyancy to the weight, or of the added mass to the mass. Below this ratio, no warning is given if
+/// the case leaves the force out. The value equals the default margin (largest accepted difference) of comparisons.
 const SMALL: f64 = 0.01;
 
 impl Resolver {
@@ -108,8 +108,8 @@ impl Resolver {
         Ok(())
     }
 
-    /// Adds buoyancy to the scene, unless the case leaves it out. A warning is then given if buoyancy matters at the
-    /// density of the fluid.
+    /// Adds buoyancy to the scene, unless the case leaves it out. If the case does so, a warning is given if buoyancy
+    /// matters at the density of the fluid.
     pub(super) fn buoyancy(&mut self, file: &CaseFile, scene: &mut Scene) {
         let Some(typed) = file.fluid.as_ref().and_then(|fluid| fluid.value.buoyancy.as_ref()).filter(|on| !on.value)
         else {
@@ -190,8 +190,8 @@ impl Resolver {
         Ok(Drag::Suspension(SuspensionDrag { law, cells: self.cells(cells, domain, species, help)? }))
     }
 
-    /// Numbers of cells along x, y and z, none of which is narrower than a particle. The error message contains `help`,
-    /// a recommended number.
+    /// Numbers of cells along x, y and z. No cell may be narrower than the largest particle. The error message contains
+    /// `help`, a recommendation.
     pub(super) fn cells(
         &self,
         typed: &Located<[Located<i64>; 3]>,

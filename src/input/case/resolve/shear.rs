@@ -16,7 +16,7 @@ impl Resolver {
     /// Adds the shear that the case gives to the box. A box without shear is returned unchanged.
     ///
     /// # Errors
-    /// A rate of zero or out of range, an orbit that cannot be, or a box that is not periodic along all axes.
+    /// A rate of zero or out of range, an orbit with unstable motion, or a box that is not periodic along all axes.
     pub(super) fn sheared(&self, domain: Domain, file: &Located<DomainFile>) -> Result<Domain, Diagnostic> {
         let Some(shear) = &file.value.shear else { return Ok(domain) };
         let typed = self.need(&shear.value.rate, "domain.shear.rate")?;

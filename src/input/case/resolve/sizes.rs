@@ -112,7 +112,7 @@ impl Resolver {
             let share = self.in_range(fraction, help)?;
             let share = match by {
                 ByFile::Number => share,
-                // a fraction of the volume becomes one of the number after division by the volume of one particle
+                // a share of the volume becomes a share of the number after division by the volume of one particle
                 ByFile::Volume => share / d.powi(3),
             };
             rows.push(Fraction { diameter: d, share });

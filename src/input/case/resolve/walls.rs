@@ -16,10 +16,10 @@ use std::sync::Arc;
 
 /// [-] component of a unit normal along an axis below which the component counts as rounding.
 const ALIGNED: f64 = 1e-9;
-/// [-] distance by which a hollow body exceeds the box, over the size of the box, that counts as rounding.
+/// [-] distance by which a hollow body may exceed the box because of rounding, over the size of the box.
 const ROUNDING: f64 = 1e-9;
 
-/// Largest number of walls of a case; this number takes 1 GB and about 10 s to check.
+/// Largest number of walls of a case. So many walls take 1 GB of memory, and about 10 s to check.
 const MOST_WALLS: usize = 100_000;
 
 /// Side of a body on which the particles are: outside a solid, inside a vessel, or on both sides of a shell.
@@ -34,8 +34,8 @@ enum BodySide {
 pub(super) const OWN_IMAGE: &str =
     "a body stands again beyond every periodic side: make the domain larger or the body smaller";
 
-/// Reason to refuse a body that extends from `low` to `high` [m] along an axis. No sphere of the diameter `largest` [m]
-/// would fit between the body and its periodic image. `None` if there is enough room.
+/// Reason to refuse a body from `low` to `high` [m] along an axis: no sphere of the diameter `largest` [m] fits between
+/// the body and its periodic image. `None` if there is enough room.
 pub(super) fn too_near_its_image(domain: &Domain, axis: usize, [low, high]: [f64; 2], largest: f64) -> Option<String> {
     let room = domain.size[axis] - (high - low);
     (domain.periodic[axis] && room < largest).then(|| {
@@ -91,7 +91,7 @@ impl Resolver {
         Ok(walls)
     }
 
-    /// Roughness of a wall; `None` if the wall is smooth. `moves` is true if its surface or its shape moves.
+    /// Roughness of a wall; `None` if the wall is smooth. `moves` is true if the wall or its surface moves.
     fn roughness(&self, wall: &WallFile, surface: &Surface, moves: bool) -> Result<Option<WallRoughness>, Diagnostic> {
         let Some(typed) = &wall.roughness else { return Ok(None) };
         let number = self.need(&typed.value.deviation, "walls.roughness.deviation")?;
@@ -335,7 +335,7 @@ impl Resolver {
     pub(super) fn plane(&self, plane: &Located<PlaneFile>, domain: &Domain) -> Result<Plane, Diagnostic> {
         let point = vector(self.need(&plane.value.point, "plane.point")?);
         let typed = self.need(&plane.value.normal, "plane.normal")?;
-        // after division by the largest component, squares of very small and very large components remain finite
+        // after division by the largest component, squares of the components can neither overflow nor all become 0
         let raw = vector(typed);
         let largest = raw.amax();
         if largest == 0.0 {

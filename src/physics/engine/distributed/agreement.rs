@@ -1,6 +1,6 @@
-//! Joint decision of all processes about a trial of a part of a window (the time between two exchanges of momentum with
-//! the gas). The trial is valid only if islands that several processes solved have equal members and results. To borrow
-//! a particle means to store a copy (ghost) of a particle of another process.
+//! Joint decision of all processes after they have tried to compute a part, a piece of a window (the time between two
+//! exchanges of momentum with the gas). The trial is valid only if islands that several processes solved have the same
+//! members and results. To borrow a particle means to store a copy (ghost) of a particle of another process.
 
 use super::domains::{Domains, LocalParticles};
 use super::ghost_islands::{HotParticleDigest, agree_with, tell};
@@ -76,9 +76,9 @@ impl<C> Domains<C> {
         !failed && agree_with(islands, |index| view.is_mine(index), &heard)
     }
 
-    /// Derives the joint decision of all processes about a part (piece of a window). Adapts the distance from which
-    /// this process copies particles of other processes. `opinion` is the result of this process. `half_period` [m] is
-    /// half the shortest period of the box, and `size` [m] its longest edge.
+    /// Derives the joint decision of all processes about a part (piece of a window) from the result `opinion` of this
+    /// process and those of the others. Adapts the distance from which this process copies particles of other
+    /// processes. `half_period` [m] is half the shortest period of the box, and `size` [m] its longest edge.
     fn vote(&mut self, opinion: &LocalStatus, half_period: f64, size: f64) -> PartDecision {
         let LocalStatus { reach, room, failed, agrees } = *opinion;
         let flag = |set: bool| if set { 1.0 } else { 0.0 };

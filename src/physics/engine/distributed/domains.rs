@@ -25,13 +25,13 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::sync::Arc;
 
-/// [-] smallest distance from the block of a process within which it borrows (copies) particles of other processes,
-/// over the largest distance that a flying particle reaches from the middle of its flight.
+/// [-] smallest width of the zone around the block of a process from which it borrows (copies) particles of other
+/// processes. The unit is the largest distance that a flying particle reaches from the middle of its flight.
 const SEEN: f64 = 4.0;
 
-/// [-] distance from the block of a process within which it borrows particles of other processes in the first part of a
-/// run, in the unit of [`SEEN`]. The distance that islands need is not yet known then. Case D with 10⁶ particles needs
-/// 8, and a repeated part costs as much as a whole window.
+/// [-] width of the zone from which a process borrows particles of other processes in the first part of a run, in the
+/// unit of [`SEEN`]. The width that islands need is not yet known then. Case D with 10⁶ particles needs 8, and a
+/// repeated part costs as much as a whole window.
 const SEEN_AT_FIRST: f64 = 10.0;
 
 /// Number of particles per process below which processes do not share uniform steps, because most particles would be
@@ -67,7 +67,7 @@ pub struct LocalParticles<C> {
     /// Carried contacts at the start of the part: those among own particles, and those between an own particle and one
     /// of another process.
     pub(super) lasting: (Vec<C>, Vec<CrossRankContact<C>>),
-    /// Index in the store of each copied particle, by its id.
+    /// Index in the store of each particle that another process owns, by its id.
     pub(super) strangers: FxHashMap<u32, u32>,
     /// True if all particles that have a carried contact with an own particle are in the store.
     pub complete: bool,
@@ -214,8 +214,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
 
     /// Sends particles that have left the block to the processes that now own them, and copies all particles of other
     /// processes within `width` [m] of the block. The first result is, for each particle, true if this process owns it.
-    /// The second result is, for each process, the indices of the own particles of which it has copies now. It may have
-    /// stored these particles already.
+    /// The second result is, for each process, the indices of the own particles of which that process now has copies;
+    /// it may have had these copies before.
     pub fn borrow<S: Solve<Carried = C>>(&mut self, work: &mut Work<C>, width: f64) -> (Vec<bool>, Vec<Vec<u32>>) {
         let before = std::mem::replace(&mut self.width, width);
         let LocalParticles { mine, .. } = self.trade::<S>(work, (Vector3::zeros(), 0.0), 0.0);
@@ -262,7 +262,8 @@ impl<C> Domains<C> {
     }
 
     /// Calls `visit` with the number of every other process that needs a copy of an own particle. `x` [m] is the middle
-    /// of the particle's flight, and `block` contains the lowest and highest corner of the block of this process.
+    /// of the particle's flight, or its position. `block` contains the lowest and highest corner of the block of this
+    /// process.
     pub(super) fn for_each_borrower(
         &self,
         x: &Vector3<f64>,

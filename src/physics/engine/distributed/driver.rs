@@ -13,8 +13,8 @@ use crate::scene::Scene;
 use std::sync::Arc;
 
 impl<S: DistributedSolver> Driver<S> {
-    /// Returns in all processes the values of the lead process for the cost [ns/s] of the classical algorithm (all
-    /// particles at once, per particle and simulated time), and for the speeds of the particles.
+    /// Returns, in all processes, two values of the lead process: the cost [ns/s] of the classical algorithm (all
+    /// particles at once, per particle and simulated time), and the summary of the speeds of the particles.
     pub(in crate::engine) fn of_lead(
         &mut self,
         fallback_cost: Option<f64>,

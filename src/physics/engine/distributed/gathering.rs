@@ -82,9 +82,9 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         self.is_cut = false;
     }
 
-    /// Replaces the particles of the lead process by copies of particles of all processes, until [`scatter`](Self::scatter)
-    /// is called. Copies are made of all particles whose id is divisible by `every`, and of those that are in contact
-    /// with them. All processes must call this function.
+    /// Replaces the particles of the lead process by copies of particles of all processes, until
+    /// [`scatter`](Self::scatter) is called. Copies are made of all particles whose id is divisible by `every`, and of
+    /// those that are in contact with them. All processes must call this function.
     pub fn gather<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,
@@ -95,8 +95,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         self.gathered = self.gather_sample(solver, work, members, every);
     }
 
-    /// Restores the own particles of the lead process and their contacts in progress, after [`gather`](Self::gather) has
-    /// replaced them by copies. Returns false, and changes nothing, if they were not replaced.
+    /// Restores the own particles of the lead process and their contacts in progress, after [`gather`](Self::gather)
+    /// has replaced them by copies. Returns false, and changes nothing, if they were not replaced.
     pub fn scatter(&mut self, particles: &mut Particles, lasting: &mut Vec<C>, members: &mut Vec<u32>) -> bool {
         let Some(part) = self.gathered.take() else { return false };
         (*particles, *lasting, self.abroad, *members) = (part.particles, part.lasting, part.abroad, part.members);

@@ -30,9 +30,9 @@ pub trait GhostExchange {
         not_a_number(particles, time)
     }
 
-    /// Builds the neighbour list again, for uses that are `times[0]` [s] apart. Forces that are not yet applied first
-    /// act for the remaining time `times[1]` [s]. Several processes also exchange the particles that have left their
-    /// blocks.
+    /// Builds the neighbour list again, for uses that are `times[0]` [s] apart. Several processes also exchange the
+    /// particles that have left their blocks. Before that they apply the forces that are not yet applied, for the
+    /// remaining time `times[1]` [s].
     fn rebuild(&mut self, solver: &mut SoftSolver, particles: &mut Particles, scene: &Scene, times: [f64; 2]) {
         solver.rebuild(particles, scene, times[0]);
     }

@@ -41,9 +41,9 @@ pub fn tell<'a>(
     }
 }
 
-/// True if other processes have equal results for the own islands, those with a particle for whose index `chosen` is
-/// true. The checksums of these islands must be equal, and no further particle in the messages may meet them. `told`
-/// contains the messages, each with the index of its particle in this process.
+/// True if other processes have the same results for the islands of this process. These are the islands with a particle
+/// for whose index `chosen` is true. Their checksums must be equal, and no further particle in the messages may meet
+/// them. `told` contains the messages, each with the index of its particle in this process.
 pub fn agree_with<'a>(
     islands: &impl IslandFinder<'a>,
     chosen: impl Fn(u32) -> bool,

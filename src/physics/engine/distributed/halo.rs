@@ -1,5 +1,5 @@
-//! Own and borrowed particles of a process while processes share uniform time steps. A borrowed particle, or ghost, is
-//! a copy of a particle that another process owns.
+//! Own and borrowed particles of a process while several processes share uniform time steps. A borrowed particle, or
+//! ghost, is a copy of a particle that another process owns.
 
 use super::CrossRankContact;
 use super::domains::Domains;

@@ -35,7 +35,7 @@ use std::sync::Arc;
 ///
 /// While the run is cut, [`Engine::elastic_energy`] returns the energy of all processes, which must all call it.
 pub trait Distributed: Engine {
-    /// Shares the run with other processes, in which the engine is called with equal arguments.
+    /// Shares the run with other processes, which must call the engine in the same way.
     ///
     /// If `sample` is divided among the processes, each process must store the particles of its block, among [blocks of
     /// one size](crate::domain::blocks::Blocks::of_one_size). Otherwise the lead process stores all particles.
@@ -50,12 +50,12 @@ pub trait Distributed: Engine {
     fn balance(&mut self, particles: &Particles, scene: &Scene);
 
     /// Replaces the particles of the lead process by copies of particles of all processes: those with an id divisible
-    /// by `every` (1: all), and those in contact with them. [`scatter`](Self::scatter) undoes this. All processes must call
-    /// this function, between two windows.
+    /// by `every` (1: all), and those in contact with them. [`scatter`](Self::scatter) undoes this. All processes must
+    /// call this function, between two windows.
     fn gather(&mut self, particles: &mut Particles, scene: &Scene, every: u32);
 
-    /// Restores the own particles of the lead process, which [`gather`](Self::gather) has replaced by copies. Does nothing
-    /// if they have not been replaced.
+    /// Restores the own particles of the lead process, which [`gather`](Self::gather) has replaced by copies. Does
+    /// nothing if they have not been replaced.
     fn scatter(&mut self, particles: &mut Particles);
 
     /// True if each process can store its own part of the state of the run by [`packed`](Self::packed). Otherwise all
@@ -100,7 +100,7 @@ pub trait DistributedSolver: Solver {
     /// algorithm. All processes of the run share the work.
     ///
     /// # Errors
-    /// Errors of the classical algorithm, equal in all processes.
+    /// Errors of the classical algorithm, the same in all processes.
     fn everyone_together(
         &mut self,
         work: &mut Work<Lasting<Self>>,

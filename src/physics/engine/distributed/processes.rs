@@ -87,8 +87,9 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         self.domains.iter().for_each(|domains| domains.largest(values));
     }
 
-    /// Completes the sum of the energies [J] of contacts: `sum` contains those among own particles before, and those of
-    /// all processes afterwards. `energy` returns the energy of a contact. Does nothing for a single process.
+    /// Completes the sum of the energies [J] of contacts. Before the call, `sum` contains those among own particles,
+    /// and afterwards those of all processes. `energy` returns the energy of a contact. Does nothing for a single
+    /// process.
     pub fn add_energy(&self, sum: &mut ExactSum, energy: impl Fn(&C) -> f64) {
         if let Some(domains) = self.cut_domains().filter(|_| !self.is_shown()) {
             // half, since both processes count it
@@ -144,8 +145,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         }
     }
 
-    /// Moves all particles to the lead process. `members` lists the particles that were last in islands; their indices
-    /// are adapted.
+    /// Moves all particles to the lead process. `members` lists the particles that were in islands in the most recent
+    /// part of a window; their indices are adapted.
     pub fn assemble<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, members: &mut Vec<u32>) {
         if let Some(domains) = self.domains.as_mut().filter(|domains| domains.is_cut) {
             domains.assemble(solver, work, members);

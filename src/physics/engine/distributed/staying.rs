@@ -62,13 +62,13 @@ impl<C: Copy> Domains<C> {
         *members = members.iter().filter_map(|&index| stay.index(index)).collect();
     }
 
-    /// Removes all particles for which `mine` (one entry per index) is false, and contacts that involve no other
+    /// Removes all particles for which `mine` (one entry per index) is false, with the contacts that involve only such
     /// particles. Contacts between a removed particle and one that stays are moved to `abroad`.
     pub fn keep_own<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, mine: &[bool]) {
         drop(self.keep_some(solver, work, mine));
     }
 
-    /// Removes all particles for which `mine` (one entry per index) is false, and contacts that involve no other
+    /// Removes all particles for which `mine` (one entry per index) is false, with the contacts that involve only such
     /// particles. Contacts between a removed particle and one that stays are moved to `abroad`. Returns the new
     /// indices.
     pub(super) fn keep_some<'a, S: Solve<Carried = C>>(

@@ -1,12 +1,12 @@
 //! Shared uniform steps: each process moves the particles of its block, a part of the box.
 //!
 //! When the neighbour list is built, a process borrows copies of the particles that its own particles may touch before
-//! the next list. A contact across the border of two blocks is computed in both processes. The two results agree in all
-//! bits, because the particles of each process are in the same order as in the list of all particles.
+//! the list is built again. A contact across the border of two blocks is computed in both processes. The two results
+//! agree in all bits, because the particles of each process are in the same order as in the list of all particles.
 //!
 //! After every kick (change of velocities by forces) the processes exchange the largest speed, and the information if
-//! one has failed. Then each process sends the new velocities of own particles on which forces acted to the processes
-//! that borrow them.
+//! one of them has failed. If forces acted on an own particle that another process borrows, its new velocity is then
+//! sent to that process.
 
 use super::DistributedSolver;
 use super::domains::Domains;
@@ -300,7 +300,7 @@ impl DistributedSolver for SoftSolver {
         Some(&mut self.islands.allowance.each)
     }
 
-    /// False for Heun's method and for rough walls, whose contacts turn velocities outside the kicks that are exchanged.
+    /// False for Heun's method, and for rough walls, at which velocities also change between the exchanged kicks.
     fn shares_steps(&self, scene: &Scene) -> bool {
         self.integrator == Integrator::VelocityVerlet && !scene.has_rough_walls()
     }

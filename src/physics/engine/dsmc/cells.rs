@@ -15,21 +15,23 @@ use std::f64::consts::PI;
 /// [-] longest edge of a cell over the mean free path, if there are enough particles (Bird 1994, chapter 11).
 const EDGE: f64 = 1.0 / 3.0;
 
-/// Mean number of particles in a cell whose edge is a third of the mean free path (Bird 1994, chapter 11). Two particles
-/// collide again before they leave a cell with a probability of about h/(λ N), where h is the edge. So thinner cells may
-/// contain fewer particles.
+/// Mean number of particles N in a cell whose edge h is a third of the mean free path λ (Bird 1994, chapter 11). Two
+/// particles collide again before they leave a cell with a probability of about h/(λ N). So cells with shorter edges
+/// may contain fewer particles.
 const PER_CELL: f64 = 20.0;
 
 /// Smallest mean number of particles in a cell that is chosen; no pairs exist in cells with fewer than two.
 const FEWEST: f64 = 2.0;
 
 /// Number of cells between two walls at which no error of the mean flow was seen. In a pipe 1.6 mean free paths wide,
-/// the granular temperature was 8 % too low with 5 cells, 1 % too low with 16, and right with 24 (docs/results/dsmc.md).
+/// the granular temperature was 8 % too low with 5 cells, 1 % too low with 16, and right with 24
+/// (docs/results/dsmc.md).
 const ACROSS: f64 = 24.0;
 
-/// Mean number of particles in a block of cells that have one volume fraction. The number N of particles in a block
-/// fluctuates, so the mean of N (N - 1) χ(N) differs from its value at the mean N. The relative difference is (2 φ χ'/χ
-/// + φ² χ''/(2 χ))/N, with the contact value χ. For that of Carnahan and Starling it is less than 0.01 up to φ = 0.3.
+/// Mean number of particles in a block of cells that have one volume fraction φ. The number N of particles in a block
+/// fluctuates, so the mean of N (N - 1) χ(φ) differs from its value at the mean N, with the contact value χ. The
+/// relative difference is (2 φ χ'/χ + φ² χ''/(2 χ))/N. With χ of Carnahan and Starling it is less than 0.01 up to φ =
+/// 0.3.
 const PER_BLOCK: f64 = 500.0;
 
 /// [-] largest volume fraction at which the contact value is evaluated: no packing is denser than 0.7405 (Kepler).
@@ -76,7 +78,7 @@ impl RadiusSummary {
         self.range[0] < self.range[1]
     }
 
-    /// [m] mean free path 1/(√2 n σ χ) of all particles in a volume [m³], where n is the number density and σ the mean
+    /// [m] mean free path 1/(√2 n σ χ) of all particles in a volume [m³]. n is the number density, and σ the mean
     /// cross-section of two particles. χ is the Enskog factor, or 1 if `enskog` is false. The path is infinite for a
     /// single particle.
     pub fn mean_free_path(&self, volume: f64, enskog: bool) -> f64 {
@@ -107,7 +109,7 @@ impl Crowding {
     }
 }
 
-/// Cells that divide the places that centres of particles can reach, with the particles in each cell.
+/// Cells that divide the region in which centres of particles can be, with the particles in each cell.
 #[derive(Debug)]
 pub struct CollisionCells {
     grid: CellGrid,
@@ -298,8 +300,9 @@ mod tests {
         numbers(&scene, &region, &RadiusSummary::of(&particles), false)
     }
 
-    /// The mean free path is V/(√2 N π d²): 2.25 m at a height of 10 m, and 4.5 m at 20 m. A third of it would be 13
-    /// cells in both cases. Cells hold 20 particles times the ratio of their edge to this third, here 13/24.
+    /// The mean free path is V/(√2 N π d²): 2.25 m at a height of 10 m, and 4.5 m at 20 m. With a third of this path as
+    /// the edge, there would be 13 cells between the walls in both cases. Cells hold 20 particles times the ratio of
+    /// their edge to this third, here 13/24.
     #[test]
     fn at_least_24_cells_lie_between_two_walls() {
         for height in [10.0, 20.0] {

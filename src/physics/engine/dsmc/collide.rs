@@ -38,7 +38,7 @@ pub struct CellCollisions {
     pub changed: Vec<(u32, Vector3<f64>, Vector3<f64>)>,
     /// Impacts and energies of the collisions, for the record of the run.
     pub log: Log,
-    /// Number of pairs that were drawn as candidates for a collision; not all of them collide.
+    /// Number of pairs that were chosen at random as candidates for a collision; not all of them collide.
     pub drawn: u64,
     /// [1/s] sum of the expected collision rates of all particles in the cells, which is twice the expected number of
     /// collisions per time.
@@ -57,7 +57,7 @@ pub struct CellMemory {
 }
 
 /// Makes the particles of a cell collide at random for a time of `duration` [s], and adds the results to `into`; the
-/// positions do not change. `noise` draws the pairs and their impact parameters.
+/// positions do not change. `noise` supplies the random numbers that determine the pairs and their impact parameters.
 pub fn collide(
     cell: &CellState,
     duration: f64,
@@ -149,9 +149,9 @@ fn take_pair(
     }
 }
 
-/// Draws the geometry of a collision of the two particles in the store `pair`, given the velocity [m/s] of the first
-/// relative to the second and its magnitude `speed` [m/s]. The impact parameter is uniform over the cross-section of
-/// the pair.
+/// Chooses at random the geometry of a collision of the two particles in the store `pair`, given the velocity [m/s] of
+/// the first relative to the second and its magnitude `speed` [m/s]. The impact parameter is uniform over the
+/// cross-section of the pair.
 fn by_chance(pair: &Particles, relative: Vector3<f64>, speed: f64, noise: &mut ChaCha8Rng) -> Collision {
     let along = relative / speed;
     let (aside, across) = perpendicular(&along);

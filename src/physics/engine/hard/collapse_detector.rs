@@ -9,8 +9,8 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// Number of successive impacts of one particle, each after an unresolvably short flight, that counts as an inelastic
-/// collapse. A chain of n touching spheres transmits a blow in fewer than n²/2 collisions, so scenes without collapse
-/// have fewer.
+/// collapse. A chain of n touching spheres transmits a blow in fewer than n²/2 collisions. So scenes without collapse
+/// have fewer such impacts in succession.
 const COLLAPSE_STREAK: u8 = 200;
 
 /// [-] length of a flight divided by the longest edge of the box, below which the flight is unresolvably short.
@@ -20,8 +20,8 @@ const COLLAPSE_FLIGHT: f64 = 64.0 * f64::EPSILON;
 
 /// Number of successive flights of a particle, each shorter than the one before, after which an unresolvably short
 /// flight shows an inelastic collapse. A collapsing group has no more impacts once its relative speeds are below
-/// rounding, some dozen impacts later, so the limit [`COLLAPSE_STREAK`] would not be reached. By chance, three flights
-/// become shorter in a row in one of six cases. A chance flight is shorter than 10⁻¹⁴ of the box with a probability of
+/// rounding, some dozen impacts later, so the limit [`COLLAPSE_STREAK`] would not be reached. By chance, three
+/// flights in a row are each shorter than the one before in one of 24 cases. A chance flight is shorter than 10⁻¹⁴ of the box with a probability of
 /// about 10⁻¹⁴.
 const ZENO_FLIGHTS: u8 = 3;
 
@@ -90,8 +90,8 @@ impl LastCollision {
 }
 
 /// Speed [m/s] at which a particle slides along a curved wall, hitting the wall at ever smaller angles. Impacts then
-/// accumulate although no particle comes to rest. `None` if the wall is flat, if the particle does not slide, or at a
-/// particle.
+/// accumulate although no particle comes to rest. `None` if the particle does not slide, or if the other body is a flat
+/// wall or a particle.
 pub fn sliding(collision: &Collision, scene: &Scene) -> Option<f64> {
     /// [-] ratio of tangential speed to speed of approach above which a particle slides along a curved wall.
     const FLAT: f64 = 1e3;

@@ -34,7 +34,7 @@ pub struct DeflectedFlight {
 /// gas, and a part is a piece of it.
 #[derive(Clone, Copy)]
 pub struct WindowPart {
-    /// The window from the start of this part on; its start is the zero of times in the event loop.
+    /// Rest of the window, from the start of this part on. The event loop counts times from this start.
     pub window: Window,
     /// [s] length of the part, from its start to its end.
     pub end: f64,
@@ -66,7 +66,7 @@ pub struct EventLoop {
     /// For each candidate of a particle and a wall, the number of the surface feature (such as a triangle of a mesh)
     /// that the particle will touch next.
     features: Vec<u32>,
-    /// Flights that began with a collision in the last island, in the order of time.
+    /// Flights that began with a collision in the island that was moved most recently, in the order of time.
     pub turned: Vec<DeflectedFlight>,
     /// Collision history of each particle of the island, by which inelastic collapse is detected.
     met: Vec<LastCollision>,
@@ -152,7 +152,7 @@ impl EventLoop {
             };
             self.events += 1;
             self.list.clock.tell(window.start + now);
-            // the new flight passes through the present position, so its origin at the start of the window changes
+            // the new flight passes through the present position, so its point at the start of the part changes
             particles.position[couple.i as usize] -= change_i * now;
             if let Some(j) = couple.j() {
                 particles.position[j as usize] -= change_j * now;

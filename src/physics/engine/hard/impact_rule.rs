@@ -23,10 +23,10 @@ pub struct RoughImpulse {
 
 impl Collision {
     /// Computes the impulse (change of momentum) of particle `i`, and changes the spins of both bodies in `particles`.
-    /// The impulse is J_n **n** - **J**_t, with the normal **n** from the other body to `i` and J_n = (1+e) M |u_n|.
-    /// **J**_t is parallel to the slip, the tangential velocity of the surface of `i` relative to the other; the
-    /// scene's impact rule gives its magnitude. Either body gets the torque impulse l **n** × **J**_t, with l its lever
-    /// arm (docs/rotation.md).
+    /// The impulse is J_n **n** - **J**_t, with the normal **n** from the other body to `i`. J_n is (1+e) M |u_n|, with
+    /// the restitution e and the normal velocity u_n. **J**_t is parallel to the slip, the tangential velocity of the
+    /// surface of `i` relative to the other surface. The scene's impact rule gives its magnitude. The spin of each body
+    /// changes by l **n** × **J**_t/I, with its lever arm l and its moment of inertia I (docs/rotation.md).
     ///
     /// The tuple contains J_n [kg m/s], the effective mass M [kg], and the distance [m] of the centres at touch (the
     /// radius at a wall).
@@ -66,7 +66,7 @@ impl Collision {
         let torque = met.normal.cross(&against);
         indices().for_each(|index| spins[index] += torque * (arm_of(index) / inertia[index]));
         let friction_loss = tangential * (speed - 0.5 * tangential / mass);
-        // the loss by the rule of the spring cannot be divided into parts
+        // the rule of the spring does not separate the loss by tangential restitution from that by sliding
         let sticks = matches!(rotation.impact, ImpactRule::Walton { .. }) && tangential < limit;
         let tangential_restitution_loss = if sticks { friction_loss } else { 0.0 };
         let slip = SlipChange::new([speed, speed - tangential / mass], tangential, limit);

@@ -8,8 +8,8 @@ use crate::walls::WallApproach;
 use nalgebra::Vector3;
 
 /// Impulse on body i [kg m/s] from a body j that it approaches, without rotation. The normal part is J_n = (1+e) M
-/// |u_n|. The tangential part acts against the slip, with the magnitude J_t = min(μ J_n, M |u_t|). These are Eq. 4 of
-/// the paper and the Coulomb law below it. A restitution that depends on the speed is that at |u_n|.
+/// |u_n|, with the restitution e at the normal speed |u_n|. The tangential part acts against the slip **u**_t, with the
+/// magnitude J_t = min(μ J_n, M |u_t|) and the friction μ. These are Eq. 4 of the paper and the Coulomb law below it.
 ///
 /// `velocity` is the relative velocity u = u_i - u_j [m/s], and the unit vector `normal` points from j to i.
 /// `effective_mass` is M [kg]; for a wall it is the mass of the particle.
@@ -43,7 +43,7 @@ pub struct Collision {
     /// Motion of the wall's surface at the point of contact: velocity, spin and accelerations. `None` if the other body
     /// is a particle.
     pub wall: Option<WallMotion>,
-    /// [m/s] velocity along z of the periodic image that particle `i` hits, relative to the stored other particle. It
+    /// [m/s] velocity along z of the periodic image that particle `i` hits, relative to the other particle itself. It
     /// is 0 unless the two meet across a sheared side of the box ([`Couple::image_velocity`]).
     pub image: f64,
 }
@@ -91,9 +91,9 @@ impl Collision {
         !self.elastic && scene.surface(self.kinds.0, self.kinds.1).restitution_at(self.approach()) < 1.0
     }
 
-    /// Applies the impulse to the velocities and spins in `particles`, and adds the impact to `log`. Gravity does work
-    /// on the new momentum for the time `remaining` [s] until the end of the window. Returns the velocity changes [m/s]
-    /// of `i` and of the other particle (zero for a wall).
+    /// Applies the impulse to the velocities and spins in `particles`, and adds the impact to `log`. The log also
+    /// contains the work of gravity on the new momentum during the time `remaining` [s] until the end of the window.
+    /// Returns the velocity changes [m/s] of `i` and of the other particle (zero for a wall).
     pub fn resolve(
         &self,
         particles: &mut Particles,
@@ -136,8 +136,8 @@ impl Collision {
     }
 
     /// Adds the impact to `log`, and returns the velocity changes [m/s] of `i` and of the other particle (zero for a
-    /// wall). The velocities in `particles` stay, but the spins of rotating spheres are changed there. Gravity does
-    /// work on the new momentum for the time `remaining` [s] until the end of the window.
+    /// wall). The velocities in `particles` stay, but the spins of rotating spheres are changed there. The log also
+    /// contains the work of gravity on the new momentum during the time `remaining` [s] until the end of the window.
     pub fn apply_impulse(
         &self,
         weights: &CollisionMasses,
@@ -205,15 +205,15 @@ impl Collision {
                     }
                 }
                 ledger.wall_work += this.wall.map_or(0.0, |wall| wall.power(&impulse, None));
-                // the pressure on a rough wall counts along its smooth normal
+                // `self` instead of `this`: the pressure on a rough wall follows from the normal of the smooth wall
                 self.book_wall_impulse(&impulse, scene, remaining, ledger);
                 (change_i, Vector3::zeros())
             }
         }
     }
 
-    /// Entry of this collision in the statistics of impacts; the speed of rebound is left at 0 for the caller to fill
-    /// in. `diameter` [m] is the smaller diameter of the two bodies.
+    /// Entry of this collision in the statistics of impacts. Its rebound speed is 0 and must be set by the caller.
+    /// `diameter` [m] is the smaller diameter of the two bodies.
     fn impact(&self, diameter: f64) -> Impact {
         let overlap = self.met.overlap().max(0.0) / diameter;
         Impact {
@@ -228,8 +228,8 @@ impl Collision {
         }
     }
 
-    /// Adds to the ledger the impulse [kg m/s] that a wall gives to the particle. Gravity does work on this momentum
-    /// for the time `remaining` [s] until the end of the window.
+    /// Adds to the ledger the impulse [kg m/s] that a wall gives to the particle. Also adds the work of gravity on this
+    /// momentum during the time `remaining` [s] until the end of the window.
     fn book_wall_impulse(&self, impulse: &Vector3<f64>, scene: &Scene, remaining: f64, ledger: &mut Ledger) {
         ledger.wall_impulse += impulse;
         ledger.wall_normal_impulse += impulse.dot(&self.met.normal);
@@ -238,8 +238,8 @@ impl Collision {
 
     /// Velocity change [m/s] of a particle of `mass` [kg] that rests on a wall, after which its normal speed away from
     /// the wall is `speed` [m/s]. The energy given to the particle is recorded as a negative loss. No impact is
-    /// recorded, since the particle does not approach the wall. Gravity does work on the new momentum for the time
-    /// `remaining` [s] until the end of the window.
+    /// recorded, since the particle does not approach the wall. The log also contains the work of gravity on the new
+    /// momentum during the time `remaining` [s] until the end of the window.
     pub fn hold_at_rest(&self, speed: f64, mass: f64, scene: &Scene, remaining: f64, log: &mut Log) -> Vector3<f64> {
         let before = self.met.normal_velocity;
         let change = self.met.normal * (speed - before);

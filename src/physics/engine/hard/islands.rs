@@ -9,7 +9,7 @@ use crate::engine::islands::{GivenUp, Island, Solve, TracedIslands};
 use crate::scene::Scene;
 
 /// Solver that moves the hard spheres of one island (group of particles that may meet) from collision to collision. The
-/// only state that it carries to the next island is the times of recent collisions, which the TC model needs.
+/// only state that it carries to the next part is the times of recent collisions, which the TC model needs.
 #[derive(Default)]
 pub struct HardIslands {
     /// Contact time t_c [s] of the TC model, in which a collision is elastic soon after another one; `None` without

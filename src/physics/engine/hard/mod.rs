@@ -30,7 +30,7 @@ use serde::{Deserialize, Serialize};
 ///
 /// A window is the time between two exchanges of momentum with the gas. If few particles collide within a window, each
 /// island (group of particles that may meet) has a separate small event queue. If most collide, one event queue serves
-/// all particles. Both methods give equal collisions.
+/// all particles. Both methods give the same collisions.
 pub type Hard = Driver<HardSolver>;
 
 /// Method by which the engine moves the particles through each window, the time between two exchanges with the gas.
@@ -161,8 +161,8 @@ impl Solver for HardSolver {
         self.memory.outdated = true;
     }
 
-    /// Does nothing, because the event queue of all particles compares the ids, and so finds that it must be made anew.
-    /// It then keeps the whole collision histories.
+    /// Does nothing. At the start of a window, the event queue of all particles compares its ids with those in the
+    /// store. If they differ, it is made anew, and keeps the collision histories.
     fn repopulate(&mut self) {}
 
     /// Does nothing, because the recent collisions are returned at the end of each window in which all particles were

@@ -17,10 +17,11 @@ use std::f64::consts::PI;
 /// Hard spheres with time steps. Particles fly for a step Δt. Then every pair that overlaps and approaches receives the
 /// impulse of hard spheres; positions are not corrected.
 ///
-/// The step is Δt < θ d/u_r (section 3.4 of the paper), with u_r = sqrt(8 q²/(3π)) (Eq. 8, with the square root). In
-/// each time window the step is computed from the agitation q² of all particles, relative to one another and to the
-/// walls. The method misses grazing collisions that begin and end within a step, acts up to Δt late, and leaves
-/// overlaps. It is included to show these errors. Missed collisions are counted, and impacts record the overlaps.
+/// The step is Δt < θ d/u_r (section 3.4 of the paper), with the diameter d and u_r = sqrt(8 q²/(3π)). This is Eq. 8 of
+/// the paper, corrected: there, q² is outside the square root. In each time window the step is computed from the
+/// agitation q² of all particles, relative to one another and to the walls. The method misses grazing collisions that
+/// begin and end within a step, acts up to Δt late, and leaves overlaps. It is included to show these errors. Missed
+/// collisions are counted, and impacts record the overlaps.
 pub struct SteppedHard {
     theta: f64,
     list: NeighbourList,
@@ -40,7 +41,7 @@ impl SteppedHard {
     /// d is the smallest diameter, and u_r follows from the agitation of the velocities relative to their mean along
     /// the walls. The mean velocity perpendicular to a wall is included, and the velocity that gravity adds until the
     /// end of the window. So the step is also finite for a single falling sphere. The square of the largest speed of a
-    /// wall that moves is added.
+    /// moving wall is added to the mean square of the velocities.
     pub fn longest_step(theta: f64, particles: &Particles, scene: &Scene, duration: f64) -> f64 {
         let particles = &*particles.relative_to_flow(&scene.domain);
         let mean = along_walls(scene, particles.mean_velocity());
@@ -65,8 +66,9 @@ impl SteppedHard {
         theta * duration / (longest * Self::steps(longest, duration))
     }
 
-    /// Number of pairs that the time step has missed. Such a pair touched and came nearest within the last step of `dt`
-    /// [s], but separates at its end. It receives no impulse, even if the two particles still overlap.
+    /// Number of pairs that the time step has missed. Such a pair began to touch and came nearest within the last step
+    /// of `dt` [s], but separates at the end of the step. It receives no impulse, even if the two particles still
+    /// overlap.
     fn missed(&self, particles: &Particles, scene: &Scene, dt: f64) -> u64 {
         let passed = |pair: &&Pair| {
             let (i, j) = (pair.i as usize, pair.j as usize);

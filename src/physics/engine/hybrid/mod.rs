@@ -2,17 +2,18 @@
 //! contact otherwise.
 //!
 //! This rule is applied at the exact time of every touch. T_c is the time for which an isolated contact of the two
-//! bodies would last with the contact law, at their speed of approach. The touch is an impulse, as of hard spheres, if
-//! two conditions hold during the clear time θ T_c after it:
+//! bodies would last with the contact law, at their speed of approach u_n. The touch is an impulse, as of hard spheres,
+//! if two conditions hold during the clear time θ T_c after it:
 //!
-//! * no other body that may touch one of the two can reach it, whatever the impulse does to their velocities, and
-//!   neither of the two is in contact now;
-//! * gravity does not bring the sphere back to the wall that it leaves: 2 e u_n/g_n > θ T_c.
+//! * No third body can reach either of the two, whatever the impulse does to their velocities. Neither of the two is in
+//!   contact now.
+//! * Gravity does not bring the sphere back to the wall that it leaves: 2 e u_n/g_n > θ T_c, with the restitution e and
+//!   the component g_n of gravity towards the wall.
 //!
-//! All other touches, and those at servo walls, begin soft contacts, which are resolved by time steps. θ is the argument `clearance` of
-//! `Hybrid::new`. An impulse thus replaces only a contact that would end before another body could take part in it.
-//! Only soft contacts continue from one window to the next. An impulse conserves momentum exactly, and the energy that
-//! it dissipates is recorded.
+//! All other touches, and those at servo walls, begin soft contacts, which are resolved by time steps. θ is the
+//! argument `clearance` of `Hybrid::new`. An impulse thus replaces only a contact that would end before another body
+//! could take part in it. Only soft contacts continue from one window to the next. An impulse conserves momentum
+//! exactly, and the energy that it dissipates is recorded.
 //!
 //! A crowd is an island that is too large for local stepping, such as a bed of particles. It is moved by uniform time
 //! steps, while all other particles fly and collide.
@@ -45,7 +46,7 @@ pub struct HybridSolver {
     islands: HybridIslands,
 }
 
-/// Solver of islands of hybrid spheres, by impulses and local steps for small ones and uniform steps for crowds.
+/// Solver of islands of hybrid spheres: small ones by impulses and local steps, crowds (large ones) by uniform steps.
 pub struct HybridIslands {
     few: SoftIslands<Impulses>,
     many: Steps,
@@ -181,8 +182,8 @@ impl Solver for HybridSolver {
         scene: &Scene,
         window: Window,
     ) -> Option<f64> {
-        // both methods move crowds by uniform steps, so only the cost of the steps of all other particles is compared,
-        // with about one listed pair per particle
+        // both methods move crowds by uniform steps, so only the cost of the steps of all other particles is compared;
+        // the factor 2 includes the test of about one listed pair per particle
         self.soft.fallback_cost(population, speeds, scene, window).map(|of_all| 2.0 * of_all)
     }
 

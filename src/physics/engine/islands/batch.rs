@@ -15,8 +15,8 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Position and velocity, at the end of a part (piece of the time between two exchanges with the gas), of a hot
-/// particle, that is a member of an island. They are relative to the frame at rest.
+/// State of a hot particle (a member of an island) at the end of a part, a piece of the time between two exchanges with
+/// the gas. Position and velocity are relative to the frame at rest.
 #[derive(Clone, Copy, Debug)]
 pub struct HotParticle {
     /// Index of the particle in the particle store.
@@ -96,7 +96,7 @@ pub struct Solved {
     pub crowd_forces: u64,
     /// Number of gaps and times of touch that were computed for the island.
     pub pair_checks: u64,
-    /// Number of contact forces that were computed in contact steps of the island.
+    /// Number of contact forces that were computed in the island, those of uniform steps included.
     pub force_evaluations: u64,
     /// Work: the number of moved particles, summed over all stages of the time integrator, plus the number of gaps
     /// checked after steps.
@@ -152,7 +152,7 @@ pub struct Notes<C> {
     pub lasting: Vec<C>,
     /// Impacts of these islands, each with the kinds (species or wall) of its two bodies.
     pub impacts: Vec<(Between, Impact)>,
-    /// Energies and momenta of all these islands (ledgers), condensed to a few rows whose exact sums are those of all.
+    /// Energies and momenta (ledgers) of all these islands, condensed to a few rows that have the same exact sums.
     pub ledger: Vec<[f64; ENTRIES]>,
     /// Counts of the work in these islands and of their members.
     pub counts: IslandCounters,

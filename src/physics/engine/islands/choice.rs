@@ -80,8 +80,8 @@ pub struct PartCosts {
     /// [-] distance within which a hot particle (member of an island) may meet other hot ones, over the mean length of
     /// a flight in the part.
     reach: f64,
-    /// [-] number of other hot particles (members of islands) within reach of one, above which nearly all islands
-    /// unite. Islands within reach of each other unite, and the united island reaches farther.
+    /// [-] number of other hot particles (members of islands) within reach of a hot particle, above which nearly all
+    /// islands unite. Islands within reach of each other unite, and the united island reaches farther.
     crowded: f64,
 }
 
@@ -95,8 +95,8 @@ pub const BOUNDED: PartCosts = PartCosts { search: 90.0, pair: 1.2, island: 1400
 /// 0.75 ms.
 pub const TRACED: PartCosts = PartCosts { search: 80.0, pair: 1.2, island: 1000.0, reach: 0.5, crowded: 0.15 };
 
-/// [-] largest relative displacement by shear, over the distance along y, in one part of a run in a sheared box. The
-/// balls that contain flights are enlarged by about this fraction, so with a tenth they are little larger than needed.
+/// [-] largest shear of a sheared box in one part: relative displacement of two particles by the mean flow, divided by
+/// their distance along y. The balls that contain flights are enlarged by about this fraction, which is thus small.
 const STRAINED: f64 = 0.1;
 
 /// [-] factor by which parts are shorter in a sheared box, since the balls that contain flights are enlarged there by
@@ -167,7 +167,7 @@ pub fn cheapest_part(
         }
         pieces = (pieces * 1.3).ceil();
     }
-    // if searching costs more than solving islands, nearly all particles collide within the cheapest part, and the
-    // classical algorithm is cheaper
+    // no length was found if islands cost more than the classical algorithm at every length, or if nearly all islands
+    // would unite
     best.map(|(_, cheapest)| cheapest)
 }

@@ -64,8 +64,8 @@ pub struct Cluster {
     /// Indices in the particle store of the bystanders, in the order of their ids. Bystanders are particles that fly
     /// straight unless a member hits them.
     pub(in crate::engine) bystanders: Few,
-    /// Numbers of the carried contacts (or recent collisions) that belong to the island; after `update_reach` they are in
-    /// ascending order.
+    /// Numbers of the carried contacts (or recent collisions) that belong to the island; after `update_reach` they are
+    /// in ascending order.
     carried: Few,
     /// The two largest kinetic energies [J] of members, in the moving frame of the search, the largest first.
     pub(in crate::engine) energies: [f64; 2],
@@ -136,8 +136,8 @@ pub struct Clusters<'a> {
     pub(in crate::engine) list: Vec<Cluster>,
     /// Energy [J] that each carried contact may give back to its particles.
     energy: Vec<f64>,
-    /// Speed [m/s] by which limits are higher near walls: the velocity that gravity adds towards walls during the part,
-    /// plus twice the speed of the fastest moving wall, which an impact gives at most.
+    /// Speed [m/s] by which walls raise all speed limits: the velocity that gravity adds towards walls during the part,
+    /// plus twice the speed of the fastest moving wall. An impact on a moving wall adds at most twice the wall's speed.
     fall: f64,
     pub(in crate::engine) members: Vec<Member>,
     /// Largest distance [m] that any member may reach from the middle of its straight flight.
@@ -168,8 +168,8 @@ impl<'a> Clusters<'a> {
         }
     }
 
-    /// Velocity [m/s] relative to which the speed bound of a particle, given by index, holds. In a sheared box it
-    /// contains the mean flow at the position of the particle at the start of the solved time.
+    /// Velocity [m/s] of the frame in which the speed of a particle, given by index, is limited. In a sheared box it
+    /// contains the mean flow at the position of the particle at the start of the part.
     #[inline]
     fn frame_of(&self, index: usize) -> Vector3<f64> {
         self.frame + self.domain.mean_flow(&self.particles.position[index])

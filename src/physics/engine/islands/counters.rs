@@ -19,7 +19,7 @@ pub struct IslandCounters {
     pub pair_checks: u64,
     /// Number of pairs, and of particles with walls, that were checked in searches for touches.
     pub searched: u64,
-    /// Number of contact forces computed in contact steps of small islands, which are not moved by uniform steps.
+    /// Number of contact forces computed in all islands, those in uniform steps of crowds included.
     pub force_evaluations: u64,
     /// Number of particles moved by stages of contact steps, plus the number of gaps checked after steps. It measures
     /// the work.
@@ -50,7 +50,7 @@ impl IslandCounters {
         self.largest = largest;
     }
 
-    /// Borrows all counts that are sums over islands. The remaining counts are equal in all processes, or a maximum.
+    /// Borrows all counts that are sums over islands. Each remaining count is the same in all processes, or a maximum.
     pub fn sums(&mut self) -> [&mut u64; 11] {
         let Self { events, impulses, crowd_steps, crowd_forces, pair_checks, searched, .. } = self;
         let Self { force_evaluations, updates, islands, members, redone, .. } = self;
@@ -80,7 +80,7 @@ impl IslandCounters {
         self.updates += solved.updates;
     }
 
-    /// Returns those counts whose meaning is equal in all engines.
+    /// Returns those counts that have the same meaning in all engines.
     pub fn of_all_engines(&self) -> Counters {
         Counters {
             islands: self.islands,

@@ -28,8 +28,8 @@ pub struct Island<C> {
     by_index: Vec<u32>,
     /// Candidates for contacts: pairs of particles, and particles with walls, that may touch in this part.
     pub list: NeighbourList,
-    /// Contacts in progress (or recent collisions) with local indices of particles: at the start of the part, and after
-    /// solving at its end.
+    /// Contacts in progress (or recent collisions), with local indices of particles. Before the island is solved they
+    /// are those at the start of the part, afterwards those at its end.
     pub carried: Vec<C>,
     /// Log of the impacts and energies in the island.
     pub log: Log,
@@ -46,7 +46,7 @@ pub struct Island<C> {
     pub crowd_forces: u64,
     /// Number of gaps and times of touch that were computed for the island.
     pub pair_checks: u64,
-    /// Number of contact forces that were computed in contact steps of the island.
+    /// Number of contact forces that were computed in the island, those of uniform steps included.
     pub force_evaluations: u64,
     /// Number of particles moved by stages of contact steps, plus the number of gaps checked after steps. It measures
     /// the work.

@@ -71,7 +71,7 @@ pub trait Solve: Sync {
     fn indices(carried: &Self::Carried) -> [Option<u32>; 2];
 
     /// Returns a carried contact or recent collision with new indices of its particles: index `p` becomes
-    /// `place_of(p)`. This is needed when the particle store was sorted, or when particles are copied into an island.
+    /// `index_of(p)`. This is needed when the particle store was sorted, or when particles are copied into an island.
     fn moved(carried: &Self::Carried, index_of: &dyn Fn(u32) -> u32) -> Self::Carried;
 
     /// Energy [J] that a carried contact may give back to its particles; 0 for a recent collision.
@@ -257,7 +257,7 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
                 }
                 part = (0.5 * part).max(shortest);
             };
-            // a length that was too long for this part would be too long again
+            // a length that was too long for this part would be too long for the next part too
             longest = if S::Finder::KEEPS_SHORTER { part } else { longest };
             if !moved {
                 break;

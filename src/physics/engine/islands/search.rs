@@ -48,9 +48,9 @@ impl BoundingSphere {
     }
 
     /// Enlarges the ball in a sheared box, where the frames of two particles move relative to each other. `way` [m] is
-    /// the largest distance of any point of the particle, during `part` [s], from its centre at the start. Two
-    /// particles that touch started at most the sum of their ways apart along y. Their frames then move by at most the
-    /// shear rate times `part` times this sum.
+    /// the largest distance of any point of the particle, during `part` [s], from its centre at the start. If two
+    /// particles touch, their distance along y at the start was at most the sum of both ways. Their frames are then
+    /// displaced relative to each other by at most the shear rate times `part` times this sum.
     #[inline]
     pub fn strained(self, domain: &Domain, part: f64, way: f64) -> Self {
         match domain.shear {
@@ -243,7 +243,7 @@ impl Search {
     }
 
     /// Finds the touches across the sheared sides of the box: the flights near the lower side are shifted above the
-    /// upper side and compared with the flights below it.
+    /// upper side, and compared with the flights below the upper side.
     fn hot_across(&self, particles: &Particles, scene: &Scene, span: &SearchInterval, found: &mut SearchResult) {
         if scene.domain.shear.is_none() {
             return;
@@ -284,8 +284,8 @@ impl Search {
         // because flat walls do not need it
         let way = || particles.position[i] + particles.velocity[i] * (0.5 * part);
         let look = |(wall, shape): (usize, &Wall)| {
-            // the frame moves along planes, so the ball of the flight has the right distance from planes; for other
-            // shapes the path relative to the frame at rest is used, or relative to the shape if it moves
+            // the frame moves along planes, so the ball of the flight has the right distance from planes. For other
+            // shapes the path relative to the frame at rest is used, or relative to the shape if the shape moves.
             let reach = spot.reach + falls;
             let geometry = &shape.geometry;
             let is_near = match &shape.moving {

@@ -12,14 +12,15 @@ use crate::engine::islands::IslandCounters;
 use crate::experiment::Integrator;
 use serde::{Deserialize, Serialize};
 
-/// [ns] cost per particle of one search for touches on straight flights: the flight of the particle is computed, and the
-/// particle is sorted into a cell (as in `cheapest_part`).
+/// [ns] cost per particle of one search for touches on straight flights: the flight of the particle is computed, and
+/// the particle is sorted into a cell (as in `cheapest_part`).
 const SEARCH: f64 = 90.0;
 
 /// [ns] cost of testing one pair of particles for a touch.
 const CHECK: f64 = 1.2;
 
-/// [ns] cost of copying a particle into an island and back: half of the cost per member of an island in `cheapest_part`.
+/// [ns] cost of copying a particle into an island and back: half of the cost per member of an island in
+/// `cheapest_part`.
 const MEMBER: f64 = 700.0;
 
 /// [ns] cost of one contact force in an island.
@@ -75,8 +76,8 @@ pub struct Backoff {
 }
 
 impl Backoff {
-    /// Returns true if a pause lasts, in which islands are not tried. The present window then counts as a part of the
-    /// pause.
+    /// Returns true during a pause, in which islands are not tried. The number of windows that remain of the pause then
+    /// decreases by one.
     pub fn waits(&mut self) -> bool {
         let waits = self.left > 0;
         self.left = self.left.saturating_sub(1);
@@ -84,8 +85,8 @@ impl Backoff {
     }
 
     /// Compares the cost of islands between the counts `before` and `after` with the cost `fallback_cost` of uniform
-    /// steps. If islands cost more, a pause begins that is twice as long as the last one, up to `LONGEST`. Otherwise
-    /// the stored length of the last pause is halved.
+    /// steps. If islands cost more, a pause begins that is twice as long as the previous pause, up to `LONGEST`.
+    /// Otherwise the stored length of the previous pause is halved.
     pub fn judge(&mut self, before: &IslandCounters, after: &IslandCounters, fallback_cost: &Rival) {
         if after.neighbour_builds == before.neighbour_builds {
             // islands were not tried in this window

@@ -54,8 +54,8 @@ pub struct ForceEvaluation {
 pub struct ForceSums {
     /// Powers and forces of the block's contacts.
     pub rows: ContactRows,
-    /// [J] elastic energy of the contacts. It is summed only for Heun's method, because contacts do not store its
-    /// predicted state.
+    /// [J] elastic energy of the contacts. It is summed only for Heun's method, whose predicted state the contacts do
+    /// not store.
     pub elastic_energy: f64,
     /// Numbers of forces and tests in the evaluation.
     pub done: ForceEvaluation,
@@ -96,9 +96,9 @@ pub struct ContactBlock {
     near: Vec<u32>,
     /// [m] travelled distance of the list up to which `near` and `near_walls` are valid; `None` before a search.
     near_until: Option<f64>,
-    /// Slots of walls that may overlap before the list's travelled distance exceeds `near_until`, in ascending order.
+    /// Slots of particles that may overlap a wall before that distance exceeds `near_until`, in ascending order.
     near_walls: Vec<u32>,
-    /// [m] for each slot of a wall: travelled distance of the list up to which particle and wall cannot touch.
+    /// [m] for each slot of a particle and a wall: travelled distance of the list up to which the two cannot touch.
     free_until: Vec<f64>,
     /// Contact forces of the last evaluation.
     pub pushes: ForceBuffer,
@@ -234,7 +234,7 @@ impl ContactBlock {
         self.find_walls(view, overlapping);
     }
 
-    /// Lists the slots of walls that may be touched before the list's travelled distance reaches `until` [m].
+    /// Lists the slots of particles that may touch a wall before the list's travelled distance reaches `until` [m].
     fn list_walls(&mut self, until: f64, list: &NeighbourList) {
         let first = self.slots.start.max(list.pairs.len());
         self.free_until.resize(self.slots.end.saturating_sub(first), f64::NEG_INFINITY);
@@ -421,7 +421,7 @@ impl ContactBlock {
             return;
         }
         let met = meet(&couple, &constants, view);
-        // a particle that has moved far in one step may be out of reach of the surface; its normal is then zero
+        // a particle that has moved far in one step may be out of reach of the surface; the present normal is then zero
         let before = course.normal.filter(|_| gone || met.normal == Vector3::zeros());
         let normal = before.map_or(met.normal, |normal| normal.cast());
         let rebound = met.velocity.dot(&normal);

@@ -13,8 +13,8 @@ use serde::{Deserialize, Serialize};
 
 /// [-] largest allowed overlap, divided by the (smaller) diameter. Beyond the limit the normal has no meaning.
 ///
-/// At a plane (`flat`), a sphere beyond the limit is entirely behind the plane. In other contacts, the centres of a
-/// pair are nearer than half their distance at touch, or a centre is inside a body.
+/// At a plane (`flat`), a sphere beyond the limit is entirely behind the plane. In any other contact, the centre of the
+/// (smaller) sphere is then inside the other body.
 pub fn overlap_limit(flat: bool) -> f64 {
     if flat { 1.0 } else { 0.5 }
 }
@@ -24,7 +24,8 @@ pub fn overlap_limit(flat: bool) -> f64 {
 pub const SHORT: f64 = 0.4;
 
 /// Failure of the particle at index `i`, whose centre passes through wall `wall` within one step, reported for `time`
-/// [s]. The step is a straight line of `length` [m]. When the centre is on the surface, the overlap equals the radius.
+/// [s]. The step is a straight line of `length` [m]. The ratio is that for a centre on the surface: radius over
+/// diameter.
 pub fn passed(particles: &Particles, i: usize, (wall, time): (u32, f64), length: f64) -> Failure {
     let (limit, diameter) = (overlap_limit(false), 2.0 * particles.radius[i]);
     let way = Some(length / diameter);
@@ -119,8 +120,8 @@ pub struct ContactState {
     pub resistance: Option<ResistanceMemory>,
     /// [m/s] slip of particle i relative to the other body at first touch; `None` if spheres do not rotate.
     pub first_slip: Option<Vector3<f32>>,
-    /// [rad] rotation vector by which a rough wall has turned the velocity of particle i at first touch. The velocity is
-    /// turned back when the contact ends. `None` for any other contact.
+    /// [rad] rotation vector by which a rough wall has turned the velocity of particle i at first touch. The velocity
+    /// is turned back when the contact ends. `None` for any other contact.
     pub facet: Option<Vector3<f64>>,
 }
 
@@ -163,8 +164,8 @@ impl ContactState {
         }
     }
 
-    /// State of a contact that begins at simulated time `began` [s] with a speed of approach [m/s]. A contact that
-    /// exists at the start of a run without approach resists rolling at once.
+    /// State of a contact that begins at simulated time `began` [s] with the speed of approach `normal_speed` [m/s]. If
+    /// the bodies do not approach, as is possible at the start of a run, the contact resists rolling at once.
     pub fn beginning(
         began: f64,
         normal_speed: f64,
@@ -193,9 +194,8 @@ impl ContactState {
     /// Returns an error if the overlap is so large that the normal has no meaning, or if the centre has passed the
     /// other body.
     ///
-    /// The overlap is too large in three cases: the centres of a pair are nearer than half their distance at touch, a
-    /// centre is within a solid body, or a sphere is entirely behind a plane. The last evaluation was one step of `dt`
-    /// [s] before the present time `time` [s].
+    /// The overlap is too large in two cases: the centre of the (smaller) sphere is inside the other body, or a sphere
+    /// is entirely behind a plane. The previous evaluation was one step of `dt` [s] before the present time `time` [s].
     #[inline(always)]
     pub fn check(
         &self,
@@ -232,8 +232,8 @@ impl ContactState {
         (particles, scene): (&Particles, &Scene),
         (time, dt): (f64, f64),
     ) -> Result<(), Failure> {
-        /// [-] upper limit of the largest speed in a step over the speed at its end. In a contact of about twenty steps
-        /// the ratio is smaller.
+        /// [-] upper limit of the ratio of the largest speed in a step to the speed at the end of the step. In a
+        /// contact of about twenty steps the ratio is smaller.
         const FASTER: f64 = 2.0;
         let ContactConstants { diameter, reach, .. } = *constants;
         let (i, limit) = (couple.i as usize, overlap_limit(false));
@@ -338,8 +338,8 @@ impl Alike {
     }
 }
 
-/// [m/s²] acceleration of a particle by gravity, relative to the wall of a couple; 0 for a pair, since both particles fall
-/// equally.
+/// [m/s²] acceleration of a particle by gravity, relative to the wall of a couple; 0 for a pair, since both particles
+/// fall equally.
 #[inline(always)]
 pub(super) fn relative_gravity(
     couple: &Couple,

@@ -34,7 +34,7 @@ pub struct ContactRows {
 
 impl ContactRows {
     /// Adds the row of one contact force. `at` contains the scene and the time [s] from the action of the force to the
-    /// end of the window. Full batches of rows are condensed: a few rows with equal sums are added to `few`.
+    /// end of the window. Full batches of rows are condensed: a few rows with the same sums are added to `few`.
     #[inline(always)]
     pub fn add(&mut self, couple: &Couple, force: &ContactForce, at: (&Scene, f64), few: &mut Self) {
         self.add_row(couple, force, 0.0, at, few);
@@ -142,7 +142,8 @@ impl Default for ContactSums {
 }
 
 impl ContactSums {
-    /// Adds rows to the sums, multiplied by `weight` [-]. The weight is a power of two, or 0, so the products are exact.
+    /// Adds rows to the sums, multiplied by `weight` [-]. The weight is a power of two, or 0, so the products are
+    /// exact.
     pub fn add(&mut self, rows: &ContactRows, weight: f64) {
         self.is_empty &= weight == 0.0 || (rows.of_pairs.is_empty() && rows.at_walls.is_empty());
         add_weighted(&mut self.of_pairs, &rows.of_pairs, weight);

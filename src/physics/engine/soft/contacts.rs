@@ -28,8 +28,8 @@ pub struct StepRecord<'a> {
 }
 
 impl StepRecord<'_> {
-    /// Shifts the particles of a sheared box by whole periods into the box, and adds the changes of energy and momentum at
-    /// its sheared sides to the ledger. Boxes without shear are not changed.
+    /// Shifts the particles of a sheared box by whole periods into the box, and adds the changes of energy and momentum
+    /// at its sheared sides to the ledger. Boxes without shear are not changed.
     pub fn cross(&mut self, particles: &mut Particles, domain: &Domain) {
         if domain.shear.is_some() {
             self.log.ledger += particles.wrap(domain);
@@ -136,8 +136,8 @@ pub struct Contacts {
     foreseen: Vec<Contact>,
     /// [J] elastic energy stored in all contacts.
     elastic_energy: f64,
-    /// Powers and wall forces of the last kick (change of velocities by forces). Its second half is recorded in the next
-    /// window.
+    /// Powers and wall forces of the last kick (change of velocities by forces). Its second half is recorded in the
+    /// next window.
     rates: Rates,
     /// [W] parts of the friction power of the last kick (change of velocities by forces), by cause.
     losses: FrictionLosses,
@@ -248,7 +248,7 @@ impl Contacts {
     }
 
     /// Makes the next evaluation test all slots of the neighbour list, as after a restart from a stored run. The counts
-    /// of work are then equal in a run that was stored and in one that was not.
+    /// of work are then the same in a restarted run as in an uninterrupted one.
     pub fn look_anew(&mut self) {
         self.blocks.iter_mut().for_each(ContactBlock::look_anew);
     }
@@ -408,8 +408,8 @@ impl Contacts {
         left
     }
 
-    /// Adds the force of a rough wall that acts for one time step to the sums. After the step, `at.1` [s] remain until
-    /// the end of the window.
+    /// Adds to the sums the force of a rough wall that acts for one time step. `at` contains the scene, and the time
+    /// [s] from the action of the force to the end of the window.
     pub fn count_turn(&mut self, couple: &Couple, force: &ContactForce, at: (&Scene, f64)) {
         let (mut row, mut few) = (ContactRows::default(), ContactRows::default());
         row.add(couple, force, at, &mut few);
@@ -418,7 +418,7 @@ impl Contacts {
     }
 
     /// Adds powers and forces of the last evaluation to the sums, after all processes have agreed that these forces
-    /// act. If half of their kick is applied in the next window, stores the sums for it.
+    /// act. If half of their kick is applied in the next window, stores the sums for that half.
     pub fn count(&mut self, at: EvaluationTime, ghosts: &dyn GhostExchange) {
         for ContactBlock { sums, .. } in &self.blocks {
             self.total.add(&sums.rows, at.weight);
@@ -458,7 +458,7 @@ mod tests {
     use crate::neighbours::NearWall;
 
     /// Checks that the contacts of one particle with one wall are in one block, and that a slot is found in its block.
-    /// Seven contacts of a particle do not divide the size of a block.
+    /// Each particle has seven slots, and the size of a block is not a multiple of seven.
     #[test]
     fn no_border_parts_the_contacts_of_a_particle_with_a_wall() {
         let near = |k: u32| NearWall { particle: k / 7, at: AtWall { wall: 0, which: k % 7 } };

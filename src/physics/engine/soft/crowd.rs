@@ -24,17 +24,17 @@ pub struct Steps {
 }
 
 impl Steps {
-    /// [ns/s] estimated cost of uniform steps in a bed, per particle and simulated time. A particle in a bed has about six
-    /// neighbours and four contacts, each of which is shared by two particles.
+    /// [ns/s] estimated cost of uniform steps in a bed, per particle and simulated time. A particle in a bed has about
+    /// six neighbours and four contacts, each of which is shared by two particles.
     pub fn cost_in_a_bed(&self) -> f64 {
         let stages = stages(self.integrator) / self.longest;
         Rival { stages, particles: 1, slots: 3, forces: 2.0 * stages }.cost()
     }
 }
 
-/// Moves a crowd (a large island) by uniform steps for `end` [s] from the beginning of the window. A particle leaves
-/// its bounds if it exceeds its speed limit, or is hit without being a member. Returns the local index of one such
-/// particle, and stores the others in [`Island::also`]; `None` without such a particle.
+/// Moves a crowd (a large island) by uniform steps for `end` [s] from the beginning of the window. The result is valid,
+/// and the function returns `None`, if no member exceeds its speed limit and no other particle is hit. Otherwise it
+/// returns the local index of one such particle, and stores the others in [`Island::also`].
 ///
 /// # Errors
 /// Returns the failure of the uniform steps.
@@ -73,12 +73,13 @@ pub fn solve(
     particles.id = std::mem::take(&mut solver.ids);
     island.log = log;
     count(island, &solver);
-    // bystanders whose velocities contacts have changed must become members of the island
+    // particles that are not members, but whose velocities contacts have changed, must become members of the island
     island.also = (island.hot..before.len()).filter(|&k| particles.velocity[k] != before[k]).collect();
     island.particles = particles;
     result?;
     let fastest = solver.speed.pushed + island.apart_from(&solver.list.frame());
-    // in a sheared box the list has the mean flow where particles are, the limits that where they were at the beginning
+    // in a sheared box, `pushed` is relative to the mean flow at the present positions, the limits to that at the
+    // initial positions
     let fastest = fastest * (1.0 + scene.domain.strain_rate() * end);
     if fastest > island.least_limit() {
         island.fastest = fastest;
@@ -93,6 +94,6 @@ fn count(island: &mut Island<Contact>, solver: &SoftSolver) {
     island.crowd_steps += counters.steps;
     island.crowd_forces += counters.force_evaluations;
     island.force_evaluations += counters.force_evaluations;
-    // in a uniform step, a particle or a gap costs half as much as in an island (`backoff`)
+    // in a uniform step, a particle or a gap costs half as much as in a local step (`backoff`)
     island.updates += (counters.steps * island.particles.len() as u64 + counters.pair_checks) / 2;
 }

@@ -18,8 +18,8 @@ use crate::walls::WallApproach;
 use nalgebra::{Rotation3, Vector3};
 
 /// [rad] rotation vector (axis times angle) that turns the normal of a randomly inclined facet to the normal of the
-/// smooth wall. `met` is the encounter at first touch, and `id` the id of the particle. `None` if the other body of `couple` is no rough wall, or if the
-/// facet is not inclined.
+/// smooth wall. `met` is the encounter at first touch, and `id` the id of the particle. `None` if the other body of
+/// `couple` is not a rough wall, or if the facet is not inclined.
 pub(super) fn facet_turn(
     couple: &Couple,
     met: &Encounter,
@@ -67,7 +67,7 @@ impl SoftSolver {
             let couple = self.list.couple(slot as usize);
             let met = couple.meet(particles, scene, at.moment());
             let name = particles.id[couple.i as usize];
-            // in a crowd the ids are numbers in the crowd
+            // in a crowd (large island) numbers replace the ids in the store, and `self.ids` contains the ids
             let id = self.ids.get(name as usize).copied().unwrap_or(name);
             let Some(turn) = facet_turn(&couple, &met, (particles, scene), id) else { continue };
             self.contacts.meet_facet(slot, turn, &self.list);
@@ -88,8 +88,8 @@ impl SoftSolver {
         }
     }
 
-    /// Adds the impulse [kg m/s] that a rough wall gives to a particle `before` [s] before the time `at` to the sums, and
-    /// raises the limits of speeds to the new speed of the particle.
+    /// Adds to the sums the impulse [kg m/s] that a rough wall gives to a particle, `before` [s] before the time `at`.
+    /// Raises the limits of speeds to the new speed of the particle.
     fn count_turn(
         &mut self,
         (couple, impulse): (&Couple, &Vector3<f64>),

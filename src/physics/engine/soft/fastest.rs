@@ -28,13 +28,13 @@ impl SoftSolver {
     pub(super) fn kick(&mut self, particles: &mut Particles, domain: &Domain, dt: f64) {
         let mass = self.alike.as_ref().map(|alike| alike.mass);
         let pushed = kick_all(&self.pushes, (particles, mass), dt, self.list.frame());
-        // relative to the mean flow of a sheared box also particles that are not pushed change their speed
+        // in a sheared box, particles without contact force also change their speed relative to the mean flow
         let in_flow = |_| particles.largest_speed_in(self.list.frame(), domain);
         self.speed.rise(domain.shear.map_or(pushed, in_flow));
     }
 
-    /// [m/s] upper limit of the speed with which a particle approaches a wall. Two particles of the neighbour list approach
-    /// each other with at most twice this speed. Gravity since the beginning of the window is not included.
+    /// [m/s] upper limit of the speed with which a particle approaches a wall. Two particles of the neighbour list
+    /// approach each other with at most twice this speed. Gravity since the beginning of the window is not included.
     pub(super) fn closing_speed(&self, particles: &Particles, domain: &Domain) -> f64 {
         self.speed.all + self.list.strain(particles, domain) + self.speed.of_walls
     }

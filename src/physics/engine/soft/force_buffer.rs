@@ -24,7 +24,7 @@ pub struct ForceIncrement {
 pub struct ContactTorque {
     /// [N] torque of the tangential force on either particle, divided by the radius of that particle.
     pub over_radius: Vector3<f64>,
-    /// [N m] torque of rolling and twisting resistance on particle i; the other particle gets the opposite one.
+    /// [N m] torque of rolling and twisting resistance on particle i; the other particle gets the opposite torque.
     pub couple: Option<Vector3<f64>>,
 }
 
@@ -121,8 +121,8 @@ impl ForceBuffer {
         self.couples.clear();
     }
 
-    /// Removes the forces on particles for which `chosen`, by index, is false. One particle of each contact must be
-    /// chosen. If the chosen particle is j, it becomes particle i of its entry.
+    /// Removes the forces on particles for which `chosen`, by index, is false. At least one particle of each contact
+    /// must be chosen. If only particle j is chosen, it becomes particle i of its entry.
     pub fn leave(&mut self, chosen: &[bool]) {
         let is_chosen = |index: u32| chosen[index as usize];
         for (k, push) in self.list.iter_mut().enumerate() {

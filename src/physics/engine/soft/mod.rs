@@ -45,23 +45,23 @@ use local::NoInstants;
 pub(in crate::engine) use local::{Allowance, InstantaneousRule, IslandScratch, ReachedTouch, SoftIslands};
 use serde::{Deserialize, Serialize};
 
-/// [ns] estimated cost of one uniform step (of all particles) per particle, without pair tests and contact forces. It is
-/// on the scale of the costs in `backoff`.
+/// [ns] estimated cost of one uniform step (of all particles) per particle, without pair tests and contact forces. It
+/// can be compared with the costs in `backoff`.
 const UNIFORM_COST: f64 = 5.0;
 
 /// Engine of soft spheres: spring-dashpot contacts, with time steps of islands or of all particles at once.
 ///
 /// Uniform stepping is velocity Verlet in its kick-drift-kick form, in which two successive half-kicks are one kick.
 /// Within a window, velocities are therefore those of half steps, and forces are applied only to particles in contact.
-/// The dashpot uses the half-step velocity (stability limit ω_0 Δt < 2(sqrt(1+ζ²) - ζ)). Heun's RK2 is included for
-/// comparison with the paper.
+/// The dashpot uses the half-step velocity. This is stable for ω_0 Δt < 2(sqrt(1+ζ²) - ζ), with the undamped angular
+/// frequency ω_0 and damping ratio ζ of a contact. Heun's method (RK2) is included for comparison with the paper.
 pub type Soft = Driver<SoftSolver>;
 
 /// Solver of soft spheres: islands by local stepping, all particles at once by uniform stepping.
 pub struct SoftSolver {
     stepping: SoftStepping,
     pub(in crate::engine) islands: SoftIslands,
-    /// Pause in windows, during which islands are not tried because they cost more than uniform steps (stepping `Auto`).
+    /// Pause, in windows, in which islands are not tried because they cost more than uniform steps (stepping `Auto`).
     patience: Backoff,
     /// Number of uniform steps since the start of the run.
     steps: u64,
@@ -79,19 +79,19 @@ pub struct SoftSolver {
     /// Working memory: forces of the first stage of Heun's method.
     before: Vec<ForceBuffer>,
     pub(in crate::engine) counters: Counters,
-    /// [m/s] upper limits of speeds, relative to the frame in which the neighbour list measures the motion of particles.
+    /// [m/s] upper limits of speeds, relative to the frame in which the neighbour list measures motion.
     pub(in crate::engine) speed: Fastest,
-    /// [m] smallest radius of any particle, by which passages through thin walls are excluded; `None` without thin walls.
+    /// [m] smallest radius of any particle, for the check of passages through thin walls; `None` without thin walls.
     smallest: Option<f64>,
     /// True if the scene has rough walls, whose contacts turn velocities.
     has_rough_walls: bool,
-    /// Ids of the particles of a crowd, which are numbered from 0 while it is solved; empty outside crowds.
+    /// Ids of the particles of a crowd (large island), while numbers from 0 replace them in the store; otherwise empty.
     ids: Vec<u32>,
     /// True if `pushes` contains the forces of the present state (Verlet).
     pub(in crate::engine) has_forces: bool,
     /// True if uniform steps, not islands, moved the particles last.
     pub(in crate::engine) ran_last: bool,
-    /// Mass, species and contact constants that are equal for all particles during a window; `None` if particles differ.
+    /// Mass, species and contact constants of every particle, if they are the same for all; otherwise `None`.
     pub(in crate::engine) alike: Option<Alike>,
     /// Data for steps that several processes share.
     pub(in crate::engine) shared: SharedSteps,
@@ -103,8 +103,8 @@ pub struct SoftState {
     patience: Backoff,
     steps: u64,
     counters: Counters,
-    /// Neighbour list without changes. A list rebuilt for the present positions would contain other pairs, in another
-    /// order.
+    /// Present neighbour list. A list that is built anew for the present positions would contain other pairs, in
+    /// another order.
     list: NeighbourList,
     /// Forces of the half-kick that is not yet applied (Verlet).
     pending: ForceBuffer,
@@ -297,8 +297,8 @@ impl SoftSolver {
         Ok(())
     }
 
-    /// Moves all particles through the whole window by uniform steps, which are equally long for all particles. `ghosts`
-    /// exchanges data with the other processes of the run, if there are any.
+    /// Moves all particles through the whole window by uniform steps, which are equally long for all particles.
+    /// `ghosts` exchanges data with the other processes of the run, if there are any.
     pub(in crate::engine) fn uniform(
         &mut self,
         particles: &mut Particles,
@@ -327,8 +327,8 @@ impl SoftSolver {
         Ok(())
     }
 
-    /// Estimates the work of uniform steps of all `particles` through the simulated time `time` [s]. In the same time, small
-    /// islands computed `forces` contact forces by local steps, and large islands (crowds) `of_crowds` by uniform steps.
+    /// Estimates the work of uniform steps of all `particles` for `time` [s] of simulated time. In this time, islands
+    /// computed `forces` contact forces by local steps, and crowds (large islands) `of_crowds` forces by uniform steps.
     fn uniform_work(&self, particles: usize, time: f64, [forces, of_crowds]: [u64; 2]) -> Rival {
         let stages = stages(self.integrator);
         let local = self.islands.stages().len() as f64;
@@ -412,8 +412,8 @@ impl Solver for SoftSolver {
         self.shared.halo = None;
     }
 
-    /// Drops all forces and contacts, whose indices of particles are those before the change of the population. The
-    /// forces are evaluated anew at the start of the next window.
+    /// Drops all forces and contacts, because their particle indices are no longer valid after a change of the
+    /// population. The forces are evaluated anew at the start of the next window.
     fn repopulate(&mut self) {
         self.disturb();
         self.pushes.clear();
@@ -456,8 +456,8 @@ impl Solver for SoftSolver {
     }
 
     fn elastic_energy(&self) -> Option<f64> {
-        // in the predicted state in which a step of Heun's method ends, the energy does not follow from the stored
-        // contacts
+        // the last evaluation in a step of Heun's method is for a predicted state, which the contacts do not store; the
+        // energy was therefore summed in that evaluation
         (self.ran_last && self.integrator == Integrator::Rk2).then(|| self.contacts.elastic_energy())
     }
 

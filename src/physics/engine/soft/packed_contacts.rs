@@ -12,7 +12,7 @@ const SHARED: usize = 16;
 const CHUNK: usize = 128;
 
 /// A contact in progress, in 64 bytes. Its two bodies are those of its slot (number of the candidate) in the neighbour
-/// list. Data for statistics of impacts alone are in single precision.
+/// list. The normal, and data that only the statistics of impacts need, are in single precision.
 #[derive(Clone, Copy, Debug)]
 pub struct PackedContact {
     normal_speed: f64,
@@ -85,7 +85,8 @@ pub struct PackedContacts {
     kept: Vec<Vec<PackedContact>>,
     /// Indices in `kept` at which no contact is stored.
     free: Vec<u32>,
-    /// Constants of contacts. Any number of contacts use one of the first `SHARED` entries, one contact each further entry.
+    /// Constants of contacts. Many contacts may share one of the first `SHARED` entries. Each further entry is for one
+    /// contact.
     constants: Vec<ContactConstants>,
     /// Indices in `constants`, from `SHARED` on, whose entries no contact uses.
     unused: Vec<u32>,
@@ -197,7 +198,7 @@ impl PackedContacts {
         RotatingRecord { constants, kept, shear, resistance }
     }
 
-    /// Constants and present state of the contact at `index`, with its springs and the turn by a rough wall.
+    /// Constants and present state of the contact at `index`, with its springs, first slip and turn by a rough wall.
     pub fn whole(&self, index: u32) -> (&ContactConstants, ContactState) {
         let (constants, course) = self.get(index);
         let (chunk, offset) = (index as usize / CHUNK, index as usize % CHUNK);

@@ -11,16 +11,17 @@ impl SoftSolver {
         scene.walls.iter().any(|wall| wall.geometry.law().is_thin())
     }
 
-    /// True if a step of `dt` [s] is long enough to move the centre of a sphere through a thin wall without a large overlap
-    /// at its start or end. `elapsed` [s] is the time from the beginning of the window to that of the step.
+    /// True if a step of `dt` [s] is long enough to move the centre of a sphere through a thin wall, without a large
+    /// overlap at the start or end of the step. The step begins `elapsed` [s] after the beginning of the window.
     pub(super) fn may_pass(&self, scene: &Scene, elapsed: f64, dt: f64) -> bool {
         let fall = scene.gravity * (elapsed + 0.5 * dt);
         let closing = self.speed.all + self.speed.of_walls + fall.norm();
         self.smallest.is_some_and(|smallest| closing * dt >= SHORT * smallest)
     }
 
-    /// Returns an error if the next step moves the centre of a sphere through a thin wall; such a step may have no
-    /// overlap at either end. The step of `dt` [s] begins `elapsed` [s] after the beginning of the window.
+    /// Returns an error if the next step moves the centre of a sphere through a thin wall. Sphere and wall need not
+    /// overlap at the start or end of such a step. The step of `dt` [s] begins `elapsed` [s] after the beginning of the
+    /// window.
     pub(super) fn refuse_to_pass(
         &self,
         particles: &Particles,

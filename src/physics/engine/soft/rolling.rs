@@ -11,11 +11,11 @@ use nalgebra::Vector3;
 /// Rolling and twisting motion of two touching bodies, and the resistances to it.
 #[derive(Clone, Copy, Debug)]
 pub struct RollingMotion {
-    /// Effective radius and inertia of the two bodies for rolling and twisting.
+    /// Effective radius R_eff and inertia of the two bodies for rolling and twisting.
     pub bodies: RollingBodies,
-    /// [m/s] rolling velocity R_eff (ω_i - ω_j) × n.
+    /// [m/s] rolling velocity R_eff (ω_i - ω_j) × n, with the spins ω and the unit normal n.
     pub rolling: Vector3<f64>,
-    /// [m/s] twisting speed R_eff (ω_i - ω_j)·n.
+    /// [m/s] twisting speed R_eff (ω_i - ω_j)·n, with the spins ω and the unit normal n.
     pub twisting: f64,
     /// Resistance to rolling; `None` if there is none.
     pub against_rolling: Option<Resistance>,
@@ -28,7 +28,7 @@ pub struct RollingMotion {
 pub struct ResistingCouple {
     /// [N m] torque on particle i; the other body gets the opposite torque.
     pub couple: Vector3<f64>,
-    /// [N] force f of the rolling resistance; its torque is -R_eff n × f.
+    /// [N] force f of the rolling resistance; its torque is -R_eff n × f, with the effective radius R_eff and normal n.
     pub rolling: Vector3<f64>,
     /// [W] power taken from the rotation, in the middle of the kick.
     pub power: f64,
@@ -65,9 +65,9 @@ impl RollingMotion {
         Self { bodies, rolling, twisting, against_rolling, against_twisting }
     }
 
-    /// [1/kg] rolling acceleration over the tangential force that causes it: R_eff (r_i/I_i - r_j/I_j), without r_j/I_j
-    /// at a wall. The lever arm is taken as the radius. The ratio of slip acceleration to rolling resistance has the
-    /// same value.
+    /// [1/kg] rolling acceleration divided by the tangential force that causes it: R_eff (r_i/I_i - r_j/I_j), without
+    /// r_j/I_j at a wall. R_eff is the effective radius, r a radius and I a moment of inertia. The lever arm is taken
+    /// as the radius. The acceleration of the slip divided by the rolling resistance has the same value.
     pub fn passed_on(&self, couple: &Couple, particles: &Particles) -> f64 {
         let inertia = particles.inertia.as_deref().unwrap_or_default();
         let of = |index: u32| particles.radius[index as usize] / inertia[index as usize];
@@ -97,7 +97,7 @@ pub struct ResistedStep {
 }
 
 impl Resistance {
-    /// [N] force of a resistance without memory, for a velocity [m/s] and a normal force [N]. It is at most the force
+    /// [N] force of a resistance without spring, for a velocity [m/s] and a normal force [N]. It is at most the force
     /// that stops the motion within `dt` [s].
     #[inline(always)]
     pub fn without_memory(&self, velocity: &Vector3<f64>, normal_force: f64, dt: f64) -> Vector3<f64> {
@@ -166,7 +166,7 @@ impl RollingMotion {
         done
     }
 
-    /// [J] energies of the rolling and the twisting spring at overlap δ [m].
+    /// [J] energies of the rolling and the twisting spring at the overlap `overlap` [m].
     pub fn energies(&self, memory: &ResistanceMemory, overlap: f64) -> [f64; 2] {
         let of = |resistance: &Option<Resistance>, square: f64| {
             resistance.map_or(0.0, |resistance| 0.5 * resistance.spring.at(overlap).stiffness * square)

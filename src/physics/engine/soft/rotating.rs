@@ -64,8 +64,8 @@ pub struct RotatingForce {
 
 impl ContactConstants {
     /// Force and torques of a contact between rotating bodies, at the end of a step in which the surfaces have slipped
-    /// for `at.shear_time` [s]. The old shear is first turned with the normal and with the mean spin about it. Then the
-    /// slip is added.
+    /// for `at.shear_time` [s]. The old shear is first turned with the normal, and by the mean spin about the normal.
+    /// Then the slip is added.
     #[inline(always)]
     pub fn rotating_force(
         &self,

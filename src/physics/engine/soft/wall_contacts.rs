@@ -66,9 +66,9 @@ mod tests {
     fn contacts_follow_their_normals() {
         let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
         let tilted = (x + y * 0.3).normalize();
-        // exchanged, with one that has turned a little
+        // the contacts have exchanged their numbers, and the normal of one has turned a little
         assert_eq!(matched(&[x, y], &[met(y), met(tilted)]), [Some(1), Some(0)]);
-        // one is gone, and another one has come
+        // one contact has ended, and another contact has begun
         assert_eq!(matched(&[x, y], &[met(z), met(y)]), [None, Some(1)]);
         // two contacts have become one, which continues the contact with the nearer normal
         let [a, b] = [x + y * 0.5, x - y * 0.4].map(|normal| normal.normalize());

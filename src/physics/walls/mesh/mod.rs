@@ -1,9 +1,9 @@
 //! Walls made of triangles: nearest points, contacts with spheres and times of touch.
 //!
 //! A sphere can have a contact at each local minimum of the distance from its centre to the surface. The minimum lies
-//! inside a triangle, on an edge or at a corner. If several minima lie in nearly one direction from the centre, only
-//! the nearest is a contact. This excludes seams between triangles and the far side of a thin plate. In a corner the
-//! directions differ, so each minimum is a contact.
+//! inside a triangle, on an edge or at a corner. If several minima lie in nearly the same direction from the centre,
+//! only the nearest is a contact. This excludes seams between triangles and the far side of a thin plate. In a corner
+//! the directions differ, so each minimum is a contact.
 
 mod clearance;
 mod nesting;
@@ -233,15 +233,15 @@ impl Mesh {
                     first.set(Some(earlier.unwrap_or(spot)));
                 }
             }
-            // rounding is added to the limit, so that triangles at equal distance are tested too
+            // rounding is added to the limit, so that triangles at the same distance are tested too
             least() * (1.0 + ROUNDING)
         });
         first.get()
     }
 
     /// True if all triangles within `reach` [m] of `point` [m] have nearly equal normals, so that a sphere has at most
-    /// one contact there. The nearest point may lie on an edge or corner of a closed surface. Its direction then lies
-    /// between the normals of the adjacent triangles, all of which are within `reach`.
+    /// one contact there. The nearest point may lie on an edge or corner of a closed surface. The direction from there
+    /// to `point` lies between the normals of the adjacent triangles, all of which are within `reach`.
     fn is_smooth(&self, point: &Vector3<f64>, reach: f64) -> bool {
         let mut normals = self.tree.within(point, reach).map(|face| &self.surface.faces[face as usize].normal);
         let first = normals.next();
@@ -256,8 +256,8 @@ impl Mesh {
         spots.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(a.face.cmp(&b.face)));
         let mut kept: Vec<TrianglePoint> = Vec::new();
         for spot in spots {
-            // a back side belongs to the far side of a plate, unless it is the nearest: then the sphere's centre has
-            // passed through
+            // a point seen from behind lies on the far side of a plate, unless it is the nearest point: then the
+            // sphere's centre has passed through the surface
             let other_side = spot.behind && !kept.is_empty();
             if !other_side && kept.iter().all(|other| other.direction.dot(&spot.direction) <= APART) {
                 kept.push(spot);

@@ -7,8 +7,8 @@ use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use serde::Serialize;
 
-/// Number of triangles of a part for which the search tests whether they are inside other parts. If the results differ,
-/// the two parts cross.
+/// Largest number of triangles of a closed part that are tested for being inside other parts. If only some of them are
+/// inside another part, the two parts cross.
 const SAMPLES: usize = 8;
 /// [-] directions of rays. A point is inside a part if a ray from the point crosses an odd number of triangles of the
 /// part. No direction is along an axis or a diagonal of typical drawings. If a ray passes through an edge, the next
@@ -192,11 +192,11 @@ impl Crossings {
 
 /// True if a ray passes through a triangle, given by its corners [m]. The ray begins at the point `from` [m] and has
 /// the direction of the unit vector `way`. `None` if the ray passes through an edge or begins on the triangle. `size`
-/// [m] is that of the surface.
+/// [m] is the diagonal of the box around the surface.
 fn passes(from: &Vector3<f64>, way: &Vector3<f64>, corners: [Vector3<f64>; 3], size: f64) -> Option<bool> {
     let [a, b, c] = corners.map(|corner| corner - from);
     // twice the signed area of the triangle formed by an edge and the start of the ray, projected along the ray; the
-    // sign tells on which side of the edge the ray passes
+    // sign shows on which side of the edge the ray passes
     let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| (way.dot(&p.cross(&q)), ON * size * (q - p).norm()));
     if sides.iter().any(|(side, on)| *side > *on) && sides.iter().any(|(side, on)| *side < -on) {
         return Some(false);

@@ -50,8 +50,8 @@ pub(super) fn face_alike(triangles: &mut [([u32; 3], usize)], edges: &Edges, fin
     }
 }
 
-/// Flips the triangles of `part` that are marked in `turn`, or all its other triangles if those are fewer. The majority
-/// keeps its orientation.
+/// Inverts the marks in `turn` of all triangles of `part`, if more than half of these triangles are marked to be
+/// flipped. The majority of the triangles then keeps its orientation.
 fn keep_most(turn: &mut [Option<bool>], part: &[usize]) {
     let turned = part.iter().filter(|k| turn[**k] == Some(true)).count();
     if 2 * turned > part.len() {

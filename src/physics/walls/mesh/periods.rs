@@ -12,8 +12,8 @@ type TriangleList = Vec<[Vector3<f64>; 3]>;
 /// An edge of a triangle, given by its two corners [m].
 type Edge = [Vector3<f64>; 2];
 
-/// [-] distance over the period, below which two corners count as equal. A file in single precision has errors of 6e-8
-/// of the largest number.
+/// [-] distance over the period, below which two corners count as the same corner. A file in single precision has
+/// errors of 6e-8 of the largest number.
 const SAME: f64 = 1e-6;
 
 /// Error: a surface reaches both periodic sides of an axis, but its open edges on the two sides do not match.
@@ -93,8 +93,9 @@ impl OpenEnds {
         edges.iter().all(|edges| !edges.is_empty()).then_some(Self { axis, period, low, edges })
     }
 
-    /// Table from corners on the upper plane to equal corners on the lower plane. Every corner must lie on an edge of
-    /// the other plane after a shift by one period; otherwise the edges do not match.
+    /// Table that contains, for each corner on the upper plane, the matching corner on the lower plane, if there is
+    /// one. Every corner must lie on an edge of the other plane after a shift by one period; otherwise the edges do not
+    /// match.
     fn matched(&self) -> Result<FxHashMap<[u64; 3], Vector3<f64>>, Mismatch> {
         let shift = Vector3::from_fn(|k, _| if k == self.axis { self.period } else { 0.0 });
         let upper: Vec<Edge> = self.edges[1].iter().map(|edge| edge.map(|corner| corner - shift)).collect();
@@ -120,7 +121,7 @@ impl OpenEnds {
     }
 }
 
-/// Key of an edge, which does not depend on the order of its two corners. It is equal for both triangles of the edge.
+/// Key of an edge, which does not depend on the order of its two corners. Both triangles of an edge have the same key.
 fn key(edge: &Edge) -> [[u64; 3]; 2] {
     let mut key = edge.map(|corner| bits(&corner));
     key.sort_unstable();
@@ -159,8 +160,8 @@ fn farthest(edges: &[Edge], others: &[Edge]) -> f64 {
 }
 
 /// Adds copies, shifted by one period, of the triangles within `margin` [m] of the two planes at the ends of the
-/// surface. A corner on the upper plane gets the coordinates of the equal corner on the lower plane, plus exactly one
-/// period.
+/// surface. A corner on the upper plane gets the coordinates of the matching corner on the lower plane, plus exactly
+/// one period.
 fn continue_along(heap: &mut TriangleList, sides: &OpenEnds, same: &FxHashMap<[u64; 3], Vector3<f64>>, margin: f64) {
     let (axis, period) = (sides.axis, sides.period);
     let shifted = |corner: &Vector3<f64>| {
@@ -173,7 +174,7 @@ fn continue_along(heap: &mut TriangleList, sides: &OpenEnds, same: &FxHashMap<[u
     let (mut above, mut below) = (Vec::new(), Vec::new());
     for triangle in &heap[..own] {
         let coordinates = triangle.map(|corner| corner[axis] - sides.low);
-        // an upper corner with an equal lower corner gets exactly the coordinates of the lower corner
+        // an upper corner with a matching lower corner gets exactly the coordinates of the lower corner
         let down = |corner: &Vector3<f64>| {
             lower(corner).unwrap_or_else(|| {
                 let mut moved = *corner;

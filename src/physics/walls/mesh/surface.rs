@@ -1,5 +1,5 @@
-//! Surface made from a list of triangles. Equal corners are merged, and bad triangles are counted and removed.
-//! Neighbours are found and flipped to face the same way.
+//! Surface made from a list of triangles. Corners with the same coordinates are merged, and bad triangles are counted
+//! and removed. Neighbours are found and flipped to face the same way.
 
 use super::nesting::{Nested, face_particles};
 use super::orientation::face_alike;
@@ -11,9 +11,10 @@ use std::ops::Range;
 /// [-] height of a triangle divided by its longest edge. A triangle with a smaller ratio counts as degenerate, because
 /// the rounding of its corners would determine its normal. In a file in single precision this rounding is 6e-8.
 const THINNEST: f64 = 1e-9;
-/// [-] depth of a neighbour's far corner below the plane of a triangle, over the longest edge. At larger depths a
-/// sphere can touch the common edge without touching a face, so the edge is tested for touch. Flatter edges need no
-/// test, because triangles are enlarged by [`COVER`](super::sweep::COVER).
+/// [-] depth of a neighbour's corner below the plane of a triangle, over the longest edge of the two. The corner is the
+/// one that is not on their common edge. At larger depths a sphere can touch the common edge without touching a face,
+/// so the edge is tested for touch. Flatter edges need no test, because triangles are enlarged by
+/// [`COVER`](super::sweep::COVER).
 const SHARP: f64 = 1e-12;
 
 /// Side of the surface on which the particles are.
@@ -240,8 +241,8 @@ pub(super) fn count(found: &mut (usize, usize), number: usize) {
     *found = (found.0 + 1, if found.0 == 0 { number } else { found.1 });
 }
 
-/// Merges equal corners of triangles. Returns the points, and the triangles as point indices with their numbers.
-/// Degenerate and duplicate triangles are left out and counted.
+/// Merges corners of triangles that have the same coordinates. Returns the points, and the triangles as point indices
+/// with their numbers. Degenerate and duplicate triangles are left out and counted.
 fn weld(heap: &[[Vector3<f64>; 3]], findings: &mut Findings) -> (Vec<Vector3<f64>>, Numbered) {
     let (mut points, mut triangles) = (Vec::new(), Vec::new());
     let mut known: FxHashMap<[u64; 3], u32> = FxHashMap::default();

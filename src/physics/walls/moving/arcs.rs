@@ -1,27 +1,31 @@
 //! First touch of a sphere and a moving shape, by arcs of parabolas.
 //!
-//! In the frame of the shape the flight is no parabola. On a short arc it differs from the parabola with equal place,
-//! velocity and acceleration by J τ³/6 at most, where J bounds the third derivative. A sphere that is larger by this
-//! distance, on the parabola, touches no later than the sphere itself. So the time to that touch is certainly free, and
-//! the next arc begins there.
+//! In the frame of the shape the flight is no parabola. On an arc (a short piece of the flight) of the duration τ, it
+//! differs by at most J τ³/6 from the parabola with the same position, velocity and acceleration at the beginning. Here
+//! J bounds the third derivative. An enlarged sphere, with a radius greater by this distance, that moves on the
+//! parabola touches no later than the sphere itself. Before that touch there is certainly no contact, and the next arc
+//! begins there.
 
 use super::MovingShape;
 use crate::walls::{Flight, Touch};
 
-/// [-] gap over the radius below which a sphere counts as touching. A touch may be missed by this gap, or found too early
-/// by it. The rounding of coordinates is of this order if the box is 10⁴ radii long.
+/// [-] gap over the radius below which a sphere counts as touching. A touch may be found while a gap of this size is
+/// left, and a touch with a smaller overlap may be missed. The rounding of coordinates is of this order if the box is
+/// 10⁴ radii long.
 const CLOSE: f64 = 1e-12;
 
 /// [-] gap that counts as zero, in units of the rounding error of the largest coordinate.
 const ROUNDINGS: f64 = 16.0;
 
-/// [-] length by which a sphere is enlarged on an arc (short piece of its flight), over its gap to the shape.
+/// [-] largest length by which a sphere is enlarged on an arc (short piece of its flight), over its gap to the shape.
 const SHARE: f64 = 0.125;
 
-/// [-] length by which a sphere is enlarged for all the time that remains, over its gap to the shape. The limit is 1.
+/// [-] largest enlargement of a sphere, over its gap to the shape, with which one arc covers all the time that remains.
+/// It must be below 1.
 const WHOLE: f64 = 0.5;
 
-/// [-] length of an arc (short piece of a flight), over the time in which the gap would close at the present speed.
+/// [-] largest duration of an arc (short piece of a flight), over the time in which the gap would close at the present
+/// speed.
 const AHEAD: f64 = 1.5;
 
 /// [rad] largest rotation of a shape during one arc (short piece of a flight). It keeps the bound of the third
@@ -39,7 +43,7 @@ pub(super) fn first_touch(
     until: f64,
 ) -> Option<Touch> {
     let shape = &moving.shape;
-    // such a shape finds every touch as one of contact 0
+    // a shape that numbers its contacts by distance finds every touch for contact 0
     if which > 0 && shape.law().is_nearest_first() {
         return None;
     }
@@ -54,7 +58,7 @@ pub(super) fn first_touch(
         let jerk = moving.motion.jerk(&real, most);
         let deviation = |time: f64| jerk * time.powi(3) / 6.0;
         let arc = |error: f64| (6.0 * error / jerk).cbrt().min(most);
-        // after a touch of an enlarged sphere, only the feature that it touched is asked
+        // after the touch of an enlarged sphere, only the touched feature is evaluated
         let (nearest, least) = match enlarged.take() {
             Some(EnlargedTouch { feature, gap }) => (shape.struck(which, feature, &seen.position, radius), Some(gap)),
             None => (shape.contact(which, &seen.position, radius), None),
@@ -77,8 +81,8 @@ pub(super) fn first_touch(
                 return (t + touch.time <= until).then_some(Touch { time: t + touch.time, ..touch });
             }
             Some(touch) if touch.time <= length => {
-                // the time in which the gap cannot close passes in any case
-                let free = free_time(gap - error, &seen);
+                // time advances at least by the time in which the gap cannot close
+                let free = seen.time_to_cover(gap - error);
                 if touch.time >= free {
                     enlarged = Some(EnlargedTouch { feature: touch.feature, gap: error - deviation(touch.time) });
                 }
@@ -97,11 +101,4 @@ struct EnlargedTouch {
     feature: u32,
     /// [m] lower limit of the gap between the sphere itself and the shape: the enlargement less the deviation so far.
     gap: f64,
-}
-
-/// [s] shortest time in which a flight can cover a distance [m]: the root of |v| t + |g| t²/2 = distance.
-fn free_time(distance: f64, flight: &Flight) -> f64 {
-    let (speed, gravity) = (flight.velocity.norm(), flight.gravity.norm());
-    // the positive root, in a form without cancellation
-    2.0 * distance / (speed + (speed * speed + 2.0 * gravity * distance).sqrt())
 }

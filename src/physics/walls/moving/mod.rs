@@ -1,7 +1,8 @@
 //! Walls whose shape moves: translation, vibration, a path, or rotation about an axis.
 //!
-//! The motion is an exact function of time, for a servo wall within each window. A [`Scene`](crate::scene::Scene) belongs to an instant, and so does the
-//! geometry of its walls ([`Wall::at`]). Engines ask for the wall a time `ahead` of that instant.
+//! The motion is an exact function of time, for a servo wall within each window. A [`Scene`](crate::scene::Scene)
+//! belongs to an instant, and so does the geometry of its walls ([`Wall::move_to`]). Engines can also ask for the wall
+//! at the time `ahead` [s] after that instant.
 
 mod arcs;
 mod motion;
@@ -36,8 +37,8 @@ pub struct MovingShape {
 }
 
 impl MovingShape {
-    /// Makes a shape that moves, at time 0. `shape` is the shape where the case puts it. `None` for the rotation of an
-    /// endless shape, whose points would have no largest speed.
+    /// Makes a moving shape at its place of time 0. `shape` is the shape where the case puts it. `None` for the
+    /// rotation of an endless shape, whose points would have no largest speed.
     pub fn new(shape: WallGeometry, motion: PrescribedMotion) -> Option<Self> {
         let arm = match &motion {
             PrescribedMotion::Turning(turning) => {
@@ -82,12 +83,13 @@ impl MovingShape {
         way.min(self.motion.largest_excursion(self.arm))
     }
 
-    /// False if a sphere of `radius` [m] certainly does not touch the shape in a flight of `duration` [s] from the stored
-    /// instant `time` on.
+    /// False if a sphere of `radius` [m] certainly does not touch the shape in a flight of `duration` [s] from the
+    /// stored instant `time` on.
     ///
-    /// Seen from the shape, the distance from the middle of the flight is |v| h + |a| h²/2 + J h³/6 at most. Here h is half
-    /// the duration; v and a are velocity and acceleration in the middle, and J bounds the third derivative. On a path,
-    /// whose velocity jumps, the largest speed of the shape is added to the speed of the sphere.
+    /// Seen from the shape, the distance of the sphere from its position in the middle of the flight is |v| h + |a|
+    /// h²/2 + J h³/6 at most. Here h is half the duration; v and a are velocity and acceleration in the middle, and J
+    /// bounds the third derivative. On a path, whose velocity jumps, the largest speed of the shape is added to the
+    /// speed of the sphere.
     pub fn may_reach(&self, flight: &Flight, radius: f64, duration: f64) -> bool {
         let half = 0.5 * duration;
         let middle = flight.from(half);
@@ -156,7 +158,8 @@ impl MovingShape {
         }
     }
 
-    /// First touch for a shape on a path. The shape has a constant velocity between two knots (given instants of the path).
+    /// First touch for a shape on a path. The shape has a constant velocity between two knots (given instants of the
+    /// path).
     fn touch_on(
         &self,
         path: &PiecewisePath,
@@ -350,8 +353,8 @@ impl Wall {
         self.moving.as_ref().map_or(0.0, |moving| moving.travel(duration))
     }
 
-    /// Nearest point of contact number `which` to the centre `point` [m] of a sphere of `radius` [m], at the time `ahead` [s]
-    /// after the instant of the wall's scene.
+    /// Nearest point of contact number `which` to the centre `point` [m] of a sphere of `radius` [m], at the time
+    /// `ahead` [s] after the instant of the wall's scene.
     #[inline(always)]
     pub fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64, ahead: f64) -> Nearest {
         match &self.moving {
@@ -360,8 +363,8 @@ impl Wall {
         }
     }
 
-    /// Nearest point at the instant of a touch, as [`Geometry::struck`] defines it, at the time `ahead` [s] after the instant
-    /// of the wall's scene. `touch` contains the number of the contact and that of the surface feature.
+    /// Nearest point at the instant of a touch, as [`Geometry::struck`] defines it, at the time `ahead` [s] after the
+    /// instant of the wall's scene. `touch` contains the number of the contact and that of the surface feature.
     #[inline(always)]
     pub fn struck(&self, touch: [u32; 2], point: &Vector3<f64>, radius: f64, ahead: f64) -> Nearest {
         let [which, feature] = touch;
@@ -371,8 +374,8 @@ impl Wall {
         }
     }
 
-    /// First touch as [`Geometry::first_touch`] defines it, for a flight that begins `ahead` [s] after the instant of the
-    /// wall's scene. The flight lasts for `until` [s].
+    /// First touch as [`Geometry::first_touch`] defines it, for a flight that begins `ahead` [s] after the instant of
+    /// the wall's scene. The flight lasts for `until` [s].
     #[inline(always)]
     pub fn first_touch(&self, which: u32, flight: &Flight, radius: f64, (ahead, until): (f64, f64)) -> Option<Touch> {
         match &self.moving {
@@ -381,8 +384,8 @@ impl Wall {
         }
     }
 
-    /// True if the centre of a sphere crosses a thin surface on the straight line from `from` to `to` [m]. The two times
-    /// `ahead` [s] of these positions count from the instant of the wall's scene.
+    /// True if the centre of a sphere crosses a thin surface on the straight line from `from` to `to` [m]. The two
+    /// times `ahead` [s] of these positions count from the instant of the wall's scene.
     pub fn is_passed(&self, [from, to]: [&Vector3<f64>; 2], radius: f64, ahead: [f64; 2]) -> bool {
         match &self.moving {
             None => self.geometry.is_passed(from, to, radius),

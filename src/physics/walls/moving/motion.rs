@@ -1,5 +1,5 @@
-//! Laws by which the shape of a wall moves: exact functions of time. Only a servo wall has a state, which changes between
-//! two windows.
+//! Laws by which the shape of a wall moves: exact functions of time. Only a servo wall has a state, which changes
+//! between two windows.
 
 use super::path::PiecewisePath;
 use super::servo::ServoMotion;
@@ -10,8 +10,8 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// Prescribed motion of the shape of a wall. The wall is where its case puts it, displaced by d(t), or turned about an
-/// axis. All kinds but [`Turning`](Self::Turning) are translations without rotation. For [`Servo`](Self::Servo) the case
-/// prescribes a pressure, and d(t) is known until the end of the present window only.
+/// axis. All kinds but [`Turning`](Self::Turning) are translations without rotation. For [`Servo`](Self::Servo) the
+/// case prescribes a pressure, and d(t) is known until the end of the present window only.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PrescribedMotion {
@@ -61,8 +61,8 @@ impl PrescribedMotion {
         }
     }
 
-    /// [m/s²] rate at which the [`velocity`](Self::velocity) at one place changes at `time` [s]. It is zero for a steady
-    /// rotation, and on a path, whose velocity jumps at the knots.
+    /// [m/s²] rate at which the [`velocity`](Self::velocity) at one place changes at `time` [s]. It is zero for a
+    /// steady rotation, and on a path, whose velocity jumps at the knots.
     pub fn acceleration(&self, time: f64) -> Vector3<f64> {
         match self {
             Self::Translation { .. } | Self::Path(_) | Self::Turning(_) | Self::Servo(_) => Vector3::zeros(),
@@ -107,8 +107,8 @@ impl PrescribedMotion {
     }
 
     /// Flight in the frame of the shape: the parabola with the position, velocity and acceleration at `time` [s]. In a
-    /// rotating frame the acceleration is g - 2 ω × v + ω × (ω × r). Here v is the velocity in the frame at rest, and r
-    /// the position relative to the centre of rotation.
+    /// frame that rotates at the angular velocity ω, the acceleration is g - 2 ω × v + ω × (ω × r). Here g is gravity,
+    /// v the velocity in the frame at rest, and r the position relative to the centre of rotation.
     pub(super) fn seen(&self, flight: &Flight, time: f64) -> Flight {
         let velocity = flight.velocity - self.velocity(&flight.position, time);
         let Self::Turning(turning @ Turning { center, spin }) = self else {
@@ -121,9 +121,9 @@ impl PrescribedMotion {
         Flight { position: back * from_center + center, velocity: back * velocity, gravity: back * gravity }
     }
 
-    /// [m/s³] upper limit of the third derivative of a flight in the frame of the shape, for `time` [s] from its
-    /// beginning. For a vibration it is |A| (2π f)³. In a rotating frame y''' = -3 ω × g + 3 ω × (ω × v) - ω × (ω × (ω
-    /// × r)).
+    /// [m/s³] upper limit of the third derivative y''' of the position in the frame of the shape, for `time` [s] from
+    /// the beginning of the flight. For a vibration it is |A| (2π f)³. In a rotating frame, with the symbols of
+    /// [`seen`](Self::seen), y''' = -3 ω × g + 3 ω × (ω × v) - ω × (ω × (ω × r)).
     pub(super) fn jerk(&self, flight: &Flight, time: f64) -> f64 {
         match self {
             Self::Translation { .. } | Self::Path(_) | Self::Servo(_) => 0.0,
@@ -161,8 +161,8 @@ impl PrescribedMotion {
     }
 
     /// [m] least and largest component of the displacement along a unit vector, from time 0 to `duration` [s]; those of
-    /// all times for a vibration and a path. `None` for a rotation and for a servo wall, whose displacement is not known
-    /// in advance.
+    /// all times for a vibration and a path. `None` for a rotation and for a servo wall, whose displacement is not
+    /// known in advance.
     pub fn range_along(&self, direction: &Vector3<f64>, duration: f64) -> Option<[f64; 2]> {
         let two = |one: f64, other: f64| Some([one.min(other), one.max(other)]);
         match self {

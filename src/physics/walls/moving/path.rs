@@ -41,7 +41,7 @@ impl PiecewisePath {
         }
     }
 
-    /// [s] first given instant of the path (knot) after `time` [s]; infinite after the last one.
+    /// [s] first given instant of the path (knot) after `time` [s]; infinite after the final one.
     pub fn next_knot(&self, time: f64) -> f64 {
         self.knots.get(self.passed(time)).map_or(f64::INFINITY, |(knot, _)| *knot)
     }
@@ -57,7 +57,8 @@ impl PiecewisePath {
         along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
     }
 
-    /// [m] upper limit of the distance between two points of the path: the diagonal of the box around all displacements.
+    /// [m] upper limit of the distance between two points of the path: the diagonal of the box around all
+    /// displacements.
     pub fn largest_excursion(&self) -> f64 {
         let positions = || self.knots.iter().map(|(_, position)| *position);
         let low = positions().fold(Vector3::repeat(f64::INFINITY), |a, b| a.inf(&b));

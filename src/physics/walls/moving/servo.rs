@@ -3,9 +3,9 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Motion of a plane on which particles shall press with a given pressure. Its speed along the normal is V = (p - p_m)/c,
-/// with the wanted pressure p, the measured pressure p_m, and the damping c (da Cruz et al. 2005, Phys. Rev. E 72,
-/// 021309, eq. 2). The speed is constant between two measurements.
+/// Motion of a plane on which particles shall press with a given pressure. Its speed along the normal is V = (p -
+/// p_m)/c, with the wanted pressure p, the measured pressure p_m, and the damping c (da Cruz et al. 2005, Phys. Rev. E
+/// 72, 021309, eq. 2). The speed is constant between two measurements.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ServoMotion {
     /// [-] unit normal of the plane, which points to the particles.
@@ -19,12 +19,12 @@ pub struct ServoMotion {
     /// [Pa s/m] damping c; `None` for the acoustic impedance of the particles
     /// ([`impedance`](crate::schedule::impedance)).
     pub damping: Option<f64>,
-    /// State of the plane at the last measurement.
+    /// State of the plane at the most recent measurement.
     #[serde(skip)]
     pub state: ServoState,
 }
 
-/// State of a servo wall at its last measurement of the pressure.
+/// State of a servo wall at its most recent measurement of the pressure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ServoState {
     /// [s] simulated time of the measurement.
@@ -38,7 +38,8 @@ pub struct ServoState {
 }
 
 impl ServoMotion {
-    /// [m] displacement of the plane along its normal at `time` [s], which is not earlier than the last measurement.
+    /// [m] displacement of the plane along its normal at `time` [s], which is not earlier than the most recent
+    /// measurement.
     pub fn displacement(&self, time: f64) -> f64 {
         self.state.displacement + self.state.speed * (time - self.state.time)
     }

@@ -1,8 +1,8 @@
 //! Time of touch of a sphere and a plane that vibrates.
 //!
-//! The gap is g(t) = g0 + v t + a t²/2 - A (sin(ωt + ψ) - sin ψ). The zeros of g'' are known in closed form. Between two
-//! of them g' is monotone, so that it has at most one zero, and between these g is monotone. So every root of g is
-//! bracketed, and none is missed.
+//! The gap is g(t) = g0 + v t + a t²/2 - A (sin(ωt + ψ) - sin ψ), with the symbols of [`VibratingGap`]. The zeros of
+//! g'' are known in closed form. Between two successive zeros of g'', g' is monotone and has at most one zero. Between
+//! successive zeros of g', g is monotone. So every root of g is bracketed, and none is missed.
 
 use crate::walls::plane::first_closing;
 use std::f64::consts::{PI, TAU};
@@ -47,9 +47,9 @@ impl VibratingGap {
         self.acceleration + self.amplitude * self.frequency.powi(2) * (self.frequency * t + self.phase).sin()
     }
 
-    /// [s] first time in 0 ..= `until` at which the gap falls to zero; `None` if it does not. A sphere that overlaps and
-    /// approaches touches at 0. A rate of change below `resolution` [m/s] is rounding: a sphere that touches, and whose
-    /// rate is that small, touches at 0 if the wall accelerates towards it.
+    /// [s] first time in 0 ..= `until` at which the gap falls to zero; `None` if it does not. A sphere that overlaps
+    /// and approaches touches at 0. A rate of change below `resolution` [m/s] counts as rounding. A sphere that touches
+    /// and has so small a rate touches at 0 if sphere and wall accelerate towards each other.
     pub fn first_touch(&self, until: f64, resolution: f64) -> Option<f64> {
         // as on a plane at rest, an overlap without approach is rounding
         let here = Self { gap: self.gap.max(0.0), ..*self };
@@ -166,7 +166,8 @@ fn bracketed_root(function: impl Fn(f64) -> (f64, f64), low: f64, high: f64) -> 
 mod tests {
     use super::*;
 
-    /// Gap of a sphere that falls on a plate with the amplitude 1, the angular frequency 1 and a weight below g.
+    /// Gap of a sphere in uniform acceleration over a plate that vibrates with the amplitude 1 m and the angular
+    /// frequency 1 rad/s.
     fn falling(gap: f64, speed: f64, acceleration: f64, phase: f64) -> VibratingGap {
         VibratingGap { gap, speed, acceleration, amplitude: 1.0, frequency: 1.0, phase }
     }
@@ -213,7 +214,7 @@ mod tests {
         let flight = VibratingGap { speed: 1.5, ..falling(-1e-17, 0.0, -2.0, 0.0) };
         let touch = flight.first_touch(10.0, 1e-15).expect("comes back");
         assert!(touch > 0.4 && (1.5 * touch - touch * touch - touch.sin()).abs() < 1e-15, "{touch}");
-        // at equal velocities the sphere is pressed on the plate if this decelerates by less than gravity
+        // at equal velocities sphere and plate are pressed together if the plate decelerates by less than gravity
         let resting = VibratingGap { speed: 0.5_f64.sqrt(), ..falling(0.0, 0.0, -1.0, 0.25 * PI) };
         assert_eq!(resting.first_touch(10.0, 1e-15), Some(0.0));
         for rounding in [-1e-16, 0.0, 1e-16] {

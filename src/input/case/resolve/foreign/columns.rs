@@ -163,8 +163,8 @@ impl Layout {
 }
 
 impl ForeignReader<'_> {
-    /// Refuses a layout that lacks a component of the position, velocity or momentum. Warns about columns that are
-    /// ignored.
+    /// Refuses a layout without all components of the position, or with only some components of the velocity or the
+    /// momentum. Warns about columns that are ignored.
     pub(super) fn check_layout(&mut self, lines: &Lines, number: usize, layout: &mut Layout) -> Result<(), Diagnostic> {
         if layout.at[VELOCITY].is_some() && layout.at[MOMENTUM].is_some() {
             layout.left.push("momenta".into());

@@ -29,8 +29,8 @@ pub(super) struct DumpFrame {
     atoms: Option<usize>,
 }
 
-/// Returns the last of the instants, to which the line with the index `number` belongs. If the file does not begin with
-/// a time step, an instant without a time step is added first.
+/// Returns the instant to which the line with the index `number` belongs: the latest one in the list. If the file does
+/// not begin with a time step, an instant without a time step is added first.
 fn instant_of(instants: &mut Vec<DumpFrame>, number: usize) -> &mut DumpFrame {
     if instants.is_empty() {
         instants.push(DumpFrame { first: number, ..DumpFrame::default() });

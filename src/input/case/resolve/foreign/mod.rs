@@ -27,7 +27,7 @@ pub(super) const COLUMNS: [&str; 18] = [
 pub(super) const OF_CSV: usize = 12;
 /// Index of the column with the ids of particles.
 const ID: usize = 8;
-/// Number of lines at the beginning of a file, among which a LAMMPS data file must contain the number of atoms.
+/// Number of first lines of a file that are searched for the number of atoms, the mark of a LAMMPS data file.
 const HEAD_OF_DATA: usize = 40;
 
 /// Format of a file from another program.

@@ -47,8 +47,9 @@ fn each(f: impl Fn(usize) -> f64) -> [f64; 4] {
 impl ObservingParticle<'_> {
     /// Computes the relative motion of the particle and the neighbours `others`; `touch` [m²] contains the squared
     /// distances of the centres at touch. Also returns a bit mask: bit k is set if neighbour k will touch the particle
-    /// and may do so within half of `soon` [s]. A touch cannot occur before the time gap/(2 closing). No bit is set for
-    /// the particle itself, which fills groups of fewer than four neighbours.
+    /// and may do so within half of `soon` [s]. A touch cannot occur before the time `gap`/(2 `closing`), with these
+    /// fields of [`FourNeighbours`]. No bit is set for the particle itself, which fills groups of fewer than four
+    /// neighbours.
     #[inline(always)]
     pub fn one_by_one(&self, others: &[&FlightState; 4], touch: &[f64; 4], soon: f64) -> (FourNeighbours, u32) {
         let since = each(|k| self.now - others[k].time);
@@ -97,8 +98,8 @@ pub mod wide {
     }
 
     impl Wide {
-        /// Copies the state of the particle `view` into vectors. Neighbours are selected that may touch within half of
-        /// `soon` [s], as by [`ObservingParticle::one_by_one`].
+        /// Copies the state of the particle `view` into vectors. [`at_once`](Self::at_once) then marks the neighbours
+        /// that may touch within half of `soon` [s], as [`ObservingParticle::one_by_one`] does.
         #[inline(always)]
         pub fn new(simd: V3, view: &ObservingParticle, soon: f64) -> Self {
             let domain = view.domain;

@@ -126,8 +126,8 @@ impl ShellGrid {
     }
 
     /// Numbers, along one axis, of the cell `at` and its neighbours, and how many numbers these are (one to three).
-    /// With each number comes the smallest distance [m] along the axis of that cell from a point in the cell `at`.
-    /// `from_side` [m] is the distance of the point from the lower side of its cell.
+    /// With each number comes the smallest distance [m], along the axis, from a point in the cell `at` to the cell with
+    /// this number. `from_side` [m] is the distance of the point from the lower side of its cell.
     fn beside(&self, axis: usize, at: usize, from_side: f32) -> ([(usize, f32); 3], usize) {
         let n = self.count[axis];
         if n == 1 {

@@ -23,17 +23,17 @@ use std::f64::consts::{PI, SQRT_2};
 /// would matter as much as that of positions.
 const CROSSINGS: f64 = 8.0;
 
-/// [-] distance that a frame which follows a layer may move towards a wall within an epoch, in diameters. All particles
-/// within this distance of a wall are tested for a touch. A shorter distance needs more epochs, each of which builds all
-/// lists again.
+/// [-] distance that the frame may move towards a wall within an epoch while it follows a flying layer of particles,
+/// over the largest diameter. All particles within this distance of a wall are tested for a touch. A shorter distance
+/// needs more epochs, each of which builds all lists again.
 const FOLLOWED: f64 = 2.0;
 
 /// Smallest number of particles whose common motion the frame follows. The mean velocity of few particles is large by
 /// chance.
 const FEWEST: usize = 100;
 
-/// [-] squared speed of a layer relative to the frame, over the mean square of the random velocities in it. Above this
-/// value the frame follows the layer from the next window on.
+/// [-] squared speed of a layer of particles relative to the frame, over the mean square of the random velocities in
+/// the layer. Above this value the frame follows the layer from the next window on.
 const LEFT_BEHIND: f64 = 2.0;
 
 /// Number of new shells (balls in which neighbour lists are valid) per particle after which the particles in the store
@@ -86,13 +86,13 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// True if the particles fly as a layer that the frame does not follow, as after a layer has rebounded from a floor.
+    /// True if the particles fly as a layer that the frame does not follow, as after a rebound from a floor.
     fn is_left_behind(&self, particles: &Particles, scene: &Scene) -> bool {
         if !is_built_each_epoch(scene) || particles.len() < FEWEST {
             return false;
         }
         let (mean, square) = mean_and_fluctuation(particles);
-        // a frame that falls past a bed at rest begins anew with its next epoch
+        // lower limit: a frame that falls past a bed at rest begins anew only with its next epoch
         let largest = self.shells.kinds.last().map_or(0.0, |kind| kind.radius);
         let fall = across(scene, scene.gravity).norm() * 2.0 * largest;
         let behind = across(scene, mean - self.frame.velocity_at(self.now)).norm_squared();
@@ -214,7 +214,8 @@ impl GlobalCalendar {
         let crowds = crowds(&self.bodies, &self.shells.kinds, volume);
         let margin = margin(particles, density, &crowds, scene);
         let reach = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
-        // two particles may each cross their shell, by two margins; only then a farther image could come into reach
+        // both particles may cross their shells, each by two margins, so a farther image can come into reach if half
+        // the period is less than the largest diameter plus four margins
         self.far_images = std::array::from_fn(|axis| {
             scene.domain.periodic[axis] && 0.5 * scene.domain.size[axis] - reach < 4.0 * margin
         });
@@ -242,8 +243,9 @@ impl GlobalCalendar {
         self.set_limit(work.particles, work.scene, start)
     }
 
-    /// Chooses the end of the epoch, up to which times have the same zero: the largest speed, gravity towards walls and
-    /// moving walls limit it. `start` [s] is the simulated time. Returns an error if a velocity is not a finite number.
+    /// Chooses the end of the epoch, in which times are counted from the same instant. The largest speed, the motion of
+    /// the frame towards walls, and moving walls limit it. `start` [s] is the simulated time. Returns an error if a
+    /// velocity is not a finite number.
     fn set_limit(&mut self, particles: &Particles, scene: &Scene, start: f64) -> Result<(), Failure> {
         let before = self.limit;
         let fastest = self.bodies.iter().map(|body| body.velocity.norm_squared()).fold(0.0, |a: f64, b| {
@@ -278,8 +280,8 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// Begins a new epoch at the simulated time `time` [s]: the calendar counts times from now on, and adapts all
-    /// stored times. If gravity points towards a wall or walls move, the whole calendar is built again.
+    /// Begins a new epoch at the simulated time `time` [s]: the calendar then counts times from this instant, and
+    /// adapts all stored times. If gravity points towards a wall or walls move, the whole calendar is built again.
     pub(super) fn new_epoch(&mut self, work: &mut Work<Recent>, time: f64) -> Result<(), Failure> {
         let (scene, horizon) = (work.scene, self.horizon - self.now);
         if is_built_each_epoch(scene) {
@@ -331,15 +333,15 @@ impl GlobalCalendar {
     }
 }
 
-/// Component of a common velocity or acceleration of all particles that moves them towards the walls; zero if the vector
-/// is parallel to all walls.
+/// Component of a velocity or acceleration common to all particles that moves them towards the walls. It is zero if the
+/// vector is parallel to all walls.
 fn across(scene: &Scene, vector: Vector3<f64>) -> Vector3<f64> {
     vector - along_walls(scene, vector)
 }
 
-/// [m/s] velocity of the frame of the calendar: the mean velocity of the particles along the walls. A layer that flies as
-/// a whole, faster than its particles move relative to it, is followed in all directions. Otherwise each of its particles
-/// would soon leave its shell (ball in which its neighbour list is valid).
+/// [m/s] velocity of the frame of the calendar: the mean velocity of the particles along the walls. If the particles
+/// fly as a layer, faster than they move relative to one another, the frame follows them in all directions. Otherwise
+/// each particle would soon leave its shell (ball in which its neighbour list is valid).
 fn frame_velocity(particles: &Particles, scene: &Scene) -> Vector3<f64> {
     if !is_built_each_epoch(scene) {
         return along_walls(scene, particles.mean_velocity());
@@ -388,7 +390,7 @@ fn kinds(particles: &Particles) -> Vec<RadiusClass> {
 }
 
 /// Divides particles into groups in which the largest radius is at most twice the smallest, as the grids of shells do.
-/// Returns for each group the number density [1/m³] and the largest diameter [m]; `volume` [m³] is that of the box.
+/// Returns for each group the number density [1/m³] in the volume `volume` [m³], and the largest diameter [m].
 fn crowds(bodies: &[FlightState], kinds: &[RadiusClass], volume: f64) -> Vec<(f64, f64)> {
     let mut counts = vec![0u32; kinds.len()];
     for body in bodies {
@@ -408,8 +410,8 @@ fn crowds(bodies: &[FlightState], kinds: &[RadiusClass], volume: f64) -> Vec<(f6
 
 /// Distance [m] that a particle may move from the centre of its shell (ball in which its neighbour list is valid). A
 /// larger distance needs fewer new shells but longer lists. The cheapest distance is taken, by fixed weights that serve
-/// only for this choice, not for a prediction of run times. `density` [1/m³] is the number density, and `crowds` contains
-/// number densities [1/m³] and largest diameters [m] of groups of similar size.
+/// only for this choice, not for a prediction of run times. `density` [1/m³] is the number density. `crowds` contains
+/// the number densities [1/m³] and largest diameters [m] of groups of similar size.
 fn margin(particles: &Particles, density: f64, crowds: &[(f64, f64)], scene: &Scene) -> f64 {
     /// [ns] cost of making a new shell (ball in which a neighbour list is valid): a fixed part, the cost per distance
     /// computed, and the cost per neighbour.

@@ -206,8 +206,9 @@ impl GlobalCalendar {
         self.shells.neighbours(&events.shell).iter().for_each(|&k| prefetch_index(&self.bodies, k as usize));
     }
 
-    /// Processes the next event of the particle at `index`, whose time has come: a collision, a new shell, or the
-    /// second event if the first is void. Predicts the next events of all particles concerned.
+    /// Processes the next event of the particle at `index`: a collision or a new shell. If the event is void and a
+    /// second one is stored, the second one replaces it in the queue. Otherwise the next events of all particles
+    /// concerned are predicted.
     fn event(&mut self, index: u32, work: &mut Work<Recent>, span: &CalendarWindow) -> Result<(), Failure> {
         let scene = work.scene;
         let NextEvents { kind, detail, .. } = self.next_events[index as usize];
@@ -304,8 +305,8 @@ impl GlobalCalendar {
         self.watch(&collision, scene, time)
     }
 
-    /// Velocity [m/s] along z of the periodic image that particle `couple.i` hits, relative to the stored other
-    /// particle. It is 0 unless the two meet across a sheared side of the box.
+    /// Velocity [m/s] along z of the periodic image that particle `couple.i` hits, relative to the other particle
+    /// itself. It is 0 unless the two meet across a sheared side of the box.
     fn image_velocity(&self, couple: &Couple, met: &Encounter, scene: &Scene) -> f64 {
         let Some(j) = couple.j() else { return 0.0 };
         let own = self.bodies[couple.i as usize].velocity.z - self.bodies[j as usize].velocity.z;

@@ -54,8 +54,8 @@ impl Events {
 /// near.
 const AT_ONCE: usize = 4;
 
-/// [-] smallest resolvable rate of approach, divided by the distance and by the sum of both speeds. A slower approach
-/// is a rounding error, as in [`first_touch`].
+/// [-] smallest resolvable speed of approach, divided by the sum of the speeds of both particles. A slower approach is
+/// a rounding error, as in [`first_touch`].
 const RESOLUTION: f64 = 4.0 * f64::EPSILON;
 
 impl GlobalCalendar {
@@ -116,8 +116,8 @@ impl GlobalCalendar {
     }
 
     /// Finds the earliest two events of a particle. The candidates are the exit from its shell (ball in which its
-    /// neighbour list is valid), the end of prediction, and all touches. Only a touch has a second event; otherwise
-    /// both events are equal.
+    /// neighbour list is valid), the end of prediction, and all touches. Unless the first event is a touch, the second
+    /// one is the same event.
     #[inline]
     fn next_events(&self, index: u32, scene: &Scene) -> Events {
         let (body, shell) = (&self.bodies[index as usize], &self.next_events[index as usize].shell);
@@ -285,7 +285,7 @@ fn leave(body: &FlightState, centre: &Vector3<f64>, margin: f64) -> f64 {
         return f64::INFINITY;
     }
     let room = (margin * margin - from.norm_squared()).max(0.0);
-    // root in a form without cancellation
+    // this form of the root does not subtract nearly equal numbers, which would lose digits
     let root = (along * along + square * room).sqrt();
     if along > 0.0 { room / (along + root) } else { (root - along) / square }
 }

@@ -76,7 +76,7 @@ pub struct Shells {
     smallest: f64,
     #[serde(skip)]
     found: Vec<u32>,
-    /// Mark of each particle, by which an update tells old from new neighbours. The mark is twice the number (modulo
+    /// Mark of each particle, by which an update distinguishes old from new neighbours. It is twice the number (modulo
     /// 2³¹) of the last update in which the particle was an old neighbour, plus one if it stays a neighbour.
     #[serde(skip)]
     marks: Vec<u32>,
@@ -122,7 +122,7 @@ impl Shell {
 
 impl Shells {
     /// Makes shells about the positions [m] of all particles, which must be inside the box, and their neighbour lists.
-    /// `at_wall` tells for each particle if it may touch a wall within its shell.
+    /// `at_wall` is true, by index, for the particles that may touch a wall within their shell.
     pub fn build(&mut self, next_events: &mut [NextEvents], bodies: &[FlightState], domain: &Domain, at_wall: &[bool]) {
         for ((entry, body), &at_wall) in next_events.iter_mut().zip(bodies).zip(at_wall) {
             entry.shell = Shell { centre: rounded(&body.position), at_wall, ..Shell::default() };
@@ -184,8 +184,8 @@ impl Shells {
         }
     }
 
-    /// Copies the neighbour lists of consecutive particles, the first of which has the index `first`, to the end of the
-    /// common store, and writes the place of each list to its particle in `next_events`.
+    /// Copies the neighbour lists of consecutive particles to the end of the common store. The first particle has the
+    /// index `first`. The place of each list is written to its particle in `next_events`.
     fn hand_out(&mut self, lists: Lists, first: usize, next_events: &mut [NextEvents]) {
         self.checks += lists.checks;
         let mut near = lists.near.as_slice();
@@ -332,8 +332,8 @@ impl Shells {
     }
 
     /// Appends to `found` the particles whose shells may overlap an image of the shell of particle `i` across a sheared
-    /// side. Images slide along that side by up to [`SLIDE`] margins in either direction from their places in `domain`.
-    /// Returns the number of shells tested.
+    /// side. From their places in `domain`, images slide along that side by up to [`SLIDE`] times the margin. Returns
+    /// the number of shells tested.
     fn look_across(
         &self,
         i: u32,
@@ -406,8 +406,8 @@ impl Shells {
         }
         let count = found.len() as u32;
         let shell = &mut next_events[i as usize].shell;
-        // moves also to a smaller room: otherwise every room would stay as large as its longest list so far, and small
-        // rooms would remain unused
+        // moves also to a smaller memory block (room): otherwise every room would stay as large as its longest list so
+        // far, and small rooms would remain unused
         let wanted = room_for(count);
         if wanted != shell.room {
             *shell = self.moved(shell, wanted);

@@ -1,9 +1,10 @@
 //! Sheared boxes in the calendar (the event queue of all particles): images across y slide along z.
 //!
-//! Two particles and the nearest images of each other fly straight also across a sheared side, so their touches are
-//! predicted exactly. Only neighbour lists need more: a shell (ball in which a list is valid) rests, but its images
-//! slide. Time is therefore divided into intervals in which images slide by some margins of the shells. A list holds for
-//! the present interval. When the interval ends, all shells near the sheared sides are made anew.
+//! Particles and their images fly straight also across a sheared side, so their touches are predicted exactly. Only
+//! neighbour lists need more. A shell, the ball in which the list of a particle is valid, rests, but its images slide.
+//! Time is therefore divided into intervals. Within half an interval, images slide by [`SLIDE`] times the margin, the
+//! distance that a particle may move from the centre of its shell. A list is made for one interval. When the interval
+//! ends, all shells near the sheared sides are made anew.
 
 use super::{GlobalCalendar, Recent};
 use crate::domain::Domain;
@@ -63,8 +64,8 @@ impl GlobalCalendar {
         self.shells.update_neighbour_list(index, &mut self.next_events, &self.bodies, &domain, at_wall);
     }
 
-    /// Particles outside a sheared side, whose flights go on there: index, velocity along z [m/s], and change of this
-    /// velocity [m/s] by the crossing of the side.
+    /// Particles that have flown beyond a sheared side of the box. For each of them: index, velocity along z [m/s], and
+    /// change of this velocity [m/s] by the crossing of the side.
     fn crossings(&self, domain: &Domain) -> impl Iterator<Item = (usize, f64, f64)> {
         (0..self.bodies.len()).filter_map(|index| {
             let (mut position, mut velocity) = self.motion_in_scene(index);
@@ -74,17 +75,17 @@ impl GlobalCalendar {
         })
     }
 
-    /// Removes from the ledger the side crossings that were added when the particle store was wrapped into the box,
-    /// after the event queue had written it. The flights in the queue go on beyond the sheared sides; their crossings
-    /// are recorded when the particles get new shells.
+    /// Removes from the ledger the side crossings that were added when the positions in the particle store were wrapped
+    /// into the box, after the event queue had written them. The flights in the queue go on beyond the sheared sides;
+    /// their crossings are recorded when the particles get new shells.
     pub(super) fn take_back_crossings(&self, work: &mut Work<Recent>) {
         if work.scene.domain.shear.is_some() {
             self.crossings(&work.scene.domain).for_each(|crossing| self.take_back(crossing, work.record));
         }
     }
 
-    /// Velocities [m/s] of the particles of the store after a kick. Particles whose flights go on beyond a sheared side
-    /// have their velocities there, and their crossings are removed from the ledger.
+    /// Velocities [m/s] of the particles of the store after a kick. If the flight of a particle goes on beyond a
+    /// sheared side, its velocity beyond that side is returned, and its crossing is removed from the ledger.
     pub(super) fn velocities_after_kick<'a>(&self, work: &'a mut Work<Recent>) -> Cow<'a, [Vector3<f64>]> {
         if work.scene.domain.shear.is_none() {
             return Cow::Borrowed(&work.particles.velocity);

@@ -49,8 +49,8 @@ impl BoundedIslands<'_> {
         }
     }
 
-    /// Indices of the particles that are next to a member of a crowd, in no island, and within its reach. Empty if this
-    /// member has already been searched with its present reach.
+    /// Indices of the particles that are next to a member of a crowd, within reach of this member, and in no island.
+    /// Empty if the surroundings of the member have already been searched with its present reach.
     fn find_beside(&mut self, member: u32) -> Vec<u32> {
         let Member { index, ball, took_in, .. } = self.members[member as usize];
         let mut beside = Vec::new();

@@ -43,9 +43,9 @@ pub trait IslandFinder<'a>: DerefMut<Target = Clusters<'a>> + Sync + Sized {
     /// island is too large.
     fn gather(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>) -> bool;
 
-    /// Appends to `pairs` the pairs of a member with the particles after it in its island that it may touch. `member`
-    /// is its local index and the member. `island` contains the store indices of all particles of the island, members
-    /// first, and the number of members.
+    /// Appends to `pairs` the pairs of a member with the later particles of its island that it may touch. `member`
+    /// contains the local index of this member and its data. `island` contains the store indices of all particles of
+    /// the island, members first, and the number of members.
     fn list_pairs(&self, member: (usize, &Member), island: (&[u32], usize), pairs: &mut Vec<Pair>);
 
     /// Makes an empty store for the trajectories of `members` particles, with the memory reserved; without memory if
@@ -64,7 +64,7 @@ pub trait IslandFinder<'a>: DerefMut<Target = Clusters<'a>> + Sync + Sized {
 
     /// Changes the islands in `retries`, and unites islands that may meet; all these islands must be solved again.
     /// Returns the number of solved islands whose results became invalid because they met others; `None` if an island
-    /// is too large. Only islands are counted whose leader, the member with the smallest id, satisfies `mine`.
+    /// is too large. An island is counted only if its leader, the member with the smallest id, satisfies `mine`.
     fn next_round(&mut self, retries: Vec<(usize, Retry)>, mine: impl Fn(u32) -> bool) -> Option<u64>;
 
     /// Velocity changes of a member in this part, in the order of time; `None` if its trajectory is unknown.

@@ -24,8 +24,8 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// Distance [m] around an island within which a process must know all particles to solve it. All paths that may
-    /// meet the island are then known, and also which particles touch something on their straight flight.
+    /// Distance [m] around an island within which a process must know all particles to solve the island. Then it knows
+    /// all paths that may meet the island, and which particles touch something on their straight flight.
     pub fn search_radius(&self) -> f64 {
         self.around.max(self.flight) + 2.0 * self.flight
     }
@@ -66,7 +66,8 @@ impl Clusters<'_> {
     /// The two most energetic particles may give all their energy to one particle, which gives the first bound. For the
     /// second, let the two fastest have the speeds s₁ ≥ s₂. Their centre of mass is not faster than s₁, and relative to
     /// it each particle moves at s₁ + s₂ or less. So neither leaves faster than 2 s₁ + s₂. An energy E that a contact
-    /// gives back adds at most √(2E/m). The second bound is the lesser one for light particles among heavy ones.
+    /// gives back adds at most √(2E/m) to the speed of a particle of mass m. For light particles among heavy ones, the
+    /// second bound is the lesser one.
     ///
     /// The contacts of a crowd (a large island moved by uniform steps) together store far more energy than any of its
     /// particles ever receives. Therefore the bounds of a crowd contain only twice the largest energy of one contact,

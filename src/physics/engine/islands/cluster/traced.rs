@@ -21,10 +21,10 @@ use crate::neighbours::region::Region;
 use crate::work_sharing;
 use std::ops::{Deref, DerefMut, Range};
 
-/// [-] allowance for rounding, over the lengths of both paths: particles with a smaller gap count as touching.
+/// [-] allowance for rounding: a gap below this fraction of the summed lengths of both paths counts as a touch.
 const NEARLY: f64 = 1e-9;
 
-/// Balls, sorted into cells, each of which contains the path of a member of an island after its first velocity change.
+/// Balls sorted into cells. A ball contains the path of a member of an island after the member's first velocity change.
 #[derive(Default)]
 pub struct DeflectedFlights {
     /// For each ball, the number of its particle among the members of all islands.
@@ -190,9 +190,9 @@ impl TracedIslands<'_> {
         PiecewiseTrajectory { turns: turned, around: flight.reach.max(ball.reach + apart * (1.0 + NEARLY)), ball }
     }
 
-    /// Unites solved islands with the islands and single particles that their trajectories meet; these islands must be
-    /// solved again. Returns the number of results that became invalid; `None` if an island is too large. Only islands
-    /// are counted whose leader, the member with the smallest id, satisfies `mine`.
+    /// Unites solved islands with the islands and single particles that their trajectories meet; the united islands
+    /// must be solved again. Returns the number of results that became invalid; `None` if an island is too large. An
+    /// island is counted only if its leader, the member with the smallest id, satisfies `mine`.
     fn unite_meeting(&mut self, mine: impl Fn(u32) -> bool) -> Option<u64> {
         let is_new = |which: &usize| {
             let cluster = &self.list[*which];

@@ -57,6 +57,6 @@ pub struct Segment {
 pub struct MemberTrajectories {
     /// Trajectory of each member, for one island after another.
     pub ways: Vec<PiecewiseTrajectory>,
-    /// Velocity changes of all these trajectories, those of one member in a row.
+    /// Velocity changes of all these trajectories. Those of one member follow one another.
     pub turns: Vec<VelocityChange>,
 }

@@ -126,8 +126,8 @@ pub struct IslandScratch {
     /// [rad/s²] angular acceleration of each particle, averaged over the stages of the step with their Runge-Kutta
     /// weights.
     turned: Vec<Vector3<f64>>,
-    /// [W] parts of the friction power, averaged over the stages with the same weights. The parts of rolling and twisting
-    /// include the energy that springs store.
+    /// [W] parts of the friction power, averaged over the stages with their Runge-Kutta weights. The parts of rolling
+    /// and twisting include the energy that springs store.
     losses: FrictionLosses,
 }
 
@@ -256,8 +256,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         Ok(None)
     }
 
-    /// True if the island has cost more so far than is allowed until `end` [s]. The cost is that of steps, and of the
-    /// tests of all pairs between two contacts.
+    /// True if the island has cost more so far than is allowed until `end` [s]. The cost is that of steps, and of
+    /// testing all pairs in the searches for the next touch.
     fn costs_too_much(&self, end: f64) -> bool {
         let Allowance { each, per_particle } = self.engine.allowance;
         let allowed = (each + per_particle * self.island.hot as f64) * end;
@@ -265,8 +265,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         steps_cost(*force_evaluations, updates + pair_checks) > allowed
     }
 
-    /// Index of a particle in contact, or just struck, that exceeds its speed limit or is not a member of the island; `None`
-    /// if there is none.
+    /// Index of a particle in contact, or just struck, that exceeds its speed limit or is not a member of the island;
+    /// `None` if there is none.
     fn out_of_bounds(&mut self) -> Option<usize> {
         let struck = self.struck.take();
         let couples = self.scratch.contacts.iter().map(|contact| contact.touch.couple).chain(struck);
@@ -349,8 +349,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         let mut first: Option<(f64, usize)> = None;
         for (slot, (&was, &(gap, rate))) in self.scratch.before.iter().zip(&self.scratch.gaps).enumerate() {
             let touching = self.scratch.touching[slot];
-            // an overlap begins a contact if it grows, or if there was a gap before the step; a contact that has just
-            // ended may still overlap by rounding, but its gap grows
+            // an overlap begins a contact if it grows, or if there was a gap before the step; two bodies whose contact
+            // has just ended may still overlap by rounding, but their gap grows
             let turns = if touching { gap > 0.0 } else { gap < 0.0 && (rate < 0.0 || was.0 > 0.0) };
             if turns {
                 let fraction = crossing(was, (gap, rate), dt);
@@ -381,8 +381,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         Ok(())
     }
 
-    /// Returns an error if the centre of a sphere has passed a thin wall in the step that began at `start` [s]. Such a
-    /// step may have no overlap at either end.
+    /// Returns an error if the centre of a sphere has passed a thin wall in the step that began at `start` [s]. Sphere
+    /// and wall need not overlap at the start or end of such a step.
     fn refuse_to_pass(&self, start: f64) -> Result<(), Failure> {
         for touch in &self.scratch.touches {
             let (i, Other::Wall(at)) = (touch.couple.i as usize, touch.couple.other) else { continue };

@@ -1,5 +1,5 @@
-//! Single contact of an island, without friction: the time for which no other contact can begin, and the motion to its
-//! end.
+//! Single contact of an island, without friction: the time for which no other contact can begin, and the motion until
+//! the contact ends.
 
 use super::alone::{IsolatedContact, OrbitState};
 use super::{InstantaneousRule, IslandRun, ReachedTouch};
@@ -47,9 +47,9 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         indices.into_iter().flatten().filter(|&index| is_of(couple, index)).count()
     }
 
-    /// [s] time before which the gap of the slot `slot` cannot close, until the time `end` [s] of the window. The
-    /// velocity of each body of `couple` may change by `change` [m/s]. The result is negative if the gap is closed
-    /// already.
+    /// [s] time from now for which the gap of the slot `slot` cannot close; it is valid up to `end` [s] after the start
+    /// of the window. The velocity of each body of `couple` may change by `change` [m/s]. The result is negative if the
+    /// gap is closed already.
     fn clear_of(&self, slot: usize, couple: &Couple, change: f64, end: f64) -> f64 {
         let velocity = |index: u32| self.particles.velocity[index as usize];
         let (gap, rate) = self.scratch.gaps[slot];
@@ -64,7 +64,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         gap / (speed + self.shared(slot, couple) as f64 * change)
     }
 
-    /// [m/s] upper limit of the change of a moving wall's velocity; 0 for a wall that does not move, and for a particle.
+    /// [m/s] upper limit of the change of a moving wall's velocity; 0 for a wall that does not move, and for a
+    /// particle.
     fn swing(&self, couple: &Couple) -> f64 {
         match couple.other {
             Other::Wall(at) => 2.0 * self.scene.walls[at.wall as usize].largest_speed(),
@@ -75,7 +76,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     /// True if the gap of the slot `slot` may close within `time` [s] after one of its particles touches another body.
     ///
     /// While two bodies fly straight, the rate at which their gap closes does not grow. An impulse changes the velocity
-    /// of a particle by at most 2 (1 + μ) M |u_n|/m, or 2 (1 + μ) M |u|/m at a rough wall.
+    /// of a particle by at most 2 (1 + μ) M |u_n|/m, or 2 (1 + μ) M |u|/m at a rough wall. Here m is the mass of the
+    /// particle, M the effective mass, μ the friction coefficient and u the relative velocity with normal part u_n.
     fn may_come(&self, slot: usize, meeting: &ReachedTouch, time: f64) -> bool {
         let other = self.scratch.touches[slot].couple;
         let ReachedTouch { touch, met, scene, .. } = meeting;
@@ -172,7 +174,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         Ok(indices.into_iter().flatten().find(|&index| !self.island.allows(index, &self.particles.velocity[index])))
     }
 
-    /// Moves all particles by `time` [s], while the only contact changes from the state `begin` to `state`. All other
+    /// Moves all particles for `time` [s], while the only contact changes from the state `begin` to `state`. All other
     /// particles fly straight, and so does the centre of mass of the two bodies. `slip` [m/s] is their tangential
     /// relative velocity at the start.
     fn part(&mut self, alone: &IsolatedContact, slip: Vector3<f64>, [begin, state]: [OrbitState; 2], time: f64) {

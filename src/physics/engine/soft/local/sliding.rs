@@ -2,10 +2,10 @@
 //! at which this changes are found within a step.
 //!
 //! Each contact has a tangential spring, and also a rolling and a twisting spring if contacts resist these motions. The
-//! state of a spring that sticks is its shear ξ: dξ/dt = v + ω_n n × ξ. Here v is the relative velocity of that kind,
-//! and ω_n the mean spin about the normal n. The state of a spring that slides is the direction e of its force. Its
-//! length follows from the limit, and e turns towards v. The Runge-Kutta method integrates states in the plane normal
-//! to n at the start of the step, and turns them with n.
+//! state of a spring that sticks is its shear ξ: dξ/dt = v + ω_n n × ξ. Here v is the relative velocity that stretches
+//! the spring, and ω_n the mean spin about the normal n. The state of a spring that slides is the direction e of its
+//! force. The length of ξ then follows from the limit of the force, and e turns towards v. The Runge-Kutta method
+//! integrates states in the plane normal to n at the start of the step, and turns them with n.
 
 use super::springs::{ContactMotion, SpringKind, SpringMotion, carried};
 use super::{InstantaneousRule, IslandRun, Rates, TRIALS};
@@ -47,7 +47,7 @@ pub struct SlidingContact {
     start: SpringState,
     /// State at the present time of the island.
     now: SpringState,
-    /// Rate of change of the state [unit of the state per s] at the last stage, in the plane of the start.
+    /// Rate of change of the state [unit of the state per s] at the last stage, turned to the normal of `start`.
     rate: Vector3<f64>,
     /// Weighted mean of the rates of all stages so far.
     mean: Vector3<f64>,
@@ -73,7 +73,7 @@ impl SlidingContact {
         Self { phase, start: none, now: none, rate, mean, shear, margins }
     }
 
-    /// Begins the phase `phase`. `vector` is the shear [m] of a spring that sticks, or the direction [-] of its force.
+    /// Begins a phase. `vector` is the shear [m] of a spring that sticks, or the force direction of one that slides.
     fn take(&mut self, phase: Phase, vector: Vector3<f64>) {
         (self.phase, self.now.vector) = (phase, vector);
     }
@@ -169,7 +169,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Begins resistances that are due, and stores the state at the start of a step, to which every trial of the step returns.
+    /// Begins the resistances that are due, and stores the state at the start of a step, from which each trial begins.
     pub(super) fn keep_springs(&mut self) {
         if self.kinds().len() > 1 {
             self.wake_resistances();
@@ -191,7 +191,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Begins a trial of a step of `count` particles: sets rates and means to zero, and springs to the start of the step.
+    /// Begins a trial of a step of `count` particles: sets rates and means to zero, and springs to their start state.
     pub(super) fn begin_turning(&mut self, count: usize) {
         let scratch = &mut *self.scratch;
         scratch.losses = FrictionLosses::default();
@@ -364,8 +364,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         force
     }
 
-    /// Margins of a spring from the end of its phase, at the end of a trial of a step of `dt` [s]. Accelerations are
-    /// those of the last stage, which is at the end of the step.
+    /// Distances (`SlidingContact::margins`) of a spring from the end of its phase, after a trial of a step of `dt`
+    /// [s]. Accelerations are those of the last stage, which is at the end of the step.
     fn margins(
         &self,
         index: usize,
@@ -418,7 +418,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             SpringKind::Roll => relative_angular.cross(&met.normal).dot(&along) * motion.rolling_radius(),
             SpringKind::Twist => relative_angular.dot(&along) * motion.rolling_radius(),
         };
-        // the normal turns: that of a pair at a known rate, that of a curved wall as it did in the step
+        // the normal turns: that of a pair at a known rate, that of a curved wall at its mean rate in the step
         let turned = met.velocity.dot(&(met.normal - sliding.start.normal)) / dt;
         let turns = if j.is_some() { met.slip().norm_squared() / (touch.reach + met.gap) } else { turned };
         let normal_acceleration = relative.dot(&met.normal) + turns;
@@ -472,8 +472,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         rates
     }
 
-    /// Ends the phase of each spring with a negative margin, and that of the spring in `due` (its index, and that of
-    /// its margin).
+    /// Ends the phase of each spring with a negative margin, and the phase of the spring `due`, which is given by the
+    /// indices of the spring and of its margin.
     pub(super) fn switch_phases(&mut self, due: Option<(usize, usize)>) {
         for k in 0..self.scratch.contacts.len() {
             for (index, &kind) in self.springs_of(k).zip(self.kinds()) {

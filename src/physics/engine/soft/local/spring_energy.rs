@@ -51,7 +51,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         let Contact { touch, course, .. } = &self.scratch.contacts[k];
         let springs = self.springs_of(k);
         let shear = &self.scratch.sliding[springs.start].shear;
-        // most springs do not depend on the overlap, which has to be computed
+        // the energy of most springs does not depend on the overlap, which then need not be computed
         if touch.tangential.half_powers == 0 && course.resistance.is_none() {
             return [touch.tangential.energy(shear), 0.0, 0.0];
         }
@@ -130,7 +130,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Stores the shears [m] and energies [J] of the springs in the contacts, which continue after this island is solved.
+    /// Stores the shears [m] and energies [J] of the springs in the contacts, which continue after this island is
+    /// solved.
     pub(super) fn leave_springs(&mut self) {
         for k in 0..self.scratch.contacts.len() {
             let springs = self.springs_of(k);

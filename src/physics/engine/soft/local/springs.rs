@@ -51,7 +51,7 @@ pub struct ContactMotion {
     pub arm: f64,
     /// [N] elastic part of the normal force of the contact.
     pub elastic: f64,
-    /// [N] part of the normal force by the dashpot.
+    /// [N] part of the normal force that the dashpot causes.
     pub viscous: f64,
     /// Rolling and twisting motion; `None` if the contact does not resist this motion.
     pub rolling: Option<RollingMotion>,
@@ -69,7 +69,8 @@ pub struct SpringMotion {
     /// [-] growth of the shear per length of relative motion. It is below 1 at the touch if the stiffness grows with
     /// the overlap.
     pub grown: f64,
-    /// [1/s] relative rates at which a change of the overlap changes the shear, the force and the dashpot of the spring.
+    /// [1/s] relative rates at which a change of the overlap changes the shear, the force and the dashpot of the
+    /// spring.
     pub rates: SpringRates,
     /// [-] largest force of the spring divided by the normal force.
     friction: f64,
@@ -84,7 +85,8 @@ pub struct SpringMotion {
 /// [-] overlap over the diameter up to which a contact counts as one that has just begun.
 const TOUCHING: f64 = 1e-9;
 
-/// [-] short time, as a fraction of a time step, after which force and limit of a beginning contact are compared.
+/// [-] short time, as a fraction of a time step. After this time force and limit of a beginning contact are compared,
+/// and it is the interval of finite differences.
 const SOON: f64 = 1e-4;
 
 impl ContactMotion {

@@ -38,9 +38,9 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     /// first guess of that length is `fraction` [-] of `dt` [s].
     ///
     /// The contact of the slot ends when its gap becomes positive, or begins when the gap becomes negative. If two such
-    /// instants nearly coincide, their order may differ from the estimate. The later one is then due at the very start
-    /// of its step, and the search must end there. A search for a sign other than that before the step would continue
-    /// to the end of the step instead, past all other such instants.
+    /// instants nearly coincide, their order may differ from the estimate. The gap of the later one then already has
+    /// its new sign at the start of the next step, and the search must end there. A search for a change of sign since
+    /// that start would go on to the end of the step instead, past all other such instants.
     pub(super) fn find_turn(&mut self, start: f64, dt: f64, fraction: f64, slot: usize) -> Rates {
         let touching = self.scratch.contacts.iter().any(|c| c.slot as usize == slot);
         let (mut low, mut high) = (0.0, 1.0);
@@ -94,7 +94,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             }
         }
     }
-    /// Turns the velocity of a particle that touches a rough wall, at the slot `slot`, as the facet requires that it meets.
+
+    /// Turns the velocity of the particle of the slot `slot`, if it touches a randomly inclined facet of a rough wall.
     /// Returns the rotation vector [rad]; `None` if the wall is smooth, or the other body a particle.
     fn meet_facet(&mut self, slot: usize) -> Option<Vector3<f64>> {
         let couple = self.scratch.touches[slot].couple;
@@ -106,8 +107,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         Some(turn)
     }
 
-    /// Turns the velocity of particle i of a couple, which touches a rough wall, by the rotation vector `turn` [rad]. The
-    /// impulse of the wall is recorded, and the rates of gaps are computed anew.
+    /// Turns the velocity of particle i of a couple, which touches a rough wall, by the rotation vector `turn` [rad].
+    /// The impulse of the wall is recorded, and the rates of gaps are computed anew.
     fn turn_motion(&mut self, couple: &Couple, turn: &Vector3<f64>) {
         let normal = couple.meet(self.particles, self.scene, self.moment()).normal;
         let fallen = self.scene.gravity * self.now;
