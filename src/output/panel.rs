@@ -29,9 +29,10 @@ pub enum SeriesStyle {
     Steps(usize),
     /// Separate points, in the colour of the variant with this index.
     Points(usize),
-    /// Points with error bars, joined by a thin line, in the colour of the method with this index.
+    /// Points with error bars, joined by a thin line, in the colour with this index: that of a method, or of a curve of
+    /// a sweep.
     Sweep(usize),
-    /// Stars on the upper frame at any value, which mark failures of the method with this index.
+    /// Stars on the upper frame, which mark failed runs of the method, or of the curve of a sweep, with this index.
     Failed(usize),
     /// Large dark diamonds, which mark the best method.
     Winner,

@@ -54,7 +54,7 @@ pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
         adopt(args, &mut typed.output, &mut typed.effort);
         sweep(&typed, origin, ranks)
     } else {
-        Err(input(format!("{shown} holds neither a run nor a comparison")))
+        Err(input(format!("{shown} holds no run, comparison, sweep or study of sensitivity")))
     }
 }
 

@@ -85,8 +85,8 @@ impl Law for Hertz {
         Spring { effective_mass, restitution, stiffness, dashpot }
     }
 
-    /// Returns the stiffness 8 G* sqrt(R) [N/m^1.5] with 1/G* = (2-ν_p)/G_p + (2-ν_q)/G_q and the shear moduli
-    /// G = E/(2(1+ν)) (Mindlin 1949, J. Appl. Mech. 16, 259; Johnson 1985, Eq. 7.43).
+    /// Returns 8 G* sqrt(R) [N/m^1.5] times the `stiffness_ratio` of the bodies. Here 1/G* = (2-ν_p)/G_p + (2-ν_q)/G_q
+    /// with the shear moduli G = E/(2(1+ν)) (Mindlin 1949, J. Appl. Mech. 16, 259; Johnson 1985, Eq. 7.43).
     fn shear_stiffness(&self, bodies: &Bodies) -> f64 {
         let compliance = |own: Option<Elasticity>| {
             let Elasticity { youngs_modulus, poissons_ratio } = own.unwrap_or(self.elasticity);

@@ -175,8 +175,9 @@ impl Turbulence {
     }
 
     /// [m²/s²] variance of a velocity component of particles in the turbulence, as a mean over the cross-section and
-    /// the three components. It is σ² T/(T + τ) (Tchen 1947) with the response time τ = `response` [s]. A slip speed
-    /// `slip` [m/s] shortens T, because particles cross eddies.
+    /// the three components, in a box of `height` [m]. It is σ² T_L/(T_L + τ) (Tchen 1947), with the response time τ =
+    /// `response` [s] and the integral time T_L of the gas velocity that a particle sees. A slip speed `slip` [m/s]
+    /// shortens T_L, because particles cross eddies.
     pub fn induced_variance(&self, profile: &Profile, height: f64, response: f64, slip: f64) -> f64 {
         let variances =
             self.strips(profile, height).filter(|(_, local)| local.deviation > 0.0).map(|(weight, local)| {

@@ -159,8 +159,7 @@ impl Bound {
     /// contain only the particles of one process. `None` without a contact law.
     pub fn new(experiment: &Experiment, (start, count): (&Sample, usize), step: f64) -> Option<Self> {
         let (law, speed) = (experiment.law()?, fastest_impact(experiment));
-        // a run that is resumed in parts has no particles yet when its simulation is made
-        let contacts = contacts(&experiment.scene, count.max(experiment.count()));
+        let contacts = contacts(&experiment.scene, count);
         let heaviest = |wall: bool| {
             let of = contacts.iter().filter(|contact| contact.wall.is_some() == wall);
             of.map(|contact| 0.5 * contact.bodies.effective_mass).fold(0.0, f64::max)

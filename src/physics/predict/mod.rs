@@ -68,7 +68,8 @@ pub struct PredictedCost {
     pub wall_seconds: Option<f64>,
     /// Number of windows (times between two exchanges with the gas) whose computing time was measured.
     pub windows_timed: u64,
-    /// [byte] largest memory that the process used; `None` if the system does not report it.
+    /// [byte] predicted memory of the run: that of this process after the timed windows, without the copy of the
+    /// starting particles, plus that of the report. `None` if the system does not report it.
     pub memory: Option<f64>,
     /// Reason why no run of the model is possible; `None` if it is possible.
     pub failure: Option<String>,

@@ -137,8 +137,8 @@ fn verdict(group: &[&MeasuredQuantity], names: &[String; 2], share: f64) -> Verd
     }
 }
 
-/// Remarks for the reader on the data: missing standard errors, references near zero, and reasons why curves are
-/// compared.
+/// Remarks for the reader: missing standard errors, references that are zero within their errors, and reasons why
+/// curves are compared or nothing can be compared.
 fn remarks(measured: &[MeasuredQuantity], sides: &[JudgeSide; 2]) -> Vec<String> {
     let mut remarks = Vec::new();
     for (k, side) in sides.iter().enumerate() {

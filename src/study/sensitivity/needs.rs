@@ -95,8 +95,8 @@ fn cost(runs: &[SensitivityRun], factor: &Factor) -> f64 {
     own.zip(runs.first()).map_or(1.0, |(own, richest)| own / richest.wall_seconds)
 }
 
-/// Sentences on the cheapest set of models, the models that are needed, those not decided, the assumptions, the effect
-/// of chance, and the failures.
+/// Sentences on the cheapest set of models, the needed models, the models without a decision, the assumptions and the
+/// effect of chance. Further sentences name models that cannot be left out because the run without them stops.
 pub fn sentences(plan: &SensitivityPlan, factors: &[Factor], runs: &[SensitivityRun], margin: f64) -> Vec<String> {
     of_models((&plan.factors, &plan.assumed), factors, runs, margin)
 }

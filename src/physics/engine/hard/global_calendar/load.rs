@@ -117,8 +117,8 @@ impl GlobalCalendar {
         change
     }
 
-    /// Present position [m] and velocity [m/s] of a particle, given by its index, relative to the scene at rest. The
-    /// position may be outside the box.
+    /// Present position [m] and velocity [m/s] of the particle with the index `index`, relative to the scene and not to
+    /// the falling frame of the calendar. The position may be outside the box.
     pub(super) fn motion_in_scene(&self, index: usize) -> (Vector3<f64>, Vector3<f64>) {
         let body = &self.bodies[index];
         let position = body.position + body.velocity * (self.now - body.time);

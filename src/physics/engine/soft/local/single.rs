@@ -14,8 +14,9 @@ fn is_of(couple: &Couple, index: u32) -> bool {
 }
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
-    /// [s] time, up to `end`, for which a single contact without friction certainly remains the only one. It is 0 if
-    /// there are several contacts, or if the contact has friction or a wall that is curved or moves.
+    /// [s] time from now, at most until `end` [s], for which a single contact without friction certainly remains the
+    /// only one. It is 0 without exactly one contact, with friction, at a curved or moving wall, or if another gap is
+    /// closed.
     pub(super) fn clear_time(&self, end: f64) -> f64 {
         let [contact] = self.scratch.contacts.as_slice() else { return 0.0 };
         let TouchingPair { couple, constants: ContactConstants { spring, friction, .. } } = contact.touch;
