@@ -196,7 +196,8 @@ fn a_resumed_run_explains_the_gain_of_its_scheme() {
     let start = initial_state(&gas).unwrap();
     let mut simulation = Simulation::new(&gas, start);
     simulation.run(20, WINDOW).unwrap();
-    let mut resumed = Simulation::restore(&gas, simulation.snapshot().unwrap()).unwrap();
+    let stored: Snapshot = bits(&simulation).read().unwrap();
+    let mut resumed = Simulation::restore(&gas, stored).unwrap();
     resumed.run(40, WINDOW).unwrap();
     let [before, after] = [simulation.energy(), resumed.energy()];
     assert!(after > 1.1 * before, "from {before} J to {after} J");
