@@ -193,7 +193,7 @@ impl Bound {
     /// Adds to this bound, read from a stored state, the data that are not stored. They come from `new`, the bound made
     /// anew for the same experiment.
     pub fn completed(self, new: Option<Self>) -> Self {
-        Self { gains: new.map(|new| new.gains).unwrap_or_default(), ..self }
+        Self { gains: new.map_or(self.gains, |new| new.gains), ..self }
     }
 
     /// [J] elastic energy of the contacts that overlap at the start.
