@@ -12,9 +12,11 @@ use diptych::fluid::{Fluid, Profile};
 use diptych::observe::{RunLoop, Series};
 use diptych::placement::initial_state;
 use diptych::predict::Obstacles;
-use diptych::scene::{Scene, Species};
+use diptych::rotation::{ImpactRule, Rotation, TangentialLaw};
+use diptych::scene::{Inlet, Scene, Species, Thermostat};
 use diptych::schedule::{SPLITTING, SPLITTING_ALONE, Schedule};
 use diptych::simulation::Simulation;
+use diptych::walls::{Cavity, Hollow, PrescribedMotion, ThermalWall, Turning, Wall};
 use nalgebra::Vector3;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -152,6 +154,56 @@ fn windows_stay_where_the_gas_keeps_particles_moving() {
     crowd.scene.gravity = Vector3::new(0.0, 0.0, -9.81);
     crowd.start[0].velocity_fluctuation = Vector3::repeat(0.5);
     assert_eq!(Schedule::new(&crowd).longest(), Schedule::new(&crowd).window);
+}
+
+/// Windows have one length if something feeds energy to the particles: the speed of a sphere that drag slows down is
+/// then no limit of theirs.
+#[test]
+fn windows_stay_where_particles_gain_energy() {
+    let smooth = || surface(0.9, 0.0);
+    let floor = || plane([0.0; 3], [0.0, 1.0, 0.0], smooth());
+    let moving = || floor().moving(PrescribedMotion::Translation { velocity: Vector3::x() }).unwrap();
+    let spin = Turning { center: Vector3::zeros(), spin: Vector3::y() };
+    let middle = Cavity::Box { center: Vector3::repeat(2.5e-3), half_extents: Vector3::repeat(1e-3) };
+    let inlet = Inlet {
+        name: "feed".into(),
+        species: 0,
+        region: Hollow::new(middle),
+        rate: 1.0,
+        start: 0.0,
+        end: f64::INFINITY,
+        velocity_mean: Vector3::zeros(),
+        velocity_fluctuation: Vector3::repeat(1.0),
+        spin_mean: Vector3::zeros(),
+        spin_fluctuation: 0.0,
+    };
+    let walled = |wall: Wall| move |scene: &mut Scene| scene.walls = vec![wall.clone()];
+    type Feed = Box<dyn Fn(&mut Scene)>;
+    let feeds: [(&str, bool, Feed); 9] = [
+        ("nothing", false, Box::new(|_| ())),
+        ("wall at rest", false, Box::new(walled(floor()))),
+        ("moving wall", true, Box::new(walled(moving()))),
+        ("belt", true, Box::new(walled(Wall { velocity: Vector3::x(), ..floor() }))),
+        ("turntable", true, Box::new(walled(Wall { turning: Some(spin), ..floor() }))),
+        (
+            "thermal wall",
+            true,
+            Box::new(walled(Wall { thermal: Some(ThermalWall { temperature: 1.0, seed: 1 }), ..floor() })),
+        ),
+        ("thermostat", true, Box::new(|scene| scene.thermostat = Some(Thermostat::Stochastic { heating: 0.1 }))),
+        ("inlet", true, Box::new(move |scene| scene.inlets = vec![inlet.clone()])),
+        (
+            "spins",
+            true,
+            Box::new(|scene| scene.rotation = Some(Rotation::new(TangentialLaw::Coulomb, ImpactRule::COULOMB))),
+        ),
+    ];
+    for (name, is_fed, feed) in feeds {
+        let mut crowd = slowing(Model::Hard);
+        feed(&mut crowd.scene);
+        let schedule = Schedule::new(&crowd);
+        assert_eq!(schedule.longest() == schedule.window, is_fed, "{name}: {schedule:?}");
+    }
 }
 
 /// A run that is stopped after every window and resumed has identical bits. Its observers are called at their times.

@@ -1,9 +1,10 @@
 //! Schedule of a run: the lengths of windows and the times of samples. A window is the time between two exchanges of
 //! momentum with the gas (drag kicks). At a sample, measurements are taken.
 //!
-//! The schedule depends on the scene, not on the model. So all engines split drag from motion in the same way, and take
-//! samples at the same times. Windows may become longer during a run if drag is certain to slow the particles down. The
-//! slowing is computed from the drag law alone, the same in every model, and not from the moving particles.
+//! The schedule depends on the scene and, without servo walls, not on the model. So all engines split drag from motion
+//! in the same way, and take samples at the same times. Windows may become longer during a run if drag is certain to
+//! slow the particles down. The slowing is computed from the drag law alone, the same in every model, and not from the
+//! moving particles.
 
 mod heat;
 mod inlets;
@@ -21,6 +22,7 @@ use crate::fluid::Profile;
 use crate::predict::contact::AGITATION;
 use crate::predict::flow::terminal_slip;
 use crate::scene::{Scene, Species};
+use crate::walls::Wall;
 use heat::heated_rate;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -70,8 +72,8 @@ const SHARE: f64 = 1e-3;
 /// [-] smallest share of the windows of a run that growing windows must save; otherwise all windows have one length.
 const WORTH: f64 = 0.1;
 
-/// Windows of a run (times between two drag kicks) and samples at ends of windows. Either all windows have one length,
-/// or the shortest windows are merged into longer ones from certain samples on.
+/// Windows of a run (times between two exchanges with the gas) and samples at ends of windows. Either all windows have
+/// one length, or the shortest windows are merged into longer ones from certain samples on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Schedule {
     /// [s] window h. If windows grow, it is the first and shortest window.
@@ -83,8 +85,9 @@ pub struct Schedule {
     /// Numbers of the samples from which on two, four, eight and sixteen of the shortest windows are merged into one.
     /// `None` if the run has no windows of that length.
     pub longer: [Option<u64>; DOUBLINGS],
-    /// [s] time between two instants, counted from the start, at which windows must also end because all particles are
-    /// written.
+    /// [s] interval between the instants at which all particles are written or curves are compared. The first interval
+    /// begins at the start of the run. A window that contains such an instant is divided there. `None`: no such
+    /// instants.
     pub instants: Option<f64>,
 }
 
@@ -106,9 +109,9 @@ impl Schedule {
         Self { window, windows_per_sample, samples, ..Self::default() }
     }
 
-    /// Schedule of an experiment. The experiment can give the longest window. Otherwise it is limited by the splitting
-    /// of drag, buoyancy, turbulence, coupling, heat and orbits from the motion. Servo walls always limit it. The
-    /// duration is a whole number of the shortest windows.
+    /// Schedule of an experiment. The experiment can give the longest window. Otherwise it is limited by inlets, and by
+    /// the splitting of drag, buoyancy, turbulence, coupling, heat and orbits from the motion. Servo walls always limit
+    /// it. The duration is a whole number of the shortest windows.
     pub fn new(experiment: &Experiment) -> Self {
         let duration = experiment.run.duration;
         if duration <= 0.0 {
@@ -269,12 +272,13 @@ impl Schedule {
 /// * the velocity changes by collisions at a rate ν, whose instants within the window are random. This increases the
 ///   agitation by the share ν τ (h/τ)²/24;
 /// * the gas velocity at the particle changes by motion across the profile: error σ² h² u'/(6 L_y) of the mean
-///   velocity, with the agitation σ and the gradient u' at the walls.
+///   velocity. Here σ is the agitation, u' the gradient at the walls, and L_y the width of the channel.
 ///
 /// The second error is found as follows. During the fall the speed w changes at the rate g - D(w), with the
-/// deceleration D by drag. Strang's splitting gives an error of at most h² g ((D'² - D D'')/24 + g D''/12), from its
-/// double commutators. Once drag balances the weight, the relative error of the speed is less than (h D')²/24. Before
-/// that, the last term dominates. The integral of this term over the fall, with D = 0 and w = g t, is the second error.
+/// deceleration D by drag. Primes of D denote derivatives with respect to w. Strang's splitting gives an error of at
+/// most h² g ((D'² - D D'')/24 + g D''/12), from its double commutators. Once drag balances the weight, the relative
+/// error of the speed is less than (h D')²/24. Before that, the last term dominates. The integral of this term over the
+/// fall, with D = 0 and w = g t, is the second error.
 #[derive(Clone, Copy, Debug)]
 struct DragScales {
     /// [s] response time τ at the larger of two slip speeds: the initial one, and the one that gravity causes.
@@ -285,8 +289,8 @@ struct DragScales {
     fall: f64,
     /// [1/s] collision rate ν of a particle.
     rate: f64,
-    /// [1/s²] σ² u'/(L_y U) for motion across the gas profile, with the agitation σ, the gradient u' at the walls, and
-    /// the gas velocity U.
+    /// [1/s²] σ² u'/(L_y U) for motion across the gas profile, with the agitation σ, the gradient u' at the walls, the
+    /// width L_y of the channel, and the gas velocity U.
     crossing: f64,
 }
 
@@ -350,8 +354,8 @@ impl DragScales {
 ///
 /// Drag decreases the root mean square speed R at least as fast as the speed of one sphere that starts with the speed
 /// R. The reason is that the power of drag, m w²/τ(w), is a convex function of w² for any law whose 1/τ grows with w.
-/// So the mean of this power is at least its value at R (Jensen's inequality). Collisions and walls at rest add no
-/// energy. Gravity adds at most the speed of a fall from rest. Drag grows at least as fast as w. So the sum S of a
+/// So the mean of this power is at least its value at R (Jensen's inequality). Collisions of spheres that do not rotate
+/// and walls at rest add no energy ([`is_fed`]). Gravity adds at most the speed of a fall from rest. Drag grows at least as fast as w. So the sum S of a
 /// decay and of a fall grows at least as fast as g - S/τ(S), while dR/dt <= g - R/τ(R). Therefore S is an upper limit
 /// of R.
 struct Slowing<'a> {
@@ -361,9 +365,12 @@ struct Slowing<'a> {
 }
 
 impl<'a> Slowing<'a> {
-    /// Speed limit for an experiment. `None` if a moving or turbulent gas, several species or a start without speed
-    /// make the limit useless.
+    /// Speed limit for an experiment. `None` if there is no such limit, because the gas moves or the scene
+    /// [adds energy](is_fed), or if several species or a start without speed make the limit useless.
     fn of(experiment: &'a Experiment) -> Option<Self> {
+        if is_fed(&experiment.scene) {
+            return None;
+        }
         let fluid =
             experiment.scene.fluid.as_ref().filter(|fluid| fluid.drag.is_some() && fluid.turbulence.is_none())?;
         let still = matches!(fluid.profile, Profile::Uniform(0.0));
@@ -395,6 +402,16 @@ impl<'a> Slowing<'a> {
     }
 }
 
+/// True if particles may gain kinetic energy of translation, besides that from gravity and from the gas: from a wall
+/// that moves or is thermal, from a thermostat, from the shear of the box, from spins, or by particles that come in.
+fn is_fed(scene: &Scene) -> bool {
+    let feeds = |wall: &Wall| {
+        wall.moving.is_some() || wall.turning.is_some() || wall.thermal.is_some() || wall.velocity != Vector3::zeros()
+    };
+    let by_all = scene.thermostat.is_some() || scene.domain.shear.is_some() || scene.rotation.is_some();
+    by_all || !scene.inlets.is_empty() || scene.walls.iter().any(feeds)
+}
+
 /// [s] longest window if buoyancy accelerates species of different densities differently, so that kicks add the
 /// differences. Infinite if all have one acceleration. With a difference b [m/s²] the path within a window of length
 /// h differs by at most b h²/8 from a parabola. This distance is at most [`SAG`] times the smallest diameter.
@@ -424,7 +441,8 @@ pub fn longest_for_eddies(experiment: &Experiment) -> f64 {
 const EXCHANGED: f64 = 0.1;
 
 /// [s] longest window with two-way coupling; infinite if particles do not change the gas. The slip of the gas decays at
-/// the rate Σ(m/τ)/(ρ_f V) with the volume V of the gas. A window lasts a tenth of the inverse of this rate.
+/// the rate Σ(m/τ)/(ρ_f V), with the mass m and response time τ of each particle, and the density ρ_f and volume V of
+/// the gas. A window lasts a tenth of the inverse of this rate.
 pub fn longest_for_coupling(experiment: &Experiment) -> f64 {
     let scene = &experiment.scene;
     let Some(fluid) = scene.fluid.as_ref().filter(|fluid| fluid.coupling.is_some()) else { return f64::INFINITY };
