@@ -44,40 +44,72 @@ pub fn execute(experiment: &Experiment, start: Particles, others: &mut [&mut dyn
 /// Runs a variant like [`execute`], with a checkpointer that stores the state of the run at intervals and may stop the
 /// run. If a state is stored, the run continues from this state. A run that has ended is not repeated.
 ///
+/// With `shared`, all processes share the run. This process, the lead, first sends the index of the run to the others.
+///
 /// # Errors
 /// Returns an error if the stored state belongs to another run.
 pub fn execute_with_checkpoints(
     run: &ResumableRun,
     others: &mut [&mut dyn Observer],
     checkpointer: &mut Checkpointer,
+    shared: Option<SharedRun>,
 ) -> Result<(Outcome, Particles), StudyError> {
-    keep_workers_spinning(|| simulate_with_checkpoints(run, others, checkpointer, None))
-}
-
-/// Runs a variant that all processes share; called in the lead process, which first sends the index of the run to the
-/// other processes. The final state is returned if `gives_end` is true; otherwise the returned state has no particles.
-///
-/// # Errors
-/// Returns the errors of [`execute_with_checkpoints`].
-pub fn execute_together(
-    run: &ResumableRun,
-    others: &mut [&mut dyn Observer],
-    checkpointer: &mut Checkpointer,
-    SharedRun { index, ranks, quiet, gives_end }: SharedRun,
-) -> Result<(Outcome, Particles), StudyError> {
-    ranks.call_together(index);
-    let (result, traffic) = ranks.together(|communicator| {
-        rayon::scope(|_| simulate_with_checkpoints(run, others, checkpointer, Some((communicator, gives_end))))
-    });
     let experiment = &run.experiment;
+    let gives_end = shared.is_none_or(|shared| shared.gives_end);
+    let mut simulate = |communicator: Option<Arc<dyn Communicator>>| {
+        let start = run.start()?;
+        let mut seen = StandardObservers::new(experiment, start.fingerprint);
+        let in_parts = others.iter().take_while(|other| other.needs() == Needs::Parts).count();
+        let common = seen.with(&mut []).len() + in_parts;
+        let schedule = seen.schedule;
+        let mut observers = seen.with(others);
+        let begun = RunLoop::new(&schedule, observers.len());
+        let (mut simulation, mut course, mut over) =
+            begin_or_resume(run, start, begun, (&mut observers, common), checkpointer, communicator)?;
+        let failure = loop {
+            if let Some(failure) = over {
+                break failure;
+            }
+            over = match course.run(&mut simulation, &mut observers, &mut || checkpointer.is_due()) {
+                Ok(true) => Some(None),
+                Ok(false) => None,
+                Err(failure) => Some(Some(failure)),
+            };
+            if let Some(why) = store(&mut simulation, &course, &observers, (&run.identity, checkpointer), &over)? {
+                course.finish_half_kick(&mut simulation);
+                break Some(why);
+            }
+        };
+        course.end(&mut simulation, &mut observers, failure.as_ref());
+        drop(observers);
+        if gives_end {
+            simulation.gather(1);
+            simulation.end();
+        }
+        let hash = simulation.fingerprint();
+        let particles = if gives_end { std::mem::take(&mut simulation.particles) } else { Particles::default() };
+        Ok((seen.outcome(&simulation, failure, hash), particles))
+    };
+    let Some(SharedRun { index, ranks, quiet, .. }) = shared else {
+        return keep_workers_spinning(|| simulate(None));
+    };
+    ranks.call_together(index);
+    let (result, traffic) = ranks.together(|communicator| rayon::scope(|_| simulate(Some(communicator))));
     if let (Ok((outcome, _)), false) = (&result, quiet) {
-        let verlet = experiment.model() == Model::Soft && experiment.soft.integrator == Integrator::VelocityVerlet;
-        let steps_are_shared = verlet && outcome.counters.uniform_steps > 0;
-        let alone = outcome.windows > 0 && outcome.counters.islands == 0 && !steps_are_shared;
-        let why = "nothing was shared: no window was moved by islands, and what moves all particles at once is done by process 0 alone";
-        tell(format!("{}: {}", experiment.name, if alone { why.to_owned() } else { traffic.to_string() }));
+        tell(format!("{}: {}", experiment.name, traffic_of(experiment, outcome, &traffic)));
     }
     result
+}
+
+/// Sentence on the communication in a run that all processes shared.
+fn traffic_of(experiment: &Experiment, outcome: &Outcome, traffic: &impl std::fmt::Display) -> String {
+    let verlet = experiment.model() == Model::Soft && experiment.soft.integrator == Integrator::VelocityVerlet;
+    let steps_are_shared = verlet && outcome.counters.uniform_steps > 0;
+    let is_alone = outcome.windows > 0 && outcome.counters.islands == 0 && !steps_are_shared;
+    if is_alone {
+        return "nothing was shared: no window was moved by islands, and what moves all particles at once is done by process 0 alone".into();
+    }
+    traffic.to_string()
 }
 
 /// Run that all processes share, with the choices of what is printed and returned.
@@ -120,80 +152,70 @@ pub fn follow(run: &ResumableRun, others: &mut [&mut dyn Observer], ranks: &Rank
     });
 }
 
-fn simulate_with_checkpoints(
+/// Makes the simulation of a run from `start`, or from the stored state if there is one. `begun` is the loop of a run
+/// from its start. Also returns the loop, and the end of the run if the stored run had ended: its failure, if any. Of
+/// `observers`, the first `common` exist in all processes.
+fn begin_or_resume(
     run: &ResumableRun,
-    others: &mut [&mut dyn Observer],
+    start: Start,
+    begun: RunLoop,
+    (observers, common): (&mut [&mut dyn Observer], usize),
     checkpointer: &mut Checkpointer,
-    shared: Option<(Arc<dyn Communicator>, bool)>,
-) -> Result<(Outcome, Particles), StudyError> {
-    let (experiment, start, run) = (&run.experiment, run.start()?, &run.identity);
-    let mut seen = StandardObservers::new(experiment, start.fingerprint);
-    let schedule = seen.schedule;
-    let in_parts = others.iter().take_while(|other| other.needs() == Needs::Parts).count();
-    let common = seen.with(&mut []).len() + in_parts;
-    let mut observers = seen.with(others);
-    let (is_part, earlier) = (start.is_part, checkpointer.earlier(run));
+    communicator: Option<Arc<dyn Communicator>>,
+) -> Result<(Simulation, RunLoop, Option<Option<Failure>>), StudyError> {
+    let (experiment, identity) = (&run.experiment, &run.identity);
+    let (is_part, earlier) = (start.is_part, checkpointer.earlier(identity));
     let parts = earlier.as_ref().map(|kept| kept.pause.snapshot.parts);
     let beginning = Beginning::of(is_part, parts);
-    let begun = begin(experiment, start, shared.as_ref().map(|(communicator, _)| &**communicator));
-    let mut simulation = begun.with_clock(Clock::wall());
-    let gives_end = shared.as_ref().is_none_or(|(_, gives_end)| *gives_end);
-    let communicator = shared.map(|(communicator, _)| communicator);
+    let mut simulation = begin(experiment, start, communicator.as_deref()).with_clock(Clock::wall());
     if let Some(communicator) = &communicator {
         communicator.broadcast(beginning.told());
         if beginning != Beginning::Whole {
             simulation = share(simulation, communicator.clone(), common, is_part);
         }
     }
-    let (mut course, mut over) = (RunLoop::new(&schedule, observers.len()), None);
+    let (mut course, mut over) = (begun, None);
     if let Some(kept) = earlier {
         over = kept.over;
-        (simulation, course) = kept.pause.resume_as(simulation, experiment, &mut observers).map_err(unfit)?;
+        (simulation, course) = kept.pause.resume_as(simulation, experiment, observers).map_err(unfit)?;
         if let Some(count) = parts.filter(|count| *count > 0) {
-            let taken = simulation.take_parts(count, &mut |number| checkpointer.part(run, over.is_some(), number));
+            let taken = simulation.take_parts(count, &mut |number| checkpointer.part(identity, over.is_some(), number));
             taken.unwrap_or_else(|why| leave(&why));
         }
     }
     if let (Some(communicator), Beginning::Whole) = (communicator, beginning) {
         simulation = share(simulation, communicator, common, false);
     }
-    let failure = loop {
-        if let Some(failure) = over {
-            break failure;
-        }
-        over = match course.run(&mut simulation, &mut observers, &mut || checkpointer.is_due()) {
-            Ok(true) => Some(None),
-            Ok(false) => None,
-            Err(failure) => Some(Some(failure)),
-        };
-        // after a failure to write, the run is resumed from the state stored before, so no final data are stored
-        let unwritten = matches!(over, Some(Some(Failure::Unwritten { .. })));
-        if unwritten || over.is_some() && !checkpointer.wants_the_end() {
-            continue;
-        }
-        let parts = store_parts(&mut simulation, (run, checkpointer), over.is_some());
-        let pause = course.store(&simulation, &observers).map_err(unfit)?;
-        if let Some(why) = observers.iter().find_map(|observer| observer.stop()) {
-            course.finish_half_kick(&mut simulation);
-            break Some(Failure::Unwritten { time: simulation.time, why });
-        }
-        let kept = StoredRun { pause, over: over.clone() };
-        if over.is_some() {
-            checkpointer.finish(run, &kept, parts).map_err(unfit)?;
-        } else if checkpointer.keep(run, &kept, parts) {
-            course.finish_half_kick(&mut simulation);
-            break Some(Failure::Stopped { time: simulation.time });
-        }
-    };
-    course.end(&mut simulation, &mut observers, failure.as_ref());
-    drop(observers);
-    if gives_end {
-        simulation.gather(1);
-        simulation.end();
+    Ok((simulation, course, over))
+}
+
+/// Stores the state of a run at a checkpoint or at the end of the run. `over` is the end of the run, with its failure
+/// if any; `None` at a checkpoint. Returns the failure that stops the run: it was asked to stop, or a file could not
+/// be written.
+fn store(
+    simulation: &mut Simulation,
+    course: &RunLoop,
+    observers: &[&mut dyn Observer],
+    (run, checkpointer): (&RunIdentity, &mut Checkpointer),
+    over: &Option<Option<Failure>>,
+) -> Result<Option<Failure>, StudyError> {
+    // after a failure to write, the run is resumed from the state stored before, so no final data are stored
+    let unwritten = matches!(over, Some(Some(Failure::Unwritten { .. })));
+    if unwritten || over.is_some() && !checkpointer.wants_the_end() {
+        return Ok(None);
     }
-    let hash = simulation.fingerprint();
-    let particles = if gives_end { std::mem::take(&mut simulation.particles) } else { Particles::default() };
-    Ok((seen.outcome(&simulation, failure, hash), particles))
+    let parts = store_parts(simulation, (run, checkpointer), over.is_some());
+    let pause = course.store(simulation, observers).map_err(unfit)?;
+    if let Some(why) = observers.iter().find_map(|observer| observer.stop()) {
+        return Ok(Some(Failure::Unwritten { time: simulation.time, why }));
+    }
+    let kept = StoredRun { pause, over: over.clone() };
+    if over.is_some() {
+        checkpointer.finish(run, &kept, parts).map_err(unfit)?;
+        return Ok(None);
+    }
+    let stops = checkpointer.keep(run, &kept, parts);
+    Ok(stops.then_some(Failure::Stopped { time: simulation.time }))
 }
 
 /// Stores the parts of the state of a run, one part for each process; `over` is true at the end of the run. If the

@@ -3,7 +3,7 @@
 
 use super::checkpointer::Checkpointer;
 use super::error::StudyError;
-use super::execute::{SharedRun, execute_together, execute_with_checkpoints, follow};
+use super::execute::{SharedRun, execute_with_checkpoints, follow};
 use super::progress::Progress;
 use super::ranks::Ranks;
 use super::resumable::{ResumableRun, mark};
@@ -146,10 +146,7 @@ impl<'a> Executor<'a> {
             let mut observers: Vec<&mut dyn Observer> = first.into_iter().collect();
             observers.push(&mut watch);
             observers.extend(others.iter_mut().map(|other| &mut **other as &mut dyn Observer));
-            let (mut outcome, end) = match shared {
-                Some(shared) => execute_together(run, &mut observers, checkpointer, shared)?,
-                None => execute_with_checkpoints(run, &mut observers, checkpointer)?,
-            };
+            let (mut outcome, end) = execute_with_checkpoints(run, &mut observers, checkpointer, shared)?;
             let written = trajectory.map_or(Ok(()), Trajectory::written);
             // without the folder there is no stored state from which the run can be resumed
             let is_gone = matches!(written, Err(OutputError::Gone { .. }));
@@ -227,7 +224,7 @@ impl<R: RunResult> ResumableRuns<'_, R> {
             return Ok(None);
         }
         let run = &self.runs[index];
-        let over = execute_with_checkpoints(run, &mut [&mut self.progress.watch(index)], own);
+        let over = execute_with_checkpoints(run, &mut [&mut self.progress.watch(index)], own, None);
         if own.is_stopped() { Ok(None) } else { R::of(run, over.map(|(outcome, _)| outcome)).map(Some) }
     }
 }
@@ -268,7 +265,7 @@ impl<R: RunResult> RunList for ResumableRuns<'_, R> {
         let run = &self.runs[index];
         let mut own = self.checkpointer.for_run(&run.identity);
         own.receive(&run.identity, bytes)?;
-        let over = execute_with_checkpoints(run, &mut [&mut self.progress.watch(index)], &mut own);
+        let over = execute_with_checkpoints(run, &mut [&mut self.progress.watch(index)], &mut own, None);
         R::of(run, over.map(|(outcome, _)| outcome))
     }
 

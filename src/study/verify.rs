@@ -1,5 +1,5 @@
-//! Option `--verify`: measures the change of the results if time step and window (time between two kicks of drag) are
-//! halved.
+//! Option `--verify`: measures the change of the results if time step and window (time between two exchanges with the
+//! gas) are halved.
 
 use crate::experiment::{AverageFrom, Experiment, HardStepping, TimeStep};
 use crate::outcome::Outcome;
@@ -20,8 +20,8 @@ const PARTS: f64 = 15.0;
 const SAMPLES: f64 = 48.0;
 
 /// Continues a run from its final state for a fifteenth of its length: once with its settings, and once with half the
-/// time step and half the window (time between two kicks of drag). `end` has the final state in the order of ids.
-/// Contacts in progress begin anew in both continuations. Progress is shown unless `quiet` is true.
+/// time step and half the window (time between two exchanges with the gas). `end` has the final state in the order of
+/// ids. Contacts in progress begin anew in both continuations. Progress is shown unless `quiet` is true.
 pub fn verify(outcome: &Outcome, end: &Particles, quiet: bool) -> HalvedStep {
     let run = |experiment: &Experiment| {
         let progress = Progress::new([experiment], quiet);
@@ -44,7 +44,7 @@ pub(super) fn verify_with_checkpoints(
     halve(outcome, |experiment| {
         let progress = Progress::new([experiment], quiet);
         let run = ResumableRun::new(experiment.clone(), end.clone().into())?;
-        Ok(execute_with_checkpoints(&run, &mut [&mut progress.watch(0)], checkpointer)?.0)
+        Ok(execute_with_checkpoints(&run, &mut [&mut progress.watch(0)], checkpointer, None)?.0)
     })
 }
 
@@ -82,7 +82,7 @@ fn halve<E>(outcome: &Outcome, mut run: impl FnMut(&Experiment) -> Result<Outcom
 }
 
 /// Experiment that continues the run for `stretch` [s]. If `halved` is true, time step and window (time between two
-/// kicks of drag) are half as long.
+/// exchanges with the gas) are half as long.
 fn stretched(outcome: &Outcome, stretch: f64, halved: bool) -> Experiment {
     let mut experiment = outcome.experiment.clone();
     let factor = if halved { 0.5 } else { 1.0 };
@@ -105,7 +105,7 @@ fn stretched(outcome: &Outcome, stretch: f64, halved: bool) -> Experiment {
     experiment
 }
 
-/// Quantities that are compared between both continuations, each with name, unit and value.
+/// Quantities that are compared between both continuations, each with name, unit and value. Unknown values are `None`.
 fn quantities(run: &Outcome) -> [(&'static str, &'static str, Option<Estimate>); 5] {
     let through = run.record.ledger.through(run.energy_at_start);
     let residual = (through > 0.0).then(|| run.energy_residual.over(through));

@@ -329,8 +329,10 @@ struct GroupSums<const K: usize> {
 }
 
 impl<const K: usize> GroupSums<K> {
-    fn new() -> Self {
-        Self { sums: none(), waiting: [[0.0; K]; WAITING], count: 0 }
+    /// Makes the sums of a group without rows. Most calls of [`Groups::add`] find them made, so this is compiled apart.
+    #[cold]
+    fn boxed() -> Box<Self> {
+        Box::new(Self { sums: none(), waiting: [[0.0; K]; WAITING], count: 0 })
     }
 
     #[inline]
@@ -343,6 +345,7 @@ impl<const K: usize> GroupSums<K> {
     }
 
     /// Adds the rows that are waiting to the sums of the group.
+    #[inline(never)]
     fn take_in(&mut self) {
         add_block(self.sums.each_mut(), &self.waiting[..self.count]);
         self.count = 0;
@@ -358,7 +361,7 @@ impl<const K: usize> Groups<K> {
     /// Adds a row to the sums of the group with the index `group`.
     #[inline]
     pub fn add(&mut self, group: usize, row: [f64; K]) {
-        self.0[group].get_or_insert_with(|| Box::new(GroupSums::new())).add(row);
+        self.0[group].get_or_insert_with(GroupSums::boxed).add(row);
     }
 
     /// Adds the sums of each group in `others` to the sums of the group with the same index.
@@ -377,7 +380,7 @@ impl<const K: usize> Groups<K> {
 
     /// Exact sums of all groups as one list: the K sums of group 0, then those of group 1, and so on.
     pub fn each_mut(&mut self) -> Vec<&mut ExactSum> {
-        let groups = self.0.iter_mut().map(|group| group.get_or_insert_with(|| Box::new(GroupSums::new())));
+        let groups = self.0.iter_mut().map(|group| group.get_or_insert_with(GroupSums::boxed));
         groups
             .flat_map(|group| {
                 group.take_in();

@@ -42,24 +42,30 @@ pub fn for_each_with<T: Send, M>(
         let mut memory = own();
         return pieces.for_each(|piece| work(&mut memory, piece));
     }
-    let (pieces, busy) = (Mutex::new(pieces), AtomicUsize::new(helpers));
+    let pieces = Mutex::new(pieces);
     // rayon passes on a panic in a piece; the remaining pieces are then not needed
     let next = |back: bool| {
         let mut pieces = pieces.lock().unwrap_or_else(PoisonError::into_inner);
         if back { pieces.next_back() } else { pieces.next() }
     };
-    let do_pieces = |back: bool| {
+    on_threads(helpers, &|back| {
         let mut memory = own();
         while let Some(piece) = next(back) {
             work(&mut memory, piece);
         }
-    };
+    });
+}
+
+/// Calls `do_pieces` on this thread and on `helpers` others. Its argument is true on the others: these take pieces from
+/// the end, so that each thread mostly gets its pieces of the previous loop, which are in its cache.
+///
+/// It takes a trait object, because compiling the calls of rayon anew for each loop would take long.
+fn on_threads(helpers: usize, do_pieces: &(dyn Fn(bool) + Sync)) {
+    let busy = AtomicUsize::new(helpers);
     rayon::scope(|scope| {
         for _ in 0..helpers {
             scope.spawn(|_| {
                 let _done = CompletionSignal(&busy);
-                // the other threads take pieces from the end: each thread then mostly gets its pieces of the previous
-                // loop, which are in its cache
                 do_pieces(true);
             });
         }

@@ -4,7 +4,7 @@
 
 use super::calendar::Calendar;
 use super::collapse_detector::{Collapsed, LastCollision, Recent, recent, rests, sliding};
-use super::impulse::Collision;
+use super::impulse::{Collision, CollisionMasses};
 use crate::encounter::{Couple, FrameTime, Partner};
 use crate::engine::islands::Bounds;
 use crate::engine::{Failure, Window};
@@ -141,21 +141,18 @@ impl EventLoop {
             let elastic = self.in_contact(&couple, window.start + now);
             let image = couple.image_velocity(particles, scene, &met.velocity);
             let collision = Collision { couple, met, elastic, kinds: couple.kinds(particles), wall, image };
+            let left = window.duration - now;
+            let masses = CollisionMasses::of(&couple, particles);
             let (change_i, change_j) = match rests(&collision, scene, self.contact_time) {
-                Some(speed) => {
-                    let mass = particles.mass[couple.i as usize];
-                    let change = collision.hold_at_rest(speed, mass, scene, window.duration - now, log);
-                    particles.velocity[couple.i as usize] += change;
-                    (change, Vector3::zeros())
-                }
-                None => collision.resolve(particles, scene, window.duration - now, log),
+                Some(speed) => (collision.hold_at_rest(speed, masses.mass, scene, left, log), Vector3::zeros()),
+                None => collision.apply_impulse(&masses, particles, scene, left, log),
             };
             self.events += 1;
             self.list.clock.tell(window.start + now);
-            // the new flight passes through the present position, so its point at the start of the part changes
-            particles.position[couple.i as usize] -= change_i * now;
-            if let Some(j) = couple.j() {
-                particles.position[j as usize] -= change_j * now;
+            for (index, change) in couple.indices().into_iter().flatten().zip([change_i, change_j]) {
+                particles.velocity[index as usize] += change;
+                // the new flight passes through the present position, so its point at the start of the part changes
+                particles.position[index as usize] -= change * now;
             }
             if let Err(failure) = self.watch(&collision, particles, scene, window, now) {
                 return (now, Err(failure));
