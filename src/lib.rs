@@ -1,4 +1,5 @@
-//! Diptych runs one particle scene with two interchangeable collision models and compares them.
+//! Diptych runs one particle scene with interchangeable collision models (soft, hard and hybrid spheres, and collisions
+//! by chance) and compares the results.
 //!
 //! ```text
 //!  cases/*.toml + models/**          --model, --set key=value

@@ -112,8 +112,9 @@ fn exit_code(result: &Result<u8, StudyError>) -> u8 {
     }
 }
 
-/// Exit code for the answer of a comparison: 0 for equivalent, 3 for different, 4 for unresolved. It is 0 unless
-/// `--exit-code` was given (`asked`). Codes 1 and 2 stand for failures and bad input.
+/// Exit code for the answer of a comparison: 0 for equivalent, 3 for different, 4 for unresolved. It is 0 if `answer`
+/// is `None` (no comparison), or if `asked` is false because `--exit-code` was not given. Codes 1 and 2 stand for
+/// failures and bad input.
 fn verdict(asked: bool, answer: Option<Answer>) -> u8 {
     match answer.filter(|_| asked) {
         None | Some(Answer::Equivalent) => 0,

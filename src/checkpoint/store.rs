@@ -89,8 +89,9 @@ impl Store {
         }
     }
 
-    /// Stores the data `part` of the process with the number `number`, if several processes share a run. The remaining
-    /// state is stored after this call, by [`keep`](Self::keep) or, if the run is over, by [`finish`](Self::finish).
+    /// Stores the data `part` of the process with the number `number`, if several processes share a run. `over` is true
+    /// if the run has ended, false if it will be continued. The remaining state is stored after this call, by
+    /// [`keep`](Self::keep) or, if the run is over, by [`finish`](Self::finish).
     ///
     /// # Errors
     /// If a file cannot be written; the state then cannot be stored.

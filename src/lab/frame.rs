@@ -128,7 +128,8 @@ pub struct PanelComparison {
     /// [s] simulated time at which averaging begins.
     pub from: f64,
     /// Profiles of the left and the right panel over the height. Each slice has the height y [mm], the streamwise
-    /// velocity and its standard error [m/s], and the granular temperature and its standard error [m²/s²].
+    /// velocity and its standard error [m/s], and the granular temperature and its standard error [m²/s²]. Unknown
+    /// values are `None`.
     pub profiles: [Vec<[Option<f64>; 5]>; 2],
 }
 
@@ -141,7 +142,7 @@ pub struct Head<'a> {
     pub counts: Vec<usize>,
     /// States of the panels, from left to right.
     pub sides: &'a [Now],
-    /// Comparison of the two panels. It is present only in the first frame after a new comparison.
+    /// Comparison of the two panels, in the first frame after a new comparison. It is `None` in all other frames.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub judged: Option<PanelComparison>,
 }

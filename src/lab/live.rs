@@ -1,7 +1,7 @@
 //! Live view of one run: frames for the pages of a server, made while the run goes on.
 //!
-//! The view only reads the simulation, at ends of windows. So a run with a view has the same results, bit for bit, as a
-//! run without one.
+//! The view only reads the simulation, at ends of windows (times between two exchanges with the gas). So a run with a
+//! view has the same results, bit for bit, as a run without one.
 
 use super::frame::{Live, Now, bytes, drawn};
 use super::gauge::Graph;
@@ -91,8 +91,8 @@ pub struct LiveView {
 }
 
 impl LiveView {
-    /// Creates the view of a run of the experiment. `title` is the heading of the page. With `samples`, the view is
-    /// called at all samples of the schedule, and tests for a steady state.
+    /// Creates the view of a run of the experiment. `title` is the heading of the page. If `samples` is true, the view
+    /// is called at all samples of the schedule, and tests for a steady state. If it is false, there is no such test.
     pub fn new(experiment: &Experiment, title: &str, samples: bool) -> Self {
         let duration = experiment.run.duration;
         let (unit, label) = match duration {

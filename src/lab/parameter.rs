@@ -1,4 +1,5 @@
 //! Parameters that a user of the lab can change on the page, with their limits and the `--set` arguments for a change.
+//! A window is the time between two exchanges with the gas.
 
 use crate::experiment::{Amount, Experiment, HardStepping, Integrator, TimeStep};
 use crate::output::numbers::significant;
@@ -43,8 +44,8 @@ pub enum LabParameter {
     /// [-] step criterion θ of hard spheres in time steps: distance by which a typical pair of spheres approaches in
     /// one step, divided by the diameter.
     Theta,
-    /// [-] clearance of hybrid spheres, in contact times. The contact of two spheres becomes an instantaneous collision
-    /// if no third particle can reach them within this time.
+    /// [-] clearance of hybrid spheres, in contact times. The contact of two bodies becomes an instantaneous collision
+    /// if no third body can reach them within this time.
     Clearance,
     /// Seed of the random start of the particles, and of the random numbers during the run: turbulence, heat, rough and
     /// thermal walls.

@@ -88,7 +88,7 @@ struct ServerState {
     sessions: Arc<AtomicUsize>,
     threads: Arc<Mutex<Vec<JoinHandle<()>>>>,
     stop: watch::Receiver<bool>,
-    /// Frames of the run that the server shows in place of the scenes of the lab.
+    /// Frames of the run that the server shows in place of the scenes of the lab; `None` if it shows the scenes.
     feed: Option<Arc<LiveFeed>>,
 }
 
@@ -260,7 +260,7 @@ async fn file(Path((_, file)): Path<(String, String)>) -> Response<Body> {
     asset(ASSETS.iter().find(|asset| asset.path == file))
 }
 
-/// Answer with a file of the page, or with status 404 if there is no such file.
+/// Answer with a file of the page, or with status 404 if `asset` is `None`, because there is no such file.
 fn asset(asset: Option<&Asset>) -> Response<Body> {
     let Some(asset) = asset else { return plain(StatusCode::NOT_FOUND) };
     let mut response = Response::new(Body::from(asset.text));

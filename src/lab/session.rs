@@ -112,7 +112,8 @@ impl Session {
         }
     }
 
-    /// Handles requests of the page until the next frame is due. Returns the new scene if the page has opened one.
+    /// Handles requests of the page until the next frame is due. Returns the new scene, or `None` if the page has
+    /// opened no scene.
     fn listen(&self, wish: &mut Wish, run: &StageRun) -> Result<Option<SceneState>, Gone> {
         let mut choice = None;
         let mut ask = if wish.wants(run) {

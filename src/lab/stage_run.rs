@@ -112,7 +112,7 @@ impl<'a> StageRun<'a> {
 }
 
 /// Profile of a channel for the page, one row for each slice: height y [mm], streamwise velocity and its standard error
-/// [m/s], and granular temperature and its standard error [m²/s²].
+/// [m/s], and granular temperature and its standard error [m²/s²]. Unknown values are `None`.
 fn profile(outcome: &Outcome) -> Vec<[Option<f64>; 5]> {
     let table = &outcome.profiles;
     let rows = table.slices.iter().enumerate().map(|(slice, row)| {

@@ -182,7 +182,8 @@ impl ChartPoint {
 }
 
 /// Cheapest point of the given models whose error in a quantity plus two standard errors of this error is at most
-/// `target` [-]. The two standard errors exclude points whose error is small by chance.
+/// `target` [-]. The two standard errors exclude points whose error is small by chance. `None` if there is no such
+/// point.
 pub fn cheapest<'a>(
     (methods, points): (&[ChartMethod], &'a [ChartPoint]),
     quantity: usize,

@@ -84,7 +84,8 @@ fn slice_head(outcomes: &[Outcome]) -> String {
     format!("slice,y_m,{values}{errors}samples")
 }
 
-/// Cells of the row of a slice, in the order of [`slice_head`].
+/// Cells of the row of a slice, in the order of [`slice_head`]. If `rotating` is true, the columns of rotating spheres
+/// are included.
 fn slice(index: usize, row: &SliceRow, rotating: bool) -> impl Iterator<Item = String> {
     let found = |column: &SliceColumn| row.of(*column);
     let columns = slice_columns(rotating).iter();

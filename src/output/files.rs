@@ -126,7 +126,8 @@ pub struct Folder {
     resumed: bool,
     /// Paths of the pictures written so far, in the order of writing.
     pictures: Mutex<Vec<PathBuf>>,
-    /// Lock file. The lock ends when this value is dropped or the process ends or is killed.
+    /// Lock file. The lock ends when this value is dropped or the process ends or is killed. `None` if the folder is
+    /// not locked.
     lock: Option<File>,
 }
 

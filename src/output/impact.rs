@@ -47,7 +47,7 @@ pub struct Bounce {
     pub path: Vec<PathPoint>,
     /// Restitution, contact time and largest overlap of the computed impact.
     pub values: BounceValues,
-    /// Closed-form solution for the parameters of the variant, if there is one.
+    /// Closed-form solution for the parameters of the variant; `None` if there is none.
     pub analytic: Option<Analytic>,
     /// [s] time step of the variant; `None` for event-driven collisions.
     pub time_step: Option<f64>,
@@ -57,7 +57,7 @@ pub struct Bounce {
     pub wall_seconds: f64,
     /// All parameters of the variant in SI, as written to `summary.json`.
     pub parameters: serde_json::Value,
-    /// Reason why the run stopped early, if it did.
+    /// Reason why the run stopped early; `None` if it ended regularly.
     pub failure: Option<Failure>,
 }
 
@@ -80,8 +80,8 @@ pub struct ObliqueStudy {
     /// Reduced slip s/(μ u_n) before and after elastic impacts whose contact circle slips only at its edge [-]
     /// ([`PartialSlip`](crate::rotation::PartialSlip)). Empty if the contact law has no elastic constants.
     pub partial_slip: Vec<(f64, f64)>,
-    /// [-] change of the reduced slip by the friction impulse of an impact that slides to its end: (1+e) M/M_t. It is
-    /// the largest possible change.
+    /// [-] change of the reduced slip by the friction impulse of an impact that slides to its end: (1+e) M/M_t, with
+    /// the restitution e, the effective mass M and that of the slip M_t. It is the largest possible change.
     pub impulse: f64,
 }
 
@@ -95,7 +95,8 @@ impl ObliqueStudy {
     }
 
     /// Largest difference [-] between the curve with the index `curve` and the first curve, divided by
-    /// [`impulse`](Self::impulse), and the reduced slip before the impact at this difference.
+    /// [`impulse`](Self::impulse), and the reduced slip before the impact at this difference. `None` if the two curves
+    /// have no point in common.
     pub fn difference(&self, curve: usize) -> Option<(f64, f64)> {
         let (first, other) = (self.curves.first()?, self.curves.get(curve)?);
         let off = |(at, after): &(f64, f64)| {

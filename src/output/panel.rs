@@ -51,7 +51,7 @@ pub struct SeriesPoint {
     pub x: f64,
     /// Position of the point on the vertical axis, in the unit of this axis.
     pub y: f64,
-    /// One standard error of `y`, in the unit of the vertical axis.
+    /// One standard error of `y`, in the unit of the vertical axis; `None` if no error is drawn.
     pub error: Option<f64>,
 }
 

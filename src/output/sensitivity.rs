@@ -21,17 +21,18 @@ pub struct Shift {
     /// One standard error of the difference, in the unit of the observable. It is 0 without randomness, and `None` if
     /// unknown.
     pub error: Option<f64>,
-    /// [-] number of degrees of freedom from which `error` is estimated.
+    /// [-] number of degrees of freedom from which `error` is estimated; `None` if the error is 0 or unknown.
     pub freedom: Option<f64>,
     /// [s] time at which the shift of a curve is measured; `None` for the shift of a mean.
     pub time: Option<f64>,
-    /// [-] probability that two equal systems show a shift of at least this size, for this observable alone.
+    /// [-] probability that two equal systems show a shift of at least this size, for this observable alone. `None` if
+    /// the error is unknown.
     pub chance: Option<f64>,
     /// [-] smallest margin (accepted difference) with which the observable is equivalent, divided by the scale. `None`
     /// without a standard error.
     pub reached: Option<f64>,
     /// [-] necessary duration of the run over its actual duration. With the necessary duration, equal systems are found
-    /// equivalent in 80 % of cases.
+    /// equivalent in 80 % of cases. `None` if the error is 0 or unknown.
     pub stretch: Option<f64>,
     /// Answer (equivalent, different or unresolved) for this observable, from a test of all factors and observables
     /// together.
@@ -45,7 +46,7 @@ impl Shift {
         self.difference / self.scale
     }
 
-    /// [-] one standard error of the shift, divided by the scale of the observable.
+    /// [-] one standard error of the shift, divided by the scale of the observable; `None` if it is unknown.
     pub fn share_error(&self) -> Option<f64> {
         self.error.map(|error| error / self.scale)
     }
@@ -108,11 +109,11 @@ pub struct SensitivityRun {
     pub replicas: usize,
     /// True if the run is steady during the averaging period.
     pub steady: bool,
-    /// [s] simulated time of each replica.
+    /// [s] simulated time of each replica (run with one seed).
     pub simulated_seconds: f64,
     /// [s] wall-clock time of all replicas together.
     pub wall_seconds: f64,
-    /// Reason why the run stopped early, if it did.
+    /// Reason why the run stopped early; `None` if it ended regularly.
     pub failure: Option<String>,
 }
 

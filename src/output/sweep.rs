@@ -17,12 +17,12 @@ pub struct SweepObservable {
     pub axis: &'static str,
     /// True for an average over time. The error of an average is valid only for a steady run whose particles mix.
     pub is_average: bool,
-    /// Function that computes the quantity from an outcome.
+    /// Function that computes the quantity from an outcome, or returns `None` if the outcome does not contain it.
     pub of: fn(&Outcome) -> Option<Estimate>,
 }
 
 /// [m/s] mean streamwise velocity over all slices, weighted by the number of particles in each slice. The correlation
-/// between slices is unknown, so the error is the largest possible one.
+/// between slices is unknown, so the error is the largest possible one. `None` if no slice has a value.
 fn velocity(outcome: &Outcome) -> Option<Estimate> {
     let (mut sum, mut error, mut weights) = (0.0, Some(0.0), 0.0);
     for row in &outcome.profiles.slices {
@@ -113,7 +113,7 @@ pub struct SweepRun {
     /// Measured values, each under the name [`SweepObservable::key`] of its quantity. Unknown values are left out. A
     /// run that stopped early has no values.
     pub measured: BTreeMap<String, Estimate>,
-    /// Reason why the run stopped early, if it did.
+    /// Reason why the run stopped early; `None` if it ended regularly.
     pub failure: Option<String>,
     /// [s] wall-clock time of the run.
     pub wall_seconds: f64,

@@ -37,7 +37,7 @@ pub struct TrustCheck {
     pub name: &'static str,
     /// Unit of the value; empty if it has none.
     pub unit: &'static str,
-    /// Value that is checked, with its standard error, written in JSON as `value` and `error`.
+    /// Value that is checked, with its standard error, written in JSON as `value` and `error`. `None` if it is unknown.
     #[serde(flatten, serialize_with = "value_and_error")]
     pub found: Option<Estimate>,
     /// Condition on the value, such as a limit.

@@ -1,4 +1,5 @@
-//! Results of the validation suite as plain data for the outputs, with one [`ValidationRow`] per comparison.
+//! Results of the validation suite as plain data for the outputs, with one [`ValidationRow`] per comparison. A margin
+//! is the largest difference that is accepted as equivalent.
 
 use super::csv::{CsvTable, number};
 use super::numbers::{significant, with_error};
@@ -128,7 +129,7 @@ impl ValidationRow {
     }
 
     /// Number of the row that deviates most. Among the numbers with the worst answer, it is the one with the largest
-    /// difference over its tolerance or margin.
+    /// difference over its tolerance or margin. `None` if the row has no numbers.
     pub fn worst(&self) -> Option<&ValidationNumber> {
         let worst = self.answer();
         let among = self.numbers.iter().filter(|number| number.answer == worst);

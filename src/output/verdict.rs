@@ -9,7 +9,7 @@ use serde::Serialize;
 pub enum Basis {
     /// Averages over the time in which both the variant and the reference are steady.
     Averages,
-    /// Curves over time of the variant and the reference, from several replicas of each.
+    /// Curves over time of the variant and the reference, from several replicas (runs with different seeds) of each.
     Curves,
     /// Positions and velocities of each particle in both runs at equal times.
     Paths,

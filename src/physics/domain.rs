@@ -9,9 +9,9 @@ use nalgebra::Vector3;
 use serde::Serialize;
 use std::borrow::Cow;
 
-/// Uniform shear of a periodic box (Lees and Edwards 1972, J. Phys. C 5, 1921). The mean flow is U_z = γ y. Periodic
-/// images of a particle above and below the box slide along z: the image one box height L_y above has the velocity γ
-/// L_y relative to the particle.
+/// Uniform shear of a periodic box (Lees and Edwards 1972, J. Phys. C 5, 1921). The mean flow along z is U_z = γ y,
+/// with the shear rate γ. Periodic images of a particle above and below the box slide along z: the image one box height
+/// L_y above has the velocity γ L_y relative to the particle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Shear {
     /// [1/s] shear rate γ = dU_z/dy.
@@ -21,8 +21,8 @@ pub struct Shear {
     /// Orbit on which the box moves, with the forces of its rotating frame; `None` in a frame at rest.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub orbit: Option<Orbit>,
-    /// [m] displacement along z of the periodic image one box height above a particle, at the time for which the box
-    /// was made. It is between minus and plus half the edge length along z.
+    /// [m] displacement along z of the periodic image one box height above a particle, at the instant of this box (the
+    /// argument of [`Domain::at`]). It is between minus and plus half the edge length along z.
     #[serde(skip)]
     offset: f64,
 }
@@ -59,7 +59,7 @@ pub struct Domain {
 }
 
 impl Domain {
-    /// Makes a box with the given edge lengths [m].
+    /// Makes a box with the edge lengths `size` [m]. `periodic` is true for each axis along which the box is periodic.
     pub fn new(size: Vector3<f64>, periodic: [bool; 3]) -> Self {
         let half = Vector3::from_fn(|axis, _| if periodic[axis] { 0.5 * size[axis] } else { f64::INFINITY });
         Self { size, periodic, shear: None, half, direct: half.min().powi(2) }
@@ -100,8 +100,8 @@ impl Domain {
         Self { shear: self.shear.map(rest), ..self.clone() }
     }
 
-    /// [m] displacement along z of the periodic image one box height above a particle, at the time for which the box
-    /// was made; `None` without shear.
+    /// [m] displacement along z of the periodic image one box height above a particle, at the instant of this box (the
+    /// argument of [`at`](Self::at)); `None` without shear.
     pub fn offset(&self) -> Option<f64> {
         self.shear.map(|shear| shear.offset)
     }
@@ -119,14 +119,15 @@ impl Domain {
         Cow::Owned(Self { shear: Some(Shear { offset, ..*shear }), ..self.clone() })
     }
 
-    /// [m/s] velocity γ L_y along z of the periodic image one box height above a particle, relative to the particle; 0
-    /// without shear.
+    /// [m/s] velocity γ L_y along z of the periodic image one box height L_y above a particle, relative to the
+    /// particle, with the shear rate γ; 0 without shear.
     pub fn sliding(&self) -> f64 {
         self.shear.map_or(0.0, |shear| shear.rate * self.size.y)
     }
 
-    /// [m/s] multiple n γ L_y nearest to `velocity` [m/s], with a whole number n; 0 without shear. The velocities of
-    /// periodic images of one particle in a sheared box differ by such multiples.
+    /// [m/s] multiple n γ L_y nearest to `velocity` [m/s], with a whole number n, the shear rate γ and the box height
+    /// L_y; 0 without shear. The velocities of periodic images of one particle in a sheared box differ by such
+    /// multiples.
     pub fn whole_slides(&self, velocity: f64) -> f64 {
         let sliding = self.sliding();
         if sliding == 0.0 { 0.0 } else { sliding * (velocity / sliding).round() }
@@ -213,9 +214,10 @@ impl Domain {
         d
     }
 
-    /// Vector [m] from `b` to the nearest periodic image of `a`, and velocity [m/s] of this image relative to `b`.
-    /// `velocity` [m/s] is the velocity of `a` itself relative to `b`. `elapsed` [s] is the time of the positions,
-    /// counted from the time for which the box was made.
+    /// Vector [m] from `b` to the nearest periodic image of `a`, and velocity [m/s] of this image relative to `b`. In a
+    /// sheared box the image above or below moves with another velocity than `a`. `velocity` [m/s] is the velocity of
+    /// `a` itself relative to `b`. `elapsed` [s] is the time since the instant of this box, the argument of
+    /// [`at`](Self::at).
     #[inline(always)]
     pub fn relative(
         &self,
@@ -234,7 +236,7 @@ impl Domain {
     }
 
     /// Nearest periodic image of a particle in a sheared box. `d` [m] is the position of the particle minus that of the
-    /// other particle. `elapsed` [s] is the time of these positions, counted from the time for which the box was made.
+    /// other particle. `elapsed` [s] is the time of these positions, counted from the instant of this box.
     fn nearest(&self, d: &Vector3<f64>, shear: &Shear, elapsed: f64) -> NearestImage {
         let sliding = shear.rate * self.size.y;
         let above = -(d.y / self.size.y).round();

@@ -1,6 +1,6 @@
 //! Two bodies that meet: a pair of particles, or a particle and a wall. This file contains their identity, their
-//! relative position and velocity, and the time at which they touch. All engines and predictions use these functions;
-//! no other code distinguishes pairs from walls.
+//! relative position and velocity, and the time at which they touch. All engines and predictions use these functions,
+//! so that most other code treats pairs and walls in the same way.
 //!
 //! The functions that are called for every pair are always inlined. In most calls the frame and the kind of body are
 //! then constants, so that the compiler removes half of the code. Without inlining, the calls cost a tenth of the run

@@ -57,8 +57,7 @@ pub enum Spheres {
     Soft(ContactLaw),
     /// Hard spheres, which collide in an instant.
     Hard,
-    /// Hard spheres where two particles touch and no other particle is near, soft spheres with this contact law
-    /// elsewhere.
+    /// Hard spheres where two bodies touch and no other body is near, soft spheres with this contact law elsewhere.
     Hybrid(ContactLaw),
     /// Spheres whose collision pairs are chosen at random (direct simulation Monte Carlo).
     Dsmc,
@@ -101,7 +100,7 @@ pub struct ReferencePoint {
 pub struct Experiment {
     /// Name of the variant.
     pub name: String,
-    /// Reference with which this variant is compared, if the case names one.
+    /// Reference with which this variant is compared; `None` if the case names none.
     pub against: Option<Reference>,
     /// Box, walls, gravity, gas and species, which every engine reads.
     pub scene: Scene,
@@ -115,7 +114,7 @@ pub struct Experiment {
     pub hybrid: HybridSettings,
     /// Settings of direct simulation Monte Carlo, in which collision pairs are chosen at random.
     pub dsmc: DsmcSettings,
-    /// Duration, window (time between two drag kicks), seed and collision model of the run.
+    /// Duration, window (time between two exchanges with the gas), seed and collision model of the run.
     pub run: RunSettings,
     /// Settings of averages: the number of slices and the time between samples.
     pub statistics: StatisticsSettings,
@@ -259,7 +258,8 @@ impl Amount {
 /// Settings of the soft engine: contact law, time step and integrator.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SoftSettings {
-    /// Contact law that the case names, for pairs and walls; `None` is allowed if the case runs hard spheres alone.
+    /// Contact law that the case names, for pairs and walls; `None` is allowed if the case runs no soft and no hybrid
+    /// spheres.
     pub law: Option<ContactLaw>,
     /// Choice of the time step Δt: by a number of steps per contact, or a given time.
     pub time_step: TimeStep,
@@ -316,11 +316,10 @@ pub struct HardSettings {
     pub contact_time: Option<f64>,
 }
 
-/// Settings of the hybrid engine, which uses instantaneous collisions where two particles touch and no other particle
-/// is near.
+/// Settings of the hybrid engine, which uses instantaneous collisions where two bodies touch and no other body is near.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HybridSettings {
-    /// [-] clearance θ. A touch of two bodies is an instantaneous collision if no other particle can come near within θ
+    /// [-] clearance θ. A touch of two bodies is an instantaneous collision if no other body can come near within θ
     /// contact times; otherwise it is a soft contact.
     pub clearance: f64,
 }
@@ -344,7 +343,8 @@ pub struct DsmcSettings {
 pub enum HardStepping {
     /// Collisions happen at the exact instants of touch, which are stored in an event queue.
     Events,
-    /// Collisions are found as overlaps at the ends of time steps Δt < θ d/u_r (the paper's section 3.4).
+    /// Collisions are found as overlaps at the ends of time steps Δt < θ d/u_r (the paper's section 3.4). θ is the step
+    /// criterion, d the diameter and u_r the mean relative speed.
     Steps {
         /// [-] number θ in the bound Δt < θ d/u_r. Here d is the smallest diameter, and u_r the mean magnitude of one
         /// component of the relative velocity. With a smaller θ fewer collisions are missed.
@@ -352,11 +352,11 @@ pub enum HardStepping {
     },
 }
 
-/// Duration, window (time between two drag kicks), seed and collision model of a run.
+/// Duration, window (time between two exchanges with the gas), seed and collision model of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunSettings {
-    /// [s] interval between instants at which all particles can be written. A window also ends at each of these
-    /// instants. `None` if there are no such instants.
+    /// [s] interval between instants at which all particles can be written. A window that contains such an instant is
+    /// divided there. `None` if there are no such instants.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub instants: Option<f64>,
     /// Collision model of the run.
@@ -365,7 +365,8 @@ pub struct RunSettings {
     pub duration: f64,
     /// Beginning of the averaging period: a given time, or the steady state.
     pub average_from: AverageFrom,
-    /// [s] length h of a window, the time between two drag kicks; `None` if it is to be chosen from the scene.
+    /// [s] length h of a window, the time between two exchanges with the gas; `None` if it is to be chosen from the
+    /// scene.
     pub window: Option<f64>,
     /// Seed of the random numbers of the initial state and of the run.
     pub seed: u64,

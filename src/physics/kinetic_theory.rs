@@ -3,8 +3,9 @@
 use std::f64::consts::PI;
 
 /// [-] contact value of spheres with the diameters a and b [m] in a mixture with the volume fraction φ and
-/// `second_moment` ξ_2 = π/6 Σ n_i d_i² [1/m] (Boublík 1970, J. Chem. Phys. 53, 471; Mansoori, Carnahan, Starling and
-/// Leland 1971, J. Chem. Phys. 54, 1523). For equal spheres it is Carnahan and Starling's (1 - φ/2)/(1 - φ)³.
+/// `second_moment` ξ_2 = π/6 Σ n_i d_i² [1/m]. The sum is over the components, with their number densities n_i and
+/// diameters d_i (Boublík 1970, J. Chem. Phys. 53, 471; Mansoori, Carnahan, Starling and Leland 1971, J. Chem. Phys.
+/// 54, 1523). For equal spheres it is Carnahan and Starling's (1 - φ/2)/(1 - φ)³.
 pub fn contact_value(a: f64, b: f64, volume_fraction: f64, second_moment: f64) -> f64 {
     let free = 1.0 - volume_fraction;
     let ratio = a * b / (a + b) * second_moment;
@@ -93,7 +94,8 @@ impl GasTransport {
     }
 
     /// [-] shear rate over ν_0 in steady simple shear, in which the work of the stress equals the loss in collisions:
-    /// sqrt(3 ζ/(2 η)) with the coefficients ζ and η of this gas.
+    /// sqrt(3 ζ/(2 η)). Here ζ is the `cooling_rate`, η the `viscosity`, and ν_0 the collision frequency of a dilute
+    /// gas.
     pub fn steady_shear_rate(&self) -> f64 {
         (1.5 * self.cooling_rate / self.viscosity).sqrt()
     }

@@ -1,4 +1,5 @@
-//! The physics of Diptych: scenes, engines for soft and hard spheres, their simulation, statistics and predictions.
+//! The physics of Diptych: scenes, engines, their simulation, statistics and predictions. There are engines for soft,
+//! hard and hybrid spheres, and for collisions by chance (DSMC).
 //!
 //! The crate `diptych` re-exports everything here, and programs use that crate. All quantities are in SI units; x is
 //! spanwise, y wall-normal, z streamwise. Modules import only from modules above them in the list below.

@@ -1,4 +1,5 @@
-//! Result of one run of one variant: all data from which outputs are made.
+//! Result of one run of one variant: all data from which outputs are made. Replicas are runs of the variant with
+//! different seeds.
 
 use crate::engine::{Counters, Failure};
 use crate::experiment::{Experiment, Integrator, Model};
@@ -26,11 +27,12 @@ pub struct Outcome {
     pub simulated_seconds: f64,
     /// Number of completed windows. A window is the time between two exchanges of momentum with the gas.
     pub windows: u64,
-    /// [s] length h of a window, the time between two drag kicks; if windows grow, the length of the first.
+    /// [s] length h of a window, the time between two exchanges with the gas; if windows grow, the length of the first.
     pub window: f64,
     /// [s] time between two samples of the statistics.
     pub sample_interval: f64,
-    /// [s] time step of soft contacts or of stepped hard spheres; `None` if collisions are found at exact instants.
+    /// [s] time step of soft contacts, of stepped hard spheres or of collisions by chance (DSMC); `None` if collisions
+    /// are found at exact instants.
     pub time_step: Option<f64>,
     /// Averages in slices across the height y.
     pub profiles: ProfileTable,
@@ -50,18 +52,18 @@ pub struct Outcome {
     pub pairs: Impacts,
     /// Impacts on walls that ended in the averaging period.
     pub walls: Impacts,
-    /// [1/s] number of collisions between particles per time, over the averaging period.
+    /// [1/s] number of collisions between particles per time, over the averaging period; `None` without samples.
     pub pair_rate: Option<Estimate>,
-    /// [1/s] number of collisions with walls per time, over the averaging period.
+    /// [1/s] number of collisions with walls per time, over the averaging period; `None` without samples.
     pub wall_rate: Option<Estimate>,
     /// [-] restitution of impacts between particles, measured over the whole run; `None` without an impact. The
     /// estimate has no error if too few intervals between samples had an impact.
     pub pair_restitution: Option<Estimate>,
-    /// [-] restitution of impacts at walls, measured over the whole run, with the same conditions as
-    /// `pair_restitution`.
+    /// [-] restitution of impacts at walls, measured over the whole run. It is `None`, or has no error, under the
+    /// conditions of `pair_restitution`.
     pub wall_restitution: Option<Estimate>,
     /// [m²/s²] granular temperature over the averaging period: a third of the variance of the velocities about the mean
-    /// of each slice at the same instant.
+    /// of each slice at the same instant. `None` without samples.
     pub temperature: Option<Estimate>,
     /// Collision rates, temperature and shear stress averaged in blocks of time, from which errors are computed.
     #[serde(skip)]
@@ -98,7 +100,8 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Names of the time integrators used for contacts; empty for hard spheres and for runs without a contact.
+    /// Names of the time integrators used for contacts; empty for models without lasting contacts and for runs without
+    /// a contact.
     pub fn integrators(&self) -> Vec<&'static str> {
         if !self.experiment.model().has_contacts() || self.counters.steps == 0 {
             return Vec::new();
@@ -167,7 +170,7 @@ pub struct Timing {
     /// [s] part of the engine's time that was spent on straight flight of all particles; 0 if it is not timed
     /// separately.
     pub flight: f64,
-    /// [s] time spent on drag kicks.
+    /// [s] time spent on changes of velocity between the windows, such as those by drag, lift, heat and buoyancy.
     pub drag: f64,
     /// [s] time spent on measurements at samples.
     pub statistics: f64,

@@ -1,4 +1,6 @@
-//! The scene: walls, gravity, gas and materials, which engines read and do not change.
+//! The scene: walls, gravity, gas and materials, which engines read and do not change. The simulation changes a scene
+//! at the ends of windows (times between two exchanges with the gas), if walls move, a box is sheared or particles act
+//! on the gas.
 
 mod buoyancy;
 mod instants;
@@ -107,7 +109,7 @@ impl Pairs {
         }
     }
 
-    /// Contact properties of a species and another species or a wall, if they were set for this pair.
+    /// Contact properties of a species and another species or a wall; `None` if no properties were set for this pair.
     #[inline]
     pub fn find(&self, species: u16, other: Kind) -> Option<&Meeting> {
         if self.0.is_empty() {
@@ -221,7 +223,8 @@ impl Species {
     }
 }
 
-/// Domain, walls, gravity, gas and surfaces: read-only while a simulation runs.
+/// Domain, walls, gravity, gas and surfaces. Engines do not change them. The simulation changes walls that move, the
+/// images of a sheared box, and a gas on which particles act.
 ///
 /// ```
 /// # extern crate diptych_physics as diptych;

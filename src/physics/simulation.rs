@@ -1,5 +1,6 @@
 //! Loop over windows: half-kick of drag, engine, half-kick of drag, samples. A window is the time between two exchanges
-//! of momentum with the gas.
+//! of momentum with the gas. Heat acts together with drag. Lift, an orbit and differences of weight act in further
+//! half-kicks between drag and engine. Particles come in and leave at the ends of windows.
 //!
 //! Drag is a slow, smooth force, so it is split from the motion (Strang); the error is of second order in the window. A
 //! kick is the exact solution of the drag law for constant gas velocity, so two half-kicks equal one whole kick.
@@ -76,7 +77,7 @@ pub struct Simulation {
     pub record: Record,
     /// [s] simulated time that the run has reached.
     pub time: f64,
-    /// Number of completed windows (a window is the time between two drag kicks).
+    /// Number of completed windows (a window is the time between two exchanges with the gas).
     pub windows: u64,
     /// Wall time spent in the engine, in drag and in observers.
     pub spent: SimulationTimes,
@@ -104,7 +105,7 @@ pub struct Simulation {
     /// of the latest window.
     half_kicked: bool,
     /// Failure that the next call of [`run`](Self::run) returns before any step: a violated contract of the contact
-    /// law, or a soft time step that is too long.
+    /// law, or a soft time step that is too long. `None` if the simulation may run.
     refused: Option<Failure>,
     /// Upper limit of the growth of the energy by errors of the time integrator in soft contacts. A run whose energy
     /// grows by more fails. `None` for other models.
@@ -126,11 +127,12 @@ pub struct Simulation {
 /// Wall-clock time spent in each part of a simulation, measured by the clock of the simulation; zero without a clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SimulationTimes {
-    /// Wall time spent in the engine.
+    /// Wall-clock time spent in the engine.
     pub engine: Duration,
-    /// Time spent on changes of velocity between the windows, such as those by drag, lift, heat and buoyancy.
+    /// Wall-clock time spent on changes of velocity between the windows, such as those by drag, lift, heat and
+    /// buoyancy.
     pub drag: Duration,
-    /// Time spent in observers (measurements during the run).
+    /// Wall-clock time spent in observers (measurements during the run).
     pub observers: Duration,
     /// Wall-clock time from the start to the end of a run, including all parts.
     pub whole: Duration,

@@ -232,13 +232,14 @@ impl Checkpointer {
         }
     }
 
-    /// Records with `more` that other runs or a report must be done after the next run.
+    /// Records if other runs or a report must be done after the next run (`more` is true), or if the command then ends
+    /// (false).
     pub fn set_more(&mut self, more: bool) {
         self.more = more;
     }
 
-    /// True if the run in progress must pause at the end of its present window (time between two kicks of drag). The
-    /// reason is that a checkpoint is due, or that the user stops the command.
+    /// True if the run in progress must pause at the end of its present window (time between two exchanges with the
+    /// gas). The reason is that a checkpoint is due, or that the user stops the command.
     pub fn is_due(&self) -> bool {
         self.signals.say_stop() || self.every.is_some_and(|every| self.last.elapsed() >= every)
     }

@@ -41,7 +41,8 @@ fn question(heading: &str) -> Option<String> {
 /// Copies a built-in case to a new file, and the files that the case names to the folder of this new file.
 ///
 /// # Errors
-/// Returns an error if no built-in case has the name, or if a file exists already or cannot be written.
+/// Returns an error if no built-in case has the name, if the new file exists already, or if a file cannot be written. A
+/// file that the case names may exist already if it has equal contents.
 pub fn init(args: &Init) -> Result<(), StudyError> {
     let bad = |message: String| StudyError::Input(format!("error: {message}"));
     let Some(case) = built_in::case(&args.name) else {

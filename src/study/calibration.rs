@@ -28,7 +28,7 @@ use std::time::Instant;
 const PARTICLES: f64 = 500.0;
 
 /// Largest length of the short run that measures the agitation (random velocities). It is the number of particles times
-/// the number of windows (times between two kicks of drag). The run takes some seconds.
+/// the number of windows (times between two exchanges with the gas). The run takes some seconds.
 const PARTICLE_WINDOWS: f64 = 4e6;
 
 /// Largest number of collisions in the short run that measures the agitation (random velocities). The number is
@@ -279,12 +279,12 @@ pub fn with_choice(experiment: &Experiment, choice: EngineChoice, law: Option<Co
     Some(chosen)
 }
 
-/// Timing of some windows (times between two kicks of drag) of a run, with the wall time of the whole run extrapolated
-/// from it.
+/// Timing of some windows (times between two exchanges with the gas) of a run, with the wall time of the whole run
+/// extrapolated from it.
 pub struct Timed {
     /// [s] extrapolated wall time of the whole run; if the run failed, wall time until the failure.
     pub seconds: f64,
-    /// Number of timed windows (times between two kicks of drag), counting a window that was timed in part.
+    /// Number of timed windows (times between two exchanges with the gas), counting a window that was timed in part.
     pub windows: u64,
     /// [byte] memory of this process at the end of the timed windows; `None` if the system does not report it.
     pub memory: Option<f64>,
@@ -293,7 +293,8 @@ pub struct Timed {
 }
 
 /// Predicted wall time and memory of each collision model. Each prediction comes from the timing of some windows (times
-/// between two kicks of drag), which begin with the particles `start`. Soft spheres have the contact law `law`.
+/// between two exchanges with the gas), which begin with the particles `start`. Soft spheres have the contact law
+/// `law`.
 pub fn costs(experiment: &Experiment, start: &Particles, law: Option<ContactLaw>) -> Vec<PredictedCost> {
     EngineChoice::ALL
         .into_iter()
@@ -310,7 +311,7 @@ pub fn costs(experiment: &Experiment, start: &Particles, law: Option<ContactLaw>
         .collect()
 }
 
-/// Times some windows (times between two kicks of drag) of a run that begins with the particles `start`, and
+/// Times some windows (times between two exchanges with the gas) of a run that begins with the particles `start`, and
 /// extrapolates to the whole run. The timing ends after the share `most` [-] of the run, or after the wall time
 /// `PATIENCE`. Other programs on the machine slow the timing down as they would slow down the run.
 pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
@@ -405,8 +406,9 @@ fn resident() -> Option<f64> {
     Some(1024.0 * kibibytes)
 }
 
-/// Copy of the experiment in which all windows (times between two kicks of drag) have equal length. In a gas, each
-/// species starts with random velocities of the granular temperature `temperatures` [m²/s²], listed by species index.
+/// Copy of the experiment in which all windows (times between two exchanges with the gas) have equal length. In a gas,
+/// each species starts with random velocities of the granular temperature `temperatures` [m²/s²], listed by species
+/// index.
 pub fn agitated(experiment: &Experiment, temperatures: &[f64]) -> Experiment {
     let mut moved = experiment.clone();
     for population in moved.start.iter_mut().filter(|_| experiment.scene.fluid.is_some()) {

@@ -1,4 +1,5 @@
-//! `diptych check CASE`: lists the runs that a case defines, with predictions, and runs nothing.
+//! `diptych check CASE`: lists the runs that a case defines, with predictions, and runs nothing. A window is the time
+//! between two exchanges with the gas.
 
 use crate::case::{Case, Checked, Diagnostic, describe, name_of};
 use crate::cli::Check;
@@ -91,7 +92,8 @@ struct Varied {
 struct CheckedVariant {
     name: String,
     model: Model,
-    /// Name, value and unit of the elastic parameter of the contact law; `None` for hard spheres.
+    /// Name, value and unit of the elastic parameter of the contact law; `None` for models without lasting contacts,
+    /// such as hard spheres.
     contact_law: Option<String>,
     /// [s] time step of the soft model; `None` if there is no contact law or if nothing can touch.
     time_step: Option<f64>,

@@ -1,5 +1,5 @@
-//! Studies: the tasks that users do with the engines, such as run, compare and impact. Studies use engines only through
-//! the trait `Engine`.
+//! Studies: the tasks that users start by a command, such as run, compare and impact. Studies run engines through
+//! [`Simulation`](crate::simulation::Simulation).
 
 mod built_in;
 mod calibration;

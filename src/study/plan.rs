@@ -81,8 +81,8 @@ fn document(
 }
 
 /// Makes the plan of an experiment whose averages should have the relative error `target` [-]. If `timed` is true,
-/// every model is also run for some windows (times between two kicks of drag) to measure its cost. The recommendation
-/// does not depend on this timing.
+/// every model that can run the case is also run for some windows (times between two exchanges with the gas) to measure
+/// its cost. The recommendation does not depend on this timing.
 ///
 /// # Errors
 /// Returns an error if the scene is too crowded to start.

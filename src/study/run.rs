@@ -63,7 +63,7 @@ pub fn run(args: &Run, origin: CommandOrigin, ranks: &Ranks, make: Option<MakeOb
     results.finish(&findings, &[findings.verdicts.clone(), balance].concat(), &report)
 }
 
-/// Variant that the command runs. The text is the reason for its model, if the user let the program choose the model.
+/// Variant that the command runs. The text is the reason for its model; `None` if the user has chosen the model.
 fn variant(args: &Run, ranks: &Ranks) -> Result<(Variants, Option<String>), StudyError> {
     let case = read(&args.case, &args.input.with_every(args.every.as_ref()))?;
     let auto = args.model == Some(ModelChoice::Auto);
@@ -81,8 +81,8 @@ fn variant(args: &Run, ranks: &Ranks) -> Result<(Variants, Option<String>), Stud
 }
 
 /// Refuses the option `--budgets` (budgets of the second moments of velocity) where budgets would be wrong. They follow
-/// each particle from window to window (time between two kicks of drag), in windows of one length. From each change of
-/// velocity they subtract drag in the mean gas flow and gravity, and count the rest as impacts.
+/// each particle from window to window (time between two exchanges with the gas), in windows of one length. From each
+/// change of velocity they subtract drag in the mean gas flow and gravity, and count the rest as impacts.
 fn refuse_budgets(args: &Run, experiment: &Experiment) -> Result<(), StudyError> {
     if !args.budgets {
         return Ok(());

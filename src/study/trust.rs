@@ -41,7 +41,8 @@ pub fn granular_temperature(outcome: &Outcome) -> Option<f64> {
 }
 
 /// [-] relative reduction of the effective diameter of soft spheres of the first species, after Barker and Henderson.
-/// `None` for hard spheres, without samples or impacts between particles, and for few bodies, which do not form a gas.
+/// `None` for other models than soft spheres, without samples or impacts between particles, and for few bodies, which
+/// do not form a gas.
 pub fn softness(outcome: &Outcome) -> Option<f64> {
     if outcome.record.pairs.count == 0 || !outcome.paths.points.is_empty() {
         return None;

@@ -44,13 +44,13 @@ fn all(folder: &'static Dir, kind: &str) -> Vec<BuiltIn> {
     found.iter().filter_map(|name| find(folder, kind, name)).collect()
 }
 
-/// Built-in case with the given name, such as `quick` or `paper/figure-5`.
+/// Built-in case with the given name, such as `quick` or `paper/figure-5`; `None` if there is none.
 pub fn case(name: &str) -> Option<BuiltIn> {
     find(&CASES, "cases", name)
 }
 
-/// Bytes of a data file of a built-in case. `path` begins at the folder that contains `cases`, such as
-/// `cases/paper/gas-dns.csv`.
+/// Bytes of a data file of a built-in case; `None` if there is no such file. `path` begins at the folder that contains
+/// `cases`, such as `cases/paper/gas-dns.csv`.
 pub fn file(path: &Path) -> Option<&'static [u8]> {
     CASES.get_file(path.strip_prefix("cases").ok()?).map(include_dir::File::contents)
 }
@@ -74,7 +74,7 @@ pub fn cases() -> Vec<BuiltIn> {
     all(&CASES, "cases")
 }
 
-/// Built-in set of values with the given name, such as `fluids/air`.
+/// Built-in set of values with the given name, such as `fluids/air`; `None` if there is none.
 pub fn set(name: &str) -> Option<BuiltIn> {
     find(&MODELS, "models", name)
 }

@@ -36,7 +36,7 @@ pub struct Diagnostic {
     pub severity: Severity,
     /// Problem in words: key, value, allowed range.
     pub message: String,
-    /// Position to which the message refers.
+    /// Position to which the message refers; `None` if it refers to no position in a text.
     pub place: Option<Box<SourceLocation>>,
     /// Remedy in words; `None` if there is none.
     pub help: Option<String>,
@@ -49,7 +49,8 @@ impl Diagnostic {
         Self::at(Some(place), message)
     }
 
-    /// Creates an error about a position. Control characters in quoted texts are made visible.
+    /// Creates an error about the position `place`, or about no position with `None`. Control characters in quoted
+    /// texts are made visible.
     pub fn at(place: Option<SourceLocation>, message: impl Into<String>) -> Self {
         let message = legible::message(&message.into()).into_owned();
         Self { severity: Severity::Error, message, place: place.map(Box::new), help: None }

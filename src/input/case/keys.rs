@@ -33,13 +33,14 @@ pub struct Key {
     pub kind: String,
     /// SI unit of a number typed without one; `None` if the key has no unit.
     pub unit: Option<String>,
-    /// Default value as it would be typed, or the meaning of an absent key in words.
+    /// Default value as it would be typed, or the meaning of an absent key in words; `None` if there is neither.
     pub default: Option<String>,
-    /// Allowed range, in the same words as in the message about a value out of range.
+    /// Allowed range, in the same words as in the message about a value out of range; `None` if the key has no fixed
+    /// range.
     pub range: Option<String>,
     /// Condition under which the key is required, in words; `None` if it never is.
     pub required: Option<String>,
-    /// Example of a value, as it would be typed.
+    /// Example of a value, as it would be typed; `None` if there is none.
     pub example: Option<String>,
     /// Meaning of the key, in words.
     pub about: String,
@@ -192,7 +193,7 @@ fn is_table(schema: &Value) -> bool {
 }
 
 /// Adds the table that `schema` describes, and the tables within it, to `tables`. The schema `about` contains the
-/// description of the table.
+/// description of the table. `is_list` is true for a list of such tables, false for a single table.
 fn collect(schema: &Value, about: &Value, name: &str, is_list: bool, tables: &mut Vec<KeyTable>) {
     let holds_table = |value: &Value| is_table(value) || value.get("items").is_some_and(is_table);
     let inner = properties(schema).filter(|(_, value)| holds_table(value));

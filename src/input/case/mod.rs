@@ -156,7 +156,8 @@ impl Case {
     }
 
     /// Makes the experiment of the command `run` with the changes `more`, each of the form `key=value`, in addition to
-    /// those of the command line. Studies use this function to vary a case.
+    /// those of the command line. Without a `model` or a `seed`, those of the case are used. Studies use this function
+    /// to vary a case.
     ///
     /// # Errors
     /// Errors of [`experiment`](Self::experiment).

@@ -13,8 +13,8 @@ use std::sync::Arc;
 /// Largest depth to which one set of values may use further sets.
 const DEEPEST: usize = 8;
 
-/// Folders in which sets of values are searched for: `models/` next to the folder of the case and next to each folder
-/// above it, then `models/` in the current folder. Built-in sets are searched last.
+/// Folders in which sets of values are searched for: `models/` in the folder of the case and in each folder above it,
+/// then `models/` in the current folder. Built-in sets are searched last.
 pub struct Library {
     folders: Vec<PathBuf>,
 }

@@ -132,7 +132,7 @@ pub(super) const PREFIXES: &[(&str, i32)] = &[
 pub struct QuantityError {
     /// Problem, in words that follow the key and the value: "is a time, but a length belongs here".
     pub message: String,
-    /// Remedy: what to type instead.
+    /// Remedy: what to type instead; `None` if there is none.
     pub help: Option<String>,
 }
 

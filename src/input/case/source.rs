@@ -65,7 +65,7 @@ impl Sources {
         self.add(Source { name: path.display().to_string(), folder, text, kind })
     }
 
-    /// Source text to which an origin (range of bytes in a source text) refers.
+    /// Source text to which an origin (range of bytes in a source text) refers; `None` if the text is not in this list.
     pub fn get(&self, origin: &Origin) -> Option<&Source> {
         self.0.get(origin.source).map(AsRef::as_ref)
     }
@@ -76,7 +76,7 @@ impl Sources {
         self.0.iter().filter(is_file).map(|source| source.name.as_str())
     }
 
-    /// Index and text of the table of a calling program with this name.
+    /// Index and text of the table of a calling program with this name; `None` if there is no such table.
     pub fn table(&self, name: &str) -> Option<(usize, Arc<str>)> {
         let is_it = |source: &Arc<Source>| source.kind == SourceKind::Table && source.name == name;
         self.0.iter().position(is_it).map(|index| (index, self.0[index].text.clone()))

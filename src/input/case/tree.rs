@@ -85,7 +85,8 @@ impl CaseNode {
         }
     }
 
-    /// Removes a key from a table and returns its entry.
+    /// Removes a key from a table and returns its entry. `None` if the table has no such key, or if the node is not a
+    /// table.
     pub fn remove(&mut self, key: &str) -> Option<Entry> {
         match &mut self.value {
             Value::Table(entries) => {
@@ -221,7 +222,7 @@ fn syntax_message(parser: &str, typed: &str) -> String {
     }
 }
 
-/// Remedy for a line that is not TOML, guessed from common mistakes.
+/// Remedy for a line that is not TOML, guessed from common mistakes; `None` if the line has none of these mistakes.
 fn syntax_help(line: &str) -> Option<String> {
     if line.trim_start().starts_with('#') {
         return None;

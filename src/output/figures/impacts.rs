@@ -209,7 +209,8 @@ impl ImpactQuantity {
         points
     }
 
-    /// Curve of kinetic theory over the range of the histogram; `None` if the theory is not valid for the run.
+    /// Curve of kinetic theory over the range of the histogram; `None` if the theory is not valid for the run. `wall`
+    /// is true for impacts on walls, false for impacts between particles.
     fn curve(&self, outcome: &Outcome, histogram: &Histogram, wall: bool) -> Option<PanelSeries> {
         let (theory, overlaps) = (self.theory?, outcome.kinetic_theory(wall)?);
         let uniform = outcome.experiment.soft.stepping == SoftStepping::Uniform;

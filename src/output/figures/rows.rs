@@ -24,7 +24,7 @@ pub struct Dot {
     pub series: usize,
     /// [units of the axis] value of the point.
     pub value: f64,
-    /// [units of the axis] standard error of the value.
+    /// [units of the axis] standard error of the value; `None` if no error is drawn.
     pub error: Option<f64>,
     /// True if the answer for this value is certain. Points with uncertain answers have pale colours.
     pub sure: bool,

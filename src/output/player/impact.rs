@@ -112,7 +112,7 @@ fn touch(path: &[PathPoint]) -> Option<f64> {
 }
 
 /// Gap [m] and normal velocity [m/s] at a time [s]. Values between points of the path are interpolated linearly. Before
-/// the first and after the last point, the normal velocity is constant.
+/// the first and after the last point, the normal velocity is constant. `None` if the path has no points.
 fn at(path: &[PathPoint], time: f64) -> Option<(f64, f64)> {
     let (first, last) = (path.first()?, path.last()?);
     let straight = |point: &PathPoint| (point.gap + point.normal_velocity * (time - point.time), point.normal_velocity);

@@ -46,7 +46,7 @@ pub(super) struct Player {
 /// Recorded motion of one variant.
 struct RecordedVariant<'a> {
     name: &'a str,
-    /// Reason why the run stopped early, if it did.
+    /// Reason why the run stopped early; `None` if it ended regularly.
     stopped: Option<String>,
     frames: &'a Frames,
 }

@@ -74,7 +74,7 @@ struct Written {
     frames: u64,
     /// True if the thread has ended, so that no more frames will be written.
     ended: bool,
-    /// Reason why writing failed, if it did.
+    /// Reason why writing failed; `None` if it has not failed.
     failed: Option<String>,
 }
 
@@ -109,7 +109,7 @@ pub struct Trajectory<'scope> {
     folder: &'scope Folder,
     name: String,
     asked: Trajectories,
-    /// Law by which the forces of contacts are computed, if frames contain contacts.
+    /// Law by which the forces of contacts are computed; `None` if frames contain no contacts.
     contacts: Option<ContactLaw>,
     /// Channel to the writing thread; `None` after the trajectory is finished.
     frames: Option<SyncSender<WriterMessage>>,

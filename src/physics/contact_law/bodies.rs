@@ -134,7 +134,7 @@ pub struct Spring {
     pub restitution: f64,
     /// [N/m] stiffness of a linear spring; for Hertz's law, k_H [N/m^1.5] in the force k_H δ^(3/2) at the overlap δ.
     pub stiffness: f64,
-    /// [N s/m] constant of a linear dashpot; for Hertz's law, c [N s/m^1.25] in the force c δ^(1/4) u_n;
-    /// for Kuwabara and Kono's law, c [N s/m^1.5] in the force c δ^(1/2) u_n.
+    /// [N s/m] constant of a linear dashpot; for Hertz's law, c [N s/m^1.25] in the force c δ^(1/4) u_n; for Kuwabara
+    /// and Kono's law, c [N s/m^1.5] in the force c δ^(1/2) u_n. Here δ is the overlap and u_n the normal velocity.
     pub dashpot: f64,
 }

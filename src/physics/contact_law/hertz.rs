@@ -4,18 +4,19 @@ use super::{Bodies, Law, Parameter, Spring, damping_ratio, reduced_overlap};
 use crate::scene::Elasticity;
 use std::f64::consts::PI;
 
-/// Normal force f_n = k_H δ^(3/2) - c δ^(1/4) u_n of smooth elastic spheres (Hertz 1882, J. reine angew. Math. 92,
-/// 156; Johnson 1985, Contact Mechanics, Eqs. 4.22 and 4.23) with the viscous part of Tsuji, Tanaka and Ishida (1992,
-/// Powder Technol. 71, 239).
+/// Normal force f_n = k_H δ^(3/2) - c δ^(1/4) u_n of smooth elastic spheres (Hertz 1882, J. reine angew. Math. 92, 156;
+/// Johnson 1985, Contact Mechanics, Eqs. 4.22 and 4.23) with the viscous part of Tsuji, Tanaka and Ishida (1992, Powder
+/// Technol. 71, 239). δ is the overlap and u_n the normal velocity.
 ///
-/// The elastic constant is k_H = 4/3 E sqrt(R), with the effective modulus 1/E = (1-ν_p²)/E_p + (1-ν_q²)/E_q and the
-/// effective radius R.
+/// The elastic constant is k_H = 4/3 E sqrt(R), with the effective radius R and the effective modulus E: 1/E =
+/// (1-ν_p²)/E_p + (1-ν_q²)/E_q. E_p and E_q are Young's moduli of the two bodies, ν_p and ν_q their Poisson's ratios.
 ///
-/// In the plane of w = δ^(5/4) and speed, an impact follows the path of a linear spring and dashpot. The frequency of
-/// this oscillator is ω_0² = 4 k_H/(5 M), and its damping ratio is c/sqrt(5 M k_H) (Antypov and Elliott 2011, EPL 94,
-/// 50004). The constant c = ζ sqrt(5 M k_H), with the ζ of a linear dashpot, therefore gives exactly the required
-/// restitution at every speed, if the contact ends at δ = 0. The force is slightly attractive at the end. The time of
-/// the impact follows from dt = 4/5 w^(-1/5) ds, where s is the time of the oscillator.
+/// In the plane of w = δ^(5/4) and speed, an impact follows the path of a linear spring and dashpot. With the effective
+/// mass M, the square of its frequency is ω_0² = 4 k_H/(5 M), and its damping ratio is c/sqrt(5 M k_H) (Antypov and
+/// Elliott 2011, EPL 94, 50004). The constant c = ζ sqrt(5 M k_H), with the damping ratio ζ of a linear dashpot,
+/// therefore gives exactly the required restitution at every speed, if the contact ends at δ = 0. The force is slightly
+/// attractive at the end. The time of the impact follows from dt = 4/5 w^(-1/5) ds, where s is the time of the
+/// oscillator.
 ///
 /// The constants between two bodies are k_H [N/m^1.5] and c [N s/m^1.25]. Walls count as flat. The law is valid if δ is
 /// small compared with the radius, and the impact is slow compared with the speed of sound.
@@ -29,7 +30,7 @@ pub struct Hertz {
 /// power -2.4; it is 1e-8 for this number.
 const POINTS: usize = 2000;
 
-/// [1/s] undamped frequency ω_0 of the linear oscillator in w = δ^(5/4), with respect to its time s.
+/// [1/s] undamped frequency ω_0 of the linear oscillator in w = δ^(5/4), with respect to its time s. δ is the overlap.
 fn undamped(spring: &Spring) -> f64 {
     (0.8 * spring.stiffness / spring.effective_mass).sqrt() // 4/5, Antypov and Elliott
 }
@@ -58,7 +59,8 @@ fn path(spring: &Spring, speed: f64) -> Vec<[f64; 3]> {
     points
 }
 
-/// [-] dashpot constant c = ζ sqrt(5 M k_H) in units of sqrt(M k_H). It depends only on the restitution.
+/// [-] dashpot constant c = ζ sqrt(5 M k_H) in units of sqrt(M k_H), with the effective mass M and Hertz's constant
+/// k_H. The damping ratio ζ, and so the result, depends only on the restitution.
 fn unit_dashpot(restitution: f64) -> f64 {
     5.0f64.sqrt() * damping_ratio(restitution) // sqrt(5) ζ: Antypov and Elliott 2011
 }
@@ -85,8 +87,9 @@ impl Law for Hertz {
         Spring { effective_mass, restitution, stiffness, dashpot }
     }
 
-    /// Returns 8 G* sqrt(R) [N/m^1.5] times the `stiffness_ratio` of the bodies. Here 1/G* = (2-ν_p)/G_p + (2-ν_q)/G_q
-    /// with the shear moduli G = E/(2(1+ν)) (Mindlin 1949, J. Appl. Mech. 16, 259; Johnson 1985, Eq. 7.43).
+    /// Returns 8 G* sqrt(R) [N/m^1.5] times the `stiffness_ratio` of the bodies. Here 1/G* = (2-ν_p)/G_p + (2-ν_q)/G_q,
+    /// with Poisson's ratios ν and the shear moduli G = E/(2(1+ν)) of the two bodies (Mindlin 1949, J. Appl. Mech. 16,
+    /// 259; Johnson 1985, Eq. 7.43).
     fn shear_stiffness(&self, bodies: &Bodies) -> f64 {
         let compliance = |own: Option<Elasticity>| {
             let Elasticity { youngs_modulus, poissons_ratio } = own.unwrap_or(self.elasticity);
@@ -106,14 +109,15 @@ impl Law for Hertz {
         (spring.stiffness * overlap * root, -spring.dashpot * root.sqrt() * normal_velocity)
     }
 
-    /// Returns the energy 2/5 k_H δ^(5/2) [J] that the elastic force stores at the overlap δ.
+    /// Returns the energy 2/5 k_H δ^(5/2) [J] that the elastic force stores at the overlap δ, with Hertz's constant
+    /// k_H.
     #[inline]
     fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64 {
         0.4 * spring.stiffness * overlap * overlap * overlap.abs().sqrt()
     }
 
-    /// Returns the duration [s] of an impact, proportional to u^(-1/5). Without damping it is 2.9433 δ_max/u (Johnson
-    /// 1985, Eq. 11.24).
+    /// Returns the duration [s] of an impact, proportional to u^(-1/5) with the normal speed u. Without damping it is
+    /// 2.9433 δ_max/u, with the largest overlap δ_max (Johnson 1985, Eq. 11.24).
     fn contact_time(&self, spring: &Spring, speed: f64) -> f64 {
         if damping_ratio(spring.restitution) >= 1.0 {
             return f64::INFINITY;
@@ -127,19 +131,20 @@ impl Law for Hertz {
     }
 
     /// Returns the angular frequency sqrt(3/2 k_H sqrt(δ)/M) [1/s] at the largest overlap δ of an impact without
-    /// damping. Damped impacts have lower frequencies.
+    /// damping, with Hertz's constant k_H and the effective mass M. Damped impacts have lower frequencies.
     fn frequency(&self, spring: &Spring, speed: f64) -> f64 {
         let deepest = (speed / undamped(spring)).powf(0.8);
         (1.5 * spring.stiffness * deepest.sqrt() / spring.effective_mass).sqrt()
     }
 
-    /// Returns the ratio [-] of the viscous constant c δ^(1/4) to the critical one, 2 sqrt(M · 3/2 k_H δ^(1/2)). It
-    /// does not depend on the overlap δ.
+    /// Returns the ratio [-] of the viscous constant c δ^(1/4) to the critical one, 2 sqrt(M · 3/2 k_H δ^(1/2)), with
+    /// Hertz's constant k_H and the effective mass M. It does not depend on the overlap δ.
     fn damping_ratio(&self, spring: &Spring, _speed: f64) -> f64 {
         unit_dashpot(spring.restitution) / (2.0 * 1.5f64.sqrt())
     }
 
-    /// Returns the length Γ(7/5) (5 E/(2 k_H))^(2/5) [m], with E = `energy` [J].
+    /// Returns the length Γ(7/5) (5 E/(2 k_H))^(2/5) [m], with E = `energy` [J] and Hertz's constant k_H. Γ(7/5) is a
+    /// value of the gamma function.
     fn thermal_overlap(&self, spring: &Spring, energy: f64) -> f64 {
         libm::tgamma(1.4) * (2.5 * energy / spring.stiffness).powf(0.4)
     }

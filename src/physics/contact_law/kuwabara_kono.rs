@@ -6,12 +6,13 @@ use crate::scene::Elasticity;
 
 /// Normal force f_n = k δ^(3/2) - c sqrt(δ) u_n of viscoelastic spheres, with c = 3/2 A k and a time A [s] of the
 /// material (Kuwabara and Kono 1987, Jpn. J. Appl. Phys. 26, 1230; Brilliantov, Spahn, Hertzsch and Pöschel 1996, Phys.
-/// Rev. E 53, 5382). The constant k [N/m^1.5] is that of [`Hertz`].
+/// Rev. E 53, 5382). The constant k [N/m^1.5] is that of [`Hertz`]. δ is the overlap and u_n the normal velocity.
 ///
-/// The restitution depends on the speed u: it is a function of β = (c/k) (k/M)^(2/5) u^(1/5). The constant c follows
-/// from the surfaces, whose restitution must be [`RestitutionBySpeed::Viscoelastic`] or 1. Then c does not depend on
-/// the speed, and impacts at every speed have the restitution of hard spheres with the same surfaces. Where a program
-/// gives a constant restitution or another law, impacts at 1 m/s have that restitution.
+/// The restitution depends on the speed u: it is a function of the damping number β = (c/k) (k/M)^(2/5) u^(1/5), with
+/// the effective mass M. The constant c follows from the surfaces, whose restitution must be
+/// [`RestitutionBySpeed::Viscoelastic`] or 1. Then c does not depend on the speed, and impacts at every speed have the
+/// restitution of hard spheres with the same surfaces. Where a program gives a constant restitution or another law,
+/// impacts at 1 m/s have that restitution.
 ///
 /// The contact ends when δ = 0, so the force attracts a little at the end. The law is valid while δ is small compared
 /// with the radius, and while the impact is slow compared with the speed of sound and with the relaxation of the
@@ -22,14 +23,15 @@ pub struct KuwabaraKono {
     pub elasticity: Elasticity,
 }
 
-/// [-] damping number β = (c/k) (k/M)^(2/5) u^(1/5) of an impact at the normal speed u = `speed` [m/s].
+/// [-] damping number β = (c/k) (k/M)^(2/5) u^(1/5) of an impact at the normal speed u = `speed` [m/s]. k and c are the
+/// constants of the law, and M is the effective mass.
 fn damping(spring: &Spring, speed: f64) -> f64 {
     let Spring { effective_mass, stiffness, dashpot, .. } = *spring;
     dashpot / stiffness * (stiffness / effective_mass).powf(0.4) * speed.powf(0.2)
 }
 
-/// [m] largest overlap of an undamped impact at the normal speed `speed` [m/s], (5 M u²/(4 k))^(2/5) (Johnson 1985, Eq.
-/// 11.23).
+/// [m] largest overlap of an undamped impact at the normal speed u = `speed` [m/s], (5 M u²/(4 k))^(2/5) with the
+/// effective mass M and Hertz's constant k (Johnson 1985, Eq. 11.23).
 fn undamped_depth(spring: &Spring, speed: f64) -> f64 {
     (1.25 * spring.effective_mass * speed * speed / spring.stiffness).powf(0.4)
 }
@@ -96,8 +98,9 @@ impl Law for KuwabaraKono {
         self.hertz().frequency(spring, speed)
     }
 
-    /// Returns the ratio [-] of the viscous constant c sqrt(δ) to the critical one, 2 M ω, with the angular frequency
-    /// ω. Both are taken at the largest overlap δ of an impact without damping. Damped impacts have smaller overlaps.
+    /// Returns the ratio [-] of the viscous constant c sqrt(δ) to the critical one, 2 M ω, with the effective mass M
+    /// and the angular frequency ω. Both are taken at the largest overlap δ of an impact without damping. Damped
+    /// impacts have smaller overlaps.
     fn damping_ratio(&self, spring: &Spring, speed: f64) -> f64 {
         let viscous = spring.dashpot * undamped_depth(spring, speed).sqrt();
         viscous / (2.0 * spring.effective_mass * self.frequency(spring, speed))

@@ -121,8 +121,9 @@ pub trait Law: std::fmt::Debug + Send + Sync {
         numerical::frequency(self, spring, speed)
     }
 
-    /// [-] largest viscous constant during impacts at normal speed `speed` [m/s], over the critical constant 2 M ω with
-    /// ω = [`frequency`](Self::frequency). The time step must be stable for both the frequency and the damping.
+    /// [-] largest viscous constant during impacts at normal speed `speed` [m/s], over the critical constant 2 M ω,
+    /// with the effective mass M and ω = [`frequency`](Self::frequency). The time step must be stable for both the
+    /// frequency and the damping.
     fn damping_ratio(&self, spring: &Spring, speed: f64) -> f64 {
         numerical::damping_ratio(self, spring, speed)
     }
@@ -152,7 +153,7 @@ pub trait Law: std::fmt::Debug + Send + Sync {
     }
 
     /// [-] factor by which the elastic force must grow so that impacts of equal energy have 1/`ratio` times the
-    /// overlap. The energy stored at the overlap δ is assumed to be k δ^(n+1)/(n+1).
+    /// overlap. The energy stored at the overlap δ is assumed to be k δ^(n+1)/(n+1), with constants k and n.
     fn stiffening(&self, ratio: f64) -> f64 {
         ratio.powf(self.exponent() + 1.0)
     }
@@ -193,7 +194,7 @@ impl std::fmt::Display for Parameter {
     }
 }
 
-/// Contact law of all pairs of particles and of all walls in a scene of soft spheres.
+/// Contact law of all pairs of particles and of all walls in a scene of soft or hybrid spheres.
 ///
 /// ```
 /// # extern crate diptych_physics as diptych;
@@ -310,7 +311,7 @@ impl ContactLaw {
 }
 
 impl PartialEq for ContactLaw {
-    /// Compares two laws by their names and parameters.
+    /// True if two laws have the same name and the same parameters.
     fn eq(&self, other: &Self) -> bool {
         self.title() == other.title() && self.parameters() == other.parameters()
     }

@@ -153,7 +153,8 @@ pub fn damping_ratio<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -> f
 /// [m] length that [`Law::thermal_overlap`] defines, by Simpson's rule. It is infinite if no overlap stores 37 times
 /// the energy `energy` [J].
 pub fn thermal_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, energy: f64) -> f64 {
-    /// Stored energy over `energy` above which the weights exp(-V/E) are negligible (below 1e-16).
+    /// Ratio V/E above which the weights exp(-V/E) are negligible (below 1e-16). V is the stored energy, and E the
+    /// energy scale `energy`.
     const NEGLIGIBLE: f64 = 37.0;
     /// Number of intervals of Simpson's rule.
     const INTERVALS: u32 = 2000;

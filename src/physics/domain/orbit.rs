@@ -6,14 +6,15 @@ use serde::Serialize;
 /// Orbit of a sheared box about a distant mass, in Hill's approximation (Wisdom and Tremaine 1988, Astron. J. 95, 925).
 ///
 /// The box rotates about x at the rate Ω. The axis y points away from the mass, and z along the orbit. In the rotating
-/// frame, the Coriolis force and the tide along y accelerate a particle: dv_y/dt = 2 Ω (v_z - γ y) and dv_z/dt =
-/// -2 Ω v_y. So the mean flow γ y of the shear is itself a free motion.
-/// The vertical force is dv_x/dt = -ν² (x - L_x/2), where L_x is the edge length along x.
+/// frame, the Coriolis force and the tide along y accelerate a particle: dv_y/dt = 2 Ω (v_z - γ y) and dv_z/dt = -2 Ω
+/// v_y. So the mean flow γ y with the shear rate γ is itself a free motion. The vertical force is dv_x/dt = -ν² (x -
+/// L_x/2), where L_x is the edge length along x.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Orbit {
     /// [rad/s] angular velocity Ω of the orbit about x. Around a point mass the shear rate is γ = -3/2 Ω.
     pub rate: f64,
-    /// [rad/s] frequency ν of free oscillations along x about the middle of the box. Around a point mass it is Ω.
+    /// [rad/s] frequency ν of free oscillations along x about the middle of the box. Around a point mass it is the
+    /// angular velocity Ω of the orbit.
     pub vertical_frequency: f64,
 }
 

@@ -25,7 +25,8 @@ use std::sync::Arc;
 /// Properties of a sphere in a gas on which drag depends.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Sphere {
-    /// [s] Stokes response time τ = ρ_p d² / (18 ρ_f ν).
+    /// [s] Stokes response time τ_S = ρ_p d² / (18 ρ_f ν), with the diameter d, the densities ρ_p of the particle and
+    /// ρ_f of the gas, and the kinematic viscosity ν of the gas.
     pub stokes_time: f64,
     /// [s/m] Reynolds number divided by slip speed: d/ν.
     pub reynolds_per_speed: f64,
@@ -172,7 +173,7 @@ impl Drag {
 }
 
 impl PartialEq for Drag {
-    /// Compares two laws by their names and parameters.
+    /// True if two laws have the same name and the same parameters.
     fn eq(&self, other: &Self) -> bool {
         let (one, other) = (self.law(), other.law());
         one.name() == other.name() && one.parameters() == other.parameters()

@@ -23,10 +23,10 @@ const FAR: f64 = 10.0 * SWITCH;
 /// At Re = 1000 C_D jumps by 0.4 % (from 0.4383 to 0.44). The law is valid for a single rigid sphere in steady motion
 /// at Re < 2e5. It neglects neighbours, lift, added mass and history force.
 ///
-/// Two equations apply, with s = 0.15 Re^p, p = 0.687 and the Stokes response time τ_S. Up to Re = 1000, dw/dt = -(1 +
-/// s) w/τ_S is a Bernoulli equation, which is linear in w^-p. Above, dw/dt = -C_D Re/24 w/τ_S with C_D = 0.44 is linear
-/// in 1/w. Both have closed solutions. If the sphere starts above Re = 1000 and ends below, the solutions are used one
-/// after the other.
+/// Drag alone decreases the slip speed w as follows, with s = 0.15 Re^p, p = 0.687 and the Stokes response time τ_S. Up
+/// to Re = 1000, dw/dt = -(1 + s) w/τ_S. This Bernoulli equation is linear in w^-p. Above Re = 1000, dw/dt = -C_D Re/24
+/// w/τ_S with C_D = 0.44. This equation is linear in 1/w. Both equations have closed solutions. If the sphere starts
+/// above Re = 1000 and ends below, the solutions are used one after the other.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SchillerNaumann;
 

@@ -1,11 +1,12 @@
-//! Driver that moves the particles of all engines through windows. A window is the time between two exchanges of
-//! momentum with the gas. The driver solves islands for as long as this pays, and then moves all particles at once by
-//! the classical algorithm (uniform time steps, or one event queue). An island is a group of particles that may meet
-//! within a part of a window.
+//! Driver that moves soft, event-driven hard and hybrid spheres through windows. The engines of hard spheres in time
+//! steps and of collisions by chance (DSMC) do not use it. A window is the time between two exchanges of momentum with
+//! the gas. The driver solves islands for as long as this pays, and then moves all particles at once by the classical
+//! algorithm (uniform time steps, or one event queue). An island is a group of particles that may meet within a part of
+//! a window.
 //!
-//! An engine is a driver with a [`Solver`], which solves single islands and moves all particles at once. The driver
-//! stores the state that is carried from one window to the next (contacts in progress, or times of recent collisions).
-//! The driver passes this state to the method in use.
+//! Each of the three engines is a driver with a [`Solver`], which solves single islands and moves all particles at
+//! once. The driver stores the *carried* state, which continues from one window to the next: contacts in progress, or
+//! times of recent collisions. The driver passes this state to the method in use.
 
 use super::distributed::{Distributed, DistributedSolver};
 use super::islands::{IslandCost, IslandCounters, Islands, Solve, SpeedSummary};
@@ -162,7 +163,8 @@ struct DriverState<C, S> {
     solver: S,
 }
 
-/// An engine: a solver together with the handling of time windows that all engines have in common.
+/// An engine of soft, event-driven hard or hybrid spheres: a solver together with the handling of time windows that
+/// these engines have in common.
 pub struct Driver<S: Solver> {
     pub(super) solver: S,
     pub(super) islands: Islands<Lasting<S>>,

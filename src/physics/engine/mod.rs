@@ -1,9 +1,11 @@
-//! Engines: each is one way to move spheres and to compute their collisions.
+//! Engines: each is one way to move spheres and to compute their collisions. An island is a group of particles that may
+//! meet within a window, and that an engine solves separately.
 //!
 //! An [`Engine`] moves every particle through one window under gravity and impacts. A window is the time between two
-//! exchanges of momentum with the gas. Drag is applied by the simulation before and after the window. Engines contain
-//! no sampling, and no engine depends on another. An engine whose run several processes can share also implements
-//! [`Distributed`](distributed::Distributed).
+//! exchanges of momentum with the gas. Drag is applied by the simulation before and after the window. Engines take no
+//! samples. The engines for soft and hard spheres do not depend on other engines. The hybrid engine uses parts of both,
+//! and that for collisions by chance (DSMC) the impacts of hard spheres. An engine whose run several processes can
+//! share also implements [`Distributed`](distributed::Distributed).
 
 pub mod distributed;
 pub mod driver;
@@ -289,7 +291,8 @@ pub enum Failure {
         interval: f64,
         /// Contact time t_c [s] of the TC model; `None` if this model is not used.
         contact_time: Option<f64>,
-        /// Speed [m/s] at which the particle slides along a curved wall, if this is the reason for its many impacts.
+        /// Speed [m/s] at which the particle slides along a curved wall, if this is the reason for its many impacts;
+        /// otherwise `None`.
         sliding: Option<f64>,
         /// Coordinate x [m] of the particle.
         x: f64,

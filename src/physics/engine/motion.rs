@@ -1,7 +1,8 @@
 //! Straight motion of all particles at once, used by several engines.
 //!
-//! Within a window an engine uses the frame that falls freely with gravity from rest. In this frame, particles without
-//! contact fly straight at constant velocity. Gravity then needs no computation per step, and it is exact.
+//! Within a window (time between two exchanges with the gas) an engine uses the frame that falls freely with gravity
+//! from rest. In this frame, particles without contact fly straight at constant velocity. Gravity then needs no
+//! computation per step, and it is exact.
 
 use crate::particles::{CHUNK, Particles};
 use crate::work_sharing;

@@ -1,4 +1,5 @@
-//! Default settings of an experiment. They equal the settings of a case that leaves the keys out.
+//! Default settings of an experiment. They equal the settings of a case that leaves the keys out. A window is the time
+//! between two exchanges with the gas.
 
 use super::{
     Amount, AverageFrom, DsmcSettings, Experiment, HardSettings, HardStepping, HybridSettings, Integrator,

@@ -69,7 +69,7 @@ impl LocalFractions {
     }
 
     /// [-] volume fraction of all particles around a sphere with the centre `place` [m] and the radius `radius` [m]:
-    /// the mean over the cells that contain parts of this sphere.
+    /// the mean over the cells that contain parts of this sphere, weighted by these parts.
     pub fn at(&self, place: &Vector3<f64>, radius: f64) -> f64 {
         let mut fraction = 0.0;
         self.for_each_cell(place, radius, |cell, weight| fraction += weight * self.values[cell]);

@@ -28,12 +28,13 @@ pub(super) struct HalfChannel {
     pub u: Vec<f64>,
     /// [-] turbulent kinetic energy k⁺ = k/u_τ² in each cell.
     pub k: Vec<f64>,
-    /// [-] dissipation rate in units of u_τ⁴/ν. For the Launder-Sharma model it is ε̃ = ε - 2ν (d√k/dy)², otherwise ε.
+    /// [-] dissipation rate in units of u_τ⁴/ν. For the Launder-Sharma model it is ε̃ = ε - 2ν (d√k/dy)², with the
+    /// turbulent kinetic energy k; otherwise it is ε.
     pub epsilon: Vec<f64>,
     /// [-] eddy viscosity ν_t over ν in each cell.
     pub nu_t: Vec<f64>,
-    /// [-] shear stress (1 + ν_t) dU/dy at the faces, for a gas that particles brake or drive. `None` for a gas alone,
-    /// whose stress is 1 - y/h.
+    /// [-] shear stress (1 + ν_t) dU/dy at the faces, with the turbulent viscosity ν_t, for a gas that particles brake
+    /// or drive. `None` for a gas alone, whose stress is 1 - y/h.
     pub face_stress: Option<Vec<f64>>,
 }
 
@@ -57,7 +58,8 @@ impl SweepStep<'_> {
     }
 }
 
-/// Steady diffusion-reaction equation of one quantity φ: -(D φ')' + sink φ = source in every cell, with D = 1 + ν_t/σ.
+/// Steady diffusion-reaction equation of one quantity φ: -(D φ')' + sink φ = source in every cell. The diffusivity is D
+/// = 1 + ν_t/σ, with the turbulent viscosity ν_t.
 pub(super) struct Equation<'a> {
     /// [-] turbulent Prandtl number σ of φ.
     pub prandtl: f64,
@@ -153,8 +155,9 @@ impl HalfChannel {
         self.nu_t[face - 1] + weight * (self.nu_t[face] - self.nu_t[face - 1])
     }
 
-    /// Integrates (1 + ν_t) dU/dy = 1 - y/h from the wall to the centre, starting with the velocity `first` in the
-    /// first cell. The discrete stress balance then holds at every face, up to rounding.
+    /// Integrates (1 + ν_t) dU/dy = 1 - y/h, with the turbulent viscosity ν_t and the half height h, from the wall to
+    /// the centre, starting with the velocity `first` in the first cell. The discrete stress balance then holds at
+    /// every face, up to rounding.
     pub fn integrate_momentum(&mut self, first: f64) {
         self.u[0] = first;
         for i in 1..self.u.len() {
@@ -241,7 +244,7 @@ impl HalfChannel {
             .collect()
     }
 
-    /// Terms of the k equation, integrated over the half channel, in units of u_τ³.
+    /// Terms of the equation of the turbulent kinetic energy k, integrated over the half channel, in units of u_τ³.
     pub fn k_budget(&self, model: TurbulenceModel) -> KBudget {
         let mut budget = KBudget::default();
         for i in 0..self.u.len() {

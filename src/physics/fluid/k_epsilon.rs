@@ -1,9 +1,11 @@
 //! Fully developed turbulent channel flow by the k-epsilon model: the velocity profile for a given bulk velocity.
 //!
-//! In a steady, fully developed channel of half width h, the pressure gradient alone determines the total shear stress,
-//! (ν + ν_t) dU/dy = u_τ² (1 - y/h). The momentum equation is therefore integrated directly, and only k and ε are
-//! iterated. All equations are solved in wall units (lengths in ν/u_τ, velocities in u_τ), on a finite-volume grid of a
-//! half channel. The friction Reynolds number is adjusted until the flow has the required bulk velocity.
+//! In a steady, fully developed channel of half width h, the pressure gradient alone determines the total shear stress
+//! over the density, (ν + ν_t) dU/dy = u_τ² (1 - y/h). Here U is the mean velocity, u_τ the friction velocity, and ν_t
+//! the turbulent viscosity. The momentum equation is therefore integrated directly. Only the turbulent kinetic energy k
+//! and its dissipation rate ε are iterated. All equations are solved in wall units (lengths in ν/u_τ, velocities in
+//! u_τ), on a finite-volume grid of a half channel. The friction Reynolds number is adjusted until the flow has the
+//! required bulk velocity.
 
 use super::half_channel::{HalfChannel, SweepStep};
 use super::table::VelocityTable;
@@ -142,7 +144,7 @@ pub struct ChannelFlow {
     pub bulk_velocity: f64,
     /// [m/s] velocity on the centre plane, or on the axis of a pipe.
     pub centre_velocity: f64,
-    /// [m/s] friction velocity u_τ = sqrt(τ_w/ρ).
+    /// [m/s] friction velocity u_τ = sqrt(τ_w/ρ), with the shear stress τ_w at the wall and the density ρ of the gas.
     pub friction_velocity: f64,
     /// [-] friction Reynolds number Re_τ = u_τ h/ν.
     pub reynolds_tau: f64,
@@ -322,7 +324,8 @@ impl ChannelFlow {
     }
 }
 
-/// [-] bulk Reynolds number U_b L_y/ν, if it is high enough for the model.
+/// [-] bulk Reynolds number U_b L_y/ν, with the bulk velocity U_b and the full width L_y of the channel, if it is high
+/// enough for the model.
 ///
 /// # Errors
 /// A number that is not positive, or a Reynolds number that is too low for the model.
@@ -377,7 +380,8 @@ fn converge(channel: &mut HalfChannel, model: TurbulenceModel, iterations: &mut 
     Err(format!("k-epsilon channel: {model:?} did not converge, the last relative change is {change:.3e}"))
 }
 
-/// [-] first estimate of Re_τ from the bulk Reynolds number, by C_f = 0.073 Re^(-1/4) (Dean 1978).
+/// [-] first estimate of Re_τ from the bulk Reynolds number, by the friction coefficient C_f = 0.073 Re^(-1/4) (Dean
+/// 1978).
 fn estimate(reynolds: f64) -> f64 {
     0.5 * reynolds * (0.5 * 0.073 * reynolds.powf(-0.25)).sqrt()
 }

@@ -1,4 +1,6 @@
-//! Low-Reynolds-number k-epsilon model (Launder and Sharma 1974), whose grid resolves the flow down to the wall.
+//! Low-Reynolds-number k-epsilon model (Launder and Sharma 1974), whose grid resolves the flow down to the wall. Its
+//! equations are those of the turbulent kinetic energy k and of ε̃, a dissipation rate that is reduced so that it
+//! vanishes at the wall.
 
 use super::half_channel::{Equation, HalfChannel, SweepStep, WallCondition};
 use super::k_epsilon::{C_1, C_2, C_MU, SIGMA_EPSILON, SIGMA_K};

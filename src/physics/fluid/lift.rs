@@ -40,8 +40,8 @@ const SAFFMAN: f64 = 4.1126;
 /// [-] slip Reynolds number up to which the first formula of Mei (1992, Int. J. Multiphase Flow 18, 145) applies.
 const MEI_LIMIT: f64 = 40.0;
 
-/// [-] Reynolds number Re_r = Ω d²/ν of spin up to which the torque is that of creeping flow, with the coefficient
-/// 64π/Re_r.
+/// [-] Reynolds number Re_r = Ω d²/ν of spin, with the angular velocity Ω of the gas relative to the sphere, up to
+/// which the torque is that of creeping flow, with the coefficient 64π/Re_r.
 const CREEPING_SPIN: f64 = 32.0;
 
 /// [-] coefficients in 12.9/√Re_r + 128.4/Re_r of the torque at larger Reynolds numbers of spin (Dennis, Singh and

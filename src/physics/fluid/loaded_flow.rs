@@ -43,8 +43,9 @@ pub enum Modulation {
     /// Particles change the turbulence only through the mean velocity of the gas.
     None,
     /// Particles damp k at the rate 2 r k St/(1 + St), and ε at 1.2 ε/k times this rate (Simonin 1996). The exchange
-    /// rate is r = Σ(m/τ)/(ρ_f V_g) with the volume V_g of the gas. St is τ over the integral time of the gas velocity
-    /// that particles see. The covariance of gas and particle velocities is that of Tchen (1947), 2k/(1 + St).
+    /// rate is r = Σ(m/τ)/(ρ_f V_g), with the mass m and response time τ of each particle, and the density ρ_f and
+    /// volume V_g of the gas. St is τ over the integral time of the gas velocity that particles see. The covariance of
+    /// gas and particle velocities is that of Tchen (1947), 2k/(1 + St).
     Simonin,
     /// Particles produce k at the rate r s² by their mean slip s, with r as above. Then ε is k^(3/2)/l with the length
     /// l from 1/l = 1/l_0 + 1/λ. Here l_0 = k^(3/2)/ε is that of the gas alone, and λ the mean distance between the
@@ -396,15 +397,16 @@ impl LoadedFlow {
             .collect()
     }
 
-    /// [1/s] exchange rate Σ(m/τ)/(ρ_f V) of each cell, with the volume V of gas and particles.
+    /// [1/s] exchange rate Σ(m/τ)/(ρ_f V) of each cell, with the mass m and response time τ of each particle, the
+    /// density ρ_f of the gas, and the volume V of gas and particles.
     fn exchange_rates(&self, slices: &[SliceSums]) -> Vec<f64> {
         let slices = slices.iter().enumerate();
         let rates = slices.map(|(slice, sums)| sums.exchange / (self.density * self.slice_volume(slice)));
         self.on_cells(&rates.collect::<Vec<_>>())
     }
 
-    /// Production r s² of k by the mean slip s of the particles in each cell, in wall units, in a step of `duration`
-    /// [s]; empty unless the modulation is that of Crowe.
+    /// Production r s² of the turbulent kinetic energy k by the mean slip s of the particles in each cell, in wall
+    /// units, in a step of `duration` [s]. r is the exchange rate. Empty unless the modulation is that of Crowe.
     fn production(&self, duration: f64, slices: &[SliceSums]) -> Vec<f64> {
         match self.coupling.modulation {
             Modulation::None | Modulation::Simonin => return Vec::new(),

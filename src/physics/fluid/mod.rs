@@ -63,7 +63,7 @@ pub struct Fluid {
 
 impl Fluid {
     /// Makes a frozen gas without buoyancy, turbulence and lift, from its density [kg/m³], kinematic viscosity [m²/s],
-    /// velocity profile and drag law.
+    /// velocity profile and drag law. With `None` the gas exerts no drag.
     pub fn new(density: f64, kinematic_viscosity: f64, profile: Profile, drag: Option<Drag>) -> Self {
         Self {
             density,

@@ -30,7 +30,8 @@ pub enum Profile {
 /// Velocity and length in which flows along smooth walls are measured (wall units).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct WallScale {
-    /// [m/s] friction velocity u_τ = sqrt(τ_w/ρ) of the flow.
+    /// [m/s] friction velocity u_τ = sqrt(τ_w/ρ) of the flow, with the shear stress τ_w at the wall and the density ρ
+    /// of the gas.
     pub friction_velocity: f64,
     /// [m] viscous length ν/u_τ.
     pub length: f64,

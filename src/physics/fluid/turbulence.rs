@@ -10,8 +10,8 @@ use rand_distr::{Distribution, Exp1, StandardNormal};
 use serde::Serialize;
 use std::sync::Arc;
 
-/// [-] shortest turnover time k/ε of eddies, over the Kolmogorov time sqrt(ν/ε) (Durbin 1991, Theor. Comput. Fluid Dyn.
-/// 3, 1).
+/// [-] shortest turnover time k/ε of eddies, over the Kolmogorov time sqrt(ν/ε) with the kinematic viscosity ν (Durbin
+/// 1991, Theor. Comput. Fluid Dyn. 3, 1).
 const SHORTEST_TURNOVER: f64 = 6.0;
 
 /// Number of strips into which the cross-section of the gas is divided for means.
@@ -33,7 +33,8 @@ pub struct Turbulence {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum EddyLaw {
-    /// Langevin equation. The store of particles holds **s** = **u**/σ of each particle.
+    /// Langevin equation. The store of particles holds **s** = **u**/σ of each particle: the fluctuation **u** over its
+    /// standard deviation σ.
     #[default]
     Langevin,
     /// Discrete random walk (Gosman and Ioannides 1983, J. Energy 7, 482): the fluctuation **u** [m/s], which the store
@@ -164,8 +165,8 @@ impl Turbulence {
     }
 
     /// [1/s] largest rate at which the fluctuation changes along the path of particles with a response time [s],
-    /// between the walls of the gas in a box of `height` [m]. The rates are the drift ∇σ/(1 + St), and the turnover
-    /// 1/(T_L + τ) of eddies that particles follow.
+    /// between the walls of the gas in a box of `height` [m]. The rates are the drift ∇σ/(1 + St), with the standard
+    /// deviation σ of the gas velocity, and the turnover 1/(T_L + τ) of eddies that particles follow.
     pub fn largest_rate(&self, profile: &Profile, height: f64, response: f64) -> f64 {
         let rates = self.strips(profile, height).map(|(_, local)| {
             let slowest = local.time + response;
@@ -192,9 +193,10 @@ impl Turbulence {
 /// d**s** = (-**s**/T + ∇σ/(1 + St)) dt + sqrt(2/T) dW (Thomson 1987, J. Fluid Mech. 180, 529; Simonin, Deutsch and
 /// Minier 1993, Appl. Sci. Res. 51, 275).
 ///
-/// St = τ/T_L is the Stokes number with the response time τ. The variance of each component of **u** stays σ² = 2k/3.
-/// The equation leaves out anisotropy and shear stress of the turbulence, its production along the path of a particle,
-/// and correlations between particles.
+/// T is the integral time along the path of the particle ([`times`](Self::times)), and dW a random increment with the
+/// variance dt. St = τ/T_L is the Stokes number with the response time τ of the particle and the integral time T_L of
+/// the gas. The variance of each component of **u** stays σ² = 2k/3. The equation leaves out anisotropy and shear
+/// stress of the turbulence, its production along the path of a particle, and correlations between particles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Langevin {
     /// [-] Kolmogorov constant C_0 of the Lagrangian structure function, in T_L = (k/ε)/(1/2 + 3/4 C_0).

@@ -306,7 +306,8 @@ mod tests {
         (domain, middles, (0..count).map(|_| random.random_range(radii.clone())).collect())
     }
 
-    /// All pairs that a search finds, each with the smaller index first, in ascending order.
+    /// All pairs that a search finds, each with the smaller index first, in ascending order. `CROWDED` is passed on to
+    /// [`for_each_near`](PackedBalls::for_each_near).
     fn found<const CROWDED: bool>(
         packed: &mut PackedBalls,
         domain: &Domain,

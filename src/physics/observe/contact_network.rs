@@ -81,8 +81,8 @@ struct NetworkSample {
     force: Option<f64>,
 }
 
-/// Measurement of the contact network of soft spheres at several instants. A run of hard spheres has no lasting
-/// contacts, and nothing is measured.
+/// Measurement of the contact network of soft spheres at several instants. A run of hard spheres, or of collisions by
+/// chance (DSMC), has no lasting contacts, and nothing is measured.
 #[derive(Clone, Debug)]
 pub struct ContactNetwork {
     /// [s] time between two instants at which contacts are measured.

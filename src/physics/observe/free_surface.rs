@@ -71,7 +71,7 @@ pub struct FreeSurface {
     /// [m] standard deviation of the smoothing Gaussian.
     smoothing: f64,
     samples: Vec<SurfaceSample>,
-    /// Map with the largest contrast in the second half of the run.
+    /// Map with the largest contrast in the second half of the run; `None` before the first map of this half.
     map: Option<HeightMap>,
 }
 
@@ -189,7 +189,8 @@ impl FreeSurface {
     }
 }
 
-/// Index of the column at `place`, which may be beyond the ends of a row of `count` columns.
+/// Index of the column at `place`, which may be beyond the ends of a row of `count` columns. A periodic row is repeated
+/// beyond its ends; any other row is mirrored there.
 fn folded(place: i64, count: usize, is_periodic: bool) -> usize {
     let count = count as i64;
     if is_periodic {

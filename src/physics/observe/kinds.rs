@@ -22,8 +22,8 @@ struct OfSpecies {
     velocity: Vec<f64>,
     /// [m²/s²] granular temperature of the species at every sample; `None` at samples with too few particles.
     temperature: Vec<Option<f64>>,
-    /// [J] mean kinetic energy of the random motion per degree of freedom of a particle, at every sample. The list is
-    /// empty if all particles of the species have the same mass.
+    /// [J] mean kinetic energy of the random motion per degree of freedom of a particle, at every sample; `None` at
+    /// samples with too few particles. The list is empty if all particles of the species have the same mass.
     energy: Vec<Option<f64>>,
 }
 
@@ -41,7 +41,7 @@ pub struct Kinds {
     times: Vec<f64>,
 }
 
-/// Averages of one species over the averaging period.
+/// Averages of one species over the averaging period. An average is `None` without samples in this period.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SpeciesAverages {
     /// Name of the species of particles.
@@ -68,7 +68,7 @@ pub struct SpeciesAverages {
     pub batches: [Option<Batches>; 3],
 }
 
-/// Impacts between two kinds (species or walls) over the averaging period.
+/// Impacts between two kinds (species or walls) over the averaging period. A mean is `None` without samples or impacts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MeetingAverages {
     /// Names of the two kinds: first a species, then a second species or a wall, such as `wall 0`, with its index in

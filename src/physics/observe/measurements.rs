@@ -104,8 +104,8 @@ pub struct Observation {
     pub numbers: Vec<ObservedNumber>,
     /// Contacts at the end of the run, which are written to a file of lines.
     pub lines: Vec<ContactLine>,
-    /// Averages in the cells of a grid, which are written to a file. If several runs are pooled, they are those of the
-    /// first run.
+    /// Averages in the cells of a grid, which are written to a file; `None` if the measurement has no grid. If several
+    /// runs are pooled, the averages are those of the first run.
     pub grid: Option<ObservedGrid>,
     /// Reason why values are unknown, and how to avoid it; `None` if all values are known.
     pub remark: Option<&'static str>,

@@ -60,7 +60,7 @@ impl Followed {
 }
 
 /// [-] largest change of a mean position that counts as rest, in diameters of the smallest particles. Similarly, speeds
-/// below a hundredth of sqrt(g d) count as rest.
+/// below a hundredth of sqrt(g d) count as rest, with gravity g and this diameter d.
 const PLACE: f64 = 0.01;
 
 impl Motion {

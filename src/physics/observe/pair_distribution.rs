@@ -103,8 +103,9 @@ impl PairDistribution {
         }
     }
 
-    /// Pair distribution g [-] in each bin of the distance, averaged over `samples`. `counts` returns the number of
-    /// pairs in a bin of one sample. `share` [m³] is the volume of the box divided by the number of all pairs.
+    /// Pair distribution g [-] in each bin of the distance, averaged over `samples`; `None` without samples. `counts`
+    /// returns the number of pairs in a bin of one sample. `share` [m³] is the volume of the box divided by the number
+    /// of all pairs.
     fn curve(
         &self,
         samples: &[&PairSample],
@@ -122,7 +123,7 @@ impl PairDistribution {
 
     /// Pair distribution g [-] extrapolated to contact, where the centres have the distance `contact` [m]. `pair` is
     /// the index of the pair of species. `share` [m³] is the volume of the box divided by the number of pairs of this
-    /// kind. One value for each sample.
+    /// kind. There is one value for each sample. `None` if the extrapolation has no unique solution.
     fn at_contact(&self, samples: &[&PairSample], pair: usize, contact: f64, share: f64) -> Option<Vec<f64>> {
         let weights = weights_at_contact()?;
         let edge = |k: usize| contact * (1.0 + k as f64 * NEAR_WIDTH);

@@ -110,7 +110,7 @@ impl RunLoop {
         }
     }
 
-    /// Adds the missing half step of drag to the velocities of a run that was stopped between two samples. A caller
+    /// Adds the missing half-kick of drag to the velocities of a run that was stopped between two samples. A caller
     /// that does not continue the run must call this function.
     pub fn finish_half_kick(&self, simulation: &mut Simulation) {
         simulation.finish_half_kick(self.schedule_position.window());

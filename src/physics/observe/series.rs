@@ -134,9 +134,9 @@ impl FrictionSums {
 pub struct RotationSums {
     /// [J] rotational energy of all particles.
     pub energy: f64,
-    /// [m²/s²] parts of the rotational temperature T_r along x, y and z: Σ I (ω - Ω)²/Σ m per component, with the mean
-    /// spin Ω = Σ I ω/Σ I. T_r is the mean of the three parts. It equals the granular temperature if rotation and
-    /// translation have equal energies.
+    /// [m²/s²] parts of the rotational temperature T_r along x, y and z: Σ I (ω - Ω)²/Σ m per component. Each particle
+    /// has the mass m, the moment of inertia I and the spin ω, and the mean spin is Ω = Σ I ω/Σ I. T_r is the mean of
+    /// the three parts. It equals the granular temperature if rotation and translation have equal energies.
     pub temperature: Vector3<f64>,
     /// [rad/s] mean spin Ω = Σ I ω/Σ I of the particles, weighted by their moments of inertia I.
     pub spin: Vector3<f64>,

@@ -19,7 +19,7 @@ use std::ops::Range;
 const MOST_SAMPLES: u64 = 400;
 
 /// Time averages of the stress in the particles, with components in the order xx, yy, zz, xy, xz, yz. Compression is
-/// positive.
+/// positive. An average is `None` if there are too few samples.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Stress {
     /// [Pa] kinetic part: Σ m c c divided by the volume of the box. c is the velocity relative to the mean velocity of
@@ -35,8 +35,8 @@ pub struct Stress {
     pub pressure: Option<Estimate>,
     /// [-] ratio of the pressure to its kinetic part. For a gas without mean flow it is the compressibility factor Z.
     pub compressibility: Option<Estimate>,
-    /// [-] mean number of bodies in contact with a particle at an instant, including walls. `None` for hard spheres,
-    /// which have no lasting contacts.
+    /// [-] mean number of bodies in contact with a particle at an instant, including walls. `None` for models without
+    /// lasting contacts: hard spheres and collisions by chance (DSMC).
     pub coordination: Option<Estimate>,
     /// [-] volume fraction of the particles in each slice, in the order of increasing y.
     pub volume_fraction: Vec<Option<Estimate>>,
@@ -204,7 +204,8 @@ fn sums(all: Sample, domain: &Domain, slices: usize) -> ([f64; 6], Vec<f64>) {
 }
 
 /// Adds to each layer the volume of the part of a sphere that lies in this layer. `y` is the coordinate of the centre.
-/// Lengths are in units of the thickness of a layer; layer k extends from k to k + 1.
+/// Lengths are in units of the thickness of a layer; layer k extends from k to k + 1. If `periodic` is true, parts
+/// beyond one end are added at the other end. If it is false, they are left out.
 fn fill(filled: &mut [ExactSum], y: f64, radius: f64, periodic: bool) {
     let whole = 4.0 / 3.0 * PI * (radius * radius * radius);
     // most spheres are within one layer; the cast turns negative numbers into 0

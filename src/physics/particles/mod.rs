@@ -1,4 +1,4 @@
-//! Particle store: the only data of a scene that change during a run.
+//! Particle store: positions, velocities and other data of all particles. The engines change these data during a run.
 
 mod columns;
 mod sample;
@@ -31,7 +31,7 @@ columns! {
 
     /// Particle store: spheres as a struct of arrays. All arrays have the same length, with one entry per sphere.
     /// Engines may reorder the store for speed. The `id` of a particle stays: ids are 0 to N - 1 in the order of the
-    /// initial state.
+    /// initial state. Particles that come in through inlets get larger ids.
     ///
     /// ```
     /// # extern crate diptych_physics as diptych;

@@ -1,6 +1,6 @@
 //! Initial state of the particles: random positions without overlap, which are the same for every model.
 //!
-//! Three methods remove overlaps. At low density, overlapping particles get new random positions (sequential
+//! Three methods remove overlaps. Each works in rounds; a round treats each overlap once. At low density, overlapping particles get new random positions (sequential
 //! insertion). At higher density, overlapping pairs are pushed apart. At the highest densities, all particles are moved
 //! at once like soft spheres (relaxation).
 
@@ -314,7 +314,8 @@ fn are_unequal(particles: &Particles, (i, j): (u32, u32)) -> bool {
 }
 
 /// Puts one particle of each overlapping pair at a new random position: the one that may move, or the smaller one if
-/// both may move. If the radii are equal, the particle with the higher id is moved.
+/// both may move. If the radii are equal, the particle with the higher id is moved. `is_free` is true for the ids of
+/// particles that may move.
 fn insert_again(
     particles: &mut Particles,
     overlaps: &[(u32, u32)],
@@ -330,7 +331,8 @@ fn insert_again(
 }
 
 /// Ids and indices of the particles that get new random positions, one of each overlapping pair. They are sorted by id,
-/// so that the new positions do not depend on the order of the store.
+/// so that the new positions do not depend on the order of the store. `may_move` returns true for the id of a particle
+/// that may be moved.
 fn displaced(particles: &Particles, overlaps: &[(u32, u32)], may_move: &dyn Fn(u32) -> bool) -> Vec<(u32, u32)> {
     let mut again: Vec<(u32, u32)> = overlaps
         .iter()
@@ -348,7 +350,8 @@ fn displaced(particles: &Particles, overlaps: &[(u32, u32)], may_move: &dyn Fn(u
     again
 }
 
-/// Puts each free particle that was pushed out of the walls of its region at a new random position inside them.
+/// Puts each free particle (`is_free` is true for its id) that was pushed out of the walls of its region at a new
+/// random position inside them.
 fn draw_strays_again(particles: &mut Particles, is_free: &[bool], room: &FreeRoom, random: &mut Xoshiro256PlusPlus) {
     let is_stray = |particles: &Particles, place: usize| {
         is_free[particles.id[place] as usize] && !room.holds(&particles.position[place])
@@ -362,7 +365,8 @@ fn draw_strays_again(particles: &mut Particles, is_free: &[bool], room: &FreeRoo
 
 /// Moves overlapping particles apart along the line of their centres. The pairs are treated in turn, each at the latest
 /// positions. If all pairs were moved at once, spheres with several neighbours would be pushed too far and would not
-/// settle. Particles that overlap a wall are moved along its normal.
+/// settle. Particles that overlap a wall are moved along its normal. Particles for whose ids `is_free` is false stay in
+/// place.
 fn push_apart(particles: &mut Particles, overlaps: &[(u32, u32)], is_free: &[bool], room: &FreeRoom) {
     /// [-] displacement over overlap. With a ratio of 1, the remaining overlaps would shrink but never end.
     const OVERSHOOT: f64 = 1.05;

@@ -27,7 +27,7 @@ pub struct FreeRoom {
     /// [m] corners of the box in which random positions are chosen. It is the part of the domain between flat walls,
     /// within vessels and within the region.
     corners: [Vector3<f64>; 2],
-    /// Indices of the walls inside which the particles start; empty if particles may start anywhere.
+    /// Indices of the walls inside which the particles start; empty if the region is a body, or if there is no region.
     inside: Vec<u32>,
     /// Remaining effort of the search, as a number of tried positions. A round over all particles also costs effort.
     effort: AtomicU64,
@@ -41,7 +41,7 @@ impl FreeRoom {
         Self::within(scene, None)
     }
 
-    /// Makes the free space within a region of the scene.
+    /// Makes the free space within a region of the scene. `None` means the whole scene.
     pub fn within(scene: &Scene, region: Option<&StartRegion>) -> Self {
         let mut walls = scene.walls.clone();
         let mut inside = Vec::new();
@@ -201,7 +201,8 @@ impl FreeRoom {
     }
 }
 
-/// Returns each different start region once, with the indices of the populations that start in it.
+/// Returns each different start region once, with the indices of the populations that start in it. `None` stands for
+/// populations without a start region.
 pub fn regions(populations: &[Population]) -> Vec<(Option<StartRegion>, Vec<usize>)> {
     let mut regions: Vec<(Option<StartRegion>, Vec<usize>)> = Vec::new();
     for (index, population) in populations.iter().enumerate() {

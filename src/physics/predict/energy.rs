@@ -1,4 +1,5 @@
-//! Largest energy growth that can be due to the error of the time steps of soft spheres, and the longest stable step.
+//! Largest energy growth that can be due to the error of the time steps of soft spheres, and the longest stable step. A
+//! window is the time between two exchanges with the gas.
 
 use super::contact::fastest_impact;
 use super::integrator::{Method, Scheme, realised_restitution, stability_limit};
@@ -232,7 +233,8 @@ impl Bound {
 /// needed, because this takes milliseconds, and runs that lose energy do not need them.
 #[derive(Clone, Debug, Default)]
 struct Gains {
-    /// Contact law, constants of all kinds of contacts, normal speed [m/s] of impacts, and longest time step [s].
+    /// Contact law, constants of all kinds of contacts, largest normal speed [m/s] of impacts, and longest time step
+    /// [s]. `None` in a bound that was read from a stored state, which contains no gains.
     contacts: Option<(ContactLaw, Vec<Spring>, [f64; 2])>,
     /// Integration schemes of local stepping (time steps move only particles in contact), and of uniform stepping (time
     /// steps move all particles).

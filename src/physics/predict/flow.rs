@@ -6,8 +6,8 @@ use crate::scene::{Scene, Species};
 use serde::Serialize;
 
 /// [-] factor in the lifetime of eddies by Simonin's closure, T_L = 3/2 C_μ k/ε with C_μ = 0.09, as in the program MFIX
-/// (`Tau_1` in its drag_gs.f). Particles with a slip velocity leave eddies sooner. A variance computed with this factor
-/// is therefore an upper limit.
+/// (`Tau_1` in its drag_gs.f). Here k is the turbulent kinetic energy and ε its dissipation rate. Particles with a slip
+/// velocity leave eddies sooner. A variance computed with this factor is therefore an upper limit.
 const EDDY_TIME: f64 = 1.5 * 0.09;
 
 /// Response of one species of particles to the gas.

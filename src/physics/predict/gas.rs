@@ -95,7 +95,8 @@ impl AgitationSpread {
 
     /// Computes the ratios from measurements in slices along y, of which the first and the last are at walls.
     /// Velocities are taken as Gaussian, with independent components that have the variances of the slice. Collisions
-    /// with the normal n then occur at a rate proportional to s(n) = sqrt(Σ n_i² σ_i²).
+    /// with the normal n then occur at a rate proportional to s(n) = sqrt(Σ n_i² σ_i²), with the variances σ_i² along
+    /// the three axes.
     pub fn of(slices: &[Slice]) -> Self {
         /// Number of values of each of two angles in the quadrature over directions. The integrand is smooth.
         const ANGLES: usize = 12;

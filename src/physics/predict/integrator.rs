@@ -85,8 +85,8 @@ struct GapState {
 struct GapForce<'a> {
     law: &'a ContactLaw,
     spring: Spring,
-    /// True if the force acts only while the bodies overlap. False if it acts at any gap, as in the middle of a
-    /// contact.
+    /// True: the force is zero while the gap is positive. False: the law also acts at a positive gap. This is needed
+    /// for the stability of a free oscillation, and for contacts whose end is found within a step.
     one_sided: bool,
 }
 
@@ -131,7 +131,8 @@ impl GapForce<'_> {
 }
 
 /// [-] spectral radius of the map of one time step, for a linear oscillator with the damping ratio ζ = `damping`.
-/// `step` is ω_0 Δt [-]. If the radius exceeds 1, the amplitude of oscillations grows.
+/// `step` is the time step Δt times the undamped angular frequency ω_0 [-]. If the radius exceeds 1, the amplitude of
+/// oscillations grows.
 pub fn growth(method: Method, damping: f64, step: f64) -> f64 {
     let law = ContactLaw::linear(1.0);
     let spring = Spring { effective_mass: 1.0, restitution: 0.0, stiffness: 1.0, dashpot: 2.0 * damping };

@@ -138,7 +138,7 @@ pub struct RunPrediction {
     pub effects: Vec<effects::Effect>,
     /// Results of the short calibration run; `None` if there was none.
     pub calibration: Option<Calibration>,
-    /// Predicted computing time and memory of each model.
+    /// Predicted computing time and memory of each model that can run the case.
     pub costs: Vec<PredictedCost>,
     /// Box and duration of a run with the desired error; `None` if the scene has no steady state.
     pub averaging: Option<Averaging>,

@@ -23,7 +23,8 @@ pub struct Overlaps {
     /// [-] exponent p in the relation speed ∝ overlap^p for the largest overlap. It is (n+1)/2 for an elastic force ∝
     /// overlap^n.
     power: f64,
-    /// [-] overlap number κ_n = u_r/(ω_0 d) of the paper's Eq. 9, with the mean relative speed u_r = s sqrt(2/π).
+    /// [-] overlap number κ_n = u_r/(ω_0 d) of the paper's Eq. 9, with the undamped angular frequency ω_0 of the
+    /// contact, the diameter d, and the mean relative speed u_r = s sqrt(2/π).
     pub kappa: f64,
 }
 

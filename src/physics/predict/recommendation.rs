@@ -54,7 +54,7 @@ pub enum EngineChoice {
     SoftLocal,
     /// Soft spheres with uniform stepping: every particle moves in every time step.
     SoftUniform,
-    /// Hybrid spheres: instantaneous collisions if two particles meet alone, soft contacts otherwise.
+    /// Hybrid spheres: instantaneous collisions if two bodies meet alone, soft contacts otherwise.
     Hybrid,
     /// Collisions by chance: pairs are chosen at random in cells.
     Dsmc,

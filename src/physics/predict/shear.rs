@@ -26,8 +26,8 @@ const LONGEST: f64 = 0.5;
 pub struct ShearPrediction {
     /// [1/s] shear rate γ of the box.
     pub shear_rate: f64,
-    /// [-] contact time times shear rate, T_c γ. For linear springs without a dashpot the stiffness number k/(m γ²) is
-    /// π²/2 over the square of this ratio.
+    /// [-] contact time times shear rate, T_c γ. For linear springs of the stiffness k without a dashpot, between
+    /// spheres of the mass m, the stiffness number k/(m γ²) is π²/2 over the square of this ratio.
     pub contact_over_shear: f64,
     /// [-] rate at which collisions reduce the granular temperature, over this temperature and over the shear rate. In
     /// steady shear of hard spheres this ratio is a function of volume fraction and restitution alone.

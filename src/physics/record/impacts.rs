@@ -1,4 +1,4 @@
-//! Records of impacts in quantities that both soft and hard spheres provide.
+//! Records of impacts in quantities that all collision models provide.
 
 use super::Histogram;
 use crate::exact::ExactSum;
@@ -48,7 +48,8 @@ const AT_LIMIT: f64 = 0.999;
 
 impl SlipChange {
     /// Makes the record of one impact from its slips before and after [m/s]. `impulse` is the tangential impulse [kg
-    /// m/s] and `limit` its limit by Coulomb's law, μ J_n [kg m/s].
+    /// m/s] and `limit` its limit by Coulomb's law, μ J_n [kg m/s], with the friction coefficient μ and the normal
+    /// impulse J_n.
     pub fn new([before, after]: [f64; 2], impulse: f64, limit: f64) -> Self {
         Self { before, after, slides: impulse >= AT_LIMIT * limit }
     }

@@ -1,4 +1,5 @@
-//! Records of a run: impacts, losses of energy, and impulses on walls.
+//! Records of a run: impacts, losses of energy, and impulses on walls. The ledger contains the sums of work, losses and
+//! impulses.
 //!
 //! All engines record the same quantities here; statistics and reports read the records.
 

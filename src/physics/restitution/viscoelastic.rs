@@ -1,10 +1,10 @@
 //! Impact of two viscoelastic spheres: one function of one number.
 //!
 //! In units of the mass M, the speed of approach u and Hertz's constant k, the overlap x obeys x'' = -x^(3/2) - β
-//! sqrt(x) x'. At touch x = 0 and x' = 1. The impact ends when x = 0 again. With w = sqrt(x), p = x' and the
-//! integration variable σ, defined by dt = 2 w dσ, the equations are polynomials: dw/dσ = p, dp/dσ = -2 w² (w² + β p).
-//! So the classical Runge-Kutta method keeps its order at touch and at the end, where sqrt(x) in the force would
-//! otherwise reduce it.
+//! sqrt(x) x' with the damping number β. At touch x = 0 and x' = 1. The impact ends when x = 0 again. With w = sqrt(x),
+//! p = x' and the integration variable σ, defined by dt = 2 w dσ, the equations are polynomials: dw/dσ = p, dp/dσ = -2
+//! w² (w² + β p). So the classical Runge-Kutta method keeps its order at touch and at the end, where sqrt(x) in the
+//! force would otherwise reduce it.
 
 use std::sync::LazyLock;
 
@@ -90,8 +90,9 @@ fn integrate(damping: f64) -> ViscoelasticImpact {
     }
 }
 
-/// Values of the table at β/(1 + β): (1 + β) e^(1/5), the duration, and the largest overlap times (1 + β)^(2/5). They
-/// are smooth functions of β/(1 + β), so that they can be interpolated.
+/// Values of the table at β/(1 + β), with the damping number β and the restitution e: (1 + β) e^(1/5), the duration,
+/// and the largest overlap times (1 + β)^(2/5). They are smooth functions of β/(1 + β), so that they can be
+/// interpolated.
 fn smooth(damping: f64) -> [f64; 3] {
     let ViscoelasticImpact { restitution, duration, depth } = integrate(damping);
     let stretched = 1.0 + damping;
@@ -108,7 +109,8 @@ static TABLE: LazyLock<Vec<[f64; 3]>> = LazyLock::new(|| {
     table
 });
 
-/// Impact of two viscoelastic spheres with the damping β = 3/2 A (k/M)^(2/5) u^(1/5) [-], β >= 0.
+/// Impact of two viscoelastic spheres with the damping number β = 3/2 A (k/M)^(2/5) u^(1/5) [-], β >= 0. A [s] is a
+/// constant of the material, k Hertz's constant, M the effective mass, and u the normal speed.
 ///
 /// For small β, e = 1 - C1 β + C2 β² - ... with C1 = 1.15344 and C2 = 3/5 C1² (Ramírez, Pöschel, Brilliantov and
 /// Schwager 1999, Phys. Rev. E 60, 4465). The series diverges for fast impacts; this function is the solution of the

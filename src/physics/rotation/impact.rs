@@ -10,13 +10,16 @@ use std::sync::Arc;
 #[derive(Clone, Debug, PartialEq)]
 pub enum ImpactRule {
     /// Rule of Walton. An impact that sticks changes the slip s to -β_0 s; all other impacts slide. The tangential
-    /// impulse is J_t = min(μ J_n, M_t (1 + β_0) |s|) (Walton 1993; Foerster et al. 1994, Phys. Fluids 6, 1108).
+    /// impulse is J_t = min(μ J_n, M_t (1 + β_0) |s|). Here μ is the friction, J_n the normal impulse, M_t the
+    /// effective mass of the slip, and β_0 the tangential restitution (Walton 1993; Foerster et al. 1994, Phys. Fluids
+    /// 6, 1108).
     Walton {
         /// [-] tangential restitution β_0, from -1 to 1. The value -1 leaves the slip unchanged, and 1 reverses it.
         tangential_restitution: f64,
     },
-    /// Rule of stiff soft spheres: the slip s becomes s' = μ u_n Φ(s/(μ u_n)), with the function Φ of their tangential
-    /// law. There is one table of Φ for each restitution and mass ratio of the scene.
+    /// Rule of stiff soft spheres: the slip s becomes s' = μ u_n Φ(s/(μ u_n)), with the friction μ, the normal speed
+    /// u_n of approach, and the function Φ of their tangential law. There is one table of Φ for each restitution and
+    /// mass ratio of the scene.
     OfSpring(Arc<[ReboundTable]>),
 }
 

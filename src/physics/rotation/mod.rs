@@ -2,8 +2,8 @@
 //!
 //! Conventions (docs/rotation.md):
 //! * The normal n points from the other body to particle i.
-//! * The slip is s = u_t - (l_i ω_i + l_j ω_j) × n, with the lever arms l and the tangential part
-//!   u_t of the relative velocity of the centres.
+//! * The slip is s = u_t - (l_i ω_i + l_j ω_j) × n, with the lever arms l, the spins ω, and the tangential part u_t of
+//!   the relative velocity of the centres.
 //! * The tangential force on particle i is -F, and the torque on each particle is l n × F.
 //!
 //! This module has only parameters and formulas. The engines apply them.
@@ -37,7 +37,7 @@ pub const THIN_SHELL: f64 = 2.0 / 3.0;
 pub struct Rotation {
     /// Law of the tangential force in soft contacts (soft and hybrid models).
     pub tangential: TangentialLaw,
-    /// Rule of the tangential impulse in hard impacts (hard and hybrid models).
+    /// Rule of the tangential impulse in instantaneous impacts (hard, hybrid and DSMC models).
     pub impact: ImpactRule,
     /// Law of rolling resistance in soft contacts; `None`: no rolling resistance.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -69,7 +69,7 @@ impl std::fmt::Display for Rotation {
 
 /// [kg] effective mass M_t of the slip of two bodies: 1/M_t = Σ (1/m)(1 + m r²/I). Each body is given by its mass m
 /// [kg], radius r [m] and moment of inertia I [kg m²]. A wall adds nothing to the sum. For two solid spheres M_t =
-/// (2/7) M.
+/// (2/7) M, with their effective mass M.
 pub fn tangential_mass(bodies: impl IntoIterator<Item = (f64, f64, f64)>) -> f64 {
     let mobility = |(mass, radius, inertia): (f64, f64, f64)| 1.0 / mass + radius * radius / inertia;
     1.0 / bodies.into_iter().map(mobility).sum::<f64>()

@@ -8,7 +8,7 @@
 //! averaged around the ring at r. A pressure with the same distribution gives a normal displacement. The mean
 //! tangential displacement is this displacement times the ratio of the tangential to the normal compliance (Johnson
 //! 1985, Contact Mechanics, Eqs. 3.42 and 3.91), since the mean of cos² over all directions is 1/2. A ring that sticks
-//! is displaced by as much as the bodies. In a ring that slides, the traction is μ times the pressure.
+//! is displaced by as much as the bodies. In a ring that slides, the traction is the friction μ times the pressure.
 //!
 //! Units: largest overlap, effective radius, effective mass and normal speed are 1. The slip is divided by μ.
 
@@ -16,7 +16,7 @@ use nalgebra::{DMatrix, DVector};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Number of rings into which the contact circle is divided. The slip after an impact is then exact to 0.02 in units of
-/// μ u_n (10, 20, 40 and 80 rings: docs/rotation.md).
+/// μ u_n, with the friction μ and the normal speed u_n (10, 20, 40 and 80 rings: docs/rotation.md).
 const RINGS: usize = 40;
 
 /// [-] effective Young's modulus E*, if largest overlap, effective radius, effective mass and normal speed are 1. The
@@ -65,9 +65,9 @@ impl PartialSlip {
         Self { mass, steps: steps.collect(), displacement, traction, radii }
     }
 
-    /// [-] reduced slip σ' = s'/(μ u_n) after an impact. `slip` is the reduced slip σ_0 >= 0 before the impact. A
-    /// negative result means that the surfaces slip backwards. The model contains no resistance to rolling and
-    /// twisting.
+    /// [-] reduced slip σ' = s'/(μ u_n) after an impact: the slip s' after it, over friction times normal speed. `slip`
+    /// is the reduced slip σ_0 >= 0 before the impact. A negative result means that the surfaces slip backwards. The
+    /// model contains no resistance to rolling and twisting.
     pub fn rebound(&self, slip: f64) -> f64 {
         let mut slip = slip;
         let mut displaced = DVector::zeros(RINGS);
@@ -151,8 +151,9 @@ mod tests {
     const STEEL: f64 = 2.0 * 0.7 / 1.7;
     const SOLID: f64 = 2.0 / 7.0;
 
-    /// Compares the spin R ω'/(μ u_n) after an impact, as a function of the slip before it, with finite elements (steel
-    /// on a rigid plane; Chung and Ooi 2011, test 5; digits in `study/validate`). In gross sliding, where the value is
+    /// Compares the spin R ω'/(μ u_n) after an impact, as a function of the slip s/(μ u_n) before it, with finite
+    /// elements (steel on a rigid plane; Chung and Ooi 2011, test 5). The points are six of the ten in
+    /// `study/validate/chung_ooi.rs`. In gross sliding, where the value is
     /// 5, the points of the finite elements are up to 0.06 off.
     #[test]
     fn spins_are_those_of_finite_elements() {

@@ -1,11 +1,11 @@
 //! Rebound of an oblique impact of stiff spheres, as a function Φ of one number, the reduced slip.
 //!
 //! The units are the effective mass M, the normal speed u_n and the normal stiffness. In these units, the overlap δ(t)
-//! and the normal force f are fixed functions for a given restitution. The reduced slip is σ = s/(μ u_n), and the shear
-//! ξ has the unit of length times μ. The tangential motion is ξ' = σ, (M_t/M) σ' = -F, F = k ξ + c σ with |F| at most
-//! max(f, 0). Here F is the tangential force over μ, k the tangential stiffness, and c the tangential dashpot constant.
-//! These equations contain no μ, size or speed, so σ after the impact is a function Φ(σ_0) (Becker et al. 2008, Phys.
-//! Rev. E 77, 011304, propose such a map).
+//! and the normal force f are fixed functions for a given restitution. The reduced slip is σ = s/(μ u_n) with the slip
+//! s and the friction μ, and the shear ξ has the unit of length times μ. The tangential motion is ξ' = σ, (M_t/M) σ' =
+//! -F, F = k ξ + c σ with |F| at most max(f, 0). Here M_t is the effective mass of the slip, F the tangential force
+//! over μ, k the tangential stiffness, and c the tangential dashpot constant. These equations contain no μ, size or
+//! speed, so σ after the impact is a function Φ(σ_0) (Becker et al. 2008, Phys. Rev. E 77, 011304, propose such a map).
 //!
 //! The linear law has δ = exp(-ζt) sin(ω_d t)/ω_d and ω_d = sqrt(1 - ζ²), with time in units of 1/ω_0. For Hertz's law,
 //! w = δ^(5/4) is this function of the oscillator's time (Antypov and Elliott 2011, EPL 94, 50004).
@@ -69,8 +69,9 @@ enum SlipPhase {
 }
 
 impl ObliqueImpact {
-    /// Impact with linear laws, from the normal damping ratio ζ, the stiffness ratio κ = k_t/k_n, the dashpot c_t/(M
-    /// ω_0) and the mass ratio M_t/M [-].
+    /// Impact with linear laws, from the normal damping ratio ζ, the stiffness ratio κ = k_t/k_n, the tangential
+    /// dashpot constant c_t over M ω_0, and the mass ratio M_t/M [-]. Here M is the effective mass, M_t that of the
+    /// slip, and ω_0 the undamped normal frequency.
     pub fn linear(damping_ratio: f64, stiffness: f64, dashpot: f64, mass: f64) -> Self {
         let tangential = SpringDashpotSlider { stiffness, dashpot, ..SpringDashpotSlider::without_memory(mass) };
         Self { damping_ratio, tangential, mass }
@@ -324,7 +325,7 @@ impl ReboundPoints {
 }
 
 impl PartialEq for ReboundTable {
-    /// Compares restitutions and impacts, which determine the table.
+    /// True if restitutions and impacts are equal, because they determine the table.
     fn eq(&self, other: &Self) -> bool {
         (self.restitution, self.impact) == (other.restitution, other.impact)
     }
@@ -362,7 +363,8 @@ mod tests {
     const MASS: f64 = 2.0 / 7.0;
 
     /// Tangential velocity v_t'/V after the impact of a sphere of speed V at a wall. The pair is the angle [°] of the
-    /// velocity to the normal and the spin R ω_0/V before the impact.
+    /// velocity to the normal and the spin R ω_0/V before the impact. If `table` is true, the rebound is taken from a
+    /// [`ReboundTable`], otherwise it is computed directly.
     fn rebound(impact: ObliqueImpact, restitution: f64, friction: f64, (angle, spin): (f64, f64), table: bool) -> f64 {
         let (sin, cos) = f64::to_radians(angle).sin_cos();
         let (slip, unit) = (sin - spin, friction * cos);

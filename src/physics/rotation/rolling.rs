@@ -20,8 +20,8 @@ pub enum RollingLaw {
     Spring {
         /// [-] coefficient μ_r of rolling friction.
         friction: f64,
-        /// [-] stiffness of the rolling spring over k_n R_eff², with the effective radius R_eff. `None`: 2.25 μ_r²,
-        /// with the rolling friction μ_r (Iwashita and Oda 1998, cited by Ai et al.).
+        /// [-] stiffness of the rolling spring over k_n R_eff², with the normal stiffness k_n and the effective radius
+        /// R_eff. `None`: 2.25 μ_r², with the rolling friction μ_r (Iwashita and Oda 1998, cited by Ai et al.).
         stiffness: Option<f64>,
         /// [-] dashpot constant as a fraction η_r of critical damping. The dashpot acts as long as the torque is below
         /// its limit.
@@ -56,7 +56,7 @@ pub struct ResistanceFriction {
     /// [-] coefficient μ_r of rolling friction; `None`: that of the law.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rolling: Option<f64>,
-    /// [-] twisting friction, which replaces the sliding friction μ in the limit of twisting.
+    /// [-] twisting friction, which replaces the sliding friction μ in the limit of twisting; `None`: that of the law.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub twisting: Option<f64>,
 }
@@ -81,8 +81,8 @@ pub struct Resistance {
     pub spring: SpringDashpotSlider,
     /// [-] largest force of the resistance, divided by max(f_n, 0) with the normal force f_n.
     pub friction: f64,
-    /// [s/m] for a viscous law, the force of the resistance divided by max(f_n, 0) and by the rolling speed; otherwise
-    /// 0.
+    /// [s/m] for a viscous law, the force of the resistance divided by max(f_n, 0) and by the rolling speed, with the
+    /// normal force f_n; otherwise 0.
     pub viscosity: f64,
 }
 
@@ -95,7 +95,7 @@ pub struct RollingBodies {
     /// I.
     pub mass: f64,
     /// [kg m²] moment of inertia of bodies that roll about their contact point, I_r = 1/(1/(I_i + m_i r_i²) + 1/(I_j +
-    /// m_j r_j²)).
+    /// m_j r_j²)). The bodies i and j have the moments of inertia I, the masses m and the radii r.
     pub rolling_inertia: f64,
 }
 

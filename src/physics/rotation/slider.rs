@@ -8,8 +8,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SpringHistory {
-    /// The force F while the overlap grows: dF = k(δ) dξ. While the overlap decreases, F also decreases in proportion
-    /// to k (Elata and Berryman 1996, Mech. Mater. 24, 229; Thornton et al. 2013, Powder Technol. 233, 30).
+    /// The force F while the overlap grows: dF = k(δ) dξ, with the stiffness k, overlap δ and shear ξ. While the
+    /// overlap decreases, F also decreases in proportion to k (Elata and Berryman 1996, Mech. Mater. 24, 229; Thornton
+    /// et al. 2013, Powder Technol. 233, 30).
     #[default]
     Rescaled,
     /// The force F at all times: dF = k(δ) dξ, with the stiffness k, overlap δ and shear ξ.
@@ -40,9 +41,10 @@ pub struct SpringDashpotSlider {
 /// do not slip.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SpringRates {
-    /// [1/s] -ξ'/ξ: relative rate at which the shear decreases so that the force stays constant.
+    /// [1/s] -ξ'/ξ: relative rate at which the shear ξ decreases so that the force stays constant. A prime denotes the
+    /// rate of change, here and below.
     pub forgotten: f64,
-    /// [1/s] F'/F: relative rate of change of the force F = k ξ of the spring.
+    /// [1/s] F'/F: relative rate of change of the force F = k ξ of the spring, with the stiffness k and the shear ξ.
     pub force: f64,
     /// [1/s] c'/c: relative rate of change of the dashpot constant c.
     pub dashpot: f64,
@@ -72,8 +74,9 @@ impl SpringDashpotSlider {
     }
 
     /// Factors a and b [-] of the shear after a step: a times the shear before the step, plus b times the slip in the
-    /// step. The overlap changes evenly from `before` to `after` [m]. If the contact stores the force F = k ξ, F stays
-    /// constant as k changes. The slip then adds to F with the mean stiffness of the step.
+    /// step. The overlap changes evenly from `before` to `after` [m]. If the contact stores the force F = k ξ
+    /// (stiffness times shear), F stays constant as k changes. The slip then adds to F with the mean stiffness of the
+    /// step.
     #[inline(always)]
     pub fn growth(&self, before: f64, after: f64) -> (f64, f64) {
         let keeps_force = match self.history {
@@ -114,8 +117,8 @@ impl SpringDashpotSlider {
         0.5 * self.stiffness * shear.norm_squared()
     }
 
-    /// [N] force F = k ξ + c s of spring and dashpot with the shear ξ [m] and the slip s [m/s]. The force on particle i
-    /// is -F.
+    /// [N] force F = k ξ + c s of spring and dashpot, with the stiffness k, the shear ξ [m], the dashpot constant c and
+    /// the slip s [m/s]. The force on particle i is -F.
     #[inline(always)]
     pub fn force(&self, shear: &Vector3<f64>, slip: &Vector3<f64>) -> Vector3<f64> {
         shear * self.stiffness + slip * self.dashpot

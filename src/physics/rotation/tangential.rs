@@ -16,7 +16,8 @@ pub enum TangentialLaw {
     Linear(LinearTangential),
     /// Mindlin's law for two elastic spheres with Hertz's normal law (Mindlin 1949, J. Appl. Mech. 16, 259). The
     /// stiffness is 8 G* a, with the effective shear modulus G* and the radius a = sqrt(R δ) of the contact area. R is
-    /// the effective radius and δ the overlap. The total force of this spring and a dashpot is at most μ max(f_n, 0).
+    /// the effective radius and δ the overlap. The total force of this spring and a dashpot is at most μ max(f_n, 0),
+    /// with the friction μ and the normal force f_n.
     Mindlin {
         /// Quantity that the contact stores while its stiffness changes.
         history: SpringHistory,
@@ -55,7 +56,8 @@ pub struct NormalSpring {
     pub tangent: f64,
     /// [-] twice the power of the overlap to which `tangent` is proportional; 0 for a linear law.
     pub half_powers: u8,
-    /// [N/m^1.5] Mindlin's tangential stiffness over the root of the overlap, 8 G* sqrt(R); 0 for other laws.
+    /// [N/m^1.5] Mindlin's tangential stiffness over the root of the overlap, 8 G* sqrt(R), with the effective shear
+    /// modulus G* and the effective radius R; 0 for other laws.
     pub shear_stiffness: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Weight of the particles in the gas around them.
+//! Weight of the particles in the gas around them. A window is the time between two exchanges with the gas.
 
 use super::{Scene, Species};
 use crate::fluid::Buoyancy;

@@ -1,4 +1,5 @@
-//! Thermostats: heating of the particles from outside, which replaces the energy that collisions dissipate.
+//! Thermostats: heating of the particles from outside, which replaces the energy that collisions dissipate. It acts at
+//! the ends of windows, the times between two kicks of drag or heat.
 
 use serde::Serialize;
 

@@ -1,4 +1,5 @@
-//! Lengths of windows in scenes with servo walls, whose speed changes at the ends of windows.
+//! Lengths of windows in scenes with servo walls, whose speed changes at the ends of windows. A window is the time
+//! between two exchanges with the gas.
 
 use crate::experiment::Experiment;
 use crate::predict::contact::ContactTimes;
@@ -29,9 +30,10 @@ fn contact_time(experiment: &Experiment) -> Option<f64> {
     ContactTimes::of(experiment, &experiment.law()?, experiment.most_that_touch(experiment.count())).wall
 }
 
-/// [s] longest window with servo walls; infinite without such walls. A contact lasts at least ten windows. The
-/// correction within a window is h K/(c d²) for particles of the stiffness K that cover the wall, where c is the
-/// damping of the wall. It is at most a third.
+/// [s] longest window with servo walls; infinite without such walls. A contact lasts at least ten windows. In a window
+/// of length h, the wall makes the share h K/(c d²) of the wanted correction of the pressure. Here the particles that
+/// cover the wall have the stiffness K and the diameter d, and c is the damping of the wall. The share is at most a
+/// third.
 pub fn longest_for_servo(experiment: &Experiment) -> f64 {
     let impedance = impedance(experiment);
     let Some(time) = contact_time(experiment) else { return f64::INFINITY };

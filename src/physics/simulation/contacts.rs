@@ -1,4 +1,4 @@
-//! Contacts in progress, and the energy that they store.
+//! Contacts in progress, and the energy that they store. A window is the time between two exchanges with the gas.
 
 use super::Simulation;
 use crate::encounter::{Couple, FrameTime};

@@ -1,5 +1,5 @@
 //! Two-way coupling: the gas loses the momentum that a kick gives to the particles, and its velocity profile is
-//! renewed.
+//! renewed. A window is the time between two kicks.
 
 use super::Simulation;
 use crate::domain::Domain;

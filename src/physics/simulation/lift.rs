@@ -1,4 +1,5 @@
 //! Kicks of lift: the gas turns the slip velocity of each particle and changes its spin. The positions do not change.
+//! Kicks act before and after a window, the time between two exchanges with the gas.
 
 use super::Simulation;
 use crate::exact::{self, ExactSum};
@@ -16,8 +17,8 @@ pub enum LiftKick {
     AfterWindow,
 }
 
-/// Result of a kick of lift for one particle: new velocity [m/s], new spin [rad/s] if it rotates, and four numbers.
-/// These are the impulse [kg m/s] along x, y and z and the work [J].
+/// Result of a kick of lift for one particle: new velocity [m/s], new spin [rad/s] (`None` if it does not rotate), and
+/// four numbers. The numbers are the impulse [kg m/s] along x, y and z and the work [J].
 type Lifted = (Vector3<f64>, Option<Vector3<f64>>, [f64; 4]);
 
 impl Simulation {

@@ -1,4 +1,5 @@
-//! Forces of the calling program, such as a drag law of its own. They act between windows.
+//! Forces of the calling program, such as a drag law of its own. They act between windows (times between two exchanges
+//! with the gas).
 
 use super::Simulation;
 use super::weight::accelerate;

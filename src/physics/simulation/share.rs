@@ -1,5 +1,6 @@
 //! Simulation shared by several processes. The lead process runs the simulation as a single process would. The other
-//! processes execute the orders of the lead on their particles.
+//! processes execute the orders of the lead on their particles. A window is the time between two exchanges with the
+//! gas.
 
 use super::Simulation;
 use crate::communicator::Communicator;

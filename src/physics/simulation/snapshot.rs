@@ -1,4 +1,5 @@
-//! State of a simulation between two windows, as a value from which another simulation can continue.
+//! State of a simulation between two windows (times between two exchanges with the gas), as a value from which another
+//! simulation can continue.
 
 use super::totals::SimulationTotals;
 use super::{Simulation, SimulationTimes, ThroughFlow};

@@ -1,4 +1,5 @@
-//! Particles that leave through outlets and come in through inlets, at the ends of windows.
+//! Particles that leave through outlets and come in through inlets, at the ends of windows (times between two exchanges
+//! with the gas). The ledger is the sum of all work and losses since the start.
 
 use super::Simulation;
 use super::totals::SimulationTotals;

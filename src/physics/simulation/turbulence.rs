@@ -1,5 +1,6 @@
 //! Kicks of drag in a turbulent gas. The velocity of each particle changes together with the fluctuation of the gas
-//! velocity that it sees. `docs/design/turbulence.md` gives the equations.
+//! velocity that it sees. `docs/design/turbulence.md` gives the equations. The kicks act between windows, which are the
+//! times between two exchanges with the gas.
 
 use super::Simulation;
 use crate::drag::Kick;
@@ -91,7 +92,7 @@ pub(super) struct TurbulentKick<'a> {
     pub turbulence: &'a Turbulence,
     /// Kick of drag in a gas of constant velocity.
     pub kick: &'a Kick,
-    /// Local volume fractions of the particles, if the drag law depends on them.
+    /// Local volume fractions of the particles; `None` if the drag law does not depend on them.
     pub fractions: Option<&'a LocalFractions>,
     /// Seed of the run and number of the kick.
     pub seed_and_number: (u64, u64),

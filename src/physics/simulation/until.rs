@@ -1,4 +1,5 @@
-//! Runs a simulation up to a given time, in the windows of its schedule.
+//! Runs a simulation up to a given time, in the windows of its schedule. A window is the time between two exchanges
+//! with the gas.
 
 use super::Simulation;
 use crate::engine::Failure;

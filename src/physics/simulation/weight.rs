@@ -1,4 +1,5 @@
-//! Weight of the particles: its work and impulse, and the differences in acceleration of species with buoyancy.
+//! Weight of the particles: its work and impulse, and the differences in acceleration of species with buoyancy. A
+//! window is the time between two exchanges with the gas.
 
 use super::Simulation;
 use crate::exact::{self, BLOCK, ExactSum};

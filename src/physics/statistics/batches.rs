@@ -1,4 +1,5 @@
 //! Averages over a run and their covariance, computed from averages over blocks of time (method of batch means).
+//! Replicas are runs with different seeds.
 //!
 //! Each block gives values of several averages at once. The covariance of the averages and their degrees of freedom are
 //! computed from the scatter of the blocks and the correlation of neighbouring blocks.

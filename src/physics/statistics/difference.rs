@@ -137,7 +137,7 @@ pub struct Tested {
 
 impl Tested {
     /// Difference that a report names first: that of the mean or, if it is more significant, the largest one at a
-    /// position.
+    /// position. `None` if neither is known.
     pub fn headline(&self) -> Option<Deviation> {
         match (self.mean, self.largest) {
             (Some(mean), Some(largest)) if mean.chance() > largest.chance() => Some(largest),

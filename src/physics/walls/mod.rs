@@ -252,8 +252,8 @@ impl Flight {
         self.velocity + self.gravity * t
     }
 
-    /// [s] shortest time in which the centre can cover the distance `length` [m]: the root of |v| t + |g| t²/2 =
-    /// `length`. Infinite at rest without gravity.
+    /// [s] shortest time in which the centre can cover the distance `length` [m]: the root t of |v| t + |g| t²/2 =
+    /// `length`, with the velocity v and gravity g of the flight. Infinite at rest without gravity.
     pub fn time_to_cover(&self, length: f64) -> f64 {
         let (speed, gravity) = (self.velocity.norm(), self.gravity.norm());
         // the positive root, in a form without cancellation

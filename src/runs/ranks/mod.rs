@@ -45,7 +45,8 @@ pub enum Message {
     /// Lead to helper: take part in the run with this index in the list of runs. All processes share this run, and it
     /// begins now.
     Follow(usize),
-    /// Lead to helper: stop the runs in progress at the ends of their windows (times between two kicks of drag).
+    /// Lead to helper: stop the runs in progress at the ends of their windows (times between two exchanges with the
+    /// gas).
     Stop,
     /// Lead to helper: the command has ended, with this exit code.
     End(u8),
@@ -231,8 +232,8 @@ impl Ranks {
         (1..self.count()).for_each(|helper| self.send(helper, &Message::Follow(index)));
     }
 
-    /// Tells all helper processes to stop their runs in progress at the ends of their windows (times between two kicks
-    /// of drag).
+    /// Tells all helper processes to stop their runs in progress at the ends of their windows (times between two
+    /// exchanges with the gas).
     pub fn stop_helpers(&self) {
         (1..self.count()).for_each(|helper| self.send(helper, &Message::Stop));
     }

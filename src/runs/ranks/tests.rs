@@ -99,12 +99,15 @@ fn processes(count: usize, work: impl Fn(&Ranks) -> Result<u8, StudyError> + Syn
     })
 }
 
-/// List of runs whose results are the squares of their indices. If `unknown` is set, runs in helpers fail. The run with
-/// the index `stopped_at` is stopped before its end.
+/// List of runs whose results are the squares of their indices.
 struct Squares {
+    /// Number of results that came from other processes.
     by_others: AtomicUsize,
+    /// `Some`: each run for another process fails. `None`: these runs succeed.
     unknown: Option<usize>,
+    /// Index of the run that is stopped before its end; `None` if all runs end.
     stopped_at: Option<usize>,
+    /// Number of runs that this process has begun, for itself or for another process.
     left: AtomicUsize,
 }
 

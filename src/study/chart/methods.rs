@@ -59,7 +59,7 @@ pub struct Values {
 
 impl MethodSweep {
     /// Methods that can run the case `base`, each with the values of its swept parameter. `window` [s] is the time
-    /// between two kicks of drag in the case.
+    /// between two exchanges with the gas in the case.
     pub fn all(base: &Experiment, window: f64, values: &Values) -> Vec<Self> {
         use Integrator::{Rk2, VelocityVerlet};
         let mut sweeps = Vec::new();

@@ -99,8 +99,9 @@ impl Stretch {
         ways
     }
 
-    /// Methods that can run the scene, each with the values of its parameter. Windows (times between two kicks of drag)
-    /// are left out if they are so long that there are too few for error bars.
+    /// Methods that can run the scene, each with the values of its parameter. Windows (times between two exchanges with
+    /// the gas) are left out if they are so long that there are too few for error bars. If `quick` is true, each
+    /// parameter has fewer values.
     pub fn sweeps(&self, quick: bool) -> Vec<MethodSweep> {
         let window = Schedule::new(&self.experiment).window;
         let longest = window.max(self.experiment.run.duration / FEWEST_BLOCKS as f64);
@@ -112,7 +113,7 @@ impl Stretch {
     }
 
     /// Experiment of one method at the value `value` (SI unit) of its swept parameter. The time between samples of the
-    /// statistics is at least one window (time between two kicks of drag).
+    /// statistics is at least one window (time between two exchanges with the gas).
     pub fn run_of(&self, sweep: &MethodSweep, value: f64) -> Experiment {
         let mut experiment = sweep.experiment(&self.experiment, value);
         if let (Some(window), Some(interval)) = (experiment.run.window, experiment.statistics.sample_interval) {

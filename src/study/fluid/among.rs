@@ -59,7 +59,8 @@ pub struct GasAmongParticles {
 }
 
 impl GasAmongParticles {
-    /// Sentence about the gas in the middle of the channel, without and with particles.
+    /// Sentence about the gas in the middle of the channel, without and with particles; `None` if the table of the gas
+    /// is empty.
     pub fn sentence(&self) -> Option<String> {
         let (alone, mean) = (self.alone.last()?, self.mean.last()?);
         Some(format!(

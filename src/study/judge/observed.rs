@@ -72,7 +72,7 @@ impl SharedNumber<'_> {
         format!("{}, {}", self.measurement, self.numbers[0].quantity.column)
     }
 
-    /// Magnitude in the second run, in the unit of the number; 0 if it is zero within its error.
+    /// Magnitude of the number in the second run, in the unit of the number; 0 if it is zero within its error.
     fn scale(&self) -> f64 {
         if self.values[1].is_zero_within_error() { 0.0 } else { self.values[1].value.abs() }
     }
@@ -84,7 +84,8 @@ impl SharedNumber<'_> {
         each.into_iter().any(|(number, value)| number.batches.is_none() && value.error != Some(0.0))
     }
 
-    /// True if an error follows from the scatter in time, and not from that between replicas.
+    /// True if an error follows from the scatter in time, and not from that between replicas (runs with different
+    /// seeds).
     fn is_of_one_run(&self) -> bool {
         self.numbers.iter().filter_map(|number| number.batches.as_ref()).any(|batches| batches.per_run > 1)
     }

@@ -16,8 +16,8 @@ use crate::statistics::{
     student_bound, two_sided,
 };
 
-/// Weighted sum of several runs: the replicas of each run with its weight [-]. The observables of the runs are summed
-/// with these weights, and the sums are compared.
+/// Weighted sum of several runs: the replicas (runs with different seeds) of each run, with its weight [-]. The
+/// observables of the runs are summed with these weights, and the sums are compared.
 pub type Mix<'a> = [(f64, ReplicaRuns<'a>)];
 
 /// Runs of the unchanged case. They determine the kind of comparison for all changes: paths, averages or curves.
@@ -28,7 +28,8 @@ pub struct ShiftReference<'a> {
     horizon: Option<Horizon>,
 }
 
-/// Function that selects one of the differences found for an observable as its shift, such as the mean difference.
+/// Function that selects one of the differences found for an observable as its shift, such as the mean difference. It
+/// returns `None` if the observable has no such difference.
 type ShiftColumn = fn(&Tested) -> Option<Deviation>;
 
 /// Shifts of several observables by one change of the case, and the kind of comparison by which they were found.
@@ -174,7 +175,7 @@ fn all_of<'a>(runs: &ReplicaRuns<'a>) -> Vec<&'a Outcome> {
 /// Observable that reduces a profile to one number: its mean over the slices. If the profile changes sign at the
 /// mid-plane, the number is half the difference of the two sides. For the density it is the value in the slice at the
 /// wall. An observable that is a single number is returned unchanged. If no slice has a value, the returned observable
-/// has none.
+/// has none either. The result is never `None`.
 fn number(profile: &Observable) -> Option<Observable> {
     let count = profile.places.len();
     if count == 0 {

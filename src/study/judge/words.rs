@@ -6,8 +6,8 @@ use crate::statistics::{Answer, Comparison, Deviation, Estimate, Judged, LARGEST
 /// Largest number of differences that a sentence names. The table of the report contains all differences.
 const NAMED: usize = 3;
 
-/// [-] largest factor by which a longer run or more replicas are recommended. A larger factor is not named, since such
-/// runs are impractical.
+/// [-] largest factor by which a longer run or more replicas (runs with different seeds) are recommended. A larger
+/// factor is not named, since such runs are impractical.
 const ENDLESS: f64 = 1000.0;
 
 /// Beginning of a sentence on the comparison of two variants: their names in quotes.

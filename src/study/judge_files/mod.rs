@@ -1,5 +1,5 @@
 //! `diptych judge`: compares the data of two sides with the tests of `compare`. The data of a side are files that any
-//! program may have written.
+//! program may have written. A margin is the largest difference that is accepted as equivalent.
 
 mod frames;
 mod pairs;
@@ -26,7 +26,8 @@ use std::path::{Path, PathBuf};
 /// scale of a quantity.
 const MARGIN: f64 = 0.01;
 
-/// Compares the data of two sides and writes the report to one folder. Returns one answer for all quantities together.
+/// Compares the data of two sides and writes the report to one folder. Returns one answer for all quantities together,
+/// or `None` without a comparison.
 ///
 /// # Errors
 /// Returns an error for bad input, before anything is written, or for a file that cannot be written.

@@ -1,5 +1,5 @@
 //! Averages and curves of one quantity on both sides of a comparison of files, with errors, steadiness and correlation
-//! times.
+//! times. Replicas are runs with different seeds.
 
 use super::pairs::ComparedColumns;
 use super::settings::JudgedAs;

@@ -14,7 +14,7 @@ const MOST_SLICES: u32 = 1000;
 #[serde(deny_unknown_fields)]
 pub struct JudgeFile {
     /// [-] margin of equivalence of all quantities without a margin of their own, relative to the scale of each
-    /// quantity.
+    /// quantity. Default: 0.01, unless the command line gives a margin.
     pub margin: Option<Located<Ratio>>,
     /// Table `[a]`: first side, whose data are compared with the reference.
     #[serde(default)]
@@ -31,17 +31,19 @@ pub struct JudgeFile {
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SideFile {
-    /// Paths of the files of the side, one per replica, relative to the folder of `judge.toml`.
+    /// Paths of the files of the side, one per replica, relative to the folder of `judge.toml`. Without them the
+    /// command line must name the files.
     pub files: Option<Vec<Located<String>>>,
     /// Name of the side in sentences. Default: name of its first file.
     pub name: Option<String>,
     /// Name of the column of times. Default: the first known name, such as `t_s` or `Time`.
     pub time: Option<Located<String>>,
-    /// Unit of the times, such as "ms", or "1e-5 s" for a count of time steps.
+    /// Unit of the times, such as "ms", or "1e-5 s" for a count of time steps. Without it the unit is s, unless the
+    /// column counts steps; the length of a step is then unknown.
     pub time_unit: Option<Located<String>>,
     /// Start of averaging, in the unit of the column of times. Default: the time from which the data are steady.
     pub from: Option<Located<f64>>,
-    /// Number of equal slices along y in which the particles of a trajectory are averaged.
+    /// Number of equal slices along y in which the particles of a trajectory are averaged. Default: 1.
     pub slices: Option<Located<u32>>,
 }
 
@@ -55,13 +57,14 @@ pub struct QuantityFile {
     pub a: Located<String>,
     /// Name of the column of side B, or label of a point in its table of points.
     pub b: Located<String>,
-    /// Unit of the column of side A, such as "mm/s".
+    /// Unit of the column of side A, such as "mm/s". Both sides have a unit or neither; without units, the values are
+    /// compared as they are.
     pub a_unit: Option<Located<String>>,
-    /// Unit of the column of side B, such as "mm/s".
+    /// Unit of the column of side B, such as "mm/s"; absent if `a_unit` is absent.
     pub b_unit: Option<Located<String>>,
     /// Kind of comparison, averages or curves. Default: averages if both sides are steady, else curves.
     pub compare: Option<JudgedAs>,
-    /// [-] margin of equivalence of this quantity, relative to its scale.
+    /// [-] margin of equivalence of this quantity, relative to its scale. Default: the margin of all quantities.
     pub margin: Option<Located<Ratio>>,
     /// Scale by which differences are divided, in the SI unit of the quantity or, if no units are given, in the unit of
     /// the columns. Default: magnitude of the value of side B.

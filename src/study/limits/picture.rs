@@ -45,8 +45,8 @@ pub fn plane(
     })
 }
 
-/// Picture of curves. `labels` and the choices of logarithmic axes are given for the horizontal axis, then for the
-/// vertical axis.
+/// Picture of curves. `labels` contains the label of the horizontal axis, then that of the vertical axis. `log_x` and
+/// `log_y` are true for logarithmic axes, false for linear ones.
 pub fn curves(labels: [&str; 2], [log_x, log_y]: [bool; 2], series: Vec<PanelSeries>) -> Picture {
     let [x_label, y_label] = labels.map(String::from);
     Picture::Curves(Panel { x_label, y_label, series, log_x, log_y, ..Panel::default() })

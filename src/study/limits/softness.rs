@@ -1,4 +1,5 @@
-//! Collision rate of soft spheres as a function of their softness: soft spheres behave like smaller hard spheres.
+//! Collision rate of soft spheres as a function of their softness: soft spheres behave like smaller hard spheres. The
+//! softness is sqrt(m T/k)/d, with the mass m, the granular temperature T, the stiffness k and the diameter d.
 
 use super::picture::{curve, curves, even, measured, points};
 use super::scenes::{DIAMETER, collision_rate, mass, mean, run, simulation, soften, temperature};

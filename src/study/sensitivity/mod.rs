@@ -56,7 +56,7 @@ impl Question {
 }
 
 /// Begins or resumes a study that answers `question`, and writes its results to one folder. Runs that are complete are
-/// not repeated. Returns one answer for all factors together.
+/// not repeated. Returns one answer for all factors together, or `None` without a factor.
 ///
 /// # Errors
 /// Returns an error for bad input, before anything is computed, or for failures of engines, after everything has been

@@ -1,5 +1,5 @@
 //! Conclusion of `diptych needs`: the cheapest set of models that gives the results of the richest case (the case with
-//! all models).
+//! all models). The margin is the largest shift that is accepted as equivalent.
 
 use super::plan::{PlannedFactor, SensitivityPlan, Simplification};
 use super::table::SensitivityTable;

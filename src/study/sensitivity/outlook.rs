@@ -33,8 +33,8 @@ pub fn line(plan: &SensitivityPlan, threads: usize) -> Result<String, StudyError
     ))
 }
 
-/// [s] wall time of all runs of the plan on one thread, with one replica of each. It is estimated from a trial run with
-/// each collision model.
+/// [s] wall time of all runs of the plan on one thread, with one replica (run with one seed) of each. It is estimated
+/// from a trial run with each collision model.
 fn time(plan: &SensitivityPlan) -> Result<f64, StudyError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
     let pool = pool.map_err(|why| StudyError::Input(format!("error: cannot start a thread: {why}")))?;

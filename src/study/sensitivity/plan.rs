@@ -1,5 +1,5 @@
 //! Plan of a sensitivity study: its runs, without duplicates, and the runs that are compared for each factor (change of
-//! the case).
+//! the case). Replicas are runs with different seeds.
 
 use super::factors::{KNOWN, own};
 use crate::case::{Case, Checked, fingerprint};
@@ -57,7 +57,7 @@ pub struct Simplification {
     pub sets: Vec<String>,
     /// Collision model of the changed case; `None` if it is not changed.
     pub model: Option<Model>,
-    /// Change of the experiment that no key can make, because it removes a table of the case.
+    /// Change of the experiment that no key can make, because it removes a table of the case; `None` if keys suffice.
     pub edit: Option<fn(&mut Experiment)>,
 }
 

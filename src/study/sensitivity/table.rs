@@ -1,4 +1,5 @@
-//! Results of a sensitivity study: the outcomes of its runs, and the files that are made of them.
+//! Results of a sensitivity study: the outcomes of its runs, and the files that are made of them. Replicas are runs
+//! with different seeds.
 
 use super::plan::{PlannedRun, SensitivityPlan};
 use super::{Question, needs, weigh, words};
@@ -42,7 +43,7 @@ impl SensitivityTable<'_> {
     }
 
     /// Writes the results so far, and the summary if all runs are complete. Returns the path of the page, the sentences
-    /// of the conclusion, and one answer for all factors together.
+    /// of the conclusion, and one answer for all factors together (`None` without a factor).
     pub fn write(&self, folder: &Folder) -> Result<(PathBuf, Vec<String>, Option<Answer>), OutputError> {
         let pooled = self.pooled();
         let (factors, waiting) = weigh::factors(&self.plan, &pooled, &self.outcomes, self.margin);

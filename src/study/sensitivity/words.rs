@@ -1,4 +1,4 @@
-//! Conclusions of a sensitivity study, as sentences.
+//! Conclusions of a sensitivity study, as sentences. The margin is the largest shift that is accepted as equivalent.
 
 use crate::output::numbers::{percent, quantity, significant, with_error};
 use crate::output::sensitivity::{Factor, Shift};

@@ -52,7 +52,7 @@ pub struct CheckScene {
 }
 
 impl CheckScene {
-    /// Scene of the built-in case with the name `case`.
+    /// Scene of the built-in case with the name `case`. If `quick` is true, its runs are fewer and shorter.
     ///
     /// # Errors
     /// Returns an error if there is no such case, or if it cannot be read. Both would be faults of the program.
@@ -76,7 +76,7 @@ impl CheckScene {
         Ok(self.case.changed(sets, Some(model), seed)?.0)
     }
 
-    /// Simulation of the scene, with the particles at their start.
+    /// Simulation of the scene, with the particles at their start. Without a `seed` the case determines the seed.
     ///
     /// # Errors
     /// Returns the errors of [`experiment`](Self::experiment), and an error if the particles do not fit into the box.

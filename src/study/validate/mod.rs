@@ -77,7 +77,8 @@ pub fn not_validated() -> &'static [NotValidated] {
     missing::MISSING
 }
 
-/// Runs the row with the name `name` and judges its results; `None` if there is no such row.
+/// Runs the row with the name `name` and judges its results; `None` if there is no such row. If `quick` is true, the
+/// row has fewer and shorter runs.
 ///
 /// # Errors
 /// Returns an error if the scene cannot be made. This would be a fault of the program.
@@ -85,7 +86,8 @@ pub fn row(name: &str, quick: bool) -> Option<Result<ValidationRow, StudyError>>
     CHECKS.iter().find(|check| check.name == name).map(|check| measured(check, quick))
 }
 
-/// Runs one row and judges its results. If an engine stops, the row has the reason and no results.
+/// Runs one row and judges its results. If an engine stops, the row has the reason and no results. If `quick` is true,
+/// the row has fewer and shorter runs.
 fn measured(check: &ValidationCheck, quick: bool) -> Result<ValidationRow, StudyError> {
     let began = Instant::now();
     let result = (check.measure)(&CheckScene::new(check.case, quick)?);
@@ -131,7 +133,8 @@ fn wanted(args: &Validate) -> Result<(Vec<&'static ValidationCheck>, Vec<&'stati
     Ok((rows, left_out.iter().map(|check| check.name).collect()))
 }
 
-/// Runs the validation suite and writes its results to one folder. Returns one answer for all rows together.
+/// Runs the validation suite and writes its results to one folder. Returns one answer for all rows together, or `None`
+/// without a row.
 ///
 /// # Errors
 /// Returns an error for bad input, before anything is computed, or later for a file that cannot be written or a run

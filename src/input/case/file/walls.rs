@@ -124,14 +124,14 @@ pub struct SphereFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BoxFile {
-    /// Centre of the box.
+    /// Centre of the block.
     #[schemars(extend("examples" = [["10 mm", "10 mm", "10 mm"]], "x-required" = "always"))]
     pub center: Option<Three<Length>>,
     /// Half the edge lengths of the block along x, y and z.
     #[schemars(extend("examples" = [["5 mm", "4 mm", "5 mm"]]))]
     #[schemars(extend("x-required" = "always", "x-range" = "greater than 0 m"))]
     pub half_extents: Option<Three<Length>>,
-    /// True: the particles are inside the box. False: they are outside.
+    /// True: the particles are inside the block. False: they are outside.
     #[schemars(example = true, extend("default" = false))]
     pub inside: Option<Located<bool>>,
 }

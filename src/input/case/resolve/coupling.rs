@@ -1,4 +1,5 @@
-//! Reads and checks the two-way coupling between gas and particles.
+//! Reads and checks the two-way coupling between gas and particles. A window is the time between two exchanges of
+//! momentum between them.
 
 use super::Resolver;
 use crate::case::diagnostic::Diagnostic;

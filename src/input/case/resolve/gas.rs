@@ -15,8 +15,8 @@ use crate::predict::flow::terminal_slip;
 const PLACES: usize = 101;
 
 impl Resolver {
-    /// Checks that the domain is not periodic along y, because a channel flow needs walls at y = 0 and y = L_y. `typed`
-    /// is the value in the case by which the flow was chosen, for the message.
+    /// Checks that the domain is not periodic along y, because a channel flow needs walls at y = 0 and at the height of
+    /// the domain. `typed` is the value in the case by which the flow was chosen, for the message.
     pub(super) fn between_walls<const M: i8, const K: i8, const S: i8>(
         &self,
         typed: &Located<Quantity<M, K, S>>,

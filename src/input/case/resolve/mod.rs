@@ -51,13 +51,13 @@ use table::{read_bytes, text_of};
 /// Model, seed, name and reference of one variant, as given on the command line or in `[[compare]]`.
 #[derive(Clone, Debug, Default)]
 pub struct VariantChoice {
-    /// Collision model, if the command line or the variant gives one.
+    /// Collision model that the command line or the variant gives; `None` if the case determines the model.
     pub model: Option<Model>,
-    /// Seed of the random numbers, if the command line gives one; otherwise the case determines the seed.
+    /// Seed of the random numbers that the command line gives; `None` if the case determines the seed.
     pub seed: Option<u64>,
     /// Name of the variant; `None` means the name of its model.
     pub name: Option<String>,
-    /// Reference of this variant, if the case gives one.
+    /// Reference of this variant; `None` if the case gives none.
     pub against: Option<Located<AgainstFile>>,
 }
 

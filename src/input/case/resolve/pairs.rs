@@ -113,9 +113,10 @@ impl Resolver {
         Ok(surface)
     }
 
-    /// Stiffness of a pair, if a key of the pair determines it. The damping ratio ζ follows from the restitution. A
-    /// contact then lasts T_c = π/(ω_0 sqrt(1 - ζ²)), where ω_0² = k_n/M, with stiffness k_n and effective mass M. Its
-    /// largest overlap is `reduced_overlap` · u/ω_0, with the speed of approach u.
+    /// Stiffness of a pair; `None` if no key of the pair determines it. The damping ratio ζ follows from the
+    /// restitution. A contact then lasts T_c = π/(ω_0 sqrt(1 - ζ²)), where ω_0² = k_n/M is the square of the undamped
+    /// angular frequency, with stiffness k_n and effective mass M. Its largest overlap is `reduced_overlap` · u/ω_0,
+    /// with the speed of approach u.
     fn pair_stiffness<'a>(
         &self,
         pair: &'a PairFile,
@@ -166,7 +167,8 @@ impl Resolver {
         Ok(Some(wanted))
     }
 
-    /// Desired overlap [m] of an impact of the pair, and the normal speed [m/s] of that impact, if the pair gives them.
+    /// Desired overlap [m] of an impact of the pair, and the normal speed [m/s] of that impact; `None` if the pair does
+    /// not give them.
     fn overlap(&self, pair: &PairFile) -> Result<Option<[f64; 2]>, Diagnostic> {
         let depth = pair.overlap.as_ref().map(|overlap| self.in_range(overlap, "how deep an impact goes"));
         let speed = pair.impact_speed.as_ref().map(|speed| self.in_range(speed, "the normal speed of the impact"));

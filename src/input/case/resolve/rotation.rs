@@ -72,7 +72,8 @@ impl Resolver {
         Ok(vector(typed))
     }
 
-    /// Mean and standard deviation [rad/s] of the spins of a random start.
+    /// Mean and standard deviation [rad/s] of the spins of a random start. If `placed` is true, spins come with the
+    /// positions, and a typed mean or deviation causes a warning.
     pub(super) fn random_spin(
         &mut self,
         kind: &ParticlesFile,

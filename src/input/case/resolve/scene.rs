@@ -213,7 +213,7 @@ impl Resolver {
     }
 
     /// Velocity profile of the gas. If the profile is a table with turbulence, also returns the rows of the table: y
-    /// [m], k [m²/s²] and ε [m²/s³]. Otherwise the list is empty.
+    /// [m], turbulent kinetic energy k [m²/s²] and its dissipation rate ε [m²/s³]. Otherwise the list is empty.
     fn profile(
         &mut self,
         fluid: &Located<FluidFile>,

@@ -254,7 +254,8 @@ impl Resolver {
         Ok(count as usize)
     }
 
-    /// Mean and standard deviation of the initial velocity [m/s] of a species with random positions.
+    /// Mean and standard deviation of the initial velocity [m/s] of a species with random positions. If `placed` is
+    /// true, velocities come with the positions, and a typed mean or deviation causes a warning.
     fn random_velocity(
         &mut self,
         kind: &ParticlesFile,

@@ -128,7 +128,8 @@ impl<'a> TableRow<'a> {
 }
 
 /// Splits the name of a column into name and unit, if it ends with a unit that fits: `x_mm` is `x` in mm, `vx_mm_s` is
-/// `vx` in mm/s. A name that is itself among the `wanted` names is not split.
+/// `vx` in mm/s. A name that is itself among the `wanted` names is not split. The unit of a column that is not split is
+/// `None`.
 fn with_unit<'a>(column: &'a str, wanted: &[&str]) -> (&'a str, Option<String>) {
     let split = column.split_once('_').filter(|(name, _)| !wanted.contains(&column) && wanted.contains(name));
     let unit = |(name, unit): (&'a str, &str)| {
@@ -255,8 +256,8 @@ impl Resolver {
         }
     }
 
-    /// Points (y [m], U [m/s]) of a velocity profile, with increasing y. If the table has columns of k [m²/s²] and ε
-    /// [m²/s³], also points (y, k, ε).
+    /// Points (y [m], U [m/s]) of a velocity profile, with increasing y. If the table has columns of the turbulent
+    /// kinetic energy k [m²/s²] and of its dissipation rate ε [m²/s³], also points (y, k, ε).
     pub(super) fn profile_table(&mut self, name: &Located<String>) -> Result<TabulatedGas, Diagnostic> {
         const TURBULENCE: [&str; 2] = ["k_m2_s2", "epsilon_m2_s3"];
         let table = self.table(name, &["y_m", "U_m_s"], &TURBULENCE)?;

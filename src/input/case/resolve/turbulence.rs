@@ -10,8 +10,8 @@ use crate::schedule::longest_for_eddies;
 
 impl Resolver {
     /// Turbulence that particles see in a gas with this velocity profile; `None` if the case has none. `nu` [m²/s] is
-    /// the kinematic viscosity. `table` contains rows of y [m], k [m²/s²] and ε [m²/s³], if the profile is a table with
-    /// these columns.
+    /// the kinematic viscosity. `table` contains rows of y [m], turbulent kinetic energy k [m²/s²] and its dissipation
+    /// rate ε [m²/s³], if the profile is a table with these columns.
     pub(super) fn turbulence(
         &mut self,
         file: &CaseFile,
@@ -36,7 +36,7 @@ impl Resolver {
     }
 
     /// Warns if the window that the case gives is longer than [`longest_for_eddies`] allows. A window is the time
-    /// between two drag kicks.
+    /// between two exchanges with the gas.
     pub(super) fn check_eddies(&mut self, file: &CaseFile, experiment: &Experiment) {
         let Some(typed) = file.run.as_ref().and_then(|run| run.value.window.as_ref()) else { return };
         let Some(window) = experiment.run.window else { return };

@@ -30,7 +30,7 @@ enum BodySide {
     Shell,
 }
 
-/// Remedy for a body that is too near its own periodic image.
+/// Help text of the error for a body that is too near its own periodic image.
 pub(super) const OWN_IMAGE: &str =
     "a body stands again beyond every periodic side: make the domain larger or the body smaller";
 
@@ -148,7 +148,8 @@ impl Resolver {
         Ok(velocity)
     }
 
-    /// Rotation of the surface of a wall whose shape does not move. The rotation must turn the shape into itself.
+    /// Rotation of the surface of a wall whose shape does not move; `None` if the case gives no rotation. The rotation
+    /// must turn the shape into itself.
     fn wall_turning(
         &self,
         wall: &WallFile,

@@ -1,6 +1,7 @@
 //! Joint decision of all processes after they have tried to compute a part, a piece of a window (the time between two
-//! exchanges of momentum with the gas). The trial is valid only if islands that several processes solved have the same
-//! members and results. To borrow a particle means to store a copy (ghost) of a particle of another process.
+//! exchanges of momentum with the gas). The trial is valid only if islands (groups of particles that may meet) that
+//! several processes solved have the same members and results. To borrow a particle means to store a copy (ghost) of a
+//! particle of another process.
 
 use super::domains::{Domains, LocalParticles};
 use super::ghost_islands::{HotParticleDigest, agree_with, tell};

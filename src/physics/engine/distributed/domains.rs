@@ -1,6 +1,6 @@
 //! One run divided among processes. Each process owns the particles in a block of the box. For each part of a window
 //! (the time between two exchanges of momentum with the gas) it also borrows ghost particles. These are copies of
-//! particles of other processes that may interact with its own.
+//! particles of other processes that may interact with its own. *Carried* contacts continue from one part to the next.
 //!
 //! A process treats its own and the borrowed particles as if there were no others. It solves all islands (groups of
 //! particles that may meet) whose surroundings it stores completely. These include islands of other processes, so no
@@ -51,7 +51,8 @@ pub struct Domains<C> {
     pub is_cut: bool,
     /// Contacts in progress (or other carried state) between a particle of this process and one of another process.
     pub abroad: Vec<CrossRankContact<C>>,
-    /// Own data of the lead process, set aside while copies of the particles of all processes replace them.
+    /// Own data of the lead process, set aside while copies of the particles of all processes replace them. `None` at
+    /// other times, and in other processes.
     pub(super) gathered: Option<GatheredPart<C>>,
     /// Summary of the sizes of all particles of the run.
     pub population: Arc<PopulationSummary>,

@@ -1,4 +1,5 @@
-//! Sharing of a run among processes, for all engines that consist of a solver and the common driver.
+//! Sharing of a run among processes, for all engines that consist of a solver and the common driver. An island is a
+//! group of particles that may meet within a window, the time between two exchanges with the gas.
 
 use super::packing::packed_part;
 use super::{Distributed, DistributedSolver};
@@ -14,7 +15,8 @@ use std::sync::Arc;
 
 impl<S: DistributedSolver> Driver<S> {
     /// Returns, in all processes, two values of the lead process: the cost [ns/s] of the classical algorithm (all
-    /// particles at once, per particle and simulated time), and the summary of the speeds of the particles.
+    /// particles at once, per particle and simulated time), and the summary of the speeds of the particles. The cost is
+    /// `None` if islands are not to be tried. The arguments are the values of this process.
     pub(in crate::engine) fn of_lead(
         &mut self,
         fallback_cost: Option<f64>,

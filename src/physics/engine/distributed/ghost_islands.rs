@@ -78,9 +78,9 @@ pub fn agree_with<'a>(
     alike && told.iter().all(|(index, told)| is_known(*index) || !meets(*index, told))
 }
 
-/// Members of own islands that are not sorted into cells and may meet a particle in the messages `told`. Members too
-/// deep inside the region to meet such a particle are left out. No member or ball reaches farther than `widest` [m]
-/// from its middle.
+/// Members of own islands that are not sorted into cells and may meet a particle in the messages `told`. `own` is true
+/// for each island that this process owns. Members too deep inside the region to meet such a particle are left out. No
+/// member or ball reaches farther than `widest` [m] from its middle.
 fn late_near<'i, 'a: 'i>(
     islands: &'i impl IslandFinder<'a>,
     own: &[bool],

@@ -1,5 +1,5 @@
 //! Own and borrowed particles of a process while several processes share uniform time steps. A borrowed particle, or
-//! ghost, is a copy of a particle that another process owns.
+//! ghost, is a copy of a particle that another process owns. A window is the time between two exchanges with the gas.
 
 use super::CrossRankContact;
 use super::domains::Domains;
@@ -51,7 +51,8 @@ pub struct Names {
 struct ListSummary {
     id: Vec<u32>,
     built_at: Vec<Vector3<f64>>,
-    /// Ids of particles, each with a force [N] and a torque that have been computed but not yet applied.
+    /// Ids of particles, each with a force [N] and a torque that have been computed but not yet applied. The torque is
+    /// `None` if spheres do not rotate.
     due: Vec<(u32, Vector3<f64>, Option<ContactTorque>)>,
 }
 

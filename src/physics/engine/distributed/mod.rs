@@ -1,9 +1,10 @@
-//! Several processes that share one run. Each process moves the particles in its domain, a block of the box.
+//! Several processes that share one run. Each process moves the particles in its domain, a block of the box. A window
+//! is the time between two exchanges with the gas.
 //!
-//! Engines, islands and uniform steps are written as for a single process. Where processes must decide together or
-//! exchange particles, the code of this module is called: `Processes` for islands, `GhostExchange` for uniform steps.
-//! For a single process these calls do nothing. A process *owns* the particles in its block. It *borrows* copies of
-//! particles of other processes (ghosts).
+//! Engines, islands (groups of particles that may meet) and uniform steps are written as for a single process. Where
+//! processes must decide together or exchange particles, the code of this module is called: `Processes` for islands,
+//! `GhostExchange` for uniform steps. For a single process these calls do nothing. A process *owns* the particles in
+//! its block. It *borrows* copies of particles of other processes (ghosts).
 
 mod agreement;
 mod domains;

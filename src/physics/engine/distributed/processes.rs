@@ -1,5 +1,6 @@
 //! Processes that share a run, with the operations that islands (groups of particles that may meet) require. By default
-//! the run has a single process, and the operations do nothing.
+//! the run has a single process, and the operations do nothing. Islands are found in parts (pieces) of a window, the
+//! time between two exchanges with the gas.
 
 use super::CrossRankContact;
 use super::agreement::PartDecision;

@@ -36,7 +36,7 @@ pub struct SharedSteps {
     /// not shared the building of a list.
     pub slots: Option<usize>,
     /// Neighbour list of all particles and forces that are not yet applied. They are stored only while the lead process
-    /// has copies of all particles.
+    /// has copies of all particles; otherwise `None`.
     pub shown: Option<(NeighbourList, ForceBuffer)>,
 }
 
@@ -67,8 +67,8 @@ impl<'a> OtherProcesses<'a> {
     }
 
     /// Sends the new velocities of own particles to the processes that have copies of them, unless a process has
-    /// failed. Also shares the largest speed. `failure` is that of this process; returns the first failure of any
-    /// process.
+    /// failed. Also shares the largest speed. `failure` is that of this process, if it failed. Returns the first
+    /// failure of any process, or `None` if none has failed.
     fn tell(&self, solver: &mut SoftSolver, particles: &mut Particles, failure: Option<Failure>) -> Option<Failure> {
         let mut largest = [solver.speed.all, f64::from(u8::from(failure.is_some()))];
         self.communicator.largest(&mut largest);
@@ -87,8 +87,8 @@ impl<'a> OtherProcesses<'a> {
         None
     }
 
-    /// Collects the failures of all processes; returns the one that comes first in the order of particle ids, or `None`
-    /// if no process has failed.
+    /// Collects the failures of all processes; `failure` is that of this process, if it failed. Returns the failure
+    /// that comes first in the order of particle ids, or `None` if no process has failed.
     fn first(&self, failure: Option<Failure>) -> Option<Failure> {
         let all = self.communicator.exchange(vec![to_bytes(&failure); self.communicator.size()]);
         let all = all.iter().filter_map(|bytes| postcard::from_bytes::<Option<Failure>>(bytes).ok().flatten());

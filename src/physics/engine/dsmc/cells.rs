@@ -30,8 +30,8 @@ const ACROSS: f64 = 24.0;
 
 /// Mean number of particles in a block of cells that have one volume fraction φ. The number N of particles in a block
 /// fluctuates, so the mean of N (N - 1) χ(φ) differs from its value at the mean N, with the contact value χ. The
-/// relative difference is (2 φ χ'/χ + φ² χ''/(2 χ))/N. With χ of Carnahan and Starling it is less than 0.01 up to φ =
-/// 0.3.
+/// relative difference is (2 φ χ'/χ + φ² χ''/(2 χ))/N, where primes denote derivatives with respect to φ. With χ of
+/// Carnahan and Starling it is less than 0.01 up to φ = 0.3.
 const PER_BLOCK: f64 = 500.0;
 
 /// [-] largest volume fraction at which the contact value is evaluated: no packing is denser than 0.7405 (Kepler).
@@ -209,7 +209,8 @@ fn corners(scene: &Scene, inwards: f64) -> [Vector3<f64>; 2] {
 }
 
 /// Numbers of cells along the three axes, for cells small compared with the mean free path that still contain enough
-/// particles (docs/design/dsmc.md).
+/// particles (docs/design/dsmc.md). `enskog` is true if the mean free path is that of Enskog's dense gas, false for a
+/// dilute gas.
 fn numbers(scene: &Scene, region: &Region, sizes: &RadiusSummary, enskog: bool) -> [usize; 3] {
     let (size, periodic) = (region.size(), scene.domain.periodic);
     if sizes.count < 2 {
@@ -300,9 +301,9 @@ mod tests {
         numbers(&scene, &region, &RadiusSummary::of(&particles), false)
     }
 
-    /// The mean free path is V/(√2 N π d²): 2.25 m at a height of 10 m, and 4.5 m at 20 m. With a third of this path as
-    /// the edge, there would be 13 cells between the walls in both cases. Cells hold 20 particles times the ratio of
-    /// their edge to this third, here 13/24.
+    /// The mean free path of N spheres of diameter d in the volume V is V/(√2 N π d²): 2.25 m at a height of 10 m, and
+    /// 4.5 m at 20 m. With a third of this path as the edge, there would be 13 cells between the walls in both cases.
+    /// Cells hold 20 particles times the ratio of their edge to this third, here 13/24.
     #[test]
     fn at_least_24_cells_lie_between_two_walls() {
         for height in [10.0, 20.0] {

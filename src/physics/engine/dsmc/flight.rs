@@ -1,4 +1,5 @@
-//! Free flight of all particles for collisions by chance, with the impacts on walls at their exact times.
+//! Free flight of all particles for collisions by chance, with the impacts on walls at their exact times. A window is
+//! the time between two exchanges with the gas.
 
 use crate::encounter::{AtWall, Couple, FrameTime};
 use crate::engine::hard::{Collision, LastCollision};
@@ -65,7 +66,7 @@ impl FlightWalls {
 }
 
 /// Result of the flight of one particle near walls: its index in the store, its state at the end, and the failure that
-/// stopped it, if any.
+/// stopped it, or `None`.
 type FlownParticle = (u32, Motion, Option<Failure>);
 
 /// Moves all particles along their parabolas through an interval of time, with their impacts on walls. Returns the

@@ -1,5 +1,6 @@
 //! Collisions by chance: direct simulation Monte Carlo (DSMC). Particles fly and meet walls as hard spheres do, and
-//! collide with particles of their cell that are chosen at random, at the rate of kinetic theory.
+//! collide with particles of their cell that are chosen at random, at the rate of kinetic theory. A window is the time
+//! between two exchanges with the gas.
 //!
 //! docs/design/dsmc.md explains the scheme, its sources and its limits. Pairs that collide do not touch. Therefore
 //! collisions transport no momentum over a distance, and they do not conserve angular momentum.

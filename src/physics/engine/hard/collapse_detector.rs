@@ -1,5 +1,6 @@
 //! Collision history of each particle, by which inelastic collapse is detected. In an inelastic collapse a particle has
-//! infinitely many impacts in finite time.
+//! infinitely many impacts in finite time. An island is a group of particles that may meet within a window, the time
+//! between two exchanges with the gas.
 
 use super::impulse::Collision;
 use crate::encounter::Partner;
@@ -20,9 +21,9 @@ const COLLAPSE_FLIGHT: f64 = 64.0 * f64::EPSILON;
 
 /// Number of successive flights of a particle, each shorter than the one before, after which an unresolvably short
 /// flight shows an inelastic collapse. A collapsing group has no more impacts once its relative speeds are below
-/// rounding, some dozen impacts later, so the limit [`COLLAPSE_STREAK`] would not be reached. By chance, three
-/// flights in a row are each shorter than the one before in one of 24 cases. A chance flight is shorter than 10⁻¹⁴ of the box with a probability of
-/// about 10⁻¹⁴.
+/// rounding, some dozen impacts later, so the limit [`COLLAPSE_STREAK`] would not be reached. By chance, three flights
+/// in a row are each shorter than the one before in one of 24 cases. A chance flight is shorter than 10⁻¹⁴ of the box
+/// with a probability of about 10⁻¹⁴.
 const ZENO_FLIGHTS: u8 = 3;
 
 /// Number of impacts of one particle within one window, the time between two exchanges with the gas, that counts as an

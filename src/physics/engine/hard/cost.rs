@@ -1,5 +1,6 @@
 //! Estimate of the cost of moving all particles by one event queue. The engine compares it with the cost of islands,
-//! groups of particles that may meet and that are computed separately.
+//! groups of particles that may meet and that are computed separately. A window is the time between two exchanges with
+//! the gas.
 
 use crate::engine::Window;
 use crate::engine::islands::SpeedSummary;

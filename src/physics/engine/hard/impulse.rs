@@ -1,4 +1,5 @@
-//! Impulse of a collision of hard spheres: the instantaneous change of momentum.
+//! Impulse of a collision of hard spheres: the instantaneous change of momentum. A window is the time between two
+//! exchanges with the gas.
 
 use crate::encounter::{AtWall, Couple, Encounter, Other, WallMotion};
 use crate::particles::Particles;

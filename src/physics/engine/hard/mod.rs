@@ -1,4 +1,5 @@
-//! Hard spheres: engines in which collisions are instantaneous.
+//! Hard spheres: engines in which collisions are instantaneous. An island is a group of particles that may meet within
+//! a window, the time between two exchanges with the gas.
 
 mod calendar;
 mod collapse_detector;

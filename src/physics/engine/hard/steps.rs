@@ -1,4 +1,5 @@
-//! Hard spheres with time steps: a method of the literature, to which the paper refers.
+//! Hard spheres with time steps: a method of the literature, to which the paper refers. A window is the time between
+//! two exchanges with the gas.
 
 use super::impulse::Collision;
 use crate::clock::Clock;
@@ -35,8 +36,9 @@ impl SteppedHard {
         Self { theta, list: NeighbourList::default(), slots: Vec::new(), counters: Counters::default() }
     }
 
-    /// Longest time step θ d/u_r [s] that the engine takes in a window of `duration` [s], the time between two
-    /// exchanges with the gas. It is infinite if no particle moves relative to the others or to a wall.
+    /// Longest time step θ d/u_r [s], with the step criterion θ = `theta`, that the engine takes in a window of
+    /// `duration` [s], the time between two exchanges with the gas. It is infinite if no particle moves relative to the
+    /// others or to a wall.
     ///
     /// d is the smallest diameter, and u_r follows from the agitation of the velocities relative to their mean along
     /// the walls. The mean velocity perpendicular to a wall is included, and the velocity that gravity adds until the

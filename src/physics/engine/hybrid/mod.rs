@@ -12,11 +12,11 @@
 //!
 //! All other touches, and those at servo walls, begin soft contacts, which are resolved by time steps. θ is the
 //! argument `clearance` of `Hybrid::new`. An impulse thus replaces only a contact that would end before another body
-//! could take part in it. Only soft contacts continue from one window to the next. An impulse conserves momentum
-//! exactly, and the energy that it dissipates is recorded.
+//! could take part in it. Only soft contacts continue from one window (time between two exchanges with the gas) to the
+//! next. An impulse conserves momentum exactly, and the energy that it dissipates is recorded.
 //!
-//! A crowd is an island that is too large for local stepping, such as a bed of particles. It is moved by uniform time
-//! steps, while all other particles fly and collide.
+//! An island is a group of particles that may meet. A crowd is an island that is too large for local stepping, such as
+//! a bed of particles. It is moved by uniform time steps, while all other particles fly and collide.
 
 use super::distributed::DistributedSolver;
 use super::driver::{Driver, Solver, Trial, Work};

@@ -1,6 +1,7 @@
 //! Batches of islands (groups of particles that may meet). One thread solves the islands of a batch one after the
 //! other, and stores their results together. A window is the time between two exchanges of momentum with the gas, and a
-//! *part* of it is the piece in which islands are solved. *Hot* particles are the members of islands.
+//! *part* of it is the piece in which islands are solved. *Hot* particles are the members of islands. *Carried*
+//! contacts (or recent collisions) continue from one part to the next.
 
 use super::cluster::{IslandFinder, Landing, MemberTrajectories, fill};
 use super::island::Island;

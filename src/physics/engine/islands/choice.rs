@@ -1,5 +1,6 @@
 //! Choice of the next part of a window: its length, and whether it pays to solve islands (groups of particles that may
-//! meet) in this part. A window is the time between two exchanges of momentum with the gas.
+//! meet) in this part. The alternative is the classical algorithm, which moves all particles at once. A window is the
+//! time between two exchanges of momentum with the gas.
 
 use crate::domain::Domain;
 use crate::engine::population::PopulationSummary;

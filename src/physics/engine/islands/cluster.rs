@@ -1,6 +1,7 @@
 //! Groups of hot particles that become islands, with bounds on the distance that each member may reach. Particles are
 //! *hot* if they touch something on their straight flight in this part, *cold* if they do not. A part is a piece of a
-//! window, the time between two exchanges with the gas.
+//! window, the time between two exchanges with the gas. *Carried* contacts (or recent collisions) continue from one
+//! part to the next. A crowd is a large island that is moved by uniform steps.
 
 mod bounded;
 mod crowd_growth;
@@ -336,8 +337,9 @@ impl<'a> Clusters<'a> {
         }
     }
 
-    /// Returns the places of the results of all islands, in the order of the islands and by member. Particles stay
-    /// marked as members until the results are written into the store.
+    /// Returns where the results are stored: one entry for each solved island, and for each member the number of its
+    /// island and its number within the island. Particles keep their labels as members until the results are written
+    /// into the particle store.
     pub fn land(self) -> Landing {
         let mut of_member = vec![None; self.members.len()];
         let mut kept = Vec::with_capacity(self.list.len());

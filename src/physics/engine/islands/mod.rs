@@ -6,7 +6,9 @@
 //! solves separately. Cold particles that a hot one might hit are *bystanders*. If a bystander is hit, the island is
 //! solved again with the bystander as a member. The island is also solved again if a hot particle exceeds its speed
 //! limit. So no contact is missed. Islands are found and solved in a *part* of a window, which is the whole window or a
-//! piece of it.
+//! piece of it. *Carried* contacts (or recent collisions) are those that continue from one part to the next. The
+//! alternative to islands is the *classical algorithm*, which moves all particles at once, by uniform steps or one
+//! event queue.
 //!
 //! Some engines, such as that for hard spheres, report every velocity change of a flight. For these engines each island
 //! is first solved as if it were alone (`cluster/traced.rs`). Islands whose trajectories then meet are united and
@@ -67,7 +69,8 @@ pub trait Solve: Sync {
     /// Scratch memory of the solver, one for each thread.
     type Scratch: Default + Send;
 
-    /// Indices of the one or two particles of a carried contact or recent collision.
+    /// Indices of the one or two particles of a carried contact or recent collision. An index is `None` if there is no
+    /// second particle.
     fn indices(carried: &Self::Carried) -> [Option<u32>; 2];
 
     /// Returns a carried contact or recent collision with new indices of its particles: index `p` becomes

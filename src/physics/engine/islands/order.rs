@@ -1,4 +1,5 @@
-//! Sorting of the particles in the store, and of the contacts carried from one part of a window to the next.
+//! Sorting of the particles in the store, and of the contacts carried from one part of a window (the time between two
+//! exchanges with the gas) to the next. A part is a piece of a window.
 
 use super::{Solve, search};
 use crate::encounter::Other;

@@ -1,5 +1,6 @@
 //! Search for hot particles: those that touch something in a part (a piece of the time between two exchanges with the
-//! gas) if all particles fly straight. Every pair that is near enough is checked once.
+//! gas) if all particles fly straight. Every pair that is near enough is checked once. The members of islands (groups
+//! of particles that may meet) are the hot particles.
 
 use crate::domain::Domain;
 use crate::encounter::{AtWall, Couple, FrameTime, may_meet};

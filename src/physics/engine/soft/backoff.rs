@@ -1,5 +1,6 @@
-//! Choice between islands (groups of particles that may meet) and uniform steps of all particles. After a window in
-//! which islands cost more than uniform steps, islands are not tried for some windows.
+//! Choice between islands (groups of particles that may meet) and uniform steps of all particles. After a window (time
+//! between two exchanges with the gas) in which islands cost more than uniform steps, islands are not tried for some
+//! windows.
 //!
 //! In a dense scene islands are large, and each of their steps moves all of their particles and tests all of their gaps
 //! several times. The costs of islands and of uniform steps are estimated from counts of operations. Counts, unlike

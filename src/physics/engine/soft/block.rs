@@ -59,7 +59,8 @@ pub struct ForceSums {
     pub elastic_energy: f64,
     /// Numbers of forces and tests in the evaluation.
     pub done: ForceEvaluation,
-    /// Failure with the smallest ids, if any contact is invalid (for instance if its overlap is too large).
+    /// Failure with the smallest ids among the invalid contacts, such as those with too large an overlap. `None` if all
+    /// contacts are valid.
     pub failure: Option<Failure>,
 }
 

@@ -13,8 +13,8 @@ use serde::{Deserialize, Serialize};
 
 /// [-] largest allowed overlap, divided by the (smaller) diameter. Beyond the limit the normal has no meaning.
 ///
-/// At a plane (`flat`), a sphere beyond the limit is entirely behind the plane. In any other contact, the centre of the
-/// (smaller) sphere is then inside the other body.
+/// At a plane (`flat` is true), a sphere beyond the limit is entirely behind the plane. In any other contact (`flat` is
+/// false), the centre of the (smaller) sphere is then inside the other body.
 pub fn overlap_limit(flat: bool) -> f64 {
     if flat { 1.0 } else { 0.5 }
 }
@@ -40,7 +40,8 @@ fn refused(couple: Couple, particles: &Particles, time: f64, (ratio, limit): (f6
     Failure::OverlapTooLarge { time, particle, partner, ratio, limit, way: None }
 }
 
-/// Returns the one of two failures at the same time whose particle and partner have the smaller ids.
+/// Returns the one of two failures at the same time whose particle and partner have the smaller ids. If `one` is
+/// `None`, the result is `other`.
 #[cold]
 pub fn first_named(one: Option<Failure>, other: Failure) -> Failure {
     let name = |failure: &Failure| match failure {

@@ -1,5 +1,5 @@
 //! Exact sums of the powers and forces of contacts. The sums do not depend on the order of contacts, nor on the process
-//! or thread that adds them.
+//! or thread that adds them. A window is the time between two exchanges with the gas.
 
 use super::contact::ContactForce;
 use super::rates::Rates;

@@ -1,4 +1,6 @@
-//! Contacts in progress: forces, records and dissipated energy.
+//! Contacts in progress: forces, records and dissipated energy. Each contact belongs to a slot: the number of a
+//! candidate (pair, or particle and wall) in the neighbour list. A window is the time between two exchanges with the
+//! gas.
 
 use super::block::{BlockScratch, ContactBlock, ForceEvaluation};
 use super::contact::{Alike, Contact, ContactForce, ContactState, TouchingPair, first_named};

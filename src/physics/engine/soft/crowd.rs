@@ -1,5 +1,5 @@
-//! Crowd: an island that is too large for local stepping. Its particles are moved by uniform steps, as if there were no
-//! others.
+//! Crowd: an island (group of particles that may meet) that is too large for local stepping. Its particles are moved by
+//! uniform steps, as if there were no others. A window is the time between two exchanges with the gas.
 
 use super::backoff::{Rival, stages};
 use super::contacts::StepRecord;

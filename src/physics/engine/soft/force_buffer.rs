@@ -1,4 +1,5 @@
-//! Buffer of contact forces, and their application to the particles.
+//! Buffer of contact forces, and their application to the particles. The forces are in the order of slots, the numbers
+//! of the candidates (pairs, or particles and walls) in the neighbour list.
 
 use super::block::reserve;
 use crate::particles::Particles;
@@ -25,6 +26,7 @@ pub struct ContactTorque {
     /// [N] torque of the tangential force on either particle, divided by the radius of that particle.
     pub over_radius: Vector3<f64>,
     /// [N m] torque of rolling and twisting resistance on particle i; the other particle gets the opposite torque.
+    /// `None` without such resistance.
     pub couple: Option<Vector3<f64>>,
 }
 
@@ -88,7 +90,7 @@ impl ForceBuffer {
         pushes
     }
 
-    /// Forces in the order of the list, each with its torques if spheres rotate.
+    /// Forces in the order of the list, each with its torques, or with `None` if spheres do not rotate.
     pub fn iter(&self) -> impl Iterator<Item = (ForceIncrement, Option<ContactTorque>)> {
         let torque = |k: usize| {
             let couple = self.couples.get(k).copied();

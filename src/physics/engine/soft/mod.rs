@@ -1,4 +1,5 @@
-//! Soft spheres: contacts last for some time, which is resolved by time steps.
+//! Soft spheres: contacts last for some time, which is resolved by time steps. An island is a group of particles that
+//! may meet within a window, the time between two exchanges with the gas.
 
 mod backoff;
 mod block;
@@ -70,8 +71,9 @@ pub struct SoftSolver {
     longest_step: f64,
     pub(in crate::engine) list: NeighbourList,
     pub(in crate::engine) contacts: Contacts,
-    /// True if only `contacts` contains the contacts in progress, because the last steps were uniform. If processes
-    /// share the steps, it is false, and `contacts` contains copies of contacts that are also stored elsewhere.
+    /// True if the contacts in progress are stored in `contacts` alone, because the last steps were uniform. False if
+    /// they are stored elsewhere. If processes share the steps, it is false too, and `contacts` contains copies of the
+    /// contacts.
     keeps_contacts: bool,
     /// Forces of the last evaluation. At the end of a window, these are the forces of the first half-kick of the next
     /// window (Verlet).

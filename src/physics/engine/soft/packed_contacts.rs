@@ -1,5 +1,5 @@
 //! Compact records of the contacts in progress of one block. Most contacts are between bodies of the same kinds, so
-//! their constants are stored only once.
+//! their constants are stored only once. The contacts are stored in chunks of equal length.
 
 use super::contact::{ContactConstants, ContactState, ResistanceMemory};
 use nalgebra::Vector3;
@@ -95,10 +95,11 @@ pub struct PackedContacts {
     /// States of the rolling and twisting springs of the contacts in `kept`, in the same chunks; empty without such
     /// springs.
     resistances: Vec<Vec<ResistanceMemory>>,
-    /// [m/s] slips at first touch of the contacts in `kept`, in the same chunks; empty if spheres do not rotate.
+    /// [m/s] slips at first touch of the contacts in `kept`, in the same chunks; empty if spheres do not rotate. `None`
+    /// for a contact whose first slip is not recorded.
     first_slips: Vec<Vec<Option<Vector3<f32>>>>,
     /// [rad] rotation vectors of the contacts in `kept` with rough walls, in the same chunks; empty if no contact has
-    /// one.
+    /// one. `None` for a contact without a rotation vector.
     facets: Vec<Vec<Option<Vector3<f64>>>>,
 }
 

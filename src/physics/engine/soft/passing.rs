@@ -1,4 +1,5 @@
-//! Detection of uniform steps in which the centre of a sphere passes a thin wall.
+//! Detection of uniform steps in which the centre of a sphere passes a thin wall. Times are counted from the start of a
+//! window, the time between two exchanges with the gas.
 
 use super::SoftSolver;
 use super::contact::{SHORT, passed};

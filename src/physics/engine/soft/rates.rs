@@ -1,4 +1,5 @@
-//! Powers and forces of contacts, as sums over contacts and means over a step.
+//! Powers and forces of contacts, as sums over contacts and means over a step. A window is the time between two
+//! exchanges with the gas.
 
 use super::contact::ContactForce;
 use crate::encounter::Couple;

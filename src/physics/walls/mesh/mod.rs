@@ -283,7 +283,8 @@ impl Geometry for Mesh {
         self.contacts
     }
 
-    /// [-] largest jump of the normal between two triangles that form one contact: |n - n'|² = 2 - 2 n·n'.
+    /// [-] largest jump |n - n'| of the normal between two triangles that form one contact: |n - n'|² = 2 - 2 n·n',
+    /// with their normals n and n'.
     fn seam(&self) -> f64 {
         (2.0 - 2.0 * APART).sqrt()
     }

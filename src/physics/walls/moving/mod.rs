@@ -1,8 +1,8 @@
 //! Walls whose shape moves: translation, vibration, a path, or rotation about an axis.
 //!
-//! The motion is an exact function of time, for a servo wall within each window. A [`Scene`](crate::scene::Scene)
-//! belongs to an instant, and so does the geometry of its walls ([`Wall::move_to`]). Engines can also ask for the wall
-//! at the time `ahead` [s] after that instant.
+//! The motion is an exact function of time, for a servo wall within each window (time between two exchanges with the
+//! gas). A [`Scene`](crate::scene::Scene) belongs to an instant, and so does the geometry of its walls
+//! ([`Wall::move_to`]). Engines can also ask for the wall at the time `ahead` [s] after that instant.
 
 mod arcs;
 mod motion;

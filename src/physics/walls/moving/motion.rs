@@ -1,5 +1,5 @@
 //! Laws by which the shape of a wall moves: exact functions of time. Only a servo wall has a state, which changes
-//! between two windows.
+//! between two windows (times between two exchanges with the gas).
 
 use super::path::PiecewisePath;
 use super::servo::ServoMotion;
@@ -15,12 +15,12 @@ use std::sync::Arc;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PrescribedMotion {
-    /// Constant velocity: d(t) = V t.
+    /// Constant velocity V: the displacement is d(t) = V t.
     Translation {
         /// [m/s] constant velocity V of the shape.
         velocity: Vector3<f64>,
     },
-    /// Harmonic vibration: d(t) = A sin(2π f t + φ).
+    /// Harmonic vibration: the displacement is d(t) = A sin(2π f t + φ), with the amplitude A, frequency f and phase φ.
     Vibration {
         /// [m] amplitude A, along the direction of the vibration.
         amplitude: Vector3<f64>,

@@ -19,13 +19,14 @@ pub(super) struct DumpFrame {
     time: Option<f64>,
     /// Number of the time step; `None` if the dump does not give it.
     step: Option<f64>,
-    /// Number of atoms given in the dump, and index of the line with this number.
+    /// Number of atoms given in the dump, and index of the line with this number; `None` if the dump does not give it.
     count: Option<(usize, usize)>,
     /// [m] lower and upper corner of the box; `None` if the dump does not give the box.
     bounds: Option<[Vector3<f64>; 2]>,
     /// Names of the axes along which the box is periodic, separated by blanks.
     periodic: String,
-    /// Index of the line with the names of the columns; the lines of the atoms follow.
+    /// Index of the line with the names of the columns; the lines of the atoms follow. `None` if the instant has no
+    /// atoms.
     atoms: Option<usize>,
 }
 

@@ -17,9 +17,9 @@ const SOLID: f64 = 0.4;
 /// Particles of one instant in a file of another program.
 #[derive(Clone, Debug)]
 pub struct ParticleFrame {
-    /// [s] time, if the file gives it.
+    /// [s] time of the instant; `None` if the file does not give it.
     pub time: Option<f64>,
-    /// [-] number of the time step, if the file gives it.
+    /// [-] number of the time step; `None` if the file does not give it.
     pub step: Option<f64>,
     /// Box of the instant; `None` if the file gives none.
     pub domain: Option<Domain>,

@@ -12,7 +12,7 @@ use std::ops::Range;
 /// Section `Atoms` of a LAMMPS data file: the indices of its columns and lines.
 #[derive(Clone)]
 struct Atoms {
-    /// Column of the diameter, if there is one; the density is in the next column.
+    /// Column of the diameter, after which follows the column of the density; `None` if there is no diameter.
     diameter: Option<usize>,
     place: usize,
     header: usize,
@@ -26,10 +26,11 @@ struct Outline<'a> {
     low: Vector3<f64>,
     high: Vector3<f64>,
     boxed: bool,
-    /// Number of atoms given in the header of the file, and index of the line with this number.
+    /// Number of atoms given in the header of the file, and index of the line with this number; `None` if it is not
+    /// given.
     announced: Option<(usize, usize)>,
     atoms: Option<Atoms>,
-    /// Index of the header line of the section `Velocities`.
+    /// Index of the header line of the section `Velocities`; `None` if the file has no such section.
     moving: Option<usize>,
     /// Index of the line, velocity and angular velocity of each atom, by the id of the atom.
     velocities: FxHashMap<&'a str, (usize, [&'a str; 3], [&'a str; 3])>,

@@ -42,7 +42,8 @@ pub(super) enum Foreign {
 }
 
 impl Foreign {
-    /// Recognizes, from the first lines of a file, a format that can contain the particles of several instants.
+    /// Recognizes, from the first lines of a file, a format that can contain the particles of several instants. `None`
+    /// if the file has no such format.
     fn of_frames(text: &str) -> Option<Self> {
         let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
         let first = lines.next().unwrap_or("");
@@ -121,9 +122,9 @@ struct ForeignStart {
 /// Particles of one instant in a file of another program.
 struct ForeignInstant {
     start: ForeignStart,
-    /// [s] time of the instant, if the file gives it.
+    /// [s] time of the instant; `None` if the file does not give it.
     time: Option<f64>,
-    /// Number of the time step, if the file gives it.
+    /// Number of the time step; `None` if the file does not give it.
     step: Option<f64>,
     /// Index in the file of the first line of the instant.
     first: usize,
@@ -175,7 +176,8 @@ impl ForeignReader<'_> {
         Ok(read)
     }
 
-    /// Writes the name of the species into each row. If the case has one species, all rows belong to it.
+    /// Replaces the type number in each row by the name of the species. If the case has one species, the cell becomes
+    /// empty, which means this species; rows with different types are then an error.
     fn name_kinds(&self, read: &mut ForeignStart, kinds: &[&str]) -> Result<(), Diagnostic> {
         let what = if read.counted { "type" } else { "species" };
         let first = read.rows.first().map(|(cells, _)| cells[SPECIES].clone()).unwrap_or_default();

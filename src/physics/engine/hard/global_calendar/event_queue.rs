@@ -68,8 +68,8 @@ pub struct EventQueue {
     later: Vec<u32>,
     /// [1/s] number of bins per time, the inverse of the interval of a bin.
     rate: f64,
-    /// Number of the bin that contains the present time, counted from the epoch. Its place in the ring is this number
-    /// modulo the number of bins.
+    /// Number of the bin that contains the present time, counted from the epoch (instant from which times are counted).
+    /// Its place in the ring is this number modulo the number of bins.
     current: u64,
 }
 

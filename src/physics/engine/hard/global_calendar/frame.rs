@@ -7,7 +7,8 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// Falling frame, in which flights are straight. Positions are x = x' + offset + u t + g t²/2, and velocities are v =
-/// v' + u + g t. Primes denote values in the frame, and t is the time since the epoch (zero of the calendar's time).
+/// v' + u + g t. Primes denote values in the frame, u is the velocity of the frame at the epoch, g is gravity, and t is
+/// the time since the epoch (zero of the calendar's time).
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct FallingFrame {
     /// [m] position of the frame's origin at the epoch, the zero of t, relative to the origin of the scene.

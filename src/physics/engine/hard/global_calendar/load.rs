@@ -1,5 +1,7 @@
 //! Exchange between the particle store and the calendar (the event queue of all particles). The calendar reads
 //! particles, writes them back, and begins new epochs. The *epoch* is the instant from which the calendar counts times.
+//! A window is the time between two exchanges with the gas. A shell is a ball around a particle, in which its neighbour
+//! list is valid.
 
 use super::cells::ROUNDING;
 use super::event_queue::{EventQueue, EventTable};

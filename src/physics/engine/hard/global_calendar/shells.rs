@@ -363,7 +363,8 @@ impl Shells {
     }
 
     /// Makes a new shell about the position of particle `i`, which must be inside the box. Updates the neighbour lists
-    /// of `i`, of its old neighbours and of its new ones.
+    /// of `i`, of its old neighbours and of its new ones. `at_wall` is true if the particle may touch a wall within its
+    /// new shell.
     pub fn update_neighbour_list(
         &mut self,
         i: u32,

@@ -1,4 +1,5 @@
-//! Sheared boxes in the calendar (the event queue of all particles): images across y slide along z.
+//! Sheared boxes in the calendar (the event queue of all particles): images across y slide along z. The ledger of a run
+//! contains the sums of work, losses and impulses.
 //!
 //! Particles and their images fly straight also across a sheared side, so their touches are predicted exactly. Only
 //! neighbour lists need more. A shell, the ball in which the list of a particle is valid, rests, but its images slide.

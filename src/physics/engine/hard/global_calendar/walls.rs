@@ -1,4 +1,5 @@
-//! Wall contacts of a scene, numbered for the calendar (the event queue of all particles).
+//! Wall contacts of a scene, numbered for the calendar (the event queue of all particles). The epoch is the instant
+//! from which the calendar counts times.
 
 use super::GlobalCalendar;
 use crate::encounter::AtWall;

@@ -1,7 +1,7 @@
 //! Islands (groups of particles that may meet) that are found by upper limits on the flights of their members. Before
 //! islands are solved, the surroundings of each are searched. The search finds *bystanders* (cold particles that the
 //! island might hit), and other islands with which the island must unite. *Hot* particles touch something on their
-//! straight flight, *cold* ones do not.
+//! straight flight, *cold* ones do not. A part is a piece of a window, the time between two exchanges with the gas.
 
 use super::{Cluster, Clusters, Few, IslandFinder, IslandLimits, Member};
 use crate::engine::islands::batch::Retry;
@@ -131,8 +131,8 @@ impl BoundedIslands<'_> {
         self.grid.sort(members, |member| member.flight.middle, &search.region, edge, &mut self.sorted);
     }
 
-    /// Ball that contains a particle of an island, given by its index in the store. For a member it contains the path
-    /// after the first touch in the island, for a bystander the whole straight flight.
+    /// Ball that contains a particle of an island, given by its index in the store. For a member (`is_member` is true)
+    /// it contains the path after the first touch in the island. For a bystander it contains the whole straight flight.
     fn ball_of(&self, index: u32, is_member: bool) -> BoundingSphere {
         match self.search.label[index as usize] {
             Some(label) if is_member => self.members[label.member()].ball,

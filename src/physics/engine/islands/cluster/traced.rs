@@ -1,5 +1,6 @@
 //! Islands (groups of particles that may meet) that are found by the trajectories of their members. They are used for
-//! engines that report every velocity change. After islands are solved, their trajectories show which of them meet.
+//! engines that report every velocity change. Islands are solved in rounds. After each round the trajectories show
+//! which islands meet.
 //!
 //! Each island is first solved as if it were alone. Its trajectories may then meet those of another island, or a
 //! particle that was expected to fly straight. In that case both form one island, which is solved again. In the end

@@ -1,4 +1,5 @@
-//! Contacts of a block with rough walls that begin or end in a step.
+//! Contacts of a block with rough walls that begin or end in a step. A slot is the number of a candidate (pair, or
+//! particle and wall) in the neighbour list.
 
 use super::ContactBlock;
 use crate::encounter::Couple;

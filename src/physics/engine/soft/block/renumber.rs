@@ -1,5 +1,5 @@
 //! Contacts with a wall that numbers its contacts by distance. The record of a contact follows the contact's normal,
-//! not its number.
+//! not its number. A slot is the number of a candidate (pair, or particle and wall) in the neighbour list.
 
 use super::{ContactBlock, TouchingSlot};
 use crate::encounter::{AtWall, Couple, Other};

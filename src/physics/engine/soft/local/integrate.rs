@@ -1,4 +1,4 @@
-//! Steps of an island by an explicit Runge-Kutta method.
+//! Steps of an island (group of particles that may meet) by an explicit Runge-Kutta method.
 
 use super::{InstantaneousRule, IslandRun, Rates};
 use crate::encounter::FrameTime;

@@ -1,5 +1,6 @@
-//! Local stepping of one island: straight flight to the first touch, time steps while bodies touch, then straight
-//! flight again.
+//! Local stepping of one island (group of particles that may meet): straight flight to the first touch, time steps
+//! while bodies touch, then straight flight again. A slot is the number of a candidate (pair, or particle and wall) in
+//! the neighbour list of the island. A part is a piece of a window, the time between two exchanges with the gas.
 //!
 //! The instants at which contacts begin and end are found within a step. So no contact begins or ends late, and the
 //! error of the realised restitution has the order of the integrator. The steps are Runge-Kutta of fourth order, or of
@@ -209,7 +210,8 @@ struct IslandRun<'a, I> {
     window: Window,
     particles: &'a mut Particles,
     now: f64,
-    /// The two bodies of the last instantaneous touch, until their velocities have been checked against the bounds.
+    /// The two bodies of the last instantaneous touch, until their velocities have been checked against the bounds;
+    /// `None` after the check.
     struck: Option<Couple>,
 }
 
@@ -285,7 +287,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     }
 
     /// First touch of two bodies on straight flights from now until `end` [s]: the time [s] of the touch, and its slot
-    /// (number of the candidate).
+    /// (number of the candidate). `None` if no bodies touch before `end`.
     fn next_touch(&mut self, end: f64) -> Option<(f64, usize)> {
         let left = end - self.now;
         self.island.pair_checks += self.island.list.slots() as u64;

@@ -1,4 +1,5 @@
-//! Encounters (relative positions and velocities) of the slots of an island.
+//! Encounters (relative positions and velocities) of the slots of an island, a group of particles that may meet. A slot
+//! is the number of a candidate (pair, or particle and wall) in its neighbour list.
 //!
 //! Some walls, such as meshes, number their contacts with a sphere by distance. If spheres rotate, a contact with such
 //! a wall keeps its slot while it lasts, even if its number changes. The remaining encounters belong to the other slots

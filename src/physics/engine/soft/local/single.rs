@@ -1,5 +1,6 @@
-//! Single contact of an island, without friction: the time for which no other contact can begin, and the motion until
-//! the contact ends.
+//! Single contact of an island (group of particles that may meet), without friction: the time for which no other
+//! contact can begin, and the motion until the contact ends. A slot is the number of a candidate (pair, or particle and
+//! wall) in the neighbour list of the island. A window is the time between two exchanges with the gas.
 
 use super::alone::{IsolatedContact, OrbitState};
 use super::{InstantaneousRule, IslandRun, ReachedTouch};
@@ -127,7 +128,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     }
 
     /// Moves the only contact to its end, or through `clear` [s] if it lasts longer, while all other particles fly
-    /// straight. Returns the index of a particle that left its bounds.
+    /// straight. Returns the index of a particle that left its bounds, or `None` if all particles stayed within them.
     pub(super) fn resolve_alone(&mut self, clear: f64) -> Result<Option<usize>, Failure> {
         let start = self.now;
         let touch = self.scratch.contacts[0].touch;

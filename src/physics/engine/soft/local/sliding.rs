@@ -1,5 +1,5 @@
-//! Springs with sliders in the contacts of an island of rotating spheres. The springs stick or slide, and the instants
-//! at which this changes are found within a step.
+//! Springs with sliders in the contacts of an island (group of particles that may meet) of rotating spheres. The
+//! springs stick or slide, and the instants at which this changes are found within a step.
 //!
 //! Each contact has a tangential spring, and also a rolling and a twisting spring if contacts resist these motions. The
 //! state of a spring that sticks is its shear ξ: dξ/dt = v + ω_n n × ξ. Here v is the relative velocity that stretches
@@ -428,7 +428,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     }
 
     /// First end of a phase within a step: the estimated fraction [-] of the step, the index of the spring, and the
-    /// index of the margin that becomes negative. `None` if no phase ends.
+    /// index of the margin that becomes negative. A margin is a distance from the end of the phase. `None` if no phase
+    /// ends.
     pub(super) fn first_switch(&self) -> Option<(f64, usize, usize)> {
         let ends = self.scratch.sliding.iter().enumerate().flat_map(|(k, sliding)| {
             let [before, after] = sliding.margins;

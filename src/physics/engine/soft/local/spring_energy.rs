@@ -1,4 +1,5 @@
-//! Springs of an island's contacts: their indices, energies and losses, and the storage of their state in the contacts.
+//! Springs of the contacts of an island (group of particles that may meet): their indices, energies and losses, and the
+//! storage of their state in the contacts.
 
 use super::sliding::Phase;
 use super::springs::{ContactMotion, SpringKind, SpringMotion};

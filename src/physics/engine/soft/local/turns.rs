@@ -1,4 +1,5 @@
-//! Beginnings and ends of the contacts of an island.
+//! Beginnings and ends of the contacts of an island (group of particles that may meet). A slot is the number of a
+//! candidate (pair, or particle and wall) in its neighbour list.
 
 use super::alone::{TOUCH, TRIALS};
 use super::{InstantaneousRule, IslandRun};
