@@ -1,6 +1,4 @@
-//! The scene: walls, gravity, gas and materials, which engines read and do not change. The simulation changes a scene
-//! at the ends of windows (times between two exchanges with the gas), if walls move, a box is sheared or particles act
-//! on the gas.
+//! The scene: walls, gravity, gas and materials, which engines read and do not change.
 
 mod buoyancy;
 mod instants;

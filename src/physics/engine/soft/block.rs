@@ -59,8 +59,7 @@ pub struct ForceSums {
     pub elastic_energy: f64,
     /// Numbers of forces and tests in the evaluation.
     pub done: ForceEvaluation,
-    /// Failure with the smallest ids among the invalid contacts, such as those with too large an overlap. `None` if all
-    /// contacts are valid.
+    /// Failure with the smallest ids among the invalid contacts; `None` if all contacts are valid.
     pub failure: Option<Failure>,
 }
 

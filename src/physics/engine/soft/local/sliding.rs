@@ -428,8 +428,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     }
 
     /// First end of a phase within a step: the estimated fraction [-] of the step, the index of the spring, and the
-    /// index of the margin that becomes negative. A margin is a distance from the end of the phase. `None` if no phase
-    /// ends.
+    /// index of the margin (distance from the end of the phase) that becomes negative; `None` if no phase ends.
     pub(super) fn first_switch(&self) -> Option<(f64, usize, usize)> {
         let ends = self.scratch.sliding.iter().enumerate().flat_map(|(k, sliding)| {
             let [before, after] = sliding.margins;
