@@ -7,7 +7,7 @@ use diptych::engine::distributed::Distributed;
 use diptych::engine::soft::Soft;
 use diptych::experiment::{Experiment, Integrator, Model, SoftStepping};
 use diptych::fluid::{
-    ChannelFlow, Coupling, HeldFlow, LoadedFlow, Modulation, SliceSums, TurbulenceModel, TurbulenceStatistics,
+    ChannelFlow, Coupling, HeldFlow, Langevin, LoadedFlow, Modulation, SliceSums, TurbulenceModel, TurbulenceStatistics,
 };
 use diptych::placement::initial_state;
 use diptych::schedule::Schedule;
@@ -333,6 +333,39 @@ fn gas_that_makes_room_keeps_its_velocity() {
             assert!(node.u > low - 1e-6 && node.u < high + 1e-6, "{cell}: {} in {low} .. {high}", node.u);
         }
     }
+}
+
+/// The damping 2 r k St/(1 + St) uses the integral time (k/ε)/(1/2 + 3/4 C_0) of the case's own constant C_0, St = τ over
+/// this time: in a short step the changes of ln k are in the ratio of St/(1 + St).
+#[test]
+fn turbulence_is_damped_by_the_constants_of_the_case() {
+    let alone = flow(TurbulenceModel::WallFunctions);
+    let middle = *alone.nodes.last().unwrap();
+    let response = 0.5 * middle.k / middle.epsilon;
+    let logarithm = |modulation: Modulation, kolmogorov_constant: f64| {
+        let coupling = Coupling { slices: 7, held: HeldFlow::FlowRate, modulation };
+        let constants = Langevin { kolmogorov_constant, ..Langevin::default() };
+        let mut loaded = LoadedFlow::new(coupling, &alone, 1.2, 1.0).with_langevin(constants);
+        let exchange = 20.0 * 1.2 * loaded.box_volume() / 7.0;
+        loaded.advance(1e-5, &[SliceSums { mass: response * exchange, exchange, ..SliceSums::default() }; 7]);
+        loaded.flow().unwrap().nodes.last().unwrap().k.ln()
+    };
+    let damped = |constant: f64| logarithm(Modulation::None, constant) - logarithm(Modulation::Simonin, constant);
+    let share = |constant: f64| {
+        let stokes = 0.5 * (0.5 + 0.75 * constant);
+        stokes / (1.0 + stokes)
+    };
+    for constant in [1.0, 2.1, 7.0] {
+        let wanted = share(constant) / share(2.1);
+        // the logarithms change by 2e-4, so that the ratio errs by about as much
+        close("damping over that of 2.1", damped(constant) / damped(2.1), wanted, 1e-3 * wanted);
+    }
+    let seen = "[fluid.turbulence.langevin]\nkolmogorov_constant = 7\n[fluid.coupling]";
+    let [own, default] = [seen, "[fluid.turbulence.langevin]\n[fluid.coupling]"]
+        .map(|table| begin(&case(&CHANNEL.replace("[fluid.coupling]", table))).loaded_flow().cloned().unwrap());
+    assert_ne!(own, default);
+    let constants = Langevin { kolmogorov_constant: 7.0, ..Langevin::default() };
+    assert_eq!(own, default.with_langevin(constants));
 }
 
 /// Particles of the response time of eddies damp ε 1.2 times as fast as k: in a short step the logarithms of both change in

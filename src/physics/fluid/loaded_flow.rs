@@ -113,6 +113,8 @@ pub struct LoadedFlow {
     owed: Vec<f64>,
     /// Lengths k^(3/2)/ε of the gas alone, one per cell in wall units. They are used with Crowe's modulation only.
     alone_length: Vec<f64>,
+    /// Constants by which Simonin's modulation computes the integral time of the gas velocity that particles see.
+    langevin: Langevin,
     /// [kg m/s] momentum of the gas along z at the start, and what it has gained since.
     pub balance: GasBalance,
 }
@@ -164,12 +166,18 @@ impl LoadedFlow {
             pressure_gradient: 1.0 / channel.reynolds_tau,
             owed: vec![0.0; coupling.slices],
             alone_length: channel.k.iter().zip(&channel.epsilon).map(|(k, epsilon)| k.powf(1.5) / epsilon).collect(),
+            langevin: Langevin::default(),
             balance: GasBalance::default(),
             channel,
         };
         loaded.bulk_per_flow = flow.bulk_velocity / loaded.gas_momentum();
         loaded.renew_stress();
         loaded
+    }
+
+    /// Sets the constants of the Langevin equation that Simonin's modulation uses in place of the default ones.
+    pub fn with_langevin(self, langevin: Langevin) -> Self {
+        Self { langevin, ..self }
     }
 
     /// Sets the volume fractions of the gas, one per cell, and starts the balance of momentum. It is called once, in
@@ -383,7 +391,7 @@ impl LoadedFlow {
         let response = slice(|sums, _| if sums.exchange > 0.0 { sums.mass / sums.exchange } else { 0.0 });
         let slip =
             slice(|sums, duration| if sums.exchange > 0.0 { sums.impulse / (sums.exchange * duration) } else { 0.0 });
-        let langevin = Langevin::default();
+        let langevin = &self.langevin;
         let (unit_time, unit_velocity) = (self.unit_time(), self.unit_velocity());
         (0..count)
             .map(|cell| {

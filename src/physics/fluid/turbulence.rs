@@ -7,7 +7,7 @@ use super::table::VelocityTable;
 use nalgebra::Vector3;
 use rand::rngs::ChaCha8Rng;
 use rand_distr::{Distribution, Exp1, StandardNormal};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// [-] shortest turnover time k/ε of eddies, over the Kolmogorov time sqrt(ν/ε) with the kinematic viscosity ν (Durbin
@@ -197,7 +197,7 @@ impl Turbulence {
 /// variance dt. St = τ/T_L is the Stokes number with the response time τ of the particle and the integral time T_L of
 /// the gas. The variance of each component of **u** stays σ² = 2k/3. The equation leaves out anisotropy and shear
 /// stress of the turbulence, its production along the path of a particle, and correlations between particles.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Langevin {
     /// [-] Kolmogorov constant C_0 of the Lagrangian structure function, in T_L = (k/ε)/(1/2 + 3/4 C_0).
     pub kolmogorov_constant: f64,

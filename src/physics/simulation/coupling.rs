@@ -18,7 +18,8 @@ pub(super) fn flow_at_start(fluid: &Fluid, domain: &Domain) -> Option<LoadedFlow
             2.0 * domain.size.x * domain.size.z
         }
     };
-    Some(LoadedFlow::new(coupling, flow, fluid.density, wall_area))
+    let langevin = fluid.turbulence.as_ref().map(|turbulence| turbulence.langevin).unwrap_or_default();
+    Some(LoadedFlow::new(coupling, flow, fluid.density, wall_area).with_langevin(langevin))
 }
 
 impl Simulation {
