@@ -36,8 +36,8 @@ pub enum Command {
     /// Compares files of any program: series over time, output of LAMMPS, tables of values with standard errors, and
     /// folders of results.
     Judge(JudgeArguments),
-    /// Continues a run, a comparison, a sweep or a study of sensitivity that was stopped or killed; the results do not
-    /// depend on the interruption.
+    /// Continues a run, a comparison, a sweep or a study of sensitivity or of needs that was stopped or killed; the
+    /// results do not depend on the interruption.
     Resume(Resume),
     /// Predicts contacts, time steps, rates and costs of a case and recommends an engine; runs only a few seconds of
     /// calibration.

@@ -8,9 +8,11 @@ use diptych::fluid::{Fluid, Profile};
 use diptych::observe::{Observer, Paths, Series};
 use diptych::output::{Folder, write_study};
 use diptych::predict::closed_form::{Bouncing, Chain, Cooling, settling_velocity};
+use diptych::scene::{Scene, Thermostat};
 use diptych::schedule::Schedule;
 use diptych::simulation::Simulation;
 use diptych::study::execute;
+use diptych::walls::ThermalWall;
 use nalgebra::Vector3;
 
 /// A sphere between a floor and a ceiling. It is thrown upwards so fast that its first flight reaches the ceiling, then
@@ -91,6 +93,26 @@ fn a_gas_cools_as_haff_says() {
     }
     scene.contact = surface(0.9, 0.1);
     assert!(Cooling::of(&scene, 2000, 1.0).is_none(), "friction takes energy as well");
+}
+
+/// Haff's law and the parabolas of a bouncing sphere leave out all other sources of motion, so that they are not offered
+/// as theory of scenes with such a source.
+#[test]
+fn driven_scenes_have_no_closed_form() {
+    let gas = empty([edge(2000, 406e-6, 0.05); 3], [true; 3], small(), surface(0.9, 0.0));
+    assert!(Cooling::of(&gas, 2000, 1.0).is_some());
+    let heated = Scene { thermostat: Some(Thermostat::Stochastic { heating: 1.0 }), ..gas.clone() };
+    let sheared = Scene { domain: gas.domain.clone().sheared(10.0, 0.0), ..gas.clone() };
+    for (scene, name) in [(heated, "heated"), (sheared, "sheared")] {
+        assert!(Cooling::of(&scene, 2000, 1.0).is_none(), "{name}");
+    }
+    let mut box_of_one = empty([0.02; 3], [true, false, true], small(), surface(0.9, 0.0));
+    box_of_one.gravity = Vector3::new(0.0, -9.81, 0.0);
+    box_of_one.walls = vec![plane([0.0; 3], [0.0, 1.0, 0.0], surface(0.9, 0.0))];
+    let start = [Vector3::new(0.01, 0.01, 0.01), Vector3::zeros()];
+    assert!(Bouncing::of(&box_of_one, start, 1.0).is_some());
+    box_of_one.walls[0].thermal = Some(ThermalWall { temperature: 1.0, seed: 1 });
+    assert!(Bouncing::of(&box_of_one, start, 1.0).is_none(), "a thermal wall gives another speed");
 }
 
 #[test]

@@ -203,22 +203,27 @@ fn two_bodies(scene: &Scene, particles: &Particles, case: &Path) -> Result<Impac
     }
 }
 
-/// Gap [m] between the two bodies and their normal relative velocity [m/s], at the simulated time `time` [s]. The gap
-/// is negative while they overlap, and the velocity is positive while they separate.
+/// Gap [m] between the two bodies and their normal relative velocity [m/s], at the simulated time `time` [s], to which
+/// `scene` and `particles` belong. The gap is negative while the bodies overlap, and the velocity is positive while they
+/// separate.
 pub(super) fn point(scene: &Scene, particles: &Particles, meeting: &ImpactPair, time: f64) -> PathPoint {
     let place = |id: u32| particles.id.iter().position(|&other| other == id).unwrap_or_default();
     let i = place(0);
     let (gap, normal_velocity) = match meeting.partner {
         Partner::Particle(id) => {
             let j = place(id);
-            let apart = scene.domain.separation(&particles.position[i], &particles.position[j]);
-            let distance = apart.norm();
             let velocity = particles.velocity[i] - particles.velocity[j];
+            let (apart, velocity) =
+                scene.domain.relative(&particles.position[i], &particles.position[j], velocity, 0.0);
+            let distance = apart.norm();
             (distance - particles.radius[i] - particles.radius[j], velocity.dot(&apart) / distance)
         }
         Partner::Wall(wall) => {
-            let nearest = scene.walls[wall as usize].geometry.law().nearest(&particles.position[i]);
-            (nearest.distance - particles.radius[i], particles.velocity[i].dot(&nearest.normal))
+            let wall = &scene.walls[wall as usize];
+            let nearest = wall.geometry.law().nearest(&particles.position[i]);
+            let surface = particles.position[i] - nearest.normal * nearest.distance;
+            let velocity = particles.velocity[i] - wall.surface_velocity(&surface, 0.0);
+            (nearest.distance - particles.radius[i], velocity.dot(&nearest.normal))
         }
     };
     PathPoint { time, gap, normal_velocity }
@@ -238,7 +243,7 @@ fn bounce(experiment: &Experiment, particles: Particles, meeting: &ImpactPair) -
     let schedule = Schedule::even(window, 1, windows as u64);
     let first = point(scene, &particles, meeting, 0.0);
     let mut path = Vec::new();
-    let mut noted = |now: &Simulation| path.push(point(scene, &now.particles, meeting, now.time));
+    let mut noted = |now: &Simulation| path.push(point(now.scene(), &now.particles, meeting, now.time));
     let mut simulation = Simulation::new(experiment, particles).with_clock(Clock::wall());
     let failure = observe::run(&mut simulation, &schedule, &mut [&mut noted]).err();
     let wall_seconds = simulation.spent.whole.as_secs_f64();
@@ -266,10 +271,14 @@ fn bounce(experiment: &Experiment, particles: Particles, meeting: &ImpactPair) -
 
 /// Closed form of the impact: straight flight until the bodies touch, the contact, then straight flight. A soft contact
 /// follows the contact law (Eq. 6 of the paper); a hard one takes an instant. `None` if gravity curves the flight
-/// towards a wall, or if the bodies do not meet.
+/// towards a wall, if the wall moves, or if the bodies do not meet.
 fn closed_form(experiment: &Experiment, meeting: &ImpactPair, first: PathPoint) -> Option<Analytic> {
     let approach = -first.normal_velocity;
-    let bent = matches!(meeting.partner, Partner::Wall(_)) && experiment.scene.gravity.norm() > 0.0;
+    let scene = &experiment.scene;
+    let bent = match meeting.partner {
+        Partner::Wall(wall) => scene.gravity.norm() > 0.0 || scene.walls[wall as usize].moving.is_some(),
+        Partner::Particle(_) => false,
+    };
     if bent || approach <= 0.0 || first.gap < 0.0 {
         return None;
     }

@@ -1,4 +1,5 @@
-//! `diptych resume`: continues a run, a comparison, a sweep or a study of sensitivity that was stopped or killed.
+//! `diptych resume`: continues a run, a comparison, a sweep or a study of sensitivity or of needs that was stopped or
+//! killed.
 
 use super::compare::compare;
 use super::run::{MakeObserver, run};
@@ -54,7 +55,7 @@ pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
         adopt(args, &mut typed.output, &mut typed.effort);
         sweep(&typed, origin, ranks)
     } else {
-        Err(input(format!("{shown} holds no run, comparison, sweep or study of sensitivity")))
+        Err(input(format!("{shown} holds no run, comparison, sweep or study of sensitivity or of needs")))
     }
 }
 

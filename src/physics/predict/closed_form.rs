@@ -24,19 +24,26 @@ pub struct Cooling {
     square: f64,
 }
 
+/// True if only gravity and collisions change the velocities of particles, no particle comes in or leaves, and planes are
+/// smooth. Otherwise the closed forms of this module do not hold.
+fn is_undriven(scene: &Scene) -> bool {
+    let driven = scene.is_kicked() || scene.is_heated() || scene.domain.shear.is_some();
+    !(driven || scene.has_openings() || scene.has_rough_walls())
+}
+
 impl Cooling {
     /// Makes a cooling gas of `count` particles that start with the granular temperature `temperature` [m²/s²]. `None`
-    /// unless the scene is a periodic box of many equal spheres with constant restitution below 1, without friction,
-    /// drag and walls.
+    /// unless the scene is a periodic box of many equal spheres with constant restitution below 1. Friction, rotation,
+    /// drag, heating, shear, inlets, outlets and walls also give `None`.
     pub fn of(scene: &Scene, count: usize, temperature: f64) -> Option<Self> {
         let [species] = scene.species.as_slice() else { return None };
         if scene.has_sizes() {
             return None;
         }
-        let dragged = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
-        let alone = !dragged && scene.walls.is_empty() && scene.domain.periodic == [true; 3];
+        let alone = is_undriven(scene) && scene.walls.is_empty() && scene.domain.periodic == [true; 3];
         let contact = scene.surface(0, Kind::Species(0));
-        let smooth = contact.friction == 0.0 && contact.by_speed.is_none() && contact.restitution < 1.0;
+        let smooth = scene.rotation.is_none() && contact.friction == 0.0;
+        let smooth = smooth && contact.by_speed.is_none() && contact.restitution < 1.0;
         if !(alone && smooth && count >= FEWEST && temperature > 0.0) {
             return None;
         }
@@ -101,14 +108,14 @@ pub struct Bouncing {
 
 impl Bouncing {
     /// Computes the bounces of a sphere from a position [m] and a velocity [m/s] for `duration` [s], or until a flight
-    /// becomes shorter than `SHORTEST`. `None` with drag, without gravity, or if a wall is not a plane perpendicular to
-    /// gravity.
+    /// becomes shorter than `SHORTEST`. `None` without gravity, with drag, heating, inlets or outlets, or if a wall is
+    /// not a smooth plane at rest and perpendicular to gravity.
     pub fn of(scene: &Scene, [position, velocity]: [Vector3<f64>; 2], duration: f64) -> Option<Self> {
         /// [-] duration of the shortest flight that is computed, over `duration`. Shorter flights could not be
         /// distinguished in a picture.
         const SHORTEST: f64 = 1e-5;
-        let dragged = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
-        let ([species], false) = (scene.species.as_slice(), dragged || scene.has_sizes()) else { return None };
+        let other = scene.has_sizes() || !is_undriven(scene);
+        let ([species], false) = (scene.species.as_slice(), other) else { return None };
         let (up, gravity, radius) = (-scene.gravity.try_normalize(0.0)?, scene.gravity.norm(), 0.5 * species.diameter);
         let smooth = Surface::new(1.0, 0.0);
         let (mut floor, mut ceiling) = ((f64::NEG_INFINITY, smooth), (f64::INFINITY, smooth));
@@ -188,8 +195,7 @@ impl Chain {
     /// elastic, lie in a straight row, move along it, and no other force acts on them.
     pub fn of(scene: &Scene, start: &[[Vector3<f64>; 2]]) -> Option<Self> {
         let ([species], [_, _, ..]) = (scene.species.as_slice(), start) else { return None };
-        let dragged = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
-        let alone = !dragged && scene.walls.is_empty() && scene.gravity.norm() == 0.0;
+        let alone = is_undriven(scene) && scene.walls.is_empty() && scene.gravity.norm() == 0.0;
         if !(alone && scene.restitution_of_pairs() == Some(1.0)) {
             return None;
         }
