@@ -8,10 +8,12 @@ use diptych::engine::Engine;
 use diptych::engine::dsmc::Dsmc;
 use diptych::engine::hard::Hard;
 use diptych::engine::hybrid::Hybrid;
-use diptych::experiment::{DsmcSettings, Integrator, Model, SoftStepping};
+use diptych::experiment::{AverageFrom, DsmcSettings, Integrator, Model, SoftStepping};
+use diptych::placement::initial_state;
 use diptych::rotation::{ImpactRule, LinearTangential, Rotation, TangentialLaw};
-use diptych::scene::{Inlet, Outlet, OutletShape};
+use diptych::scene::{Inlet, Outlet, OutletShape, Species};
 use diptych::simulation::{FlowTotals, Simulation, Snapshot};
+use diptych::study::execute;
 use diptych::walls::{Cavity, Hollow, Plane};
 use diptych::{ContactLaw, Particles, Scene, Vector3};
 use std::collections::HashSet;
@@ -299,6 +301,31 @@ fn threads_and_the_order_of_the_store_change_no_bit() {
         assert!(one == result(&start, 3), "{name}: threads");
         assert!(one == result(&shuffled_start, 1), "{name}: order of the store");
     }
+}
+
+/// A species that only an inlet brings has its row among the species, with its mean number of particles.
+#[test]
+fn species_that_come_in_are_averaged_too() {
+    let scene = empty([10.0; 3], [true; 3], unit(), surface(1.0, 0.0));
+    let species = {
+        let inlet = Inlet { species: 1, ..feed(block([1.0; 3], [9.0; 3]), 10.0, [1.0, 0.0, 0.0], 0.0) };
+        let second = Species { name: "second".into(), ..unit() };
+        let species = vec![unit(), second];
+        let scene = Scene { species, inlets: vec![inlet], ..scene };
+        let mut run = experiment(scene, 3, [0.0; 3], 1.0, Model::Hard, 4);
+        (run.run.duration, run.run.window) = (1.0, Some(0.1));
+        run.run.average_from = AverageFrom::Time(0.5);
+        run.statistics.sample_interval = Some(0.1);
+        let start = initial_state(&run).unwrap();
+        execute(&run, start, &mut []).0.kinds.species
+    };
+    let names: Vec<_> = species.iter().map(|of| of.name.as_str()).collect();
+    assert_eq!((names, species[0].count), (vec!["unit", "second"], 3));
+    // one comes in at the start and then one every 0.1 s: 6 at 0.5 s and 11 at the end, where each may come in with the next
+    // window
+    let mean = (6..=11).sum::<usize>() as f64 / 6.0;
+    close("number", species[1].count as f64, mean, 1.5);
+    close("number in the volume", species[1].number_density * 1000.0, mean, 1.0);
 }
 
 /// Spheres at rest fill a region, until those that are due find no place.

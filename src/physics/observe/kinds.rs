@@ -16,7 +16,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct OfSpecies {
     species: u16,
-    count: usize,
+    /// Number of particles of the species at every sample. It changes only with inlets or outlets.
+    count: Vec<f64>,
     profiles: Accumulator,
     /// [m/s] mean streamwise velocity of the species at every sample.
     velocity: Vec<f64>,
@@ -46,9 +47,9 @@ pub struct Kinds {
 pub struct SpeciesAverages {
     /// Name of the species of particles.
     pub name: String,
-    /// Number of particles of the species.
+    /// Number of particles of the species, as a mean over the samples; 0 without samples.
     pub count: usize,
-    /// [1/m³] particles of the species per volume of the box.
+    /// [1/m³] mean number of particles of the species per volume of the box.
     pub number_density: f64,
     /// [m/s] mean streamwise velocity of the species.
     pub velocity: Option<Estimate>,
@@ -195,15 +196,18 @@ impl Kinds {
     /// Creates the measurements for an experiment, before the first sample.
     pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
         let (slices, height) = (experiment.statistics.slices, experiment.scene.domain.size.y);
-        let of = |(species, count): (usize, usize)| OfSpecies {
+        let of = |(species, _): (usize, usize)| OfSpecies {
             species: species as u16,
-            count,
+            count: Vec::new(),
             profiles: Accumulator::new(slices, height),
             velocity: Vec::new(),
             temperature: Vec::new(),
             energy: Vec::new(),
         };
-        let present = experiment.counts().into_iter().enumerate().filter(|(_, count)| *count > 0);
+        let comes_in =
+            |species: usize| experiment.scene.inlets.iter().any(|inlet| usize::from(inlet.species) == species);
+        let species = experiment.counts().into_iter().enumerate();
+        let present = species.filter(|(species, count)| *count > 0 || comes_in(*species));
         let species: Vec<OfSpecies> = present.map(of).collect();
         let species = if species.len() > 1 { species } else { Vec::new() };
         Self { slices, interval: schedule.interval(), species, impacts: Vec::new(), times: Vec::new() }
@@ -321,13 +325,15 @@ impl OfSpecies {
         let batches = [of_series(Some(velocities)), of_series(temperatures.as_deref()), rate];
         let temperature = temperatures.as_ref().and_then(|temperatures| estimate(temperatures));
         let half = 0.5 * species.mass();
+        let counts = self.count.get(first..).unwrap_or_default();
+        let count = counts.iter().sum::<f64>() / counts.len().max(1) as f64;
         let energies: Option<Vec<f64>> = self.energy.iter().skip(first).copied().collect();
         let of_sizes = energies.filter(|energies| !energies.is_empty()).and_then(|energies| estimate(&energies));
         let of_one_size = |t: Estimate| Estimate { value: half * t.value, error: t.error.map(|error| half * error) };
         SpeciesAverages {
             name: species.name.clone(),
-            count: self.count,
-            number_density: self.count as f64 / scene.domain.volume(),
+            count: count.round() as usize,
+            number_density: count / scene.domain.volume(),
             velocity: estimate(velocities),
             batches,
             temperature,
@@ -387,6 +393,7 @@ impl Observer for Kinds {
             of.profiles.sample(simulation.time, own);
             let height = simulation.scene().domain.size.y;
             let spread = VelocitySpread::about(simulation.mean_velocity(), own, self.slices, height);
+            of.count.push(spread.count());
             of.velocity.push(spread.mean().z);
             of.temperature.push(spread.temperature());
             if simulation.scene().species[usize::from(of.species)].sizes.is_some() {

@@ -63,6 +63,11 @@ impl VelocitySpread {
         total
     }
 
+    /// Number of all particles, as a floating-point number.
+    pub fn count(&self) -> f64 {
+        self.total().count
+    }
+
     /// [m/s] mean velocity of all particles; 0 without particles.
     pub fn mean(&self) -> Vector3<f64> {
         let VelocitySums { count, sum, .. } = self.total();

@@ -361,7 +361,7 @@ fn drag(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor,
     }
     let run = plan.add(&format!("drag: {}", title(to)), &[format!("drag.{to}={{}}")], None, None)?;
     let change = format!("{} → {}", title(before), title(to));
-    Ok(PlannedFactor::against(plan.first(), run, change, why(size, "the other law of this program")))
+    Ok(PlannedFactor::against(plan.first(), run, change, why(size, "another law of this program")))
 }
 
 /// Name of a law of a case as a title: `schiller_naumann` becomes "Schiller-Naumann".
