@@ -14,6 +14,8 @@
 //!         Outcome -> outputs (csv, json, svg, html)  <-  studies: run, compare, plan, impact
 //! ```
 //!
+//! A window h is the time between two exchanges of momentum with the gas.
+//!
 //! Without the feature `program` (on by default) the crate has no command line, no studies and no output files. Without
 //! the feature `case` it cannot read case files. The modules from `clock` to `outcome`, with all physics, need no
 //! feature.

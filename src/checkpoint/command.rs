@@ -5,7 +5,8 @@ use crate::experiment::Experiment;
 use serde::{Deserialize, Serialize};
 use std::ffi::OsString;
 
-/// Data of a command that are stored in its checkpoint.
+/// Command with the identities of its runs, as it is stored in a checkpoint. From these data `diptych resume` starts
+/// the command again.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct StoredCommand {
     /// Words of the command line; the first is the program.
@@ -18,12 +19,15 @@ pub struct StoredCommand {
     pub runs: Vec<RunIdentity>,
 }
 
-/// Identity of one run of a command: its name, with checksums of the parts of its experiment.
+/// Identity of one run of a command, by which its stored state is recognized. It consists of a name, and of a checksum
+/// of each part of its experiment.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RunIdentity {
-    /// Name of the variant, or a hash of all data that determine the run.
+    /// Name of the variant or, in an identity made by [`of_hash`](Self::of_hash), a hash of all data that determine the
+    /// run.
     pub name: String,
-    /// Checksum of each part of the experiment, with the name of the part, such as `scene`.
+    /// Name of each part of the experiment, such as `scene`, with the checksum of this part. Empty in an identity made
+    /// by [`of_hash`](Self::of_hash).
     parts: Vec<(String, u32)>,
 }
 
@@ -73,7 +77,8 @@ impl RunIdentity {
         self.parts.iter().zip(&other.parts).find(differs).map(|(own, _)| own.0.as_str())
     }
 
-    /// Text that identifies the run in the names of files: the given hash, or the checksum of its name and parts.
+    /// Text that identifies the run in the names of files. It is the hash if the identity was made from a hash, else
+    /// the checksum of the name and of all parts of the experiment.
     pub fn file_name(&self) -> String {
         if self.parts.is_empty() { self.name.clone() } else { format!("{:08x}", self.checksum()) }
     }

@@ -1,6 +1,6 @@
 //! Checkpoints: files from which a stopped or killed command can be continued.
 //!
-//! During `run`, `compare`, `sensitivity` and `sweep`, the folder of results has a subfolder
+//! During `run`, `compare`, `sensitivity`, `needs` and `sweep`, the folder of results has a subfolder
 //! [`checkpoint`](crate::output::CHECKPOINT) with these files:
 //!
 //! * `command`: the command line and the identities of its runs, from which `diptych resume` starts the command again

@@ -75,7 +75,7 @@ impl Store {
         COMMAND.iter().try_for_each(|name| self.write(name, command))
     }
 
-    /// Reads the command to be continued, from the first of its two files that can be used.
+    /// Reads the command to be continued. It is stored in two equal files; the first one that can be used is read.
     ///
     /// # Errors
     /// If no file can be used: the reason for the first file.

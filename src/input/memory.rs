@@ -9,8 +9,9 @@ use crate::schedule::Schedule;
 /// [byte] memory per particle: upper limit for dense scenes of soft or of hard spheres, tested in `tests/memory.rs`.
 const PARTICLE: f64 = 350.0;
 
-/// [byte] memory per slice and block of time: twenty sums of 8 bytes, stored twice while averages are computed from
-/// them (`statistics/profiles.rs`).
+/// [byte] memory of one slice of the box across y for one block of time (an interval of the run that is averaged by
+/// itself). It holds twenty sums of 8 bytes, stored twice while averages are computed from them
+/// (`statistics/profiles.rs`).
 const SLICE: f64 = 2.0 * 20.0 * 8.0;
 
 /// Largest number of blocks of time into which the samples of a run are grouped for averages
@@ -22,7 +23,7 @@ const MOST_BLOCKS: f64 = 512.0;
 pub struct Need {
     /// [byte] memory for particles, their neighbours and contacts.
     pub particles: f64,
-    /// [byte] memory for averages in slices.
+    /// [byte] memory for the averages in slices of the box across y.
     pub slices: f64,
 }
 
@@ -30,7 +31,7 @@ impl Need {
     /// Estimates the memory that an experiment needs.
     pub fn of(experiment: &Experiment) -> Self {
         let kinds = experiment.scene.species.len();
-        // a mixture has one table of averages per kind and one for all kinds
+        // a mixture has one table of averages per species and one for all species together
         let tables = if kinds > 1 { 1 + kinds } else { 1 } as f64;
         let samples = Schedule::new(experiment).samples as f64 + 1.0;
         let slices = experiment.statistics.slices as f64;
@@ -40,7 +41,7 @@ impl Need {
         }
     }
 
-    /// [byte] memory for particles and slices together.
+    /// [byte] memory for the particles and for the averages in slices together.
     pub fn total(&self) -> f64 {
         self.particles + self.slices
     }

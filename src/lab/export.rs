@@ -1,9 +1,9 @@
 //! `diptych lab --export`: one file with a scene of the lab and recorded runs, which needs neither the program nor a
 //! network.
 //!
-//! A run is recorded for the case as it is, for each other setup of the right panel, and for several values of each
-//! parameter, one at a time. The page of the lab plays these runs by the script `recorded.js`, which takes the place of
-//! the connection to the program.
+//! A run is recorded for the case as it is. Further runs have each other setup of the right panel (collision model and
+//! changes to the case), and several values of each parameter, one at a time. The page of the lab plays these runs by
+//! the script `recorded.js`, which takes the place of the connection to the program.
 
 use super::frame::{DrawnParticle, Now, PanelComparison};
 use super::page::{ASSETS, RECORDED};
@@ -20,8 +20,8 @@ use serde::Serialize;
 use serde_json::json;
 use std::time::Duration;
 
-/// Number of frames of a recorded run after its start. A scene that lasts 12 s on the page thus has ten frames per
-/// second.
+/// Number of frames (recorded instants) of a run after its start. A scene that lasts 12 s on the page thus has ten
+/// frames per second.
 const FRAMES: usize = 120;
 
 /// Number of values of a parameter that are recorded, from its lower to its upper limit, in addition to its value in
@@ -31,10 +31,12 @@ const VALUES: usize = 5;
 /// Number of comparisons of the two panels in a recorded run.
 const VERDICTS: usize = 12;
 
-/// Largest number of measured rows in a recorded frame, so that a curve has some thousand points.
+/// Largest number of rows of measured quantities in a recorded frame (state at one instant). With this number, a curve
+/// has some thousand points.
 const ROWS: usize = 20;
 
-/// Wall time that a panel may take for one frame. It is so long that no scene reaches it.
+/// Wall time that a panel may compute from one frame (recorded instant) to the next. It is so long that no scene
+/// reaches it.
 const LONGEST: Duration = Duration::from_secs(86_400);
 
 /// Digits of the measured numbers in a file. A picture has some hundred pixels, but a curve, such as the height of a
@@ -47,24 +49,27 @@ const FULL: f32 = u16::MAX as f32;
 /// Number of columns of a particle that change during a run: x, y, z [m], speed [m/s] and overlap [m].
 const MOVING: usize = 5;
 
-/// Recorded run.
+/// Run of a scene with chosen settings, as it is recorded in the exported page.
 #[derive(Serialize)]
 struct Recording {
-    /// Settings that differ from the case.
+    /// Values of the parameters that differ from those of the case, by the names of the parameters.
     settings: Settings,
-    /// Index of the setup of the right panel.
+    /// Index of the setup of the right panel (its collision model and changes to the case) in the list that the scene
+    /// offers.
     right: usize,
     opened: Opened,
     frames: Vec<RecordedFrame>,
-    /// Smallest value and range of each column, which the fractions in `particles` refer to.
+    /// For each column of `particles`: its smallest value in the run, and its largest value minus the smallest. A
+    /// recorded fraction is the share of this difference.
     scales: [[f32; 2]; MOVING],
     /// [m] radii of the particles of each panel.
     radii: Vec<Vec<f32>>,
-    /// Columns of all particles as 16-bit fractions, frame by frame, panel by panel, in base 64.
+    /// Columns x, y, z, speed and overlap of all particles, as text in base 64. A value is a fraction between 0 and 1
+    /// (see `scales`), stored as a 16-bit number. All panels of one frame precede the next frame.
     particles: String,
 }
 
-/// Frame of a recorded run, without its particles.
+/// State of both panels at one recorded instant (frame), without the particles.
 #[derive(Serialize)]
 struct RecordedFrame {
     sides: Vec<Now>,
@@ -104,7 +109,7 @@ pub fn scene_named(name: &str) -> Result<&'static LabScene, String> {
     })
 }
 
-/// Choices of scene and settings that are recorded, the case first.
+/// Scene and settings of each recorded run. The run of the unchanged case is the first.
 fn choices(scene: &LabScene) -> Result<Vec<SceneChoice>, String> {
     let choice = |right, settings| SceneChoice { scene: scene.name.to_owned(), settings, right, serial: 0 };
     let mut choices: Vec<SceneChoice> = (0..scene.rights.len()).map(|right| choice(right, Settings::new())).collect();
@@ -172,14 +177,14 @@ fn record(choice: &SceneChoice) -> Result<Recording, String> {
     Ok(Recording { settings: choice.settings.clone(), right: choice.right, opened, frames, scales, radii, particles })
 }
 
-/// Smallest of several values, and their range.
+/// Smallest of several values, and the largest minus the smallest; both are 0 if there are no values.
 fn scale(values: impl Iterator<Item = f32>) -> [f32; 2] {
     let (least, most) =
         values.fold((f32::INFINITY, f32::NEG_INFINITY), |(least, most), value| (least.min(value), most.max(value)));
     if least <= most { [least, most - least] } else { [0.0, 0.0] }
 }
 
-/// State of a panel with fewer rows and digits.
+/// State of a panel with at most [`ROWS`] rows of measured quantities, whose numbers are rounded to [`DIGITS`] digits.
 fn short(mut now: Now) -> Now {
     let (mut place, every) = (now.rows.len(), now.rows.len().div_ceil(ROWS).max(1));
     // the last row is always kept

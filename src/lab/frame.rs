@@ -8,7 +8,7 @@ use crate::engine::Failure;
 use crate::simulation::Simulation;
 use serde::Serialize;
 
-/// Numbers of one particle in a frame: x, y, z [m], speed [m/s], overlap [m] and radius [m].
+/// Numbers of one particle in a frame (data of one instant): x, y, z [m], speed [m/s], overlap [m] and radius [m].
 pub type DrawnParticle = [f32; 6];
 
 /// State of one panel at one instant, without its particles.
@@ -20,8 +20,8 @@ pub struct Now {
     pub state: &'static str,
     /// Reason why the run failed, as one word and as a sentence; `None` if it did not fail.
     pub failure: Option<(&'static str, String)>,
-    /// Rows of quantities measured since the previous frame. A row has one value for each column of the graphs, in the
-    /// unit of this column.
+    /// Rows of quantities measured since the previous frame (data of one instant sent to the page). A row has one value
+    /// for each column of the graphs, in the unit of this column.
     pub rows: Vec<Vec<f64>>,
     /// Numbers of the run that the page shows next to the panel.
     pub live: Live,
@@ -127,27 +127,29 @@ pub struct PanelComparison {
     pub sentence: String,
     /// [s] simulated time at which averaging begins.
     pub from: f64,
-    /// Profiles of the left and the right panel over the height. Each slice has the height y [mm], the streamwise
-    /// velocity and its standard error [m/s], and the granular temperature and its standard error [m²/s²]. Unknown
-    /// values are `None`.
+    /// Profiles of the left and the right panel over the height. Each slice of the box across y has its height y [mm],
+    /// the streamwise velocity and its standard error [m/s], and the granular temperature and its standard error
+    /// [m²/s²]. Unknown values are `None`.
     pub profiles: [Vec<[Option<f64>; 5]>; 2],
 }
 
-/// Part of a frame that is sent as JSON.
+/// Part of a frame (data of one instant, from which the page draws) that is sent as JSON.
 #[derive(Clone, Debug, Serialize)]
 pub struct Head<'a> {
     /// Serial number of the choice (scene and settings) by which the page opened the running scene.
     pub serial: u32,
-    /// Numbers of drawn particles in the panels.
+    /// Number of drawn particles in each panel, from left to right.
     pub counts: Vec<usize>,
     /// States of the panels, from left to right.
     pub sides: &'a [Now],
-    /// Comparison of the two panels, in the first frame after a new comparison. It is `None` in all other frames.
+    /// Comparison of the two panels, in the first frame (data of one instant) after a new comparison. It is `None` in
+    /// all other frames.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub judged: Option<PanelComparison>,
 }
 
-/// Bytes of a frame, made from its JSON part and from the particles of its panels.
+/// Bytes of a frame (data of one instant, from which the page draws), made from its JSON part and from the particles of
+/// its panels.
 pub fn bytes(head: &impl Serialize, particles: &[Vec<DrawnParticle>]) -> Vec<u8> {
     let mut json = serde_json::to_vec(head).unwrap_or_default();
     json.resize(json.len().next_multiple_of(4), b' ');

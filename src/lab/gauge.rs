@@ -42,16 +42,17 @@ pub enum Gauge {
     Missed,
 }
 
-/// Graph of measured columns as functions of time or of another measured column.
+/// Graph of measured quantities as functions of time or of another measured quantity. A quantity is given by its index
+/// (column) in a measured row.
 #[derive(Clone, Debug, Serialize)]
 pub struct Graph {
     /// Title of the graph.
     pub title: &'static str,
-    /// Index of the column on the horizontal axis, and the label of this axis.
+    /// Index of the quantity on the horizontal axis, and the label of this axis.
     pub x: (usize, &'static str),
     /// Label of the vertical axis.
     pub y: &'static str,
-    /// Indices of the columns on the vertical axis.
+    /// Indices of the quantities on the vertical axis.
     pub columns: Vec<usize>,
     /// True if the vertical axis is logarithmic.
     pub logarithmic: bool,
@@ -157,8 +158,8 @@ impl Gauge {
         }
     }
 
-    /// True if impacts in the scene are between two bodies, so that a restitution can be measured. If a sphere presses
-    /// on several others at once, no impact has a restitution of its own.
+    /// True if the impacts in the scene are between two bodies alone, so that each has a restitution that can be
+    /// measured. If a sphere presses on several others at once, no impact has a restitution of its own.
     pub fn has_lone_impacts(self) -> bool {
         !matches!(self, Self::Speeds | Self::Column | Self::Heap)
     }
@@ -262,8 +263,8 @@ pub struct Meter<'a> {
     pub gauge: Gauge,
     experiment: &'a Experiment,
     at_start: Option<f64>,
-    /// Rows measured since the previous frame. A row has one value for each column of the graphs, in the unit of this
-    /// column.
+    /// Rows measured since the previous frame (data of one instant sent to the page). A row has one value for each
+    /// column of the graphs, in the unit of this column.
     pub rows: Vec<Vec<f64>>,
 }
 

@@ -19,25 +19,28 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-/// Wall time from one frame to the next while a page is open.
+/// Wall time from one frame (picture of one instant) to the next while a page is open.
 pub const FRAME: Duration = Duration::from_millis(33);
 
-/// Wall time from one frame to the next while no page is open: a page that opens shows a recent state.
+/// Wall time from one frame (picture of one instant) to the next while no page is open: a page that opens shows a
+/// recent state.
 const UNSEEN: Duration = Duration::from_millis(500);
 
 /// Wall time from one test for a steady state to the next.
 const VERDICT: Duration = Duration::from_millis(1500);
 
-/// Largest number of particles in a frame. A browser draws this number some ten times in a second.
+/// Largest number of particles in a frame (picture of one instant). A browser draws this number some ten times in a
+/// second.
 const MOST_DRAWN: usize = 20_000;
 
 /// Largest number of points of a curve, which is more than a picture of 440 pixels shows.
 const MOST_ROWS: usize = 500;
 
-/// [-] largest shift of a sample by rounding, divided by the time between two samples.
+/// [-] largest shift by rounding of the time of a sample (instant of measurement), divided by the time between two
+/// samples.
 const ROUNDING: f64 = 1e-6;
 
-/// Frames of a run for the pages of a server.
+/// Frames of a run (data of one instant each, from which a page draws), for the pages of a server.
 pub struct LiveFeed {
     /// Description of the scene for a page, as JSON.
     pub opened: String,
@@ -47,7 +50,8 @@ pub struct LiveFeed {
 }
 
 impl LiveFeed {
-    /// Latest frame and its number; the number is 0 before the first frame.
+    /// Latest frame (data of one instant, from which a page draws) and its number; the number is 0 before the first
+    /// frame.
     pub fn latest(&self) -> (u64, Arc<[u8]>) {
         self.latest.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
@@ -58,7 +62,7 @@ impl LiveFeed {
     }
 }
 
-/// Part of a live frame that is sent as JSON.
+/// Part of a live frame (data of one instant, from which a page draws) that is sent as JSON.
 #[derive(Serialize)]
 struct LiveHead<'a> {
     counts: [usize; 1],
@@ -66,14 +70,15 @@ struct LiveHead<'a> {
     sentence: &'a str,
 }
 
-/// Observer that makes the frames of a run.
+/// Observer that makes the frames of a run: data of one instant each, from which a page draws.
 pub struct LiveView {
     feed: Arc<LiveFeed>,
     clock: Clock,
-    /// Measurements for the test for a steady state; `None` for a simulation without samples.
+    /// Measurements for the test for a steady state; `None` if the view is not called at the samples (instants of
+    /// measurement) of the run.
     motion: Option<Motion>,
     average_from: AverageFrom,
-    /// [s] time between two samples.
+    /// [s] time between two samples (instants of measurement).
     interval: f64,
     /// [s] unit of the time axis of the curves.
     unit: f64,
@@ -82,9 +87,9 @@ pub struct LiveView {
     rows: Vec<Vec<f64>>,
     /// Only every n-th point is kept; this is n, and the number of points since the latest kept one.
     thinning: (usize, usize),
-    /// Wall time and simulated time [s] of the latest frame.
+    /// Wall time and simulated time [s] of the latest frame (data sent to the page).
     shown: (Duration, f64),
-    /// [s] simulated time until the next frame is due, estimated from the two latest frames.
+    /// [s] simulated time until the next frame (data sent to the page) is due, estimated from the two latest frames.
     stretch: f64,
     judged: Duration,
     sentence: String,
@@ -92,7 +97,8 @@ pub struct LiveView {
 
 impl LiveView {
     /// Creates the view of a run of the experiment. `title` is the heading of the page. If `samples` is true, the view
-    /// is called at all samples of the schedule, and tests for a steady state. If it is false, there is no such test.
+    /// is called at all samples (instants of measurement) of the run, and tests for a steady state. If it is false,
+    /// there is no such test.
     pub fn new(experiment: &Experiment, title: &str, samples: bool) -> Self {
         let duration = experiment.run.duration;
         let (unit, label) = match duration {
@@ -139,12 +145,13 @@ impl LiveView {
         }
     }
 
-    /// Frames for a server.
+    /// Frames of the run (data of one instant each), which a server sends to its pages.
     pub fn feed(&self) -> Arc<LiveFeed> {
         Arc::clone(&self.feed)
     }
 
-    /// Makes a frame if the latest one is old enough. The state of the run is not changed.
+    /// Makes a frame (data of the present instant for the page) if the latest one is old enough. The state of the run
+    /// is not changed.
     pub fn offer(&mut self, simulation: &Simulation) {
         let pause = if self.feed.pages.load(Ordering::Relaxed) > 0 { FRAME } else { UNSEEN };
         if self.clock.now() >= self.shown.0 + pause || self.at_start.is_none() {
@@ -152,7 +159,7 @@ impl LiveView {
         }
     }
 
-    /// Makes a frame of a run that is `running` or `over`.
+    /// Makes a frame (data of the present instant for the page). `state` is that of the run: `running` or `over`.
     pub fn show(&mut self, simulation: &Simulation, state: &'static str) {
         let (now, time) = (self.clock.now(), simulation.time);
         let at_start = *self.at_start.get_or_insert_with(|| simulation.energy());

@@ -48,9 +48,9 @@ macro_rules! policy {
     };
 }
 
-/// Policy of the lab: no other page may contain it.
+/// Content security policy of the lab: no other page may contain (embed) the page of the lab.
 pub const POLICY: &str = policy!("'none'");
 
-/// Policy of a live view: pages of this machine, such as notebooks, may contain it. It has no controls that change
-/// anything.
+/// Content security policy of a live view: pages of this machine, such as notebooks, may contain (embed) the page of
+/// the view. The page has no controls that change anything.
 pub const LIVE_POLICY: &str = policy!("http://127.0.0.1:* http://localhost:*");

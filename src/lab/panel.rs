@@ -14,11 +14,13 @@ use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
 use std::time::Duration;
 
-/// Largest number of measured rows in a frame. If more rows were measured, only every n-th row is sent.
+/// Largest number of measured rows in a frame (data of one instant that are sent to the page). If more rows were
+/// measured, only every n-th row is sent.
 const MOST_ROWS: usize = 100;
 
-/// Smallest number of windows (pieces of the run) per frame at the default pace of a scene. With two windows, the
-/// motion is smooth at a slower pace as well.
+/// Smallest number of windows per frame (picture on the page) at the default pace of a scene. Windows are pieces of the
+/// run, after each of which the panel can show its state. With two windows, the motion is smooth at a slower pace as
+/// well.
 const WINDOWS_PER_FRAME: f64 = 2.0;
 
 /// Running simulation of one panel, with the observers that measure it.
@@ -34,9 +36,9 @@ pub struct LabPanel<'a> {
 }
 
 /// Schedule of the run: the length of its windows (pieces of the run after which the panel can show its state). `frame`
-/// [s] is the simulated time between two frames. With drag, or with hard spheres in time steps, the windows are those
-/// of the case. Otherwise a window lasts at most half a frame, or a single time step if the step is longer. In soft and
-/// hybrid runs it is about a whole multiple of the time step.
+/// [s] is the simulated time between two pictures on the page. With drag, or with hard spheres in time steps, the
+/// windows are those of the case. Otherwise a window lasts at most half of `frame`, or a single time step if the step
+/// is longer. In soft and hybrid runs it is about a whole multiple of the time step.
 fn schedule(experiment: &Experiment, particles: usize, frame: f64) -> Schedule {
     let own = Schedule::new(experiment);
     let dragged = experiment.scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
@@ -53,7 +55,8 @@ fn schedule(experiment: &Experiment, particles: usize, frame: f64) -> Schedule {
 }
 
 impl<'a> LabPanel<'a> {
-    /// Creates a panel in its initial state `start`; `frame` [s] is the simulated time between two frames.
+    /// Creates a panel in its initial state `start`; `frame` [s] is the simulated time between two pictures on the
+    /// page.
     pub fn new(experiment: &'a Experiment, start: Particles, gauge: Gauge, frame: f64) -> Self {
         let schedule = schedule(experiment, start.len(), frame);
         let mut seen = (gauge == Gauge::Channel).then(|| StandardObservers::new(experiment, start.fingerprint()));

@@ -305,9 +305,10 @@ fn approach(experiment: &Experiment, speed: f64) -> Vec<String> {
     (0..placed.len()).flat_map(|k| (0..3).filter_map(move |axis| moving(k, axis))).collect()
 }
 
-/// Arguments of the form `key=value` that set the step criterion θ of hard spheres in time steps, and the window and
-/// the time between samples in proportion to it. A step cannot be longer than a window, and a window not longer than
-/// the time between samples. So in these scenes the step, the window and the time between samples are equal.
+/// Arguments of the form `key=value` that set the step criterion θ of hard spheres in time steps. The window (time
+/// between two exchanges with the gas) and the time between samples (instants of measurement) are set in proportion to
+/// θ. A step cannot be longer than a window, and a window not longer than the time between samples. In these scenes all
+/// three are equal.
 fn theta(experiment: &Experiment, theta: f64) -> Vec<String> {
     let mut sets = vec![format!("hard.theta={theta}")];
     if let HardStepping::Steps { theta: before } = experiment.hard.stepping {

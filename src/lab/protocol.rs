@@ -24,7 +24,8 @@ pub struct SceneChoice {
     /// Values of the parameters that the user has set.
     #[serde(default)]
     pub settings: Settings,
-    /// Index of the setup of the right panel in the list of setups that the scene offers.
+    /// Index of the setup of the right panel (its collision model and changes to the case) in the list that the scene
+    /// offers.
     #[serde(default)]
     pub right: usize,
     /// Serial number of the choice, counted by the page. Answers to this choice contain the same number.
@@ -43,7 +44,7 @@ pub enum Ask {
         /// True to continue the motion.
         on: bool,
     },
-    /// Computes a single frame while the motion is paused.
+    /// Computes a single frame (picture of one instant) while the motion is paused.
     Step,
     /// Sets the speed of the animation.
     Pace {
@@ -56,7 +57,7 @@ pub enum Ask {
         /// True if the page is visible.
         on: bool,
     },
-    /// Reports that the page has drawn a frame, so that the server can send another one.
+    /// Reports that the page has drawn a frame (picture of one instant), so that the server can send another one.
     Drawn,
 }
 
@@ -112,7 +113,7 @@ pub struct Opened {
     pub scene: &'static str,
     /// Heading of the scene.
     pub title: &'static str,
-    /// Description of the scene in three parts of a sentence or two.
+    /// Description of the scene in three parts, each of one or two sentences.
     pub sentences: [&'static str; 3],
     /// Equation that describes the scene, as text for the page.
     pub equation: &'static str,
@@ -124,9 +125,9 @@ pub struct Opened {
     pub answer: &'static str,
     /// Parameters that the user can change on the page.
     pub knobs: Vec<ShownParameter>,
-    /// Headings of the setups that the right panel can show.
+    /// Headings of the setups that the right panel can show. A setup is a collision model with changes to the case.
     pub rights: Vec<&'static str>,
-    /// Index of the setup that the right panel shows.
+    /// Index, in `rights`, of the setup that the right panel shows.
     pub right: usize,
     /// Descriptions of the left and the right panel.
     pub sides: [PanelDescription; 2],
@@ -150,7 +151,7 @@ pub struct Opened {
     pub warnings: Vec<String>,
 }
 
-/// Message of the server to a page, other than a frame.
+/// Message of the server to a page, other than a frame (data of one instant, from which the page draws).
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "tell", rename_all = "lowercase")]
 pub enum Tell {

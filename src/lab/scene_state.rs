@@ -51,7 +51,7 @@ impl SceneState {
         Ok(Self { scene, choice: choice.clone(), experiments, starts, case, sets, own, warnings })
     }
 
-    /// Setup of the right panel that the user has chosen.
+    /// Setup of the right panel that the user has chosen: its heading, collision model and changes to the case.
     fn right(&self) -> &'static PanelSetup {
         &self.scene.rights[self.choice.right]
     }

@@ -29,12 +29,12 @@ use tokio::sync::{Semaphore, mpsc, watch};
 /// Largest number of pages of the lab that may be open at the same time.
 const MOST_SESSIONS: usize = 4;
 
-/// Largest number of requests of a page that wait until its session reads them. If a page sends more, its connection is
-/// closed.
+/// Largest number of requests of a page that wait until the session of this page (the thread that runs its panels)
+/// reads them. If a page sends more, its connection is closed.
 const MOST_ASKS: usize = 256;
 
 /// Largest number of messages that wait until the WebSocket of a page sends them. At this number, the session of the
-/// page waits.
+/// page (the thread that runs its panels) waits.
 const UNSENT: usize = 4;
 
 /// Largest number of simultaneous connections, not counting WebSockets. A page opens six connections, and many systems

@@ -12,7 +12,7 @@ use super::stage_run::StageRun;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 use tokio::sync::mpsc::Sender;
 
-/// Largest number of frames that have been sent to the page, but that the page has not drawn.
+/// Largest number of frames (pictures of one instant) that have been sent to the page, but that the page has not drawn.
 const UNDRAWN: u32 = 2;
 
 /// [-] smallest and largest factor that a user can apply to the default pace of a scene.
@@ -37,8 +37,9 @@ pub struct Session {
     pub turn: EngineLock,
 }
 
-/// State of the page, from its requests so far. It consists of motion on or off, page visible or not, single frame
-/// requested or not, number of frames that the page has not drawn, and factor on the pace.
+/// State of the page, from its requests so far. It consists of motion on or off, page visible or not, and single frame
+/// (picture of one instant) requested or not. It also has the number of frames that the page has not drawn, and the
+/// factor on the pace.
 struct Wish {
     playing: bool,
     looking: bool,
@@ -112,8 +113,8 @@ impl Session {
         }
     }
 
-    /// Handles requests of the page until the next frame is due. Returns the new scene, or `None` if the page has
-    /// opened no scene.
+    /// Handles requests of the page until the next frame (picture of one instant) is due. Returns the new scene, or
+    /// `None` if the page has opened no scene.
     fn listen(&self, wish: &mut Wish, run: &StageRun) -> Result<Option<SceneState>, Gone> {
         let mut choice = None;
         let mut ask = if wish.wants(run) {
@@ -155,8 +156,9 @@ impl Session {
 }
 
 impl Wish {
-    /// True if the next frame should be computed: the motion is on, the page is visible and has drawn enough frames,
-    /// and at least one panel has not reached its end.
+    /// True if the next frame (picture of one instant) should be computed. The motion must be on or a single frame
+    /// requested, the page must be visible and have fewer than two undrawn frames, and at least one panel must not have
+    /// reached its end.
     fn wants(&self, run: &StageRun) -> bool {
         let moving = self.playing || self.single;
         moving && self.looking && self.undrawn < UNDRAWN && run.panels.iter().any(|panel| panel.running().is_some())

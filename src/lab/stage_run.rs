@@ -9,32 +9,33 @@ use crate::statistics::{Batches, U, UU, VV, WW};
 use crate::study::judge;
 use std::time::Duration;
 
-/// Wall time from one frame to the next.
+/// Wall time from one frame (picture on the page) to the next.
 const FRAME: Duration = Duration::from_millis(33);
 
-/// Largest wall time since the previous frame that is converted to simulated time for the next frame. The rest of a
-/// longer pause is left out.
+/// Largest wall time since the previous frame (picture on the page) that is converted to simulated time for the next
+/// frame. The rest of a longer pause is left out.
 const LATEST: Duration = Duration::from_millis(100);
 
 /// Wall time from one comparison of the panels to the next.
 const VERDICT: Duration = Duration::from_millis(1500);
 
-/// [-] margin of equivalence of the comparison. At the end of its 20 s the channel of the lab has no difference beyond
-/// 5.5 %, by `diptych compare` of the case that the page saves. So the answer is "equivalent" at 10 %, and "unresolved"
-/// at 1 %, the default of `compare`.
+/// [-] margin of equivalence (largest accepted relative difference) of the comparison. At the end of its 20 s the
+/// channel of the lab has no difference beyond 5.5 %, by `diptych compare` of the case that the page saves. So the
+/// answer is "equivalent" at 10 %, and "unresolved" at 1 %, the default of `compare`.
 const MARGIN: f64 = 0.1;
 
-/// Largest wall time that one panel may compute for one frame. A panel that needs longer shows the simulated time that
-/// it has reached.
+/// Largest wall time that one panel may compute for one frame (picture on the page). A panel that needs longer shows
+/// the simulated time that it has reached.
 const BUDGET: Duration = Duration::from_millis(14);
 
-/// Panels of an opened scene while they run, with the times of the latest frame and of the latest comparison.
+/// Panels of an opened scene while they run, with the times of the latest frame (picture on the page) and of the latest
+/// comparison.
 pub struct StageRun<'a> {
     stage: &'a SceneState,
     /// The left and the right panel.
     pub panels: [LabPanel<'a>; 2],
     clock: Clock,
-    /// Wall time at which the latest frame was made, measured by `clock`.
+    /// Wall time at which the latest frame (data for the page) was made, measured by `clock`.
     shown: Duration,
     /// Comparison of the panels for the next frame; `None` if the page has already got the latest comparison.
     pub judged: Option<PanelComparison>,
@@ -53,7 +54,7 @@ impl<'a> StageRun<'a> {
         Self { stage, panels: [panel(0), panel(1)], clock, shown: now, judged: None, judged_at: now }
     }
 
-    /// True if the time from one frame to the next has passed.
+    /// True if it is time for the next frame (picture on the page).
     pub fn is_due(&self) -> bool {
         self.clock.now() >= self.shown + FRAME
     }
@@ -64,9 +65,9 @@ impl<'a> StageRun<'a> {
         (self.shown + FRAME).saturating_sub(self.clock.now()).max(Duration::from_millis(1))
     }
 
-    /// [s] simulated time by which the panels advance for the next frame: wall time since the previous frame times
-    /// pace. `factor` [-] multiplies the default pace. If `single` is true, the wall time is that from one frame to the
-    /// next.
+    /// [s] simulated time by which the panels advance for the next frame (picture on the page): wall time since the
+    /// previous frame times pace. `factor` [-] multiplies the default pace. If `single` is true, the wall time is that
+    /// from one frame to the next.
     pub fn stretch(&self, factor: f64, single: bool) -> f64 {
         let passed = if single { FRAME } else { (self.clock.now() - self.shown).min(LATEST) };
         self.stage.pace() * factor * passed.as_secs_f64()
@@ -101,7 +102,7 @@ impl<'a> StageRun<'a> {
         });
     }
 
-    /// Frame of the present state, as bytes.
+    /// Frame of the present state, as bytes: the data from which the page draws both panels.
     pub fn frame(&mut self) -> Vec<u8> {
         self.shown = self.clock.now();
         let sides: Vec<Now> = self.panels.iter_mut().map(LabPanel::now).collect();
@@ -111,14 +112,16 @@ impl<'a> StageRun<'a> {
     }
 }
 
-/// Profile of a channel for the page, one row for each slice: height y [mm], streamwise velocity and its standard error
-/// [m/s], and granular temperature and its standard error [m²/s²]. Unknown values are `None`.
+/// Profile of a channel for the page, with one row for each slice of the box across y. A row has the height y [mm], the
+/// streamwise velocity and its standard error [m/s], and the granular temperature and its standard error [m²/s²].
+/// Unknown values are `None`.
 fn profile(outcome: &Outcome) -> Vec<[Option<f64>; 5]> {
     let table = &outcome.profiles;
     let rows = table.slices.iter().enumerate().map(|(slice, row)| {
         let normal: Option<Vec<f64>> = [UU, VV, WW].into_iter().map(|one| Some(row.of(one)?.value)).collect();
         let temperature = normal.map(|normal| normal.iter().sum::<f64>() / 3.0);
-        // the three stresses of one run are correlated, so their blocks are added before the error is computed
+        // the three stresses of one run are correlated, so their averages over each interval of time are added before
+        // the error is computed
         let parts: Option<Vec<_>> =
             [UU, VV, WW].into_iter().map(|one| Some((1.0 / 3.0, table.batches(slice, one)?))).collect();
         let blocks = parts.and_then(|parts| Batches::sum(&parts)).and_then(|blocks| blocks.estimate());

@@ -34,7 +34,8 @@ pub struct PointError {
     pub error: f64,
     /// [-] standard error of `error`; `None` if unknown.
     pub uncertainty: Option<f64>,
-    /// Smallest and largest value among the runs of the point, in the unit of the quantity; `None` for a single run.
+    /// Smallest and largest value among the runs with this method and parameter value, in the unit of the quantity;
+    /// `None` for a single run.
     pub range: Option<(f64, f64)>,
 }
 
@@ -74,22 +75,22 @@ impl ChartFailure {
 /// Point of the work-precision chart: one method at one value of its swept parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChartPoint {
-    /// Index in [`ChartStudy::methods`] of the method of this point.
+    /// Index in [`ChartStudy::methods`] of the method of this point of the chart.
     pub method: usize,
     /// Value of the swept parameter of the method, in the unit of this parameter.
     pub knob: f64,
-    /// Number of runs from which values and errors of the point are computed.
+    /// Number of runs from which the values and errors of this point of the chart are computed.
     pub samples: usize,
     /// Wall-clock time of one run on one thread.
     pub wall: CostSpread,
-    /// Counts of operations, summed over all runs of the point. They are the same on every machine.
+    /// Counts of operations, summed over all runs of this point of the chart. They are the same on every machine.
     pub counters: Counters,
     /// [-] number of operations of one run: sum of pair checks, force evaluations and events.
     pub work: f64,
-    /// Errors of the point, in the order of [`ChartStudy::quantities`]; `None` for a quantity that the point does not
-    /// have.
+    /// Errors of this point of the chart, in the order of [`ChartStudy::quantities`]; `None` for a quantity that was
+    /// not measured at the point.
     pub errors: Vec<Option<PointError>>,
-    /// Reason why the point has no errors; `None` for a point with errors.
+    /// Reason why this point of the chart has no errors; `None` for a point with errors.
     pub failure: Option<ChartFailure>,
 }
 
@@ -141,7 +142,7 @@ pub struct ChartStudy<'a> {
     pub provenance: &'a Provenance,
     /// Description, in words, of the reference values and of their accuracy.
     pub reference: &'a str,
-    /// Description, in words, of the runs of each point.
+    /// Description, in words, of the runs of each point of the chart.
     pub setting: &'a str,
     /// Methods that are compared in the chart.
     pub methods: &'a [ChartMethod],
@@ -167,7 +168,7 @@ pub enum CostMeasure {
 }
 
 impl ChartPoint {
-    /// Cost of one run of the point: wall-clock time [s] or number of operations [-].
+    /// Cost of one run of this point of the chart: wall-clock time [s] or number of operations [-].
     pub fn cost(&self, cost: CostMeasure) -> f64 {
         match cost {
             CostMeasure::Wall => self.wall.median,
@@ -175,7 +176,7 @@ impl ChartPoint {
         }
     }
 
-    /// [-] error at the point of the quantity with the index `quantity`; `None` if unknown.
+    /// [-] error of the quantity with the index `quantity` at this point of the chart; `None` if unknown.
     pub fn error(&self, quantity: usize) -> Option<f64> {
         self.errors.get(quantity).copied().flatten().map(|found| found.error)
     }

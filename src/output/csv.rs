@@ -15,8 +15,8 @@ use crate::scene::Scene;
 use crate::statistics::{SliceColumn, SliceRow, slice_columns};
 use ::csv::Writer;
 
-/// Contents of `profiles.csv`, with one row per variant and slice. Lengths are in m, velocities in m/s, moments in
-/// powers of m/s. Columns with `_se` contain one standard error.
+/// Contents of `profiles.csv`, with one row per variant and slice of the box across y. Lengths are in m, velocities in
+/// m/s, moments in powers of m/s. Columns with `_se` contain one standard error.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -76,7 +76,8 @@ fn rotating(outcomes: &[Outcome]) -> bool {
     outcomes.iter().any(|outcome| outcome.experiment.scene.rotation.is_some())
 }
 
-/// Header of the columns of a slice: names of the values, then of their standard errors, separated by commas.
+/// Header of the averages in a slice of the box across y: names of the values, then of their standard errors, separated
+/// by commas.
 fn slice_head(outcomes: &[Outcome]) -> String {
     let columns = slice_columns(rotating(outcomes));
     let values: String = columns.iter().map(|column| format!("{},", column.name)).collect();
@@ -84,8 +85,8 @@ fn slice_head(outcomes: &[Outcome]) -> String {
     format!("slice,y_m,{values}{errors}samples")
 }
 
-/// Cells of the row of a slice, in the order of [`slice_head`]. If `rotating` is true, the columns of rotating spheres
-/// are included.
+/// Cells of the row of one slice of the box across y, in the order of [`slice_head`]. If `rotating` is true, the
+/// columns of rotating spheres are included.
 fn slice(index: usize, row: &SliceRow, rotating: bool) -> impl Iterator<Item = String> {
     let found = |column: &SliceColumn| row.of(*column);
     let columns = slice_columns(rotating).iter();
@@ -147,8 +148,9 @@ pub fn impacts(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
 
 /// Contents of `overlaps.csv`: means and extremes of the overlaps in the averaging period, divided by the diameter of
 /// the smaller sphere. Each variant with soft contacts has a row for pairs and a row for walls. The granular
-/// temperature is in m²/s², the elastic parameter of the contact law in SI, other numbers are [-]. κ_n is computed from
-/// the measured temperature. Cells of κ_n are empty if spheres or surfaces differ.
+/// temperature is in m²/s², the elastic parameter of the contact law (such as the stiffness) in SI, other numbers are
+/// [-]. The overlap number κ_n is computed from the measured temperature. Cells of κ_n are empty if spheres or surfaces
+/// differ.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -187,9 +189,9 @@ pub fn overlaps(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// Contents of `budgets.csv`: terms of the budgets of the second moments [m²/s³], with one row per slice and moment,
-/// and the centre y [m] of the slice. Rows without a slice are means over all particles. Columns with `_se` contain one
-/// standard error.
+/// Contents of `budgets.csv`: terms of the budgets of the second moments of velocity [m²/s³]. There is one row per
+/// moment and slice of the box across y, with the centre y [m] of the slice. Rows without a slice are means over all
+/// particles. Columns with `_se` contain one standard error.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -300,8 +302,8 @@ pub fn bounces(bounces: &[Bounce]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// Contents of `oblique.csv`: the reduced slip s/(μ u_n) [-] before and after oblique impacts. The rows of each variant
-/// precede those of the references.
+/// Contents of `oblique.csv`: the reduced slip s/(μ u_n) [-] before and after oblique impacts, with slip s, coefficient
+/// of friction μ and normal speed u_n. The rows of each variant precede those of the references.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

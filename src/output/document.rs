@@ -51,7 +51,7 @@ pub(super) enum Block {
     /// Links to sections: name and heading of each section.
     Contents(Vec<(&'static str, String)>),
     Paragraph(String),
-    /// Label in bold letters above the blocks that follow.
+    /// Label in bold letters above the parts of the document that follow.
     Label(String),
     /// Sentence with the answer to the question of a part of the document.
     Verdict(String),
@@ -109,12 +109,12 @@ pub(super) struct Document<'a> {
     /// Number of `verdicts` that are shown at the top of the page. The other verdicts are hidden until the reader opens
     /// them.
     pub answers: usize,
-    /// Blocks of the page that are always visible.
+    /// Parts of the page that are always visible.
     pub front: Vec<Block>,
     /// Remarks on how far the numbers are reliable, one sentence each.
     pub notes: &'a [String],
     pub body: Vec<Block>,
-    /// Blocks with further data that are needed to reproduce the results.
+    /// Parts of the page with further data that are needed to reproduce the results.
     pub tail: Vec<Block>,
     /// Tables of numbers, each as the name of its file and the text of the file.
     pub tables: Vec<(String, Vec<u8>)>,
@@ -154,7 +154,7 @@ pub(super) fn text(blocks: &[Block]) -> String {
     text
 }
 
-/// Text of a table in lines. Columns are as wide as their longest cell, and two spaces apart.
+/// Text of a table with one line per row. Columns are as wide as their longest cell, and two spaces apart.
 fn aligned<'a>(rows: &[impl AsRef<[&'a str]>]) -> String {
     let mut widths: Vec<usize> = Vec::new();
     for row in rows.iter().map(AsRef::as_ref) {

@@ -8,21 +8,21 @@ use serde::Serialize;
 /// Summary of one side (A or B) of a compared quantity.
 #[derive(Clone, Debug, Serialize)]
 pub struct SideSummary {
-    /// Name of the column that contains the quantity, or label of the point.
+    /// Name of the column that contains the quantity or, in a table of single values, label of the value.
     pub column: String,
-    /// Number of files (replicas) of this side.
+    /// Number of files (replicas: runs with different seeds) of this side (A or B) of the comparison.
     pub files: usize,
-    /// Number of samples in all files of this side.
+    /// Number of samples (values at single instants) in all files of this side (A or B) of the comparison.
     pub samples: usize,
     /// Average of the quantity from the start of averaging to the end; `None` if it cannot be computed.
     pub mean: Option<Estimate>,
-    /// [s] start of averaging, or in the unit of the times in the files if that unit is unknown. `None` for a quantity
-    /// at a point.
+    /// [s] start of averaging, or in the unit of the times in the files if that unit is unknown. `None` for a single
+    /// value, which has no times.
     pub from: Option<f64>,
     /// [s] integral correlation time of the quantity, or in the unit of the times in the files if that unit is unknown.
     /// `None` if it cannot be computed.
     pub correlation_time: Option<f64>,
-    /// Result of the test for a steady state; `None` for a quantity at a point.
+    /// Result of the test for a steady state; `None` for a single value, which has no times.
     pub steadiness: Option<Steadiness>,
 }
 
@@ -54,7 +54,8 @@ pub struct FilesStudy<'a> {
     pub quantities: &'a [FilesQuantity],
     /// Answers in sentences. The page begins with these sentences.
     pub verdicts: &'a [String],
-    /// Tests of the quantities, with one entry for each margin and kind of data.
+    /// Results of the tests. Each entry is for all quantities with the same margin (largest accepted difference) and
+    /// the same kind of data, such as averages or curves.
     pub comparisons: &'a [Verdict],
     /// Remarks on how far the numbers are reliable, one sentence each.
     pub notes: &'a [String],

@@ -61,12 +61,14 @@ pub struct Bounce {
     pub failure: Option<Failure>,
 }
 
-/// Curve of one variant: reduced slip after oblique impacts as a function of that before.
+/// Curve of one variant: the reduced slip after oblique impacts as a function of that before. It is s/(μ u_n), with
+/// slip s, coefficient of friction μ and normal speed u_n.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObliqueCurve {
     /// Name of the variant to which the curve belongs.
     pub name: String,
-    /// Reduced slip s/(μ u_n) before and after the impact [-].
+    /// Reduced slip s/(μ u_n) before and after the impact [-], with slip s, coefficient of friction μ and normal speed
+    /// u_n.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -75,10 +77,12 @@ pub struct ObliqueCurve {
 pub struct ObliqueStudy {
     /// Curves of the variants, one for each.
     pub curves: Vec<ObliqueCurve>,
-    /// Measured reduced slip s/(μ u_n) of solid spheres before and after the impact [-]; empty for other bodies.
+    /// Measured reduced slip s/(μ u_n) of solid spheres before and after the impact [-], with slip s, coefficient of
+    /// friction μ and normal speed u_n. Empty for other bodies.
     pub measured: Vec<(f64, f64)>,
     /// Reduced slip s/(μ u_n) before and after elastic impacts whose contact circle slips only at its edge [-]
-    /// ([`PartialSlip`](crate::rotation::PartialSlip)). Empty if the contact law has no elastic constants.
+    /// ([`PartialSlip`](crate::rotation::PartialSlip)). Here s is the slip, μ the coefficient of friction and u_n the
+    /// normal speed. Empty if the contact law has no elastic constants.
     pub partial_slip: Vec<(f64, f64)>,
     /// [-] change of the reduced slip by the friction impulse of an impact that slides to its end: (1+e) M/M_t, with
     /// the restitution e, the effective mass M and that of the slip M_t. It is the largest possible change.

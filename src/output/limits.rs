@@ -11,11 +11,11 @@ pub struct MapPoint {
     /// Values of the point in the order of the columns of the map, each in the unit of its column; `None` for a missing
     /// number.
     pub values: Vec<Option<f64>>,
-    /// Failure of the first run of the point that stopped early; `None` if all runs ended.
+    /// Failure of the first run of this point of the map that stopped early; `None` if all runs ended.
     pub failure: Option<Failure>,
 }
 
-/// Map that shows for which settings a method fails.
+/// Map (table with a picture) that shows for which settings a method fails.
 #[derive(Clone, Debug)]
 pub struct Map {
     /// Name of the map in file names and in the option `--only`.
@@ -33,20 +33,21 @@ pub struct Map {
     pub rows: Vec<MapPoint>,
     /// Picture of the map: cells or curves.
     pub picture: Picture,
-    /// Text of a case for `diptych run`. For each point of the map, some keys of this case are changed.
+    /// Text of a case for `diptych run`. For each point (row) of the map, some keys of this case are changed.
     pub case: &'static str,
 }
 
 /// Kind of picture of a map.
 #[derive(Clone, Debug)]
 pub enum Picture {
-    /// Coloured cells, one per point, each of which belongs to a class.
+    /// Coloured cells, one per point of the map. The colour of a cell shows the class of the result, such as failed.
     Cells(RegimeMap),
     /// Points and lines in one panel with a pair of axes.
     Curves(Panel),
 }
 
-/// Map of coloured cells in a plane, with lines by theory. Each cell belongs to a class.
+/// Map of coloured cells in a plane, with lines by theory. The colour of a cell shows the class of the result at this
+/// point.
 #[derive(Clone, Debug)]
 pub struct RegimeMap {
     /// Label of the horizontal axis.
@@ -55,7 +56,7 @@ pub struct RegimeMap {
     pub y_label: String,
     /// True for a logarithmic axis, first for the horizontal, then for the vertical axis.
     pub log: [bool; 2],
-    /// Classes to which cells belong, each with its colour.
+    /// Classes of results, such as failed, each with the colour of its cells.
     pub classes: Vec<Class>,
     /// Cells of the map, one per point.
     pub cells: Vec<Cell>,
@@ -63,16 +64,16 @@ pub struct RegimeMap {
     pub lines: Vec<(String, Vec<(f64, f64)>)>,
 }
 
-/// Class of cells with the same meaning and the same colour.
+/// Class of results of a map, such as failed. Its cells have one colour.
 #[derive(Clone, Debug)]
 pub struct Class {
-    /// Name of the class in the legend.
+    /// Name of the class of results in the legend.
     pub label: String,
-    /// Meaning of the class, which determines its colour.
+    /// Meaning of the class of results, which determines its colour.
     pub shade: Shade,
 }
 
-/// Meaning of a class of cells, which determines the colour of the cells.
+/// Meaning of a class of results in a map, which determines the colour of its cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shade {
     /// Size of an effect, from 0 (not visible) to 3 (large); shades of blue.
@@ -90,7 +91,7 @@ pub struct Cell {
     pub x: (f64, f64),
     /// Lower and upper end of the cell, in the unit of the axis.
     pub y: (f64, f64),
-    /// Index of the class of the cell in [`RegimeMap::classes`].
+    /// Index, in [`RegimeMap::classes`], of the class of the result that the cell shows.
     pub class: usize,
 }
 
@@ -102,7 +103,7 @@ pub struct LimitsStudy<'a> {
     pub maps: &'a [Map],
     /// [s] wall-clock time of the runs of each map. Two maps made from the same runs have the same time.
     pub wall_seconds: &'a [f64],
-    /// True if the study used coarse grids of points, by the option `--quick`.
+    /// True if the study used coarse grids, with fewer points per map, by the option `--quick`.
     pub quick: bool,
 }
 
@@ -114,7 +115,7 @@ impl LimitsStudy<'_> {
 }
 
 impl MapPoint {
-    /// Outcome of the point in one word: `ran`, or the kind of the failure.
+    /// Outcome of the point of the map in one word: `ran`, or the kind of the failure.
     pub fn outcome(&self) -> &'static str {
         self.failure.as_ref().map_or("ran", Failure::kind)
     }

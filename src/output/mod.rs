@@ -92,14 +92,15 @@ pub enum OutputError {
         /// Error of the operating system.
         source: std::io::Error,
     },
-    /// Other programs removed frames of a trajectory from the folder during the run.
+    /// Other programs removed frames of a trajectory (files with the particles at one instant) from the folder during
+    /// the run.
     #[error("{gone} of {frames} frames of the trajectory were removed during the run, the first is {}; its index lists the others", path.display())]
     Gone {
-        /// Path of the first removed frame.
+        /// Path of the first removed frame (file with the particles at one instant).
         path: PathBuf,
-        /// Number of removed frames.
+        /// Number of removed frames (files with the particles at one instant).
         gone: usize,
-        /// Number of frames that the run had written.
+        /// Number of frames (files with the particles at one instant) that the run had written.
         frames: usize,
     },
     /// One of the processes that share the run could not write its file.

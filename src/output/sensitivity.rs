@@ -11,9 +11,9 @@ pub struct Shift {
     pub observable: String,
     /// Unit of the observable; empty if it has none.
     pub unit: &'static str,
-    /// Scale of the observable, to which the shift is compared, in the unit of the observable.
+    /// Scale of the observable, by which the shift is divided, in the unit of the observable.
     pub scale: f64,
-    /// Description of the scale, as the words after "% of".
+    /// Description of the scale (the value by which the shift is divided), as the words after "% of".
     #[serde(skip)]
     pub scale_is: &'static str,
     /// Value of the observable with the changed factor minus that without the change, in the unit of the observable.
@@ -111,7 +111,7 @@ pub struct SensitivityRun {
     pub steady: bool,
     /// [s] simulated time of each replica (run with one seed).
     pub simulated_seconds: f64,
-    /// [s] wall-clock time of all replicas together.
+    /// [s] wall-clock time of all replicas (runs with different seeds) together.
     pub wall_seconds: f64,
     /// Reason why the run stopped early; `None` if it ended regularly.
     pub failure: Option<String>,

@@ -21,8 +21,9 @@ pub struct SweepObservable {
     pub of: fn(&Outcome) -> Option<Estimate>,
 }
 
-/// [m/s] mean streamwise velocity over all slices, weighted by the number of particles in each slice. The correlation
-/// between slices is unknown, so the error is the largest possible one. `None` if no slice has a value.
+/// [m/s] mean streamwise velocity over all slices of the box across y, weighted by the number of particles in each
+/// slice. The correlation between slices is unknown, so the error is the largest possible one. `None` if no slice has a
+/// value.
 fn velocity(outcome: &Outcome) -> Option<Estimate> {
     let (mut sum, mut error, mut weights) = (0.0, Some(0.0), 0.0);
     for row in &outcome.profiles.slices {
@@ -121,19 +122,21 @@ pub struct SweepRun {
 
 /// Row of a sweep: one variant at one point, which is one value for each varied key.
 pub struct SweepRow {
-    /// Index of the value on each axis (varied key). These indices define the point.
+    /// Index of the value on each axis (varied key). These indices define the point of the sweep.
     pub at: Vec<usize>,
     /// Index of the variant in [`SweepStudy::variants`].
     pub variant: usize,
-    /// Hashes of the runs of the row, one per replica (run with another seed). A run may belong to several rows.
+    /// Hashes of the runs of this row (one variant at one point), one per replica (run with another seed). A run may
+    /// belong to several rows.
     pub identities: Vec<String>,
-    /// Results of the finished runs of the row.
+    /// Results of the finished runs of this row (one variant at one point of the sweep).
     pub runs: Vec<SweepRun>,
 }
 
 impl SweepRow {
-    /// Value of the quantity with the name `key` in this row. If there are several replicas, the value is their mean,
-    /// with a standard error computed from their scatter. `None` if the value is unknown, or if a run stopped early.
+    /// Value of the quantity with the name `key` in this row. If there are several replicas (runs with different
+    /// seeds), the value is their mean, with a standard error computed from their scatter. `None` if the value is
+    /// unknown, or if a run stopped early.
     pub fn measured(&self, key: &str) -> Option<Estimate> {
         let found: Option<Vec<Estimate>> = self.runs.iter().map(|run| run.measured.get(key).copied()).collect();
         let found = found?;
@@ -146,12 +149,12 @@ impl SweepRow {
         (!found.is_empty()).then_some(Estimate { value: mean, error: Some((variance / count).sqrt()) })
     }
 
-    /// Reason why a run of the row stopped early; `None` if all runs ended.
+    /// Reason why a run of this row (one variant at one point of the sweep) stopped early; `None` if all runs ended.
     pub fn failure(&self) -> Option<&str> {
         self.runs.iter().find_map(|run| run.failure.as_deref())
     }
 
-    /// Status of the row: "complete", "failed" or "not run yet".
+    /// Status of this row (one variant at one point of the sweep): "complete", "failed" or "not run yet".
     pub fn status(&self) -> &'static str {
         match (self.failure(), self.runs.len() < self.identities.len()) {
             (Some(_), _) => "failed",

@@ -77,21 +77,23 @@ pub struct Halved {
     pub name: &'static str,
     /// Unit of the quantity; empty if it has none.
     pub unit: &'static str,
-    /// Value of the quantity with the time step and the window of the original run.
+    /// Value of the quantity in the short run with the original time step and window (time between two exchanges with
+    /// the gas).
     pub as_run: Estimate,
-    /// Value of the quantity with half the time step and half the window.
+    /// Value of the quantity in the short run with half the time step and half the window (time between two exchanges
+    /// with the gas).
     pub halved: Estimate,
 }
 
 impl Halved {
-    /// Value with half the time step and window, minus the value with the original ones. The standard error assumes
-    /// that the two short runs are independent.
+    /// Value with half the time step and half the window (time between two exchanges with the gas), minus the value
+    /// with the original ones. The standard error assumes that the two short runs are independent.
     pub fn change(&self) -> Estimate {
         self.halved.less(self.as_run)
     }
 
-    /// [-] change of the quantity by the halved time step and window, in units of its standard error; `None` without an
-    /// error.
+    /// [-] change of the quantity when time step and window (time between two exchanges with the gas) are halved, in
+    /// units of its standard error. `None` without an error.
     pub fn in_errors(&self) -> Option<f64> {
         let change = self.change();
         // a quantity without unit is a fraction and has the scale 1; a change up to 1e-12 of the scale counts as

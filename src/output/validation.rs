@@ -42,14 +42,14 @@ pub enum ValidationRule {
     /// different.
     Tolerance,
     /// The result has a standard error. Student's t test finds a difference, and two one-sided tests find equivalence
-    /// within the margin.
+    /// within the margin (largest accepted difference).
     Margin,
 }
 
-/// Number in a row of the validation suite, with its reference value.
+/// Number in a row (comparison) of the validation suite, with its reference value.
 #[derive(Clone, Debug, Serialize)]
 pub struct ValidationNumber {
-    /// Name of the number within its row.
+    /// Name of the number within its row, the comparison to which it belongs.
     pub name: String,
     /// Unit of the number; empty if it has none.
     pub unit: &'static str,
@@ -73,7 +73,7 @@ impl ValidationNumber {
         self.ours.less(self.reference)
     }
 
-    /// [-] magnitude of the difference from the reference, divided by the tolerance or margin.
+    /// [-] magnitude of the difference from the reference, divided by the largest accepted one (tolerance or margin).
     pub fn share(&self) -> f64 {
         self.difference().value.abs() / self.allowed
     }
@@ -96,47 +96,49 @@ fn with_unit(number: String, unit: &str) -> String {
     if unit.is_empty() { number } else { format!("{number} {unit}") }
 }
 
-/// Comparison of the validation suite, with its numbers.
+/// Row of the validation suite: one comparison, with its numbers.
 #[derive(Clone, Debug)]
 pub struct ValidationRow {
-    /// Name of the row, as in the option `--only`.
+    /// Name of the row (comparison of the suite), as in the option `--only`.
     pub name: &'static str,
     /// Kind of the reference: closed form, other code or experiment.
     pub tier: ValidationTier,
-    /// Description, in words, of the scene that the row computes.
+    /// Description, in words, of the scene that the comparison computes.
     pub scene: &'static str,
     /// Source of the reference, with the page, figure or table.
     pub source: &'static str,
-    /// Sentence that states which question the row does not answer.
+    /// Sentence that states which question the comparison does not answer.
     pub not_shown: &'static str,
-    /// Name of the built-in case that the row runs, with some changes.
+    /// Name of the built-in case that the comparison runs, with some changes.
     pub case: &'static str,
-    /// Numbers of the row with their references. The list is empty if a run stopped.
+    /// Numbers of the comparison with their references. The list is empty if a run stopped.
     pub numbers: Vec<ValidationNumber>,
-    /// Picture of the row, as its caption and its panel; `None` if there is none.
+    /// Picture of the comparison, as its caption and its panel (axes with curves or points); `None` if there is none.
     pub picture: Option<(&'static str, Panel)>,
-    /// Reason why a run of the row stopped early; `None` if all runs ended.
+    /// Reason why a run of the comparison stopped early; `None` if all runs ended.
     pub failure: Option<String>,
-    /// [s] wall-clock time of all runs of the row.
+    /// [s] wall-clock time of all runs of the comparison.
     pub wall_seconds: f64,
 }
 
 impl ValidationRow {
-    /// Answer of the row: the worst answer of its numbers. It is `Unresolved` if a run stopped.
+    /// Answer of the row (comparison): the worst answer of its numbers. It is `Unresolved` if a run stopped.
     pub fn answer(&self) -> Answer {
         let worst = self.numbers.iter().map(|number| number.answer).max();
         worst.filter(|_| self.failure.is_none()).unwrap_or(Answer::Unresolved)
     }
 
-    /// Number of the row that deviates most. Among the numbers with the worst answer, it is the one with the largest
-    /// difference over its tolerance or margin. `None` if the row has no numbers.
+    /// Number of the row (comparison) that deviates most. Among the numbers with the worst answer, it is the one with
+    /// the largest difference over its tolerance or margin (largest accepted difference). `None` if the row has no
+    /// numbers.
     pub fn worst(&self) -> Option<&ValidationNumber> {
         let worst = self.answer();
         let among = self.numbers.iter().filter(|number| number.answer == worst);
         among.max_by(|a, b| a.share().total_cmp(&b.share()))
     }
 
-    /// Answer of the row in one word: "agrees" if all numbers are within tolerances, "stopped" if a run stopped.
+    /// Answer of the row (comparison) in one word: "agrees" if all numbers are within tolerances, "stopped" if a run
+    /// stopped.
     pub fn word(&self) -> &'static str {
         let exact = self.numbers.iter().all(|number| number.rule == ValidationRule::Tolerance);
         match self.answer() {
@@ -163,9 +165,9 @@ pub struct NotValidated {
 pub struct ValidationStudy<'a> {
     /// Origin of the results: title and command.
     pub provenance: &'a Provenance,
-    /// Rows of the suite in the order of the report.
+    /// Rows (comparisons) of the suite in the order of the report.
     pub rows: &'a [ValidationRow],
-    /// Names of the rows that the option `--quick` leaves out.
+    /// Names of the rows (comparisons) that the option `--quick` leaves out.
     pub left_out: &'a [&'static str],
     /// Comparisons that the suite does not make.
     pub not_validated: &'a [NotValidated],
@@ -185,8 +187,8 @@ impl ValidationStudy<'_> {
     }
 }
 
-/// Contents of `validation.csv`: one row per number. The column `allowed` contains the tolerance or the margin, in the
-/// unit of the number.
+/// Contents of `validation.csv`: one row per number. The column `allowed` contains the tolerance or the margin (largest
+/// accepted difference), in the unit of the number.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

@@ -66,8 +66,8 @@ pub struct ObservedDifference {
     /// [-] probability that equal systems show a difference of at least this size, for this number alone. `None`
     /// without a standard error.
     pub chance: Option<f64>,
-    /// [-] smallest margin, as a share of the reference, with which the answer would be "equivalent". `None` if the
-    /// reference is zero within its error, or without a standard error.
+    /// [-] smallest margin (largest accepted difference) with which the answer would be "equivalent", divided by the
+    /// reference. `None` if the reference is zero within its error, or without a standard error.
     pub reached: Option<f64>,
     /// Answer for this number; `None` if there is none, for the reason in `remark`.
     pub answer: Option<Answer>,

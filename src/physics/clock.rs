@@ -1,4 +1,5 @@
-//! The clock that times the parts of a run and reports the progress of the run.
+//! The clock that measures the time spent in the parts of a run, such as engine and drag. It also holds the simulated
+//! time that the run has reached, for a display of progress.
 //!
 //! The run loop and the engines never read the time of day by themselves. The program that starts a simulation can pass
 //! a clock to it. The measured times appear only in reports.
@@ -7,8 +8,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
-/// Clock that counts wall time, or a stopped clock. A wall clock counts from the first reading of time in the program.
-/// A stopped clock always reads 0 and costs nothing.
+/// Clock that counts wall time (elapsed real time), or a stopped clock. A wall clock counts from the first reading of
+/// time in the program. A stopped clock always reads 0 and costs nothing.
 ///
 /// A run reads wall time from the clock, and writes to it the simulated time that the run has reached.
 #[derive(Clone, Debug, Default)]
@@ -22,7 +23,7 @@ pub struct Clock {
 pub struct Reached(Arc<AtomicU64>);
 
 impl Reached {
-    /// [s] simulated time of the latest report; 0 before the first report.
+    /// [s] simulated time that the run had reached at its latest report of progress; 0 before the first report.
     pub fn time(&self) -> f64 {
         f64::from_bits(self.0.load(Ordering::Relaxed))
     }

@@ -16,16 +16,17 @@ pub trait Communicator: Send + Sync {
     /// order of process numbers.
     fn exchange(&self, outgoing: Vec<Vec<u8>>) -> Vec<Vec<u8>>;
 
-    /// Sends the bytes of the lead to all processes and returns them. The arguments of the other processes are ignored.
+    /// Sends the bytes of the lead (process 0) to all processes and returns them. The arguments of the other processes
+    /// are ignored.
     fn broadcast(&self, bytes: Vec<u8>) -> Vec<u8>;
 
-    /// Replaces each number by its sum over all processes.
+    /// Replaces each number by the sum of the numbers that all processes have at its index.
     fn sum(&self, numbers: &mut [i64]);
 
     /// Replaces each value by the largest value that any process has at its index.
     fn largest(&self, values: &mut [f64]);
 
-    /// True if this process is the lead.
+    /// True if this process is the lead, which is process 0.
     fn is_lead(&self) -> bool {
         self.rank() == 0
     }
@@ -43,8 +44,8 @@ pub trait Communicator: Send + Sync {
         }
     }
 
-    /// Sends the bytes of every process to the lead. In the lead, returns the bytes of all processes in the order of
-    /// their numbers; in the other processes, returns an empty list.
+    /// Sends the bytes of every process to the lead (process 0). In the lead, returns the bytes of all processes in the
+    /// order of their numbers; in the other processes, returns an empty list.
     fn collect(&self, own: Vec<u8>) -> Vec<Vec<u8>> {
         let mut outgoing = vec![Vec::new(); self.size()];
         if let Some(lead) = outgoing.first_mut() {

@@ -1,4 +1,4 @@
-//! The box of a scene: its size and its periodic sides.
+//! The box of a scene: its size, its periodic sides and its shear.
 
 pub mod blocks;
 mod orbit;
@@ -18,7 +18,7 @@ pub struct Shear {
     pub rate: f64,
     /// [m] displacement along z, at time 0, of the periodic image one box height above a particle.
     pub start: f64,
-    /// Orbit on which the box moves, with the forces of its rotating frame; `None` in a frame at rest.
+    /// Orbit of the box about a distant mass, which adds the forces of a rotating frame; `None` for a box at rest.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub orbit: Option<Orbit>,
     /// [m] displacement along z of the periodic image one box height above a particle, at the instant of this box (the
@@ -65,18 +65,18 @@ impl Domain {
         Self { size, periodic, shear: None, half, direct: half.min().powi(2) }
     }
 
-    /// Makes the box sheared at a rate [1/s], with periodic images at their places of time 0: the image one box height
-    /// above a particle is displaced by `start` [m] along z. The box must be periodic along y and z.
+    /// Makes the box sheared at the shear rate `rate` [1/s], with periodic images at their places of time 0: the image
+    /// one box height above a particle is displaced by `start` [m] along z. The box must be periodic along y and z.
     pub fn sheared(self, rate: f64, start: f64) -> Self {
         Self { shear: Some(Shear { rate, start, orbit: None, offset: 0.0 }), ..self }.at(0.0).into_owned()
     }
 
-    /// Moves a sheared box along an orbit. A box without shear is returned unchanged.
+    /// Puts a sheared box on an orbit about a distant mass. A box without shear is returned unchanged.
     pub fn on_orbit(self, orbit: Orbit) -> Self {
         Self { shear: self.shear.map(|shear| Shear { orbit: Some(orbit), ..shear }), ..self }
     }
 
-    /// Orbit on which the box moves; `None` in a frame at rest.
+    /// Orbit of the box about a distant mass; `None` for a box at rest.
     pub fn orbit(&self) -> Option<Orbit> {
         self.shear?.orbit
     }
@@ -192,8 +192,8 @@ impl Domain {
         self.size.x * self.size.y * self.size.z
     }
 
-    /// [m] vector from `b` to the nearest periodic image of `a`. Both positions must be within 1.5 periods of the box,
-    /// as all positions are between two calls of [`Domain::wrap`].
+    /// [m] vector from `b` to the nearest periodic image of `a`. Along a periodic axis, the two coordinates may differ
+    /// by at most 1.5 edge lengths of the box. This holds for all particles between two calls of [`Domain::wrap`].
     #[inline(always)]
     pub fn separation(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> Vector3<f64> {
         let mut d = a - b;
@@ -236,7 +236,8 @@ impl Domain {
     }
 
     /// Nearest periodic image of a particle in a sheared box. `d` [m] is the position of the particle minus that of the
-    /// other particle. `elapsed` [s] is the time of these positions, counted from the instant of this box.
+    /// other particle. `elapsed` [s] is the time of these positions, counted from the instant of this box (the argument
+    /// of [`at`](Self::at)).
     fn nearest(&self, d: &Vector3<f64>, shear: &Shear, elapsed: f64) -> NearestImage {
         let sliding = shear.rate * self.size.y;
         let above = -(d.y / self.size.y).round();
@@ -267,7 +268,8 @@ impl Domain {
         self.wrap_by(position, self.sheared_periods(position))
     }
 
-    /// Number of box heights L_y by which a position must move along y to be in a sheared box; 0 without shear.
+    /// Number of box heights L_y by which a position must move along y to be in a sheared box, positive upwards; 0
+    /// without shear.
     #[inline]
     fn sheared_periods(&self, position: &Vector3<f64>) -> f64 {
         let (y, height) = (position.y, self.size.y);
@@ -279,8 +281,8 @@ impl Domain {
         if y + periods * height < height { periods } else { 0.0 }
     }
 
-    /// [m] image of a position inside the box along all periodic axes. `periods` is the number of box heights by which
-    /// the position moves along y in a sheared box.
+    /// [m] image of a position inside the box along all periodic axes. `periods` is the number of box heights, positive
+    /// upwards, by which the position moves along y in a sheared box.
     #[inline]
     fn wrap_by(&self, position: &Vector3<f64>, periods: f64) -> Vector3<f64> {
         let position = if periods == 0.0 { *position } else { self.image(position, periods) };

@@ -2,9 +2,10 @@
 //! relative position and velocity, and the time at which they touch. All engines and predictions use these functions,
 //! so that most other code treats pairs and walls in the same way.
 //!
-//! The functions that are called for every pair are always inlined. In most calls the frame and the kind of body are
-//! then constants, so that the compiler removes half of the code. Without inlining, the calls cost a tenth of the run
-//! time of case D of the paper (docs/paper.md) with soft spheres.
+//! The functions that are called for every pair are always inlined. Most calls pass a constant [`FrameTime`] and a
+//! constant type of the second body (particle or wall). After inlining, the compiler therefore removes half of the
+//! code. Without inlining, the calls cost a tenth of the run time of case D of the paper (docs/paper.md) with soft
+//! spheres.
 
 mod wall_motion;
 
@@ -73,8 +74,8 @@ pub struct Couple {
     pub other: Other,
 }
 
-/// Time at which the relative position and velocity of two bodies are computed, counted from the time of the particle
-/// store.
+/// Time at which the relative position and velocity of two bodies are computed. It is counted from the time to which
+/// the positions in the particle store belong.
 ///
 /// Engines move particles in a frame of reference that falls freely with gravity, in which gravity does not affect
 /// pairs. A wall does not fall in this way, so the motion of a particle relative to a wall includes gravity. Two times
@@ -83,8 +84,8 @@ pub struct Couple {
 pub struct FrameTime {
     /// [s] time from the time of the particle store to the computed time; particles fly straight meanwhile.
     pub ahead: f64,
-    /// [s] time of free fall whose displacement g t²/2 must be added to positions relative to a wall. Images in a
-    /// sheared box have slid, and walls have moved, for this time since the instant of the scene.
+    /// [s] time of free fall whose displacement g t²/2 must be added to positions relative to a wall. In this time the
+    /// images in a sheared box have slid, and moving walls have moved, from their places in the scene.
     pub sunk: f64,
     /// [s] time of free fall whose velocity g t must be added to velocities relative to a wall.
     pub fallen: f64,
@@ -172,7 +173,8 @@ impl Couple {
         Self { i, other: Other::Particle(j) }
     }
 
-    /// A couple of a particle, by its index in the particle store, and a wall with the number of a contact.
+    /// A couple of a particle, by its index in the particle store, and a wall. `at` also contains the number of one of
+    /// the contacts that a sphere can have with the wall.
     pub fn at_wall(i: u32, at: AtWall) -> Self {
         Self { i, other: Other::Wall(at) }
     }
@@ -182,8 +184,8 @@ impl Couple {
         matches!(self.other, Other::Wall(_))
     }
 
-    /// True if the other body is a wall with a constant normal. An engine then computes the motion of a single contact
-    /// in one coordinate, along the normal.
+    /// True if the other body is a wall with a constant normal, such as a plane. The motion in a contact without
+    /// friction is then that of one coordinate, along the normal.
     pub fn is_flat(&self, scene: &Scene) -> bool {
         match self.other {
             Other::Particle(_) => false,
@@ -251,9 +253,10 @@ impl Couple {
         (particles.species[self.i as usize], other)
     }
 
-    /// Motion of the wall's surface at the contact point; `None` for a pair of particles. A wall that exerts a force
-    /// [N] on the particle has the power [W] force times velocity of the surface. An impulse [N s] gives the energy [J]
-    /// impulse times velocity.
+    /// Motion of the wall's surface at the contact point; `None` for a pair of particles. `met` is the relative
+    /// position of particle and wall. A force [N] of the wall on the particle has the power [W] force times velocity of
+    /// the surface. An impulse [N s] of the wall gives the particle the energy [J] impulse times velocity of the
+    /// surface.
     #[inline(always)]
     pub fn wall_motion(
         &self,
@@ -312,9 +315,10 @@ impl Couple {
         tangential_mass(self.indices().into_iter().flatten().map(of))
     }
 
-    /// [m/s] relative velocity w = l_i ω_i + l_j ω_j of two surfaces due to the spins ω, from which the slip follows.
-    /// The second result is the ratio [-] of lever arm l to radius. Lever arms add up to the distance of the centres,
-    /// `reach` + `gap` [m], so that a contact conserves energy and angular momentum. At a wall the lever arm is the
+    /// [m/s] sum w = l_i ω_i + l_j ω_j over the two bodies, with the spins ω and the lever arms l. Its part in the slip
+    /// is -w × n, with the normal n. The second result is the ratio [-] of lever arm to radius. The lever arms of a
+    /// pair add up to the distance of the centres: `reach` [m], the sum of the radii, plus `gap` [m], the distance of
+    /// the surfaces. With these arms a contact conserves energy and angular momentum. At a wall the lever arm is the
     /// radius.
     #[inline(always)]
     pub fn surface_velocity(&self, particles: &Particles, reach: f64, gap: f64) -> (Vector3<f64>, f64) {
@@ -358,7 +362,7 @@ impl Couple {
         }
     }
 
-    /// [m] smaller diameter of the two bodies, the divisor of relative overlaps; at a wall the diameter of the
+    /// [m] smaller diameter of the two bodies, by which relative overlaps are divided; at a wall the diameter of the
     /// particle.
     pub fn diameter(&self, particles: &Particles) -> f64 {
         let radius = particles.radius[self.i as usize];

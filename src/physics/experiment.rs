@@ -1,4 +1,5 @@
-//! One variant of a case, checked and converted to SI units: all data on which a simulation depends.
+//! One variant of a case (the case with one model and some settings), checked and converted to SI units: all data on
+//! which a simulation depends.
 
 mod defaults;
 mod observe_settings;
@@ -98,13 +99,14 @@ pub struct ReferencePoint {
 /// All data on which a simulation depends, in SI units.
 #[derive(Clone, Debug, Serialize)]
 pub struct Experiment {
-    /// Name of the variant.
+    /// Name of the variant of the case; by default the name of its collision model.
     pub name: String,
     /// Reference with which this variant is compared; `None` if the case names none.
     pub against: Option<Reference>,
     /// Box, walls, gravity, gas and species, which every engine reads.
     pub scene: Scene,
-    /// Initial state: for each population, its particles or their number and random velocities.
+    /// Initial state. Each population is a group of particles of one species, with given positions or at random
+    /// positions.
     pub start: Vec<Population>,
     /// Settings of the soft engine.
     pub soft: SoftSettings,
@@ -144,7 +146,8 @@ impl Experiment {
     }
 
     /// Number of particles for predictions of contacts, at least the number `now` in the scene. With inlets it is at
-    /// least 2, because any number may come in. With outlets it is at least the number at the start.
+    /// least 2, so that contacts of two particles are predicted before any has come in. With outlets it is at least the
+    /// number at the start, although particles may have left.
     pub fn most_that_touch(&self, now: usize) -> usize {
         let scene = &self.scene;
         let coming = if scene.inlets.is_empty() { 0 } else { 2 };
@@ -195,17 +198,19 @@ impl Experiment {
 /// Particles of one species and their initial state.
 #[derive(Clone, Debug, Serialize)]
 pub struct Population {
-    /// Index into [`Scene::species`].
+    /// Index of the species of the particles in [`Scene::species`].
     pub species: u16,
     /// Number of particles that start at random positions, or particles with given positions.
     pub amount: Amount,
     /// Part of the domain in which a random start places the particles; `None` for the whole domain.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub region: Option<StartRegion>,
-    /// [m/s] mean velocity of a random start. Two or more spheres have exactly this mean.
+    /// [m/s] mean velocity of the particles at a random start. The velocities of two or more particles have exactly
+    /// this mean.
     pub velocity_mean: Vector3<f64>,
-    /// [m/s] standard deviation of each velocity component of a random start. Two or more spheres have exactly this
-    /// deviation. The velocity of a single sphere is random, with a normal distribution of this width about the mean.
+    /// [m/s] standard deviation of each velocity component of the particles at a random start. The velocities of two or
+    /// more particles have exactly this deviation. The velocity of a single particle is random, with a normal
+    /// distribution of this width about the mean.
     pub velocity_fluctuation: Vector3<f64>,
     /// [rad/s] mean spin of the particles at a random start.
     #[serde(skip_serializing_if = "is_zero")]
@@ -226,7 +231,8 @@ fn is_none(deviation: &f64) -> bool {
 }
 
 impl Population {
-    /// [m/s] root mean square, over the three components, of the velocity fluctuation of a random start.
+    /// [m/s] root mean square, over the three components, of the velocity fluctuation of the particles at a random
+    /// start.
     pub fn mean_fluctuation(&self) -> f64 {
         let v = self.velocity_fluctuation;
         // equal components are returned without the rounding of a root
@@ -333,7 +339,7 @@ pub struct DsmcSettings {
     /// Numbers of cells along x, y and z; `None` if they are chosen from the mean free path and the number of
     /// particles.
     pub cells: Option<[usize; 3]>,
-    /// [-] ratio of the longest time step to the mean free time.
+    /// [-] ratio of the longest time step to the mean free time, the mean time between two collisions of a particle.
     pub step: f64,
 }
 
@@ -343,11 +349,11 @@ pub struct DsmcSettings {
 pub enum HardStepping {
     /// Collisions happen at the exact instants of touch, which are stored in an event queue.
     Events,
-    /// Collisions are found as overlaps at the ends of time steps Δt < θ d/u_r (the paper's section 3.4). θ is the step
-    /// criterion, d the diameter and u_r the mean relative speed.
+    /// Collisions are found as overlaps at the ends of time steps Δt < θ d/u_r (the paper's section 3.4). d is the
+    /// diameter, and u_r the mean magnitude of the normal component of the relative velocity.
     Steps {
-        /// [-] number θ in the bound Δt < θ d/u_r. Here d is the smallest diameter, and u_r the mean magnitude of one
-        /// component of the relative velocity. With a smaller θ fewer collisions are missed.
+        /// [-] number θ in the bound Δt < θ d/u_r. Here d is the smallest diameter, and u_r the mean magnitude of the
+        /// normal component of the relative velocity. With a smaller θ fewer collisions are missed.
         theta: f64,
     },
 }

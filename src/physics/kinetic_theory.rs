@@ -12,18 +12,20 @@ pub fn contact_value(a: f64, b: f64, volume_fraction: f64, second_moment: f64) -
     1.0 / free + 3.0 * ratio / (free * free) + 2.0 * ratio * ratio / (free * free * free)
 }
 
-/// [-] coefficient a₂ of the velocity distribution in a homogeneous gas of smooth spheres that cools, with the
-/// `restitution` e: 16 (1 - e)(1 - 2e²)/(81 - 17 e + 30 e² (1 - e)) (van Noije and Ernst 1998, Granular Matter 1, 57).
-/// The formula comes from equations linear in a₂. It differs from simulations by some per cent for e above 0.6.
+/// [-] leading Sonine coefficient a₂, which measures the deviation of the velocity distribution from a Maxwellian. It
+/// is for a homogeneous gas of smooth spheres that cools, with the `restitution` e: 16 (1 - e)(1 - 2e²)/(81 - 17 e + 30
+/// e² (1 - e)) (van Noije and Ernst 1998, Granular Matter 1, 57). The formula comes from equations linear in a₂. It
+/// differs from simulations by some per cent for e above 0.6.
 pub fn cooling_a2(restitution: f64) -> f64 {
     let (e, square) = (restitution, restitution * restitution);
     // numbers of van Noije and Ernst 1998 in three dimensions
     16.0 * (1.0 - e) * (1.0 - 2.0 * square) / (81.0 - 17.0 * e + 30.0 * square * (1.0 - e))
 }
 
-/// [-] coefficient a₂ of the velocity distribution in a homogeneous gas of smooth spheres with random accelerations,
-/// with the `restitution` e: 16 (1 - e)(1 - 2e²)/(241 - 177 e + 30 e² (1 - e)) (van Noije and Ernst 1998, Granular
-/// Matter 1, 57). The formula comes from equations linear in a₂.
+/// [-] leading Sonine coefficient a₂, which measures the deviation of the velocity distribution from a Maxwellian. It
+/// is for a homogeneous gas of smooth spheres with random accelerations, with the `restitution` e: 16 (1 - e)(1 -
+/// 2e²)/(241 - 177 e + 30 e² (1 - e)) (van Noije and Ernst 1998, Granular Matter 1, 57). The formula comes from
+/// equations linear in a₂.
 pub fn heated_a2(restitution: f64) -> f64 {
     let (e, square) = (restitution, restitution * restitution);
     // numbers of van Noije and Ernst 1998 in three dimensions
@@ -48,9 +50,9 @@ pub fn compressibility(volume_fraction: f64) -> f64 {
 }
 
 /// [-] structure factor S of hard spheres by the Percus-Yevick equation. `q` is the wave number times the diameter, and
-/// φ the volume fraction. 1/S = 1 + 24 φ ∫ x² sin(qx)/(qx) (λ₁ + 6 φ λ₂ x + φ λ₁ x³/2) dx over x from 0 to 1. Here λ₁ =
-/// (1 + 2φ)²/(1 - φ)⁴ and λ₂ = -(1 + φ/2)²/(1 - φ)⁴ (Wertheim 1963, Phys. Rev. Lett. 10, 321; Hansen and McDonald 2013,
-/// Theory of Simple Liquids, section 4.4).
+/// φ the volume fraction. 1/S = 1 + 24 φ ∫ x² sin(qx)/(qx) (λ₁ + 6 φ λ₂ x + φ λ₁ x³/2) dx over the distance x in
+/// diameters, from 0 to 1. Here λ₁ = (1 + 2φ)²/(1 - φ)⁴ and λ₂ = -(1 + φ/2)²/(1 - φ)⁴ (Wertheim 1963, Phys. Rev. Lett.
+/// 10, 321; Hansen and McDonald 2013, Theory of Simple Liquids, section 4.4).
 pub fn percus_yevick(q: f64, volume_fraction: f64) -> f64 {
     let phi = volume_fraction;
     let free = (1.0 - phi).powi(4);
@@ -64,13 +66,14 @@ pub fn percus_yevick(q: f64, volume_fraction: f64) -> f64 {
     1.0 / (1.0 + 24.0 * phi * core)
 }
 
-/// Transport coefficients of a gas of smooth hard spheres, over powers of the collision frequency ν_0 = (16/5) n d²
-/// sqrt(π T) of a dilute gas. n is the number density, d the diameter and T the granular temperature.
+/// Transport coefficients of a gas of smooth hard spheres, as ratios without a unit. The ratios contain the collision
+/// frequency ν_0 = (16/5) n d² sqrt(π T) of a dilute gas, with the number density n, the diameter d and the granular
+/// temperature T.
 ///
-/// They are those of Garzó and Dufty (1999, Phys. Rev. E 59, 5895): first order in the gradients, first Sonine
-/// polynomial, contact value of Carnahan and Starling. The theory assumes velocities of neighbours without correlation.
-/// At a restitution of 1 the viscosity is that of Enskog (Chapman and Cowling 1970, section 16.6) in the first
-/// approximation. In a dilute gas the exact viscosity is 1.6 % larger than this approximation.
+/// The coefficients are those of Garzó and Dufty (1999, Phys. Rev. E 59, 5895): first order in the gradients, first
+/// Sonine polynomial, contact value of Carnahan and Starling. The theory assumes velocities of neighbours without
+/// correlation. At a restitution of 1 the viscosity is that of Enskog (Chapman and Cowling 1970, section 16.6) in the
+/// first approximation. In a dilute gas the exact viscosity is 1.6 % larger than this approximation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GasTransport {
     /// [-] shear viscosity over ρ T/ν_0, with the mass density ρ of the gas.
@@ -93,9 +96,9 @@ impl GasTransport {
         Self { viscosity: kinetic * (1.0 + 0.8 * phi * chi * (1.0 + e)) + bulk, cooling_rate }
     }
 
-    /// [-] shear rate over ν_0 in steady simple shear, in which the work of the stress equals the loss in collisions:
-    /// sqrt(3 ζ/(2 η)). Here ζ is the `cooling_rate`, η the `viscosity`, and ν_0 the collision frequency of a dilute
-    /// gas.
+    /// [-] shear rate over ν_0 in steady simple shear, in which the work of the stress equals the loss of energy in
+    /// collisions: sqrt(3 ζ/(2 η)). Here ζ is the `cooling_rate`, η the `viscosity`, and ν_0 the collision frequency of
+    /// a dilute gas.
     pub fn steady_shear_rate(&self) -> f64 {
         (1.5 * self.cooling_rate / self.viscosity).sqrt()
     }

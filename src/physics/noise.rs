@@ -1,10 +1,10 @@
 //! Random numbers as a function of a seed, a step and a particle or cell. They do not depend on the order in which they
 //! are computed.
 //!
-//! The generator is ChaCha with eight rounds, used as a counter. Its key contains the seed and the use, its stream is
-//! the number of the step, and the position in the stream follows from the number of the particle or cell. So results
-//! do not depend on the numbers of threads and processes, on the order of the particle store, or on a stop and
-//! continuation of the run.
+//! The generator is ChaCha with eight rounds, used as a counter. Its key contains the seed and the purpose of the
+//! numbers ([`NoiseUse`]). The step selects one of the streams of the generator, and the number of the particle or cell
+//! the position in this stream. So results do not depend on the numbers of threads and processes, on the order of the
+//! particle store, or on a stop and continuation of the run.
 
 use nalgebra::Vector3;
 use rand::SeedableRng;
@@ -36,8 +36,8 @@ pub enum NoiseUse {
     InletPositions = 8,
 }
 
-/// One number of 64 bits computed from several numbers, `words`. If any of these changes, the result changes like a
-/// random number. The mixing function is that of SplitMix64 (Steele, Lea and Flood 2014, OOPSLA).
+/// One number of 64 bits computed from several numbers, `words`. If any of the words changes, the result is as
+/// different as a new random number. The mixing function is that of SplitMix64 (Steele, Lea and Flood 2014, OOPSLA).
 pub fn mixed(words: &[u64]) -> u64 {
     let mix = |z: u64, shift: u32, factor: u64| (z ^ (z >> shift)).wrapping_mul(factor);
     words.iter().fold(0, |so_far, word| {
@@ -47,11 +47,11 @@ pub fn mixed(words: &[u64]) -> u64 {
     })
 }
 
-/// Generator of the random numbers of all particles or cells in one step.
+/// Generator of the random numbers of all particles or cells in one step, for one purpose ([`NoiseUse`]).
 pub struct Noise(ChaCha8Rng);
 
 impl Noise {
-    /// Creates the random numbers of one use, in the step number `step` of a run with the seed `seed`.
+    /// Creates the generator for one purpose, in the step number `step` of a run with the seed `seed`.
     pub fn new(seed: u64, purpose: NoiseUse, step: u64) -> Self {
         let mut key = [0; 32];
         key[..8].copy_from_slice(&seed.to_le_bytes());
@@ -91,8 +91,8 @@ mod tests {
         assert_eq!(forwards, backwards);
     }
 
-    /// Checks that neighbouring numbers differ in half of their 64 bits: the mean over 1000 pairs has a standard error
-    /// of 4/sqrt(1000) = 0.13 bits, and five of them are allowed.
+    /// Checks that the results for successive words differ in half of their 64 bits: the mean over 1000 pairs has a
+    /// standard error of 4/sqrt(1000) = 0.13 bits, and five of them are allowed.
     #[test]
     fn mixed_words_differ_in_half_of_their_bits() {
         let differ = |word: u64| (mixed(&[7, word]) ^ mixed(&[7, word + 1])).count_ones();

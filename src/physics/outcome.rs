@@ -17,7 +17,7 @@ pub struct Outcome {
     pub experiment: Experiment,
     /// Reason why the run stopped early; `None` for a complete run.
     pub failure: Option<Failure>,
-    /// Number of particles in the run.
+    /// Number of particles at the end of the run.
     pub particles: usize,
     /// FNV-1a hash of the initial state. Variants that start from the same particles have the same hash.
     pub initial_state_hash: u64,
@@ -42,11 +42,11 @@ pub struct Outcome {
     pub rings: RingAverages,
     /// Result of the test for a steady state, with the time from which averages are taken.
     pub steadiness: Steadiness,
-    /// [-] share of the particles that stay in their layer along y during the averaging period, beyond the share
-    /// expected by chance. It is 1 for a bed at rest and 0 for a gas that mixes. `None` if there are too few layers or
-    /// particles.
+    /// [-] share of the particles that are in the same layer (slice of the height y) at the start and at the end of the
+    /// averaging period, beyond the share expected by chance. It is 1 for a bed at rest and 0 for a gas that mixes.
+    /// `None` if there are too few layers or particles.
     pub places_kept: Option<f64>,
-    /// Impacts, and the ledger of energy and momentum, of the whole run.
+    /// Impacts of the whole run, and its ledger: the account of all gains and losses of energy and momentum.
     pub record: Record,
     /// Impacts between particles that ended in the averaging period.
     pub pairs: Impacts,
@@ -59,8 +59,8 @@ pub struct Outcome {
     /// [-] restitution of impacts between particles, measured over the whole run; `None` without an impact. The
     /// estimate has no error if too few intervals between samples had an impact.
     pub pair_restitution: Option<Estimate>,
-    /// [-] restitution of impacts at walls, measured over the whole run. It is `None`, or has no error, under the
-    /// conditions of `pair_restitution`.
+    /// [-] restitution of impacts at walls, measured over the whole run. `None` without an impact at a wall. The
+    /// estimate has no error if too few intervals between samples had such an impact.
     pub wall_restitution: Option<Estimate>,
     /// [m²/s²] granular temperature over the averaging period: a third of the variance of the velocities about the mean
     /// of each slice at the same instant. `None` without samples.
@@ -69,7 +69,7 @@ pub struct Outcome {
     #[serde(skip)]
     pub averaged: Averaged,
     /// [J] residual of the energy balance of the whole run: the change of energy that the ledger does not explain. Its
-    /// error is the size of random fluctuations.
+    /// standard error follows from the scatter of the change of this residual between successive samples.
     pub energy_residual: Estimate,
     /// [J] kinetic, rotational and elastic energy at the start.
     pub energy_at_start: f64,
@@ -153,8 +153,8 @@ pub struct Replicas {
     /// Number of replicas.
     pub count: usize,
     /// [-] scatter of averages between the replicas, divided by the standard errors computed within each run: the root
-    /// mean square over the mean velocity, the temperature and the rates. It is near 1 if the standard errors are
-    /// right. `None` if no average has an error.
+    /// mean square of this ratio over the mean velocity, the temperature and the collision rates. It is near 1 if the
+    /// standard errors are right. `None` if no average has an error.
     pub scatter_over_errors: Option<f64>,
 }
 

@@ -24,7 +24,7 @@ use crate::walls::Wall;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Properties of the contact between two kinds of bodies.
+/// Properties of the contact of a species with a species (its own or another) or with a wall.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Meeting {
     /// Restitution and friction of the two bodies, which all engines use.
@@ -87,8 +87,8 @@ pub enum Kind {
 #[serde(transparent)]
 pub struct Pairs(Vec<(u16, Kind, Meeting)>);
 
-/// Puts the two kinds of a pair into the order in which pairs are stored. Of two species, the one with the smaller
-/// index comes first; a species comes before a wall.
+/// Puts a species and the other body of a pair, `other`, into the order in which pairs are stored. Of two species, the
+/// one with the smaller index comes first; a species comes before a wall.
 #[inline]
 pub(crate) fn in_order(species: u16, other: Kind) -> (u16, Kind) {
     match other {
@@ -256,8 +256,8 @@ pub struct Scene {
     pub pairs: Pairs,
     /// Species of the particles; `Particles::species` contains indices into this list.
     pub species: Vec<Species>,
-    /// Tangential behaviour of spheres that rotate; `None` if no sphere rotates. Friction is then computed without a
-    /// spring.
+    /// Laws of friction of spheres that rotate; `None` if no sphere rotates. Without rotation, friction is computed
+    /// without a tangential spring.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotation: Option<Rotation>,
     /// Heating of the particles from outside; `None` if the particles are not heated.
@@ -338,9 +338,9 @@ impl Scene {
         surfaces.for_each(|surface| surface.represent(speed));
     }
 
-    /// All kinds of impacts in the scene, each listed once. If sizes differ, the kinds are those of spheres of the mean
-    /// volume. `shear_ratio` returns the ratio [-] of Mindlin's stiffness to Hertz's elastic constant for two
-    /// elasticities.
+    /// All kinds of impacts in the scene, each listed once. They differ in restitution, mass ratio or shear ratio. If
+    /// sizes differ, the spheres are taken to have the mean volume. `shear_ratio` returns the ratio [-] of Mindlin's
+    /// stiffness to Hertz's elastic constant for two elasticities.
     pub fn impact_kinds(&self, shear_ratio: impl Fn([Option<Elasticity>; 2]) -> f64) -> Vec<ImpactKind> {
         let species = |species: u16| &self.species[usize::from(species)];
         let body = |of: u16| {
@@ -369,7 +369,8 @@ impl Scene {
         kinds
     }
 
-    /// Contact properties of a particle of the species with the index `species` and a body of the kind `other`.
+    /// Contact properties of a particle of the species with the index `species` and another body, a particle of a
+    /// species or a wall.
     #[inline]
     pub fn meeting(&self, species: u16, other: Kind) -> Meeting {
         match self.pairs.find(species, other) {
@@ -378,8 +379,8 @@ impl Scene {
         }
     }
 
-    /// Coefficients of rolling and twisting friction of the species with the index `species` and a body of the kind
-    /// `other`.
+    /// Coefficients of rolling and twisting friction of the species with the index `species` with another body, a
+    /// particle of a species or a wall.
     #[inline]
     pub fn resistance(&self, species: u16, other: Kind) -> ResistanceFriction {
         match (self.pairs.find(species, other), other) {
@@ -389,13 +390,14 @@ impl Scene {
         }
     }
 
-    /// Restitution and friction of the species with the index `species` and a body of the kind `other`.
+    /// Restitution and friction of the species with the index `species` with another body, a particle of a species or a
+    /// wall.
     #[inline]
     pub fn surface(&self, species: u16, other: Kind) -> &Surface {
         self.pairs.find(species, other).map_or_else(|| self.usual(other), |meeting| &meeting.surface)
     }
 
-    /// Restitution and friction of contacts with a species or a wall, for pairs that are not in `pairs`.
+    /// Restitution and friction of contacts with a particle or a wall, for pairs that are not in `pairs`.
     #[inline]
     fn usual(&self, other: Kind) -> &Surface {
         match other {

@@ -41,15 +41,17 @@ pub const SPLITTING_ALONE: f64 = 1e-5;
 /// smallest diameter. The value is that of [`SPLITTING_ALONE`].
 const SAG: f64 = 1e-5;
 
-/// Number of windows in a run without drag. A sample is taken after each of these windows.
+/// Smallest number of samples in a run without drag, if the case gives neither the window nor the time between samples.
+/// Such a run has at least as many windows.
 const PIECES: f64 = 200.0;
 
-/// Number of collisions of each particle between two samples, in an elastic gas without drag. After this number of
-/// collisions the velocities are independent, and the cost of a sample is small compared with that of the collisions.
+/// Number of collisions of each particle between two samples, in an elastic or heated gas without drag. After this
+/// number of collisions the velocities are independent, and the cost of a sample is small compared with that of the
+/// collisions.
 const COLLISIONS: f64 = 5.0;
 
-/// Largest number of samples in an elastic gas without drag. More samples would take much memory and add little
-/// information.
+/// Largest number of samples in an elastic or heated gas without drag. More samples would take much memory and add
+/// little information.
 const MOST_SAMPLES: f64 = 1e5;
 
 /// Largest number of particles whose paths are stored; more paths could not be distinguished in a picture.
@@ -110,9 +112,9 @@ impl Schedule {
         Self { window, windows_per_sample, samples, ..Self::default() }
     }
 
-    /// Schedule of an experiment. The experiment can give the longest window. Otherwise it is limited by inlets, and by
-    /// the splitting of drag, buoyancy, turbulence, coupling, heat and orbits from the motion. Servo walls always limit
-    /// it. The duration is a whole number of the shortest windows.
+    /// Schedule of an experiment. The experiment can give the length of the longest window. Otherwise this length is
+    /// limited by inlets, and by the splitting of drag, buoyancy, turbulence, coupling, heat and orbits from the
+    /// motion. Servo walls always limit it. The duration is a whole number of the shortest windows.
     pub fn new(experiment: &Experiment) -> Self {
         let duration = experiment.run.duration;
         if duration <= 0.0 {
@@ -218,8 +220,8 @@ impl Schedule {
         1e-6 * self.window
     }
 
-    /// Returns the next piece of a run, which begins at the time `now` [s]. The window that contains `now` begins after
-    /// `done` of the shortest windows.
+    /// Returns the next piece of a run (some whole windows or a part of one), which begins at the time `now` [s]. The
+    /// window that contains `now` begins after `done` of the shortest windows.
     pub fn piece(&self, done: u64, now: f64) -> ScheduleStep {
         let together = self.together(done);
         let to_sample = (self.windows_per_sample - done % self.windows_per_sample) / together;
@@ -286,7 +288,8 @@ struct DragScales {
     response: f64,
     /// [s] relaxation time τ_l at the slip speed that gravity causes.
     relaxation: f64,
-    /// [s²] t/(1/τ_l - 1/τ_0) of the fall; infinite without a fall, or if drag is linear.
+    /// [s²] t/(1/τ_l - 1/τ_0) of a fall of the time t, with the relaxation times τ_l at its final speed and τ_0 at
+    /// rest. Infinite without a fall, or if drag is linear.
     fall: f64,
     /// [1/s] collision rate ν of a particle.
     rate: f64,
@@ -350,9 +353,10 @@ impl DragScales {
     }
 }
 
-/// [s] longest window if buoyancy accelerates species of different densities differently, so that kicks add the
-/// differences. Infinite if all have one acceleration. With a difference b [m/s²] the path within a window of length
-/// h differs by at most b h²/8 from a parabola. This distance is at most [`SAG`] times the smallest diameter.
+/// [s] longest window if weight and buoyancy accelerate the species differently. Kicks at the ends of windows then add
+/// the differences from one common acceleration. Infinite if there are no differences. With a difference b [m/s²] the
+/// path within a window of length h differs by at most b h²/8 from a parabola. This distance is at most [`SAG`] times
+/// the smallest diameter.
 fn longest_with_kicks_of_buoyancy(scene: &Scene) -> f64 {
     let largest = scene.differences_in_gravity().iter().map(|difference| difference.norm()).fold(0.0, f64::max);
     if largest > 0.0 { (8.0 * SAG * scene.smallest_diameter() / largest).sqrt() } else { f64::INFINITY }
@@ -448,7 +452,8 @@ fn motion(population: &Population) -> (Vector3<f64>, f64) {
     (mean, (square / 3.0).sqrt())
 }
 
-/// [1/s] larger of the gas gradients where a sphere with this radius [m] touches the lower and upper side of the box.
+/// [1/s] gradient of the gas velocity where a sphere with this radius [m] touches a wall of the gas: the larger of the
+/// values at the lower and the upper wall. `height` [m] is that of the box.
 fn wall_gradient(profile: &Profile, radius: f64, height: f64) -> f64 {
     let [low, high] = profile.between(height);
     let steep = |near: f64, far: f64| (profile.velocity(far) - profile.velocity(near)).abs() / radius;

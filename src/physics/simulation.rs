@@ -3,7 +3,8 @@
 //! half-kicks between drag and engine. Particles come in and leave at the ends of windows.
 //!
 //! Drag is a slow, smooth force, so it is split from the motion (Strang); the error is of second order in the window. A
-//! kick is the exact solution of the drag law for constant gas velocity, so two half-kicks equal one whole kick.
+//! kick is the change of velocity by drag at fixed positions. It is the exact solution of the drag law for constant gas
+//! velocity, so two half-kicks equal one whole kick.
 
 mod contacts;
 mod coupling;
@@ -111,7 +112,7 @@ pub struct Simulation {
     /// grows by more fails. `None` for other models.
     bound: Option<Bound>,
     /// [J] elastic energy of the overlaps at the start. `None` after the first window, when the soft engine has found
-    /// its contacts.
+    /// its contacts, and for models without soft contacts.
     unseen: Option<f64>,
     /// Numbers and energies of the particles that have come in and left; `None` in a scene without inlets and outlets.
     through_flow: Option<Box<ThroughFlow>>,
@@ -260,8 +261,8 @@ impl Simulation {
 
     /// Runs windows as [`run`](Self::run) for as long as `go_on` returns true, and returns the number of windows done.
     /// `go_on` is called at the end of every window but the last, with the number of windows done in this call. A
-    /// stopped run can be continued for the remaining windows, here or from a [`snapshot`](Self::snapshot), with
-    /// identical bits.
+    /// stopped run can be continued for the remaining windows, here or from a [`snapshot`](Self::snapshot). All bits of
+    /// the results are then those of a run without a stop.
     ///
     /// If several processes share the run, each may hold only its part of the particles when `go_on` is called and
     /// after the run. [`gather`](Self::gather) gathers the parts, and [`sample`](Self::sample) is used for sums over

@@ -69,8 +69,8 @@ impl Checkpointer {
         case: &Case,
         runs: &[ResumableRun],
     ) -> Result<Self, StudyError> {
-        // replicas of a variant have one name, so the identity of the first one is compared; if results are stored, the
-        // name alone identifies a run, and no identity is compared
+        // replicas (runs with different seeds) of a variant have one name, so the identity of the first one is
+        // compared; if results are stored, the name alone identifies a run, and no identity is compared
         let mut first: Vec<RunIdentity> = Vec::new();
         for run in runs.iter().filter(|_| !settings.keeps_results).map(|run| &run.identity) {
             if first.iter().all(|known| known.name != run.name) {

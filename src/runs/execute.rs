@@ -152,9 +152,10 @@ pub fn follow(run: &ResumableRun, others: &mut [&mut dyn Observer], ranks: &Rank
     });
 }
 
-/// Makes the simulation of a run from `start`, or from the stored state if there is one. `begun` is the loop of a run
-/// from its start. Also returns the loop, and the end of the run if the stored run had ended: its failure, if any. Of
-/// `observers`, the first `common` exist in all processes.
+/// Makes the simulation of a run from `start`, or from the stored state if there is one. `begun` is the position of a
+/// run at its start: its place in the schedule, and the next times of its observers. Also returns the position from
+/// which the run continues. The last result is the end of a stored run that had ended, which is its failure if it
+/// failed; `None` if the run goes on. Of `observers`, the first `common` exist in all processes.
 fn begin_or_resume(
     run: &ResumableRun,
     start: Start,

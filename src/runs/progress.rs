@@ -102,7 +102,7 @@ enum ProgressSource {
 }
 
 impl ProgressSource {
-    /// [s] simulated time that the run has reached, as far as this process knows; 0 without a clock.
+    /// [s] simulated time that the run has reached, as far as it is known in this process; 0 without a clock.
     fn time(&self) -> f64 {
         match self {
             Self::Here(reached) => reached.as_ref().map_or(0.0, Reached::time),
@@ -221,7 +221,7 @@ fn lock(board: &Mutex<Board>) -> MutexGuard<'_, Board> {
 }
 
 /// Observer of one run that is called when the run starts and when it ends. In between, the display reads the clock of
-/// the run. In a resumed run the first call is at the next sample.
+/// the run. In a resumed run the first call is at the next sample (instant of measurement).
 pub struct Watch {
     board: Arc<Mutex<Board>>,
     run: usize,
@@ -358,7 +358,7 @@ pub fn span(seconds: f64) -> String {
 }
 
 /// [-] completed share of a run of the length `duration` [s] that has reached `time` [s]. The share is exactly 1 at the
-/// end, although a sum of windows has rounding errors.
+/// end, although the time is a sum of many steps and has rounding errors.
 fn share(time: f64, duration: f64) -> f64 {
     if duration > 0.0 { (time * (1.0 + 1e-9) / duration).min(1.0) } else { 1.0 }
 }

@@ -16,7 +16,8 @@ use crate::statistics::Accumulator;
 pub(crate) struct StandardObservers<'a> {
     experiment: &'a Experiment,
     initial_state_hash: u64,
-    /// Times of the windows (times between two exchanges with the gas) and of the samples of the run.
+    /// Times of the windows (times between two exchanges with the gas) and of the samples (instants of measurement) of
+    /// the run.
     pub schedule: Schedule,
     profiles: Accumulator,
     motion: Motion,

@@ -16,8 +16,8 @@ pub fn share_threads(effort: &Effort, ranks: &Ranks) -> Result<(), StudyError> {
 }
 
 /// Sets the number of threads of this process, if the user has given it. With one thread, the calling thread does the
-/// work itself. Otherwise it would wait for another thread in each window, which takes most of the time of small scenes
-/// on a busy machine.
+/// work itself. Otherwise it would wait for another thread in each window (time between two exchanges with the gas).
+/// The waiting takes most of the time of small scenes on a busy machine.
 pub fn use_threads(threads: Option<usize>) -> Result<(), StudyError> {
     let Some(threads) = threads else { return Ok(()) };
     let mut pool = rayon::ThreadPoolBuilder::new().num_threads(threads);

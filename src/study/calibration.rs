@@ -1,9 +1,9 @@
 //! Measurements on which a plan depends: the agitation (random velocities) of the particles, and the wall time of a
 //! window on this machine. A window is the time between two exchanges of momentum with the gas.
 //!
-//! The agitation is measured in a short run of a smaller periodic box. Numbers of windows and collisions set the length
-//! of this run, so this length is the same on every machine. Wall times are measured in a few windows of the case at
-//! its full size; no recommendation depends on these times.
+//! The agitation is measured in a short run of the case with shorter periodic sides of its box. Numbers of windows and
+//! collisions set the length of this run, so this length is the same on every machine. Wall times are measured in a few
+//! windows of the case at its full size; no recommendation depends on these times.
 
 use super::trust::granular_temperature;
 use crate::contact_law::ContactLaw;
@@ -46,12 +46,12 @@ const IMPACTS: u64 = 1000;
 /// [s] wall time after which the timing of one collision model ends.
 const PATIENCE: f64 = 0.4;
 
-/// Number of steps times number of particles in the timed part of a window with uniform time steps. The timing of such
-/// a part takes some tenths of a second.
+/// Number of steps times number of particles in the timed part of a window (time between two exchanges with the gas),
+/// if time steps move all particles. The timing of such a part takes some tenths of a second.
 const STEPS: f64 = 2e7;
 
-/// Agitation (random velocities) and impact speeds of the particles of a case, measured in a short run of a smaller
-/// periodic box.
+/// Agitation (random velocities) and impact speeds of the particles of a case. They are measured in a short run of the
+/// case with shorter periodic sides of its box.
 pub struct Physics {
     /// Length of the short run that measures the agitation, with the collision rates and errors that the plan computes
     /// from this run.
@@ -91,8 +91,8 @@ pub fn start_variances(experiment: &Experiment) -> Vec<f64> {
     variances
 }
 
-/// Measures the agitation (random velocities) and the impact speeds in a short run of the case in a smaller periodic
-/// box. `None` if the particles do not form a gas, or if the smaller box cannot be filled.
+/// Measures the agitation (random velocities) and the impact speeds in a short run of the case with shorter periodic
+/// sides of its box. `None` if the particles do not form a gas, or if the smaller box cannot be filled.
 pub fn physics(experiment: &Experiment) -> Option<Physics> {
     if !is_gas(experiment) {
         return None;
@@ -102,8 +102,8 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
     let drawn = variance_of(&start);
     let (outcome, end) = execute(&small, start, &mut []);
     let found = granular_temperature(&outcome).filter(|found| found.is_finite() && *found > 0.0).unwrap_or(drawn);
-    // without gas, heating or moving walls: temperature of the start times the share that collisions leave in the short
-    // run
+    // if nothing drives the particles (no gas, shear, heating or moving wall): temperature of the start times the share
+    // that collisions leave in the short run
     let variance =
         if is_driven(experiment) { found } else { found / drawn * variance_of(&initial_state(experiment).ok()?) };
     let count = outcome.particles.max(1) as f64;
@@ -239,8 +239,8 @@ fn by_species(end: &Particles, variance: f64, species: usize) -> Vec<f64> {
     sums.iter().map(|sums| variance * share(sums)).collect()
 }
 
-/// [-] standard error of the granular temperature of a slice, divided by the temperature; median over all slices.
-/// `None` if no slice has a standard error.
+/// [-] standard error of the granular temperature in a slice of the box across y, divided by the temperature; median
+/// over all slices. `None` if no slice has a standard error.
 fn temperature_error(outcome: &Outcome) -> Option<f64> {
     let relative = |row: &SliceRow| {
         let parts: Vec<Estimate> = [UU, VV, WW].into_iter().map(|column| row.of(column)).collect::<Option<_>>()?;
@@ -286,9 +286,9 @@ pub struct Timed {
     pub seconds: f64,
     /// Number of timed windows (times between two exchanges with the gas), counting a window that was timed in part.
     pub windows: u64,
-    /// [byte] memory of this process at the end of the timed windows; `None` if the system does not report it.
+    /// [byte] memory of this process at the end of the timed part of the run; `None` if the system does not report it.
     pub memory: Option<f64>,
-    /// Reason why the engine stopped during the timed windows; `None` if it did not stop.
+    /// Reason why the engine stopped during the timed part of the run; `None` if it did not stop.
     pub failure: Option<Failure>,
 }
 
@@ -360,9 +360,9 @@ pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
     }
 }
 
-/// [s] length of a part of a window that takes little wall time; at most `window` [s]. A long window may contain any
-/// number of impacts. The first trial has ten times the time in which the fastest particle moves by the largest
-/// diameter. Each further trial is twice as long.
+/// [s] length of a part of a window (time between two exchanges with the gas) that takes little wall time. A long
+/// window may contain any number of impacts. The first trial has ten times the time in which the fastest particle moves
+/// by the largest diameter. Each further trial is twice as long. The result is at most `window` [s].
 fn short_enough(experiment: &Experiment, start: &Particles, window: f64) -> f64 {
     let diameter = 2.0 * start.radius.iter().copied().fold(0.0, f64::max);
     let speed = start.largest_speed(Vector3::zeros()) + (experiment.scene.gravity.norm() * diameter).sqrt();
@@ -388,8 +388,8 @@ const REPORT: f64 = 0.5e6;
 /// [byte] memory of one particle in the store: position, velocity, radius, mass, species, id.
 const BYTES: f64 = 8.0 * 8.0 + 2.0 + 4.0;
 
-/// [s] wall time of one sample of the statistics: the velocities of all particles are added to the averages over
-/// slices.
+/// [s] wall time of one sample of the statistics: the velocities of all particles are added to the averages over slices
+/// of the box across y.
 fn sampling(experiment: &Experiment, particles: &Particles) -> f64 {
     let mut accumulator = Accumulator::new(experiment.statistics.slices, experiment.scene.domain.size.y);
     let clock = Instant::now();

@@ -87,7 +87,7 @@ struct Varied {
     values: Vec<String>,
 }
 
-/// One variant of the case, with its time step, contact times and windows.
+/// One variant of the case, with its time step, contact times and windows (times between two exchanges with the gas).
 #[derive(Serialize)]
 struct CheckedVariant {
     name: String,
@@ -230,7 +230,7 @@ impl CheckedVariant {
     }
 
     /// Text of one variant for the terminal: contact law, time step, contact times, and the number and lengths of its
-    /// windows.
+    /// windows (times between two exchanges with the gas).
     fn text(&self) -> String {
         let mut text = String::new();
         if let (Some(law), Some(step), Some(steps)) = (&self.contact_law, self.time_step, self.steps) {

@@ -14,12 +14,12 @@ use crate::runs::{CommandOrigin, CommandSettings, Ranks, StudyError, read, share
 use crate::statistics::{Answer, ErrorLevels};
 use std::ops::Range;
 
-/// Number of further replicas of each variant from one interim test of `--until-decided` to the next. Four replicas of
-/// each of two variants give Student's t 6 degrees of freedom.
+/// Number of further replicas (runs with different seeds) of each variant from one interim test of `--until-decided` to
+/// the next. Four replicas of each of two variants give Student's t 6 degrees of freedom.
 const PIECE: usize = 4;
 
-/// Largest number of replicas of each variant with `--until-decided` but without `--replicas`: sixteen tests of 4
-/// further replicas each.
+/// Largest number of replicas (runs with different seeds) of each variant with `--until-decided` but without
+/// `--replicas`: sixteen tests of 4 further replicas each.
 const MOST: usize = 64;
 
 /// Begins or resumes the runs of all variants of a case, and writes their results to one folder. Runs that are complete
@@ -58,13 +58,13 @@ pub fn compare(args: &Compare, origin: CommandOrigin, ranks: &Ranks) -> Result<O
     Ok(overall(&judged.comparisons))
 }
 
-/// Numbers of replicas after which a comparison is tested. Each of these tests is called a "look" at the results so
-/// far; all but the last are interim tests.
+/// Numbers of replicas (runs with different seeds) after which a comparison is tested. Each of these tests is called a
+/// "look" at the results so far; all but the last are interim tests.
 #[derive(Clone, Copy, Debug)]
 struct Looks {
-    /// Number of further replicas of each variant from one test to the next.
+    /// Number of further replicas (runs with different seeds) of each variant from one test to the next.
     piece: usize,
-    /// Largest number of replicas of each variant, reached at the last test.
+    /// Largest number of replicas (runs with different seeds) of each variant, reached at the last test.
     most: usize,
 }
 
@@ -82,19 +82,21 @@ impl Looks {
         self.most.div_ceil(self.piece)
     }
 
-    /// Number of replicas of each variant that are complete at the test with number `look`, counted from 1.
+    /// Number of replicas (runs with different seeds) of each variant that are complete at the test with number `look`,
+    /// counted from 1.
     fn replicas(self, look: usize) -> usize {
         (look * self.piece).min(self.most)
     }
 
-    /// Indices of the replicas of each variant that are added for the test with number `look`, counted from 1. Index 0,
-    /// the first run of the variant, is left out, because it is done earlier.
+    /// Indices of the replicas (runs with different seeds) of each variant that are added for the test with number
+    /// `look`, counted from 1. Index 0, the first run of the variant, is left out, because it is done earlier.
     fn range(self, look: usize) -> Range<usize> {
         self.replicas(look - 1).max(1)..self.replicas(look)
     }
 }
 
-/// Results of a comparison so far, with the numbers of replicas and the margin by which they are judged.
+/// Results of a comparison so far, with the tests planned for it and the margin (largest accepted difference) by which
+/// results are judged.
 struct VariantComparison<'a> {
     variants: &'a Variants,
     looks: Looks,
@@ -104,8 +106,8 @@ struct VariantComparison<'a> {
 }
 
 impl VariantComparison<'_> {
-    /// Runs the replicas of a variant that the test with number `look` requires. If the user stops the command, the
-    /// results so far are written, and an error that says so is returned.
+    /// Runs the replicas (runs with different seeds) of a variant that the test with number `look` requires. If the
+    /// user stops the command, the results so far are written, and an error that says so is returned.
     fn run_replicas(&mut self, variant: usize, look: usize) -> Result<(), StudyError> {
         if self.results.run_replicas(variant, self.looks.range(look))? {
             return Ok(());
@@ -146,8 +148,8 @@ impl VariantComparison<'_> {
     }
 }
 
-/// True if the comparison can end: no comparison of two variants is unresolved, or a replica of some variant stopped
-/// early.
+/// True if the comparison can end: no comparison of two variants is unresolved, or a replica (run with another seed) of
+/// some variant stopped early.
 fn is_decided(findings: &VariantFindings) -> bool {
     let stopped = findings.outcomes.iter().any(|one| one.failure.is_some());
     stopped || findings.comparisons.iter().all(|one| one.answer != Answer::Unresolved)

@@ -1,5 +1,6 @@
 //! Oblique impacts of the two bodies of `diptych impact`, for comparison with measured points. Each variant gives a
-//! curve: the reduced slip s/(μ u_n) after an impact as a function of the reduced slip before it.
+//! curve: the reduced slip s/(μ u_n) after an impact as a function of the reduced slip before it. Here s is the slip, μ
+//! the coefficient of friction and u_n the normal speed.
 
 use super::impact::ImpactPair;
 use crate::engine::Partner;
@@ -13,8 +14,8 @@ use nalgebra::Vector3;
 /// Number of impacts, each with another slip, from which a curve is made.
 const POINTS: usize = 28;
 
-/// [-] largest reduced slip s/(μ u_n) before an impact, divided by the slip at which sticking ends under Walton's rule
-/// with β_0 = 0.
+/// [-] largest reduced slip s/(μ u_n) before an impact (slip s, coefficient of friction μ, normal speed u_n). It is
+/// divided by the slip at which sticking ends under Walton's rule with tangential restitution β_0 = 0.
 const REACH: f64 = 2.0;
 
 /// Number of windows (pieces of the run) per contact time in the simulation of an impact. `LONGEST` is the largest

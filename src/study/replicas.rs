@@ -27,10 +27,11 @@ pub fn replicas(experiment: &Experiment, count: u16) -> Result<Vec<Experiment>, 
     Ok((0..count).map(one).collect())
 }
 
-/// Pools the replicas of a variant into one outcome, and returns it with the outcomes of the further replicas.
-/// Profiles, temperature, rates, averages of species and measurements are averages over the replicas. The outcome is
-/// steady if more than half of the replicas are. Other results, such as times and energy balances, are those of the
-/// first replica. Failed replicas are left out unless all have failed; the outcome contains the failure.
+/// Pools the replicas (runs with different seeds) of a variant into one outcome, and returns it with the outcomes of
+/// the further replicas. Profiles, temperature, rates, averages of species and measurements are averages over the
+/// replicas. The outcome is steady if more than half of the replicas are. Other results, such as times and energy
+/// balances, are those of the first replica. Failed replicas are left out unless all have failed; the outcome contains
+/// the failure.
 pub fn pool(first: Outcome, others: Vec<Outcome>) -> (Outcome, Vec<Outcome>) {
     let failure = std::iter::once(&first).chain(&others).find_map(|run| run.failure.clone());
     let (mut rest, failed): (Vec<Outcome>, Vec<Outcome>) = others.into_iter().partition(|run| run.failure.is_none());
@@ -43,8 +44,8 @@ pub fn pool(first: Outcome, others: Vec<Outcome>) -> (Outcome, Vec<Outcome>) {
     (outcome, rest)
 }
 
-/// [-] largest share of particles that may stay in their layer during averaging. With a larger share, averages of one
-/// run are not valid for other runs. The share has an uncertainty of about 0.05.
+/// [-] largest share of particles that may stay in their layer (slice of the height y) during averaging. With a larger
+/// share, averages of one run are not valid for other runs. The share has an uncertainty of about 0.05.
 pub const FROZEN: f64 = 0.2;
 
 fn merge(first: &Outcome, others: &[Outcome]) -> Outcome {

@@ -151,7 +151,7 @@ fn failures(rows: &[SweepRow], variants: &[String], axes: &[SweepAxis]) -> Resul
 }
 
 /// Adds the result of a run to every row of the table that needs this run. The results of a row are in the order of its
-/// replicas, because averages depend on the order of their terms.
+/// replicas (runs with different seeds), because averages depend on the order of their terms.
 fn give(rows: &mut [SweepRow], run: &SweepRun) {
     for row in rows {
         let times = row.identities.iter().filter(|identity| **identity == run.identity).count();
@@ -207,8 +207,8 @@ impl SweepPlan {
         Ok(plan)
     }
 
-    /// Adds a variant at a point of the sweep, with one run for each of `count` replicas. `at` has the index of the
-    /// value on each axis.
+    /// Adds a variant at a point of the sweep, with one run for each of `count` replicas (runs with different seeds).
+    /// `at` has the index of the value on each axis.
     fn add(&mut self, axes: &[SweepAxis], at: &[usize], checked: Checked, count: u16) -> Result<(), StudyError> {
         let experiment = &checked.0;
         let variant = self.variants.iter().position(|name| *name == experiment.name).unwrap_or_else(|| {

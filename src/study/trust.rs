@@ -28,7 +28,7 @@ pub fn verdict(outcome: &Outcome) -> String {
 }
 
 /// [m²/s²] granular temperature T = <|v - U|²>/3 of all particles. It is computed from the second moments about the
-/// mean velocity of each slice. `None` without samples.
+/// mean velocity U of each slice of the box across y. `None` if nothing was measured.
 pub fn granular_temperature(outcome: &Outcome) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0.0);
     for row in &outcome.profiles.slices {
@@ -41,8 +41,8 @@ pub fn granular_temperature(outcome: &Outcome) -> Option<f64> {
 }
 
 /// [-] relative reduction of the effective diameter of soft spheres of the first species, after Barker and Henderson.
-/// `None` for other models than soft spheres, without samples or impacts between particles, and for few bodies, which
-/// do not form a gas.
+/// `None` for other models than soft spheres, if no temperature or no impact between particles was measured, and for
+/// few bodies, which do not form a gas.
 pub fn softness(outcome: &Outcome) -> Option<f64> {
     if outcome.record.pairs.count == 0 || !outcome.paths.points.is_empty() {
         return None;

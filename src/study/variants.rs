@@ -43,7 +43,7 @@ impl Variants {
     }
 
     /// Returns an error if some of the processes that share a run would be idle: there are more processes than
-    /// particles, and no replicas.
+    /// particles, and no replicas (runs with different seeds).
     ///
     /// # Errors
     /// The message of the error names the largest useful number of processes.
@@ -67,7 +67,7 @@ impl Variants {
     }
 
     /// Runs of all variants, variant by variant. The first run of a variant is done alone, so that its wall time is
-    /// meaningful. The replicas of the variant follow.
+    /// meaningful. The replicas (runs with different seeds) of the variant follow.
     fn runs(&self, ranks: &Ranks) -> Result<Vec<ResumableRun>, StudyError> {
         let names = file_names(self.experiments().map(|experiment| experiment.name.as_str()));
         let mut runs = Vec::new();
@@ -106,7 +106,7 @@ pub struct VariantResults<'a> {
     executor: Executor<'a>,
     provenance: Provenance,
     parameters: Vec<Value>,
-    /// Outcomes of all complete replicas of each variant.
+    /// Outcomes of all complete replicas (runs with different seeds) of each variant.
     pub runs: Vec<Vec<Outcome>>,
     sheets: Vec<TrustSheet>,
     frames: Vec<Frames>,
@@ -115,7 +115,7 @@ pub struct VariantResults<'a> {
 /// Results of the variants in the form in which they are written to a report.
 #[derive(Default)]
 pub struct VariantFindings {
-    /// Outcome of each variant, averaged over its replicas.
+    /// Outcome of each variant, averaged over its replicas (runs with different seeds).
     pub outcomes: Vec<Outcome>,
     /// Comparisons of the variants with their references, each with an answer.
     pub comparisons: Vec<Verdict>,
@@ -192,8 +192,9 @@ impl<'a> VariantResults<'a> {
         Ok(())
     }
 
-    /// Does the replicas of a variant with the indices `range`, several at once; index 0 is its first run. Returns
-    /// false if the user has stopped the command. Replicas that are not complete are then left out.
+    /// Does the replicas (runs with different seeds) of a variant with the indices `range`, several at once; index 0 is
+    /// its first run. Returns false if the user has stopped the command. Replicas that are not complete are then left
+    /// out.
     ///
     /// # Errors
     /// Returns an error if the stored state of a replica belongs to another run.

@@ -15,8 +15,8 @@ use std::convert::Infallible;
 /// run.
 const PARTS: f64 = 15.0;
 
-/// Number of samples in each part of the test. So many are enough for the blocks from which a standard error is
-/// computed.
+/// Number of samples (instants of measurement) in each part of the test. So many are enough for the intervals whose
+/// averages give a standard error.
 const SAMPLES: f64 = 48.0;
 
 /// Continues a run from its final state for a fifteenth of its length: once with its settings, and once with half the

@@ -63,7 +63,8 @@ static SCHEMA: LazyLock<Value> = LazyLock::new(|| {
     generator.into_root_schema_for::<CaseFile>().to_value()
 });
 
-/// All tables of a case in the order of their types. Each table comes before the tables within it.
+/// All tables of a case, in the order in which the types of a case declare them. Each table comes before the tables
+/// within it.
 static TABLES: LazyLock<Vec<KeyTable>> = LazyLock::new(|| {
     let mut tables = Vec::new();
     collect(&SCHEMA, &SCHEMA, "", false, &mut tables);

@@ -6,7 +6,7 @@ use super::tree::{CaseNode, Entry, KeyPart, Value, child_place};
 
 impl CaseNode {
     /// Merges the node `over` into this node, whose key path is `place`. Tables are merged key by key; other values of
-    /// `over` replace those of this node. A new key removes the old keys that it excludes (those of the same group).
+    /// `over` replace those of this node. A new key removes old keys that must not be given together with it.
     pub fn overlay(&mut self, over: CaseNode, place: &str) {
         let (entries, over_entries) = match (&mut self.value, over.value) {
             (Value::Table(entries), Value::Table(over_entries)) => (entries, over_entries),
@@ -41,8 +41,9 @@ impl CaseNode {
         self.set_at(path, value, key_origin, "", "")
     }
 
-    /// Sets a value at `path` below this node. `place` is the key path of the node, which determines the keys that
-    /// exclude each other. `walked` is this path as the user typed it, for messages.
+    /// Sets a value at `path` below this node. `place` is the key path of the node, with `[]` for any element of a
+    /// list; it determines the keys that exclude each other. `walked` is the key path of the node as the user typed it,
+    /// for messages.
     fn set_at(
         &mut self,
         path: &[KeyPart],

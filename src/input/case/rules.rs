@@ -19,7 +19,7 @@ const RANGE: &str = "x-range";
 
 /// Keys of one table that exclude each other: at most one of them may be given.
 pub(super) struct KeyGroup<'a> {
-    /// Keys of the group, in the order of the types.
+    /// Keys of the group, in the order in which the types of a case declare them.
     pub keys: Vec<&'a str>,
     /// True if one of the keys must be given.
     pub required: bool,
@@ -138,7 +138,7 @@ fn collect<'a>(node: &'a CaseNode, schema: &'static Schema, path: String, found:
     }
 }
 
-/// Keys that are always required and that a case lacks, in the order of the types.
+/// Keys that are always required and that a case lacks, in the order in which the types of a case declare them.
 pub(super) fn missing(tree: &CaseNode) -> Vec<MissingKey<'_>> {
     let mut found = Vec::new();
     for table in tables(tree) {

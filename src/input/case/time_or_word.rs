@@ -20,9 +20,9 @@ pub enum AverageFromFile {
 /// Length of a window: a time, or `"auto"`. A window is the time between two exchanges of momentum with the gas.
 #[derive(Clone, Copy, Debug)]
 pub enum WindowFile {
-    /// [s] given length of the window.
+    /// [s] given length of the window, the time between two exchanges of momentum with the gas.
     Time(f64),
-    /// Length chosen by the program from the scene.
+    /// Length of the window that the program chooses from the scene.
     Auto,
 }
 

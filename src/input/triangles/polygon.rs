@@ -14,7 +14,8 @@ const ROUNDING: f64 = 1e-9;
 /// Result of the division of a polygon into triangles.
 #[derive(Debug)]
 pub struct Cut {
-    /// Triangles as indices of corners of the polygon, in the sense of rotation of the polygon.
+    /// Triangles, each given by the indices of three corners of the polygon. The corners of a triangle follow one
+    /// another in the same sense of rotation as those of the polygon.
     pub triangles: Vec<[usize; 3]>,
     /// [-] largest distance of a corner from the plane of the polygon, over the length of the polygon. The length is
     /// the largest distance of a corner from the first corner.

@@ -30,9 +30,10 @@ pub struct LabScene {
     pub case: &'static str,
     /// Changes to the case for both panels, in the form of `--set` arguments.
     pub sets: &'static [&'static str],
-    /// Setup of the left panel.
+    /// Setup of the left panel: its heading, collision model and changes to the case.
     pub left: PanelSetup,
-    /// Setups that the user can choose for the right panel. The first one is shown by default.
+    /// Setups (heading, collision model and changes to the case) that the user can choose for the right panel. The
+    /// first one is shown by default.
     pub rights: &'static [PanelSetup],
     /// Parameters that the user can change on the page, with their limits.
     pub knobs: &'static [ParameterRange],
@@ -42,7 +43,7 @@ pub struct LabScene {
     pub lasts: f64,
     /// Part of the box that the page draws, and its axes.
     pub view: BoxView,
-    /// Description of the scene in three parts of a sentence or two.
+    /// Description of the scene in three parts, each of one or two sentences.
     pub sentences: [&'static str; 3],
     /// Equation that describes the scene, as text for the page, with a line break between two equations.
     pub equation: &'static str,
@@ -74,8 +75,8 @@ pub struct BoxView {
     /// [m] part of the box that is drawn: lower and upper limit on the horizontal axis, then on the vertical axis.
     /// `None` means the whole box.
     pub region: Option<[f64; 4]>,
-    /// [-] factor by which the drawing enlarges gaps and overlaps of two spheres; `None` for scenes of other numbers of
-    /// spheres.
+    /// [-] factor by which the drawing enlarges gaps and overlaps of two spheres; `None` in scenes with fewer or more
+    /// than two spheres.
     pub magnify: Option<f64>,
 }
 

@@ -66,8 +66,9 @@ fn contacts_restitution(impacts: &Impacts) -> Option<f64> {
     (impacts.count > impacts.instants.count).then(|| (after / before).sqrt())
 }
 
-/// [-] contact time that instantaneous impacts neglect, summed over all particles, divided by the simulated time of all
-/// particles.
+/// [-] share of the time in which particles would have been in contact if instantaneous impacts had lasted for a
+/// contact time. The contact times of these impacts are summed over all particles, and divided by the simulated time
+/// times the number of particles.
 fn time_left_out(outcome: &Outcome) -> f64 {
     let record = &outcome.record;
     let time = 2.0 * record.pairs.instants.duration() + record.walls.instants.duration();

@@ -92,7 +92,8 @@ fn values(study: &ImpactStudy) -> Block {
     )
 }
 
-/// Sentence on the price of a soft spring: deeper overlaps, of which the deepest variant is named.
+/// Sentence that a softer spring takes fewer time steps but overlaps more deeply. It names the variant with the deepest
+/// overlap.
 fn softness(study: &ImpactStudy) -> Block {
     let share =
         |bounce: &Bounce| Some(bounce.values.maximum_overlap.filter(|overlap| *overlap > 0.0)? / study.diameter);

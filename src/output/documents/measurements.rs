@@ -16,8 +16,8 @@ use serde_json::{Value, json};
 /// Name of the file with the single numbers that all measurements give.
 const NUMBERS: &str = "observables.csv";
 
-/// Table of the numbers of all measurements with their theories, followed by pictures. `pictures` returns the blocks
-/// with the figures of a given name. Empty if no variant has a measurement.
+/// Table of the numbers of all measurements with their theories, followed by pictures. `pictures` returns the parts of
+/// the document with the figures of a given name. Empty if no variant has a measurement.
 pub(super) fn blocks(outcomes: &[Outcome], pictures: impl Fn(&str) -> Vec<Block>) -> Vec<Block> {
     let row = |(outcome, observed): (&Outcome, &Observation)| {
         let name = outcome.experiment.name.clone();

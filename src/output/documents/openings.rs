@@ -79,9 +79,9 @@ pub(super) fn json(outcome: &Outcome) -> Value {
     outcome.flows.iter().map(flow).collect()
 }
 
-/// Contents of `flow.csv`: for each inlet and outlet, sums over the particles that have passed since the start, at the
-/// times of samples. Mass rate and mean speed are those since the previous row. `None` if no variant has inlets or
-/// outlets.
+/// Contents of `flow.csv`: for each inlet and outlet, sums over the particles that have passed since the start, at each
+/// sample (instant of measurement). Mass rate and mean speed are averages since the previous row. `None` if no variant
+/// has inlets or outlets.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

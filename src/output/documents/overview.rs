@@ -7,7 +7,7 @@ use crate::output::panel::Figure;
 use crate::output::{Study, Verdict};
 use crate::statistics::Judged;
 
-/// Blocks of the page of a comparison that are always visible; empty for a single run.
+/// Parts of the page of a comparison that are always visible; empty for a single run.
 pub fn blocks(study: &Study, figures: &[Figure]) -> Vec<Block> {
     if study.comparisons.is_empty() {
         return Vec::new();
@@ -98,8 +98,8 @@ fn observed_cell(verdict: &Verdict, symbol: &str) -> Cell {
     Cell { answer: one.answer, words }
 }
 
-/// Cell with the answer for one quantity, and with the difference on which it is based, in % of the scale of the
-/// quantity.
+/// Cell with the answer for one quantity. It also has the difference on which the answer is based, in % of the scale of
+/// the quantity (the value by which its differences are divided).
 fn cell(verdict: &Verdict, name: &str) -> Cell {
     let Some(one) = judged(verdict).iter().find(|one| one.tested.name == name) else {
         return Cell { answer: None, words: "not compared".into() };

@@ -147,8 +147,8 @@ fn body(study: &Study, over_time: usize, figures: &[Figure]) -> Vec<Block> {
     body
 }
 
-/// Blocks with the figures whose names are in `names`, or begin with such a name and a hyphen. Consecutive figures are
-/// placed next to each other.
+/// Parts of the page with the figures whose names are in `names`, or begin with such a name and a hyphen. Consecutive
+/// figures are placed next to each other.
 fn pictures(figures: &[Figure], names: &[&str]) -> Vec<Block> {
     let is = |figure: &Figure, name: &str| {
         figure.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'))

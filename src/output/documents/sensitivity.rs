@@ -106,7 +106,7 @@ fn share(shift: &Shift) -> String {
     with_error(Estimate { value: 100.0 * shift.share(), error: shift.share_error().map(|error| 100.0 * error) })
 }
 
-/// Note on the kind of results (averages, curves or paths) that the shifts compare; `None` if there are no results.
+/// Note on the kind of results (averages, curves or paths) by which runs are compared; `None` if there are no results.
 fn basis(study: &SensitivityStudy) -> Option<&'static str> {
     match study.factors.iter().find_map(|factor| factor.basis)? {
         Basis::Averages => Some(

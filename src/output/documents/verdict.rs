@@ -28,7 +28,7 @@ pub fn legend() -> Block {
     )
 }
 
-/// Blocks with the numbers on which the answer for one pair of variants is based.
+/// Parts of the page with the numbers on which the answer for one pair of variants is based.
 pub fn of_pair(verdict: &Verdict) -> Vec<Block> {
     let title = format!("“{}” − “{}”", verdict.variant, verdict.reference);
     let mut blocks = vec![Block::Label(title), Block::note(verdict.reason.clone())];

@@ -44,8 +44,9 @@ pub fn normal_velocity(bounces: &[Bounce]) -> String {
     })
 }
 
-/// Picture of the reduced slip s/(μ u_n) after an impact as a function of that before, for each variant. It also has
-/// measured points and the curve of partial slip.
+/// Picture of the reduced slip s/(μ u_n) after an impact as a function of that before, for each variant. Here s is the
+/// slip, μ the coefficient of friction and u_n the normal speed. The picture also has measured points and the curve of
+/// partial slip.
 pub fn slip_after(study: &ObliqueStudy) -> String {
     let of = |points: &[(f64, f64)]| points.iter().map(|(x, y)| SeriesPoint::at(*x, *y)).collect::<Vec<_>>();
     let mut series: Vec<PanelSeries> = Vec::new();

@@ -219,8 +219,8 @@ fn layout(panel: &Panel, x: (f64, f64), y: (f64, f64), empty: bool) -> Layout {
     layout
 }
 
-/// Tick labels with all digits of the ticks. Ticks at distances of 0.0025 need four decimal places; with two places,
-/// every other label would be wrong.
+/// Tick labels with as many decimal places as the ticks need. Ticks at distances of 0.0025 need four places; with two
+/// places, every other label would be wrong.
 pub(super) fn ticks((low, high): (f64, f64)) -> TickFormat {
     let span = high - low;
     TickFormat::Custom(Arc::new(move |value| {

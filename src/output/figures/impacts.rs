@@ -1,4 +1,5 @@
-//! Figures of the distributions of impacts (the paper's Fig. 6), and of mean overlaps against κ_n (the paper's Eq. 13).
+//! Figures of the distributions of impacts (the paper's Fig. 6), and of mean overlaps against the overlap number κ_n
+//! (the paper's Eq. 13).
 
 use super::chart;
 use crate::experiment::SoftStepping;
@@ -101,8 +102,9 @@ pub fn first_overlap(outcomes: &[Outcome]) -> String {
     views(outcomes, &[density, share])
 }
 
-/// Picture of the mean overlaps of all soft variants, divided by κ_n d, as a function of the overlap number κ_n. Lines
-/// show kinetic theory. One panel is for pairs of particles, one for walls. `None` for fewer than two variants.
+/// Picture of the mean overlaps of all soft variants, divided by κ_n and the diameter, as a function of the overlap
+/// number κ_n. Lines show kinetic theory. One panel is for pairs of particles, one for walls. `None` for fewer than two
+/// variants.
 pub fn mean_overlap(outcomes: &[Outcome]) -> Option<String> {
     let panel = |title: &str, wall: bool| {
         let known: Vec<(f64, &Impacts)> = outcomes

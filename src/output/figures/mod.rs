@@ -97,7 +97,8 @@ pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
     figures
 }
 
-/// Makes one figure from each picture. A picture comes with the title of its group of variants.
+/// Makes one figure from each picture. Each entry of `pictures` is a title, which names the group of variants drawn in
+/// the picture, and the picture as SVG. The title is empty if there is only one group.
 fn of_groups(
     name: &'static str,
     caption: &'static str,

@@ -28,7 +28,8 @@ const NEAR: f64 = 0.1;
 /// error.
 const ROUNDING: f64 = 1e-9;
 
-/// Figures of curves over time of a run or a comparison, for each group of variants.
+/// Figures of curves over time of a run or a comparison. Variants that are drawn in the same panels form a group, and
+/// each group has figures of its own.
 pub fn over_time(outcomes: &[Outcome]) -> Vec<Figure> {
     let mut figures = Vec::new();
     for group in groups(outcomes) {

@@ -38,8 +38,8 @@ pub fn symbol(quantity: &str) -> String {
     slice_column(quantity).map_or(quantity, |column| column.symbol).into()
 }
 
-/// [%] main difference in a quantity (the one that a report names first), in per cent of the scale of the quantity,
-/// with its standard error. `None` if there is none.
+/// [%] main difference in a quantity (the one that a report names first), with its standard error. It is given in per
+/// cent of the scale, the value by which differences of this quantity are divided. `None` if there is none.
 pub fn in_per_cent(one: &Judged) -> Option<Estimate> {
     let found = one.tested.headline()?;
     Some(Estimate::new(found.difference, found.error).times(100.0 / one.tested.scale))
@@ -56,8 +56,8 @@ pub fn quantities<'a>(verdicts: impl Iterator<Item = &'a Verdict>) -> Vec<&'a st
     names
 }
 
-/// Figure of the difference between each variant and its reference for each quantity, in % of the scale of the
-/// quantity. The margin of equivalence is a band. `None` without a comparison.
+/// Figure of the difference between each variant and its reference for each quantity, in % of the scale of the quantity
+/// (the value by which its differences are divided). The margin of equivalence is a band. `None` without a comparison.
 pub fn differences(study: &Study) -> Option<Figure> {
     let judged =
         |verdict: &Verdict| verdict.comparison.as_ref().map_or(Vec::new(), |comparison| comparison.judged.clone());
@@ -89,14 +89,17 @@ pub fn differences(study: &Study) -> Option<Figure> {
 struct DifferenceMark {
     /// Index of the variant, by which its colour is chosen.
     place: usize,
-    /// [%] difference with its standard error, in per cent of the scale of the quantity.
+    /// [%] difference with its standard error, in per cent of the scale of the quantity (the value by which its
+    /// differences are divided).
     found: Estimate,
-    /// [%] interval in which the differences of all slices or instants lie, in per cent of the scale of the quantity.
+    /// [%] interval in which the differences at all positions or instants lie, in per cent of the scale of the quantity
+    /// (the value by which its differences are divided).
     interval: [f64; 2],
 }
 
 struct Differences {
-    /// [%] margin of equivalence: largest accepted difference, in per cent of the scale of the quantity.
+    /// [%] margin of equivalence: largest accepted difference, in per cent of the scale of the quantity (the value by
+    /// which its differences are divided).
     margin: f64,
     rows: Vec<(String, Vec<DifferenceMark>)>,
 }
@@ -225,7 +228,8 @@ struct Bar {
     /// [-] cost of the variant over the cost of the cheapest variant; `None` for a run that stopped early.
     ratio: Option<f64>,
     words: String,
-    /// True for the reference, and for a variant that is equivalent to the reference within the margin.
+    /// True for the reference, and for a variant that is equivalent to the reference within the margin (largest
+    /// accepted difference).
     equal: bool,
 }
 

@@ -133,8 +133,9 @@ pub fn second_moments(outcomes: &[Outcome]) -> Vec<(String, String)> {
     panels(&groups(outcomes), &Height::of(outcomes), statistics::second_moments())
 }
 
-/// Pictures of mean spins and of the parts of the rotational temperature, with a panel per quantity. Each entry of the
-/// list belongs to a group of variants with rotating spheres: the title of the group, and its picture.
+/// Pictures of the mean spins and of the parts of the rotational temperature along x, y and z, with a panel per
+/// quantity. Each entry of the list belongs to a group of variants with rotating spheres: the title of the group, and
+/// its picture.
 pub fn spins(outcomes: &[Outcome]) -> Vec<(String, String)> {
     let mut groups = groups(outcomes);
     groups.retain(|group| group.members.iter().any(|(_, outcome)| outcome.experiment.scene.rotation.is_some()));
@@ -153,8 +154,8 @@ fn panels(groups: &[PanelGroup], height: &Height, columns: &[SliceColumn]) -> Ve
 }
 
 /// Picture of the difference between each variant and its reference, in standard errors of the difference, with a panel
-/// for each quantity. Slices are compared one by one. A variant is left out if its number of slices differs from that
-/// of its reference.
+/// for each quantity. The averages in each slice of the box across y are compared. A variant is left out if its number
+/// of slices differs from that of its reference.
 pub fn differences(outcomes: &[Outcome]) -> String {
     let height = Height::of(outcomes);
     let rotating = outcomes.iter().all(|outcome| outcome.experiment.scene.rotation.is_some());

@@ -88,8 +88,9 @@ pub fn rows(picture: &RowsFigure) -> String {
     svg(&render_multiple(plots, layout.with_width(WIDTH).with_height(height)))
 }
 
-/// Plot of the points of the kind with the index `series`. If `sure` is true, it contains the points with a certain
-/// answer, otherwise the other points. Points below `floor` are drawn at `floor`. `None` without points.
+/// Plot of the points of one kind, given by its index `series` in the list of kinds. If `sure` is true, it contains the
+/// points with a certain answer, otherwise the other points. Points below `floor` are drawn at `floor`. `None` without
+/// points.
 fn points(picture: &RowsFigure, series: usize, sure: bool, floor: f64) -> Option<Plot> {
     let kinds = picture.series.len() as f64;
     let (mut data, mut arms) = (Vec::new(), Vec::new());

@@ -3,8 +3,8 @@
 //!
 //! The page contains the recording as JSON. Positions are 16-bit fractions of the box; velocities, overlaps and spins
 //! are 16-bit fractions of their largest value. This resolution is finer than that of a screen. The order is: all
-//! positions, all velocities, overlaps (if any), spins (if any), and the numbers of the methods that moved the
-//! particles. The values of each quantity are ordered by frame, then by particle.
+//! positions, all velocities, overlaps (if any), spins (if any). At the end are code numbers of the methods that moved
+//! the particles. The values of each quantity are ordered by frame, then by particle.
 
 mod impact;
 mod outlines;
@@ -58,7 +58,7 @@ struct RecordingFrame {
     periodic: [bool; 3],
     /// Line segments that outline each wall, with six coordinates [m] per segment.
     walls: Vec<Vec<f64>>,
-    /// [m/s²] acceleration by gravity, for the curved paths of particles between frames.
+    /// [m/s²] acceleration by gravity, for the curved paths of particles between the recorded instants.
     gravity: Vector3<f64>,
     /// [m/s] mean velocity of all particles along periodic axes. The view of the animation may move with this velocity.
     drift: Vector3<f64>,
@@ -72,7 +72,7 @@ struct RecordingFrame {
 }
 
 impl Player {
-    /// Makes the animation of recorded runs; `None` unless a run has at least two frames and a sphere.
+    /// Makes the animation of recorded runs; `None` unless a run has at least two recorded instants and a sphere.
     pub fn of(outcomes: &[Outcome], frames: &[Frames]) -> Option<Self> {
         let variants =
             outcomes.iter().zip(frames).filter(|(_, frames)| frames.frames.len() > 1 && !frames.radius.is_empty());

@@ -7,8 +7,8 @@ use nalgebra::Vector3;
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// Code, in a trajectory file, of a particle that moved along a straight line in the window before the frame. A window
-/// is the time between two exchanges with the gas.
+/// Code, in a trajectory file, of a particle that moved along a straight line in the window (time between two exchanges
+/// with the gas) before the instant of the file.
 const FLEW: u8 = 0;
 /// Code, in a trajectory file, of a particle in an island: a group of particles that may touch each other within a part
 /// of a window (time between two exchanges with the gas).
@@ -20,7 +20,7 @@ const EVERYONE: u8 = 2;
 /// Particles at one instant, for a trajectory file. The memory is reused from frame to frame.
 #[derive(Debug, Default)]
 pub(super) struct TrajectoryFrame {
-    /// [s] simulated time of the frame.
+    /// [s] simulated time of the instant.
     pub time: f64,
     position: Vec<Vector3<f64>>,
     velocity: Vec<Vector3<f64>>,
@@ -85,7 +85,7 @@ fn ranks(ids: &[u32]) -> Cow<'_, [u32]> {
     Cow::Owned(ranks)
 }
 
-/// Data of one particle in one frame of a trajectory, which can be sorted by id.
+/// Data of one particle at one instant of a trajectory, which can be sorted by id.
 #[derive(Clone, Copy, Debug, Default)]
 struct Own {
     /// Index of the particle in the store.
@@ -97,8 +97,8 @@ struct Own {
 }
 
 impl TrajectoryFrame {
-    /// Copies the data of a frame from the simulation, in the order of the particle store. The writing thread sorts the
-    /// data later.
+    /// Copies the data of one instant from the simulation, in the order of the particle store. The writing thread sorts
+    /// the data later.
     pub(super) fn take(&mut self, simulation: &Simulation) {
         let particles = &simulation.particles;
         self.time = simulation.time;
@@ -133,14 +133,14 @@ impl TrajectoryFrame {
         }
     }
 
-    /// File of the frame in the format VTK PolyData, as three parts to be written one after the other. The memory of
+    /// File of one instant in the format VTK PolyData, as three parts to be written one after the other. The memory of
     /// `memory` is used again.
     pub(super) fn vtp(&self, cast: &Cast, memory: Vec<u8>) -> [Vec<u8>; 3] {
         self.arrays(cast, memory).finish()
     }
 
-    /// Contents of the file that joins the pieces of a frame, one per process. `time` [s] is the simulated time of the
-    /// frame. The pieces contain spins if `rotate` is true.
+    /// Contents of the file that joins the pieces of one instant; each process has written its particles as a piece.
+    /// `time` [s] is the simulated time. The pieces contain spins if `rotate` is true.
     pub(super) fn joined(time: f64, rotate: bool, pieces: impl Iterator<Item = String>) -> Vec<u8> {
         let domain = Domain::new(Vector3::repeat(1.0), [false; 3]);
         let nobody = Cast { domain, id: Vec::new(), radius: Vec::new(), species: Vec::new() };
@@ -173,7 +173,7 @@ impl TrajectoryFrame {
         file
     }
 
-    /// File of the frame in the format extended XYZ, with units m, s and m/s.
+    /// File of one instant in the format extended XYZ, with units m, s and m/s.
     pub(super) fn xyz(&self, cast: &Cast) -> Vec<u8> {
         let own = &self.own;
         let [x, y, z]: [f64; 3] = cast.domain.size.into();

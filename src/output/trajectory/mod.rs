@@ -5,8 +5,9 @@
 //! Each file is written either completely or not at all. At any time the memory holds at most two frames. If the disk
 //! is slower than the run, the run waits.
 //!
-//! If several processes share a run, each process writes its particles as one piece of the frame, in a VTK file. When
-//! all pieces are written, the writing thread of the lead process writes a file that joins them (`.pvtp`).
+//! If several processes share a run, each process writes its particles as one piece of the frame (file of one instant),
+//! in a VTK file. When all pieces are written, the writing thread of the lead process writes a file that joins them
+//! (`.pvtp`).
 
 mod beside;
 mod frame;
@@ -49,19 +50,21 @@ pub(super) fn is_ours(path: &Path) -> bool {
 
 /// Messages to the thread that writes trajectory files.
 enum WriterMessage {
-    /// Data needed before the first frame: surfaces of walls that do not move, times [s] of existing frames, and a flag
-    /// that is true if spheres rotate.
+    /// Data needed before the first frame (file of one instant): surfaces of walls that do not move, times [s] of
+    /// existing frames, and a flag that is true if spheres rotate.
     Begin(Option<[Vec<u8>; 3]>, Vec<f64>, bool),
-    /// A further file of the next frame, with its content: moving walls, or contacts.
+    /// A further file of the next frame (instant of the trajectory), with its content: moving walls, or contacts.
     Beside(Beside, Vec<u8>),
-    /// Constant data of the particles, for all frames until the next such message.
+    /// Constant data of the particles, such as ids, for all frames (instants of the trajectory) until the next such
+    /// message.
     Cast(Box<Cast>),
     Frame(TrajectoryFrame),
-    /// Simulated time [s] of a frame, and the number of processes that have written their pieces of this frame.
+    /// Simulated time [s] of a frame (instant of the trajectory), and the number of processes that have written their
+    /// particles of this instant as a piece.
     Pieces(f64, usize),
 }
 
-/// Progress of the thread that writes trajectory files, for the observer that sends the frames.
+/// Progress of the thread that writes trajectory files, for the observer that sends the data.
 #[derive(Default)]
 struct WriterProgress {
     written: Mutex<Written>,
@@ -72,7 +75,7 @@ struct WriterProgress {
 #[derive(Default)]
 struct Written {
     frames: u64,
-    /// True if the thread has ended, so that no more frames will be written.
+    /// True if the thread has ended, so that no more files of the trajectory will be written.
     ended: bool,
     /// Reason why writing failed; `None` if it has not failed.
     failed: Option<String>,
@@ -88,7 +91,8 @@ impl WriterProgress {
         self.changed.notify_all();
     }
 
-    /// Waits until `frames` frames have been written, or until the writing thread has ended.
+    /// Waits until `frames` frames (files of one instant each) have been written, or until the writing thread has
+    /// ended.
     fn wait(&self, frames: u64) {
         drop(self.changed.wait_while(self.now(), |written| written.frames < frames && !written.ended));
     }
@@ -109,11 +113,12 @@ pub struct Trajectory<'scope> {
     folder: &'scope Folder,
     name: String,
     asked: Trajectories,
-    /// Law by which the forces of contacts are computed; `None` if frames contain no contacts.
+    /// Law by which the forces of contacts are computed; `None` if the trajectory contains no contacts.
     contacts: Option<ContactLaw>,
     /// Channel to the writing thread; `None` after the trajectory is finished.
     frames: Option<SyncSender<WriterMessage>>,
-    /// Channel by which the writing thread returns frames that it has written, so that their memory is used again.
+    /// Channel by which the writing thread returns the data of frames (instants of the trajectory) that it has written,
+    /// so that their memory is used again.
     used: Receiver<TrajectoryFrame>,
     writer: Option<ScopedJoinHandle<'scope, Result<(), OutputError>>>,
     progress: Arc<WriterProgress>,
@@ -121,11 +126,11 @@ pub struct Trajectory<'scope> {
     begun: bool,
     /// True if the constant data of the particles have been sent to the writing thread.
     has_cast: bool,
-    /// Particles of this process in one frame. The process writes them itself if several processes share the run.
+    /// Particles of this process at one instant. The process writes them itself if several processes share the run.
     piece: FramePiece,
-    /// [s] times of all frames, including those from earlier parts of a resumed run.
+    /// [s] times of all frames (instants of the trajectory), including those from earlier parts of a resumed run.
     times: Vec<f64>,
-    /// Number of frames from earlier parts of a resumed run.
+    /// Number of frames (instants of the trajectory) from earlier parts of a resumed run.
     earlier: usize,
     failed: Option<OutputError>,
 }
@@ -193,7 +198,7 @@ impl<'scope> Trajectory<'scope> {
         }
     }
 
-    /// Waits until all frames are written, and stores the error of the writing thread if there is one.
+    /// Waits until all files of the trajectory are written, and stores the error of the writing thread if there is one.
     fn finish(&mut self) {
         self.frames = None;
         let Some(writer) = self.writer.take() else { return };
@@ -205,14 +210,15 @@ impl<'scope> Trajectory<'scope> {
         self.failed = self.failed.take().or(failed);
     }
 
-    /// True if no frame is to be written for `time` [s], because the frame exists, or because writing has failed.
+    /// True if no file of the trajectory is to be written for `time` [s], because it exists, or because writing has
+    /// failed.
     fn is_done(&self, time: f64) -> bool {
         self.failed.is_some() || self.times.last().is_some_and(|last| *last >= time)
     }
 
-    /// Sends the data that the writing thread requires before a frame. Before the first frame these are walls, times of
-    /// existing frames, and whether spheres rotate. Before each frame these are walls that move, and
-    /// contacts.
+    /// Sends the data that the writing thread requires before a frame (file of one instant). Before the first frame
+    /// these are walls, times of existing frames, and whether spheres rotate. Before each frame these are walls that
+    /// move, and contacts.
     fn begin(&mut self, simulation: &Simulation) {
         let (scene, moves) = (simulation.scene(), simulation.scene().has_moving_walls());
         if !self.begun {
@@ -232,7 +238,7 @@ impl<'scope> Trajectory<'scope> {
         }
     }
 
-    /// Sends all particles to the writing thread, unless the frame of the present time exists.
+    /// Sends all particles to the writing thread, unless the file of the present time exists.
     fn take_all(&mut self, simulation: &Simulation) {
         if self.is_done(simulation.time) {
             return;
@@ -249,10 +255,10 @@ impl<'scope> Trajectory<'scope> {
         self.send(WriterMessage::Frame(frame));
     }
 
-    /// Waits until all frames are written, and returns the result of writing them.
+    /// Waits until all files of the trajectory are written, and returns the result of writing them.
     ///
     /// # Errors
-    /// A frame could not be written.
+    /// A file of the trajectory could not be written.
     pub fn written(mut self) -> Result<(), OutputError> {
         self.finish();
         self.failed.map_or(Ok(()), Err)
@@ -267,8 +273,8 @@ impl Observer for Trajectory<'_> {
         Some(((now / self.asked.every * (1.0 + 1e-9)).floor() + 1.0) * self.asked.every)
     }
 
-    /// Particles that the trajectory requires. Extended XYZ and files of contacts have one file per frame, and require
-    /// all particles in one process. For other VTK files, each process requires its own particles.
+    /// Particles that the trajectory requires. Extended XYZ and files of contacts have one file per instant, and
+    /// require all particles in one process. For other VTK files, each process requires its own particles.
     fn needs(&self) -> Needs {
         if self.asked.format.is_xyz() || self.contacts.is_some() { Needs::Every(1) } else { Needs::Parts }
     }
@@ -292,7 +298,8 @@ impl Observer for Trajectory<'_> {
         self.finish();
     }
 
-    /// Waits until all frames are written, and returns their times. A resumed run continues after these frames.
+    /// Waits until all files of the trajectory are written, and returns their times. A resumed run continues after
+    /// these times.
     fn stored(&self) -> Result<Stored, StoreError> {
         self.progress.wait((self.times.len() - self.earlier) as u64);
         Stored::of(&self.times)
@@ -309,21 +316,21 @@ impl Observer for Trajectory<'_> {
     }
 }
 
-/// State of the thread that writes the frames of a trajectory.
+/// State of the thread that writes the frames (files of one instant each) of a trajectory.
 struct Writer<'env> {
     folder: &'env Folder,
     name: String,
     format: TrajectoryFormat,
-    /// Simulated time [s] of each written frame, and a flag that is true if the frame consists of one piece per
-    /// process.
+    /// Simulated time [s] of each written frame (instant of the trajectory). The flag is true if each process has
+    /// written its particles of the frame as a piece.
     frames: Vec<(f64, bool)>,
-    /// Number of frames that the index file on the disk lists.
+    /// Number of frames (instants of the trajectory) that the index file on the disk lists.
     listed: usize,
-    /// True if one file contains the walls of all frames, because no wall moves.
+    /// True if one file contains the walls for the whole trajectory, because no wall moves.
     walls: bool,
-    /// True if spheres rotate, so that frames contain spins.
+    /// True if spheres rotate, so that the trajectory contains spins.
     rotates: bool,
-    /// Names of files that an earlier part of the run wrote for the same frames. They are removed once the index does
+    /// Names of files that an earlier part of the run wrote for the same instants. They are removed once the index does
     /// not list them.
     spare: Vec<String>,
 }
@@ -375,13 +382,14 @@ impl Writer<'_> {
         }
     }
 
-    /// Numbers of the frames whose files other programs have removed from the folder.
+    /// Numbers of the frames (instants of the trajectory) whose files other programs have removed from the folder.
     fn gone(&self) -> Vec<usize> {
         let is_gone = |number: &usize| !self.folder.path().join(self.file(*number)).exists();
         (0..self.frames.len()).filter(is_gone).collect()
     }
 
-    /// Path of the file of a frame, relative to the folder of results. `number` counts the frames from 0.
+    /// Path of the file of a frame (instant of the trajectory), relative to the folder of results. `number` counts the
+    /// frames from 0.
     fn file(&self, number: usize) -> String {
         let kind = match self.frames[number].1 {
             true => "pvtp",
@@ -421,8 +429,8 @@ impl Writer<'_> {
         Ok(memory)
     }
 
-    /// Writes the file that joins the pieces of a frame, one from each of `count` processes. `time` [s] is the
-    /// simulated time of the frame.
+    /// Writes the file that joins the pieces of a frame (instant of the trajectory); each of `count` processes has
+    /// written its particles as a piece. `time` [s] is the simulated time of the frame.
     fn join(&mut self, time: f64, count: usize) -> Result<(), OutputError> {
         let number = self.frames.len();
         let sources = (0..count).map(|rank| format!("{number:06}-{rank}.vtp"));
@@ -435,8 +443,8 @@ impl Writer<'_> {
         self.is_written(time, true)
     }
 
-    /// Names of the existing pieces of a frame that were written by processes whose number is `rank` or higher.
-    /// `number` is the number of the frame.
+    /// Names of the existing pieces of a frame (files with the particles of one process at one instant) that were
+    /// written by processes whose number is `rank` or higher. `number` is the number of the frame.
     fn pieces_from(&self, number: usize, rank: usize) -> Vec<String> {
         let names = (rank..).map(|rank| pieces::piece(&self.name, number, rank));
         names.take_while(|name| self.folder.path().join(name).exists()).collect()
@@ -452,8 +460,8 @@ impl Writer<'_> {
         Ok(())
     }
 
-    /// Writes the index file for ParaView, which lists time and file of each frame. The frames with the numbers in
-    /// `gone` are left out.
+    /// Writes the index file for ParaView, which lists time and file of each frame (instant of the trajectory). The
+    /// frames with the numbers in `gone` are left out.
     fn list(&mut self, gone: &[usize]) -> Result<(), OutputError> {
         if !self.format.is_vtp() || gone.is_empty() && self.listed == self.frames.len() {
             return Ok(());

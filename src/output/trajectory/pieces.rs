@@ -1,5 +1,5 @@
-//! Frames of a run that several processes share. Each process writes its own particles as a piece of the frame, and the
-//! lead process (rank 0) joins the pieces.
+//! Frames of a run that several processes share. Each process writes its own particles as a piece of the frame (file of
+//! one instant), and the lead process (rank 0) joins the pieces.
 
 use super::frame::{Cast, TrajectoryFrame};
 use super::{TRAJECTORY, Trajectory, WriterMessage};
@@ -8,19 +8,19 @@ use crate::output::{Folder, OutputError};
 use crate::simulation::Simulation;
 use std::io::{Error, ErrorKind};
 
-/// Path of the piece that the process with the number `rank` writes for a frame, relative to the folder of results.
-/// `number` is the number of the frame.
+/// Path of the file in which the process with the number `rank` writes its particles at one instant (frame) of a
+/// trajectory, relative to the folder of results. `number` is the number of the frame.
 pub(super) fn piece(name: &str, number: usize, rank: usize) -> String {
     format!("{TRAJECTORY}/{name}/{number:06}-{rank}.vtp")
 }
 
-/// Path of the file that joins the pieces of a frame, relative to the folder of results. `number` is the number of the
-/// frame.
+/// Path of the file that joins the pieces of a frame (files with the particles of one process at one instant), relative
+/// to the folder of results. `number` is the number of the frame.
 pub(super) fn joined(name: &str, number: usize) -> String {
     format!("{TRAJECTORY}/{name}/{number:06}.pvtp")
 }
 
-/// Piece of a frame: the particles of this process. The memory is reused from frame to frame.
+/// Piece of a frame: the particles of this process at one instant. The memory is reused from frame to frame.
 #[derive(Debug, Default)]
 pub(super) struct FramePiece {
     frame: TrajectoryFrame,
@@ -44,9 +44,9 @@ impl FramePiece {
 }
 
 impl Trajectory<'_> {
-    /// Writes the particles of this process as a piece of the next frame. All processes must call this function. When
-    /// all pieces exist, the writing thread of the lead process joins them. If one piece cannot be written, the
-    /// trajectory of the lead process fails.
+    /// Writes the particles of this process as a piece of the next frame (file of one instant). All processes must call
+    /// this function. When all pieces exist, the writing thread of the lead process joins them. If one piece cannot be
+    /// written, the trajectory of the lead process fails.
     pub(super) fn take_part(&mut self, simulation: &Simulation, processes: &dyn Communicator) {
         let leads = processes.is_lead();
         let mut number = [if leads { self.next_frame(simulation) } else { 0 }];
@@ -73,8 +73,9 @@ impl Trajectory<'_> {
         self.send(WriterMessage::Pieces(simulation.time, processes.size()));
     }
 
-    /// Number of the frame that all processes are to write, or -1 if there is none. On return, all earlier frames of
-    /// this run are written. A file that would join incomplete pieces of this frame has been removed.
+    /// Number of the frame (instant of the trajectory) that all processes are to write, or -1 if there is none. On
+    /// return, all earlier frames of this run are written. A file that would join incomplete pieces of this frame has
+    /// been removed.
     fn next_frame(&mut self, simulation: &Simulation) -> i64 {
         let number = self.times.len();
         if self.is_done(simulation.time) {
@@ -90,8 +91,8 @@ impl Trajectory<'_> {
         if self.failed.is_some() || self.progress.now().failed.is_some() { -1 } else { number as i64 }
     }
 
-    /// Error if the file with the piece of another process does not exist in the folder of this process; otherwise
-    /// `None`. `number` is the number of the frame.
+    /// Error if the file with the particles of another process does not exist in the folder of this process; otherwise
+    /// `None`. `number` is the number of the frame (instant of the trajectory).
     fn missing(&self, number: usize, process: usize) -> Option<OutputError> {
         let path = self.folder.path().join(piece(&self.name, number, process));
         let why = || {

@@ -57,8 +57,9 @@ impl fmt::Display for BrokenContract {
     }
 }
 
-/// [-] largest relative error that passes the check. It is the error of a quadrature with `POINTS` intervals for a
-/// force whose slope is infinite at touch.
+/// [-] largest elastic force at touch over the largest force, and largest relative error of the stored energy, that a
+/// law may have. This value is the error of a quadrature with `POINTS` intervals for a force whose slope is infinite at
+/// touch.
 const TOLERANCE: f64 = 1e-3;
 /// Number of intervals of the quadrature that integrates the elastic force over the overlap.
 const POINTS: u32 = 1000;

@@ -4,7 +4,8 @@
 use nalgebra::Vector3;
 
 /// [N] magnitude of the Coulomb force: μ |f_n|, but at most the force that stops the slip within `time_step` [s].
-/// `friction` is μ [-], `normal_force` f_n [N], and `slip` >= 0 [m/s] the magnitude of the slip.
+/// `friction` is μ [-], `normal_force` f_n [N], `slip` >= 0 [m/s] the magnitude of the slip, and `effective_mass` [kg]
+/// the mass that the force decelerates.
 #[inline]
 pub fn coulomb_limit(friction: f64, normal_force: f64, slip: f64, effective_mass: f64, time_step: f64) -> f64 {
     (friction * normal_force.abs()).min(effective_mass * slip / time_step)

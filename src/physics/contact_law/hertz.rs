@@ -35,9 +35,9 @@ fn undamped(spring: &Spring) -> f64 {
     (0.8 * spring.stiffness / spring.effective_mass).sqrt() // 4/5, Antypov and Elliott
 }
 
-/// Points of an impact at a normal speed [m/s]: time [s], overlap [m] and rate of the overlap [m/s], which equals
-/// dw/ds. The points are the ends of `POINTS` intervals of the oscillator's phase. Intervals are short at both ends of
-/// the impact, where time is a singular function of the phase.
+/// Points of an impact at a normal speed [m/s]: time [s], overlap δ [m] and rate of the overlap [m/s]. This rate equals
+/// dw/ds for w = δ^(5/4) and the time s of the linear oscillator. The points are the ends of `POINTS` intervals of the
+/// oscillator's phase. Intervals are short at both ends of the impact, where time is a singular function of the phase.
 fn path(spring: &Spring, speed: f64) -> Vec<[f64; 3]> {
     let ratio = damping_ratio(spring.restitution);
     let damped = undamped(spring) * (1.0 - ratio * ratio).sqrt();
@@ -87,9 +87,10 @@ impl Law for Hertz {
         Spring { effective_mass, restitution, stiffness, dashpot }
     }
 
-    /// Returns 8 G* sqrt(R) [N/m^1.5] times the `stiffness_ratio` of the bodies. Here 1/G* = (2-ν_p)/G_p + (2-ν_q)/G_q,
-    /// with Poisson's ratios ν and the shear moduli G = E/(2(1+ν)) of the two bodies (Mindlin 1949, J. Appl. Mech. 16,
-    /// 259; Johnson 1985, Eq. 7.43).
+    /// Returns the tangential stiffness over the square root of the overlap [N/m^1.5]: 8 G* sqrt(R) times the
+    /// `stiffness_ratio` of the bodies, with the effective radius R. Here 1/G* = (2-ν_p)/G_p + (2-ν_q)/G_q, with
+    /// Poisson's ratios ν and the shear moduli G = E/(2(1+ν)) of the two bodies (Mindlin 1949, J. Appl. Mech. 16, 259;
+    /// Johnson 1985, Eq. 7.43).
     fn shear_stiffness(&self, bodies: &Bodies) -> f64 {
         let compliance = |own: Option<Elasticity>| {
             let Elasticity { youngs_modulus, poissons_ratio } = own.unwrap_or(self.elasticity);
@@ -137,14 +138,15 @@ impl Law for Hertz {
         (1.5 * spring.stiffness * deepest.sqrt() / spring.effective_mass).sqrt()
     }
 
-    /// Returns the ratio [-] of the viscous constant c δ^(1/4) to the critical one, 2 sqrt(M · 3/2 k_H δ^(1/2)), with
-    /// Hertz's constant k_H and the effective mass M. It does not depend on the overlap δ.
+    /// Returns the ratio [-] of the viscous constant c δ^(1/4) to the critical one, 2 sqrt(M · 3/2 k_H δ^(1/2)). Here c
+    /// is the constant of the dashpot, k_H Hertz's constant and M the effective mass. The ratio does not depend on the
+    /// overlap δ.
     fn damping_ratio(&self, spring: &Spring, _speed: f64) -> f64 {
         unit_dashpot(spring.restitution) / (2.0 * 1.5f64.sqrt())
     }
 
-    /// Returns the length Γ(7/5) (5 E/(2 k_H))^(2/5) [m], with E = `energy` [J] and Hertz's constant k_H. Γ(7/5) is a
-    /// value of the gamma function.
+    /// Returns Γ(7/5) (5 E/(2 k_H))^(2/5) [m], the length by which the diameter seems smaller in collisions with the
+    /// energy scale E = `energy` [J]. k_H is Hertz's constant, and Γ(7/5) a value of the gamma function.
     fn thermal_overlap(&self, spring: &Spring, energy: f64) -> f64 {
         libm::tgamma(1.4) * (2.5 * energy / spring.stiffness).powf(0.4)
     }

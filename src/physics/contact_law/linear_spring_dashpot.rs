@@ -48,14 +48,14 @@ impl Law for LinearSpringDashpot {
         0.5 * spring.stiffness * overlap * overlap
     }
 
-    /// Returns the contact time T_c = π / sqrt(ω_0² - γ_n²) [s] (Eq. 7), which does not depend on the speed; infinite
-    /// for e = 0.
+    /// Returns the contact time T_c = π / sqrt(ω_0² - γ_n²) [s] (the paper's Eq. 7), with the undamped angular
+    /// frequency ω_0 and the damping γ_n. It does not depend on the speed, and is infinite for the restitution 0.
     fn contact_time(&self, spring: &Spring, _speed: f64) -> f64 {
         let ratio = damping_ratio(spring.restitution);
         PI / (undamped(spring) * (1.0 - ratio * ratio).sqrt())
     }
 
-    /// Returns the largest overlap [m] by Eq. 10 of the paper.
+    /// Returns the largest overlap [m] of an impact at the normal speed `speed` [m/s], by Eq. 10 of the paper.
     fn greatest_overlap(&self, spring: &Spring, speed: f64) -> f64 {
         reduced_overlap(spring.restitution) * speed * (spring.effective_mass / spring.stiffness).sqrt()
     }
@@ -68,7 +68,8 @@ impl Law for LinearSpringDashpot {
         damping_ratio(spring.restitution)
     }
 
-    /// Returns the length sqrt(π E/(2 k_n)) [m], with E = `energy` [J] and the stiffness k_n.
+    /// Returns sqrt(π E/(2 k_n)) [m], the length by which the diameter seems smaller in collisions with the energy
+    /// scale E = `energy` [J]. k_n is the stiffness.
     fn thermal_overlap(&self, spring: &Spring, energy: f64) -> f64 {
         (PI * energy / (2.0 * spring.stiffness)).sqrt()
     }

@@ -31,9 +31,9 @@ use std::f64::consts::PI;
 
 /// Contact law for the normal force. It must define four functions, from which all others can be computed.
 ///
-/// Contracts, checked when a simulation is made ([`ContactLaw::check`]). The elastic force is zero at touch. The stored
-/// energy at an overlap is the work of the elastic force from touch to this overlap. The energy of every impact is
-/// stored at some overlap. The viscous force never accelerates the motion.
+/// A law must satisfy four contracts, which are checked when a simulation is made ([`ContactLaw::check`]). The elastic
+/// force is zero at touch. The stored energy at an overlap is the work of the elastic force from touch to this overlap.
+/// The energy of every impact is stored at some overlap. The viscous force never accelerates the motion.
 ///
 /// ```
 /// # extern crate diptych_physics as diptych;
@@ -121,9 +121,9 @@ pub trait Law: std::fmt::Debug + Send + Sync {
         numerical::frequency(self, spring, speed)
     }
 
-    /// [-] largest viscous constant during impacts at normal speed `speed` [m/s], over the critical constant 2 M ω,
-    /// with the effective mass M and ω = [`frequency`](Self::frequency). The time step must be stable for both the
-    /// frequency and the damping.
+    /// [-] largest viscous constant (viscous force over normal velocity) during impacts at normal speed `speed` [m/s],
+    /// over the critical constant 2 M ω, with the effective mass M and ω = [`frequency`](Self::frequency). The time
+    /// step must be stable for both the frequency and the damping.
     fn damping_ratio(&self, spring: &Spring, speed: f64) -> f64 {
         numerical::damping_ratio(self, spring, speed)
     }
@@ -396,8 +396,8 @@ pub fn damping_ratio(restitution: f64) -> f64 {
     -ln / (PI * PI + ln * ln).sqrt()
 }
 
-/// [-] largest overlap of an impact at speed u on a linear spring and dashpot, divided by u/ω_0. With the damping ratio
-/// ζ it is exp(-ζ arccos ζ / sqrt(1 - ζ²)) (the paper's Eq. 10).
+/// [-] largest overlap of an impact at the normal speed u on a linear spring and dashpot, divided by u/ω_0, with the
+/// undamped angular frequency ω_0. With the damping ratio ζ it is exp(-ζ arccos ζ / sqrt(1 - ζ²)) (the paper's Eq. 10).
 pub fn reduced_overlap(restitution: f64) -> f64 {
     let ratio = damping_ratio(restitution);
     if ratio >= 1.0 {

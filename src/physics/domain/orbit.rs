@@ -7,8 +7,8 @@ use serde::Serialize;
 ///
 /// The box rotates about x at the rate Ω. The axis y points away from the mass, and z along the orbit. In the rotating
 /// frame, the Coriolis force and the tide along y accelerate a particle: dv_y/dt = 2 Ω (v_z - γ y) and dv_z/dt = -2 Ω
-/// v_y. So the mean flow γ y with the shear rate γ is itself a free motion. The vertical force is dv_x/dt = -ν² (x -
-/// L_x/2), where L_x is the edge length along x.
+/// v_y. So the mean flow γ y with the shear rate γ is itself a free motion. The vertical acceleration is dv_x/dt = -ν²
+/// (x - L_x/2), with the frequency ν of vertical oscillations and the edge length L_x along x.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Orbit {
     /// [rad/s] angular velocity Ω of the orbit about x. Around a point mass the shear rate is γ = -3/2 Ω.

@@ -45,8 +45,9 @@ pub(super) fn integrate(rate: &dyn Fn(f64) -> f64, duration: f64) -> f64 {
 }
 
 /// [-] change of L = ln(w/w_0) in one step of length `step` [s] from the value `start`, and the estimated error of the
-/// change. The error is the difference between the extrapolations with and without the last midpoint sequence. Entries
-/// of the last row alone give no safe estimate, because they may agree by chance where the law jumps.
+/// change. The error is the difference between the extrapolations with and without the last midpoint sequence. Results
+/// of the last sequence alone, extrapolated to different orders, give no safe estimate, because they may agree by
+/// chance where the law jumps.
 fn extrapolate(rate: &dyn Fn(f64) -> f64, start: f64, step: f64) -> (f64, f64) {
     let first = rate(start);
     // one row of the scheme of Aitken and Neville, which extrapolates in the square of the substep

@@ -2,11 +2,12 @@
 //!
 //! The slip velocity is the velocity of a particle relative to the gas. For one sphere and one duration, its relative
 //! change depends only on the slip speed w. The change is `ratio - 1`, where `ratio` is the slip speed after the kick
-//! over that before. The law needs a power and three exponentials per particle, the table only a polynomial.
+//! over that before. The law of Schiller and Naumann needs a power, two exponentials and a logarithm per particle, the
+//! table only a polynomial.
 //!
-//! The table consists of pieces. The index of a piece is the exponent and the leading bits of w² as a floating-point
-//! number. Every octave of w² therefore has the same number of pieces, which resolve w^0.687 at any speed. No root and
-//! no logarithm is needed.
+//! The table divides the range of w² into pieces, each with one polynomial. The index of a piece is the exponent and
+//! the leading bits of w² as a floating-point number. Every octave (factor of two) of w² therefore has the same number
+//! of pieces, which resolve w^0.687 at any speed. No root and no logarithm is needed.
 
 use super::{Drag, Sphere};
 use nalgebra::{SMatrix, SVector};

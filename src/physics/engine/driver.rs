@@ -47,7 +47,8 @@ impl<C> Work<'_, C> {
     }
 
     /// Shifts particles outside the box by whole periods into the box. If sides of the box are sheared, adds the
-    /// changes of energy and momentum at crossings of these sides to the ledger.
+    /// changes of energy and momentum at crossings of these sides to the ledger, the sums of energies and momenta of
+    /// the run.
     pub fn wrap(&mut self) {
         let crossings = self.particles.wrap(&self.scene.domain);
         if self.scene.domain.shear.is_some() {
@@ -79,7 +80,7 @@ pub trait Solver: Send {
     /// State, other than carried contacts or collisions, that the solver stores from one time window to the next.
     type State: Serialize + DeserializeOwned;
 
-    /// Returns the part of the engine that solves one island (a group of particles that may meet).
+    /// Returns the solver of single islands (groups of particles that may meet), which is a component of this solver.
     fn islands(&self) -> &Self::Islands;
 
     /// Makes the state that is carried from one window to the next, at the start of a run. For soft spheres these are

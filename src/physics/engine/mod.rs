@@ -3,9 +3,9 @@
 //!
 //! An [`Engine`] moves every particle through one window under gravity and impacts. A window is the time between two
 //! exchanges of momentum with the gas. Drag is applied by the simulation before and after the window. Engines take no
-//! samples. The engines for soft and hard spheres do not depend on other engines. The hybrid engine uses parts of both,
-//! and that for collisions by chance (DSMC) the impacts of hard spheres. An engine whose run several processes can
-//! share also implements [`Distributed`](distributed::Distributed).
+//! samples. The engines for soft and hard spheres do not depend on other engines. The hybrid engine uses parts of both.
+//! The engine for collisions by chance (DSMC) uses the impacts of hard spheres. An engine whose run several processes
+//! can share also implements [`Distributed`](distributed::Distributed).
 
 pub mod distributed;
 pub mod driver;
@@ -154,18 +154,20 @@ impl EngineTimes {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Counters {
     /// Number of time steps. A step of all particles counts as one (soft uniform steps, stepped hard spheres,
-    /// collisions by chance), and so does a local step of an island in contact (soft spheres).
+    /// collisions by chance). A step of a single island (group of particles that may meet) while its particles touch
+    /// also counts as one (soft and hybrid spheres).
     pub steps: u64,
-    /// Number of steps in which all particles were moved (soft spheres), included in `steps`. Local stepping uses such
-    /// steps if too many particles touch.
+    /// Number of steps in which all particles were moved (soft spheres), included in `steps`. For hybrid spheres, the
+    /// steps of crowds (large islands) are included too. Local stepping, which otherwise moves each island separately,
+    /// uses such steps if too many particles touch.
     pub uniform_steps: u64,
     /// Number of pairs, and particles with walls, whose gap or time of touch was computed. For soft uniform steps, all
     /// candidates in the neighbour list are counted, although most of them are skipped as too far apart. For collisions
     /// by chance, the randomly chosen pairs are counted.
     pub pair_checks: u64,
-    /// Number of contact forces computed (soft spheres).
+    /// Number of contact forces computed (soft and hybrid spheres).
     pub force_evaluations: u64,
-    /// Number of impulses applied (hard spheres, and collisions by chance).
+    /// Number of impulses applied (hard and hybrid spheres, and collisions by chance).
     pub events: u64,
     /// Number of collisions without impulse, because the spheres already separated at the next check (hard spheres with
     /// steps).
@@ -231,7 +233,7 @@ pub enum Failure {
     StepTooLong {
         /// Time [s] of the failure.
         time: f64,
-        /// Wall of the contact; `None` for a contact of two particles of the lightest kind.
+        /// Number of the wall of the contact; `None` for a contact of two particles.
         wall: Option<u32>,
         /// Time step Δt [s] that is too long.
         step: f64,
@@ -289,7 +291,8 @@ pub enum Failure {
         impacts: u64,
         /// Time [s] between the last two impacts.
         interval: f64,
-        /// Contact time t_c [s] of the TC model; `None` if this model is not used.
+        /// Contact time t_c [s] of the TC model, in which a collision is elastic soon after another one; `None` if this
+        /// model is not used.
         contact_time: Option<f64>,
         /// Speed [m/s] at which the particle slides along a curved wall, if this is the reason for its many impacts;
         /// otherwise `None`.

@@ -1,9 +1,9 @@
 //! Sums that do not depend on the order of their terms. They are computed exactly, and rounded only once, at the end.
 //!
 //! A plain sum of floating-point numbers depends on the order of its terms. So the sum would depend on the order in
-//! which particles are stored, and on the division of work among threads. Therefore sums over particles, islands and
-//! impacts are computed with the types of this module. [`ExactSum`] adds numbers one by one. [`add_rows`] adds many
-//! numbers at a time, with a quarter of the instructions.
+//! which particles are stored, and on the division of work among threads. Therefore sums over particles, over impacts,
+//! and over groups of particles that are solved separately (islands) are computed with the types of this module.
+//! [`ExactSum`] adds numbers one by one. [`add_rows`] adds many numbers at a time, with a quarter of the instructions.
 
 mod rows;
 

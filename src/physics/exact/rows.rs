@@ -11,7 +11,7 @@ use super::ExactSum;
 use crate::work_sharing;
 use std::array::from_fn;
 
-/// Largest number of rows that are added together as a block.
+/// Largest number of rows that are added together as a block. A row contains one number for each of several sums.
 pub const BLOCK: usize = 128;
 /// [-] first σ over the smallest power of two above all numbers of a block. σ is a large number that cuts off the lower
 /// bits of other numbers. The ratio must be at least `BLOCK` + 2.
@@ -329,7 +329,8 @@ struct GroupSums<const K: usize> {
 }
 
 impl<const K: usize> GroupSums<K> {
-    /// Makes the sums of a group without rows. Most calls of [`Groups::add`] find them made, so this is compiled apart.
+    /// Makes the sums of a group without rows. Most calls of [`Groups::add`] find sums that exist already, so the
+    /// compiler keeps this function out of their code.
     #[cold]
     fn boxed() -> Box<Self> {
         Box::new(Self { sums: none(), waiting: [[0.0; K]; WAITING], count: 0 })

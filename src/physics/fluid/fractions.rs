@@ -76,7 +76,8 @@ impl LocalFractions {
         fraction
     }
 
-    /// Calls `visit` for each cell among which a sphere is divided, with its index and its share [-] of the volume.
+    /// Calls `visit` for each cell among which a sphere is divided, with the index of the cell and the share [-] of the
+    /// sphere's volume in it. `place` [m] is the centre of the sphere.
     #[inline]
     fn for_each_cell(&self, place: &Vector3<f64>, radius: f64, mut visit: impl FnMut(usize, f64)) {
         let [x, y, z] = [0, 1, 2].map(|axis| self.portions(axis, place[axis], radius));
@@ -89,8 +90,8 @@ impl LocalFractions {
         }
     }
 
-    /// The two cells between which a sphere is divided along an axis (0 to 2), each with its share [-] of the volume.
-    /// `x` [m] is the coordinate of the centre along this axis.
+    /// The two cells between which a sphere is divided along an axis (0 to 2), each with its share [-] of the sphere's
+    /// volume. `x` [m] is the coordinate of the centre along this axis.
     #[inline]
     fn portions(&self, axis: usize, x: f64, radius: f64) -> Portions {
         let edge = self.edges[axis];

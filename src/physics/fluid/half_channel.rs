@@ -33,8 +33,8 @@ pub(super) struct HalfChannel {
     pub epsilon: Vec<f64>,
     /// [-] eddy viscosity ν_t over ν in each cell.
     pub nu_t: Vec<f64>,
-    /// [-] shear stress (1 + ν_t) dU/dy at the faces, with the turbulent viscosity ν_t, for a gas that particles brake
-    /// or drive. `None` for a gas alone, whose stress is 1 - y/h.
+    /// [-] shear stress (1 + ν_t) dU/dy at the faces, with the eddy viscosity ν_t, for a gas that particles brake or
+    /// drive. `None` for a gas alone, whose stress is 1 - y/h.
     pub face_stress: Option<Vec<f64>>,
 }
 
@@ -59,11 +59,11 @@ impl SweepStep<'_> {
 }
 
 /// Steady diffusion-reaction equation of one quantity φ: -(D φ')' + sink φ = source in every cell. The diffusivity is D
-/// = 1 + ν_t/σ, with the turbulent viscosity ν_t.
+/// = 1 + ν_t/σ, with the eddy viscosity ν_t.
 pub(super) struct Equation<'a> {
     /// [-] turbulent Prandtl number σ of φ.
     pub prandtl: f64,
-    /// Coefficient of φ in the sink term, per volume; >= 0.
+    /// Coefficient of φ in the sink term of each cell, per volume and in wall units; >= 0.
     pub sink: &'a [f64],
     /// Source term of φ in each cell, per volume and in wall units.
     pub source: &'a [f64],
@@ -144,7 +144,7 @@ impl HalfChannel {
         self.face_stress.as_ref().map_or_else(|| self.stress(self.face[face]), |stress| stress[face])
     }
 
-    /// [-] shear stress at the wall; 1 in a gas alone.
+    /// [-] shear stress at the wall, in units of the wall stress of the gas alone; 1 in a gas alone.
     pub fn wall_stress(&self) -> f64 {
         self.face_stress.as_ref().map_or(1.0, |stress| stress[0])
     }
@@ -155,9 +155,9 @@ impl HalfChannel {
         self.nu_t[face - 1] + weight * (self.nu_t[face] - self.nu_t[face - 1])
     }
 
-    /// Integrates (1 + ν_t) dU/dy = 1 - y/h, with the turbulent viscosity ν_t and the half height h, from the wall to
-    /// the centre, starting with the velocity `first` in the first cell. The discrete stress balance then holds at
-    /// every face, up to rounding.
+    /// Integrates (1 + ν_t) dU/dy = 1 - y/h, with the eddy viscosity ν_t and the half height h, from the wall to the
+    /// centre, starting with the velocity `first` in the first cell. The discrete stress balance then holds at every
+    /// face, up to rounding.
     pub fn integrate_momentum(&mut self, first: f64) {
         self.u[0] = first;
         for i in 1..self.u.len() {
@@ -224,7 +224,8 @@ impl HalfChannel {
         self.u[last] + (self.u[last] - self.u[last - 1]) * near / (far - near)
     }
 
-    /// Values of all cells, converted to SI units.
+    /// Values of all cells, converted to SI units. `wall_unit` [m] is the unit of lengths ν/u_τ, and
+    /// `friction_velocity` [m/s] the unit of velocities u_τ.
     pub fn nodes(&self, model: TurbulenceModel, wall_unit: f64, friction_velocity: f64) -> Vec<GridNode> {
         (0..self.u.len())
             .map(|i| {

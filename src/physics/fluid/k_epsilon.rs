@@ -2,10 +2,10 @@
 //!
 //! In a steady, fully developed channel of half width h, the pressure gradient alone determines the total shear stress
 //! over the density, (ν + ν_t) dU/dy = u_τ² (1 - y/h). Here U is the mean velocity, u_τ the friction velocity, and ν_t
-//! the turbulent viscosity. The momentum equation is therefore integrated directly. Only the turbulent kinetic energy k
-//! and its dissipation rate ε are iterated. All equations are solved in wall units (lengths in ν/u_τ, velocities in
-//! u_τ), on a finite-volume grid of a half channel. The friction Reynolds number is adjusted until the flow has the
-//! required bulk velocity.
+//! the eddy viscosity. The momentum equation is therefore integrated directly. Only the turbulent kinetic energy k and
+//! its dissipation rate ε are iterated. All equations are solved in wall units (lengths in ν/u_τ, velocities in u_τ),
+//! on a finite-volume grid of a half channel. The friction Reynolds number is adjusted until the flow has the required
+//! bulk velocity.
 
 use super::half_channel::{HalfChannel, SweepStep};
 use super::table::VelocityTable;
@@ -27,9 +27,9 @@ pub(super) const SIGMA_EPSILON: f64 = 1.3;
 const TURBULENT: f64 = 6000.0;
 /// [-] relative accuracy of the bulk velocity; the studies state an accuracy of 1e-4.
 const BULK_TOLERANCE: f64 = 1e-10;
-/// [-] largest relative change of k and ε in a sweep, below which the iteration ends.
+/// [-] largest relative change of k and ε in a sweep (one update of both in all cells), below which the iteration ends.
 const SWEEP_TOLERANCE: f64 = 1e-11;
-/// Largest number of sweeps over k and ε. Some hundreds are usually sufficient.
+/// Largest number of sweeps, each of which updates k and ε in all cells once. Some hundreds are usually sufficient.
 const SWEEPS: usize = 20_000;
 /// Largest number of corrections of the friction Reynolds number. About ten are usually sufficient.
 const CORRECTIONS: usize = 60;

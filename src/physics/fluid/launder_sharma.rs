@@ -99,7 +99,8 @@ pub(super) fn sweep_turbulence(channel: &mut HalfChannel, step: &SweepStep) -> f
     change
 }
 
-/// Computes ν_t from k and ε̃; new values have the weight `relaxation` [-].
+/// Computes the eddy viscosity ν_t of every cell from k and ε̃. New values have the weight `relaxation` [-], and
+/// previous values the remaining weight.
 pub(super) fn renew_viscosity(channel: &mut HalfChannel, relaxation: f64) {
     for i in 0..channel.k.len() {
         let reynolds = reynolds_t(channel, i);

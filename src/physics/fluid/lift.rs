@@ -44,8 +44,8 @@ const MEI_LIMIT: f64 = 40.0;
 /// which the torque is that of creeping flow, with the coefficient 64π/Re_r.
 const CREEPING_SPIN: f64 = 32.0;
 
-/// [-] coefficients in 12.9/√Re_r + 128.4/Re_r of the torque at larger Reynolds numbers of spin (Dennis, Singh and
-/// Ingham 1980, J. Fluid Mech. 101, 257).
+/// [-] numbers in the coefficient 12.9/√Re_r + 128.4/Re_r of the torque at larger Reynolds numbers Re_r of spin
+/// (Dennis, Singh and Ingham 1980, J. Fluid Mech. 101, 257).
 const TORQUE: [f64; 2] = [12.9, 128.4];
 
 impl LiftedSphere {
@@ -107,8 +107,8 @@ impl LiftedSphere {
 }
 
 impl Lift {
-    /// Slip velocity [m/s] after `duration` [s] of lift alone, in a gas with the given vorticity [1/s]. `spin` [rad/s]
-    /// is the spin of the sphere; `None` if spheres do not rotate.
+    /// Slip velocity [m/s] after `duration` [s] of lift alone, in a gas with the given vorticity [1/s]. `slip` [m/s] is
+    /// the slip velocity before. `spin` [rad/s] is the spin of the sphere; `None` if spheres do not rotate.
     pub fn turned(
         &self,
         sphere: &LiftedSphere,
@@ -129,7 +129,8 @@ impl Lift {
         Rotation3::from_scaled_axis(rate * duration) * slip
     }
 
-    /// Spin [rad/s] after `duration` [s] of torque alone, in a gas with the given vorticity [1/s].
+    /// Spin [rad/s] after `duration` [s] of torque alone, in a gas with the given vorticity [1/s]. `spin` [rad/s] is
+    /// the spin before.
     pub fn spun(
         &self,
         sphere: &LiftedSphere,

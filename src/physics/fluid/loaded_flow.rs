@@ -47,10 +47,11 @@ pub enum Modulation {
     /// volume V_g of the gas. St is τ over the integral time of the gas velocity that particles see. The covariance of
     /// gas and particle velocities is that of Tchen (1947), 2k/(1 + St).
     Simonin,
-    /// Particles produce k at the rate r s² by their mean slip s, with r as above. Then ε is k^(3/2)/l with the length
-    /// l from 1/l = 1/l_0 + 1/λ. Here l_0 = k^(3/2)/ε is that of the gas alone, and λ the mean distance between the
-    /// surfaces of neighbouring particles (Crowe 2000, Int. J. Multiphase Flow 26, 719; Kenning and Crowe 1997, ibid.
-    /// 23, 403).
+    /// Particles produce k at the rate r s² by their mean slip s. The exchange rate is r = Σ(m/τ)/(ρ_f V_g), with the
+    /// mass m and response time τ of each particle, and the density ρ_f and volume V_g of the gas. Then ε is k^(3/2)/l
+    /// with the length l from 1/l = 1/l_0 + 1/λ. Here l_0 = k^(3/2)/ε is that of the gas alone, and λ the mean distance
+    /// between the surfaces of neighbouring particles (Crowe 2000, Int. J. Multiphase Flow 26, 719; Kenning and Crowe
+    /// 1997, ibid. 23, 403).
     Crowe,
 }
 
@@ -414,7 +415,8 @@ impl LoadedFlow {
     }
 
     /// Production r s² of the turbulent kinetic energy k by the mean slip s of the particles in each cell, in wall
-    /// units, in a step of `duration` [s]. r is the exchange rate. Empty unless the modulation is that of Crowe.
+    /// units, in a step of `duration` [s]. r is Σ(m/τ)/(ρ_f V_g), with the mass m and response time τ of each particle,
+    /// and the density ρ_f and volume V_g of the gas. Empty unless the modulation is that of Crowe.
     fn production(&self, duration: f64, slices: &[SliceSums]) -> Vec<f64> {
         match self.coupling.modulation {
             Modulation::None | Modulation::Simonin => return Vec::new(),

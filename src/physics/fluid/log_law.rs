@@ -83,7 +83,8 @@ impl LogLaw {
     /// 1978.
     pub const LOWEST_REYNOLDS: f64 = 6000.0;
 
-    /// Makes a channel flow with a given friction velocity [m/s], from which the bulk velocity is computed.
+    /// Makes a channel flow with a given friction velocity [m/s], from which the bulk velocity is computed. `height`
+    /// [m] is the full width of the channel, and the kinematic viscosity is in m²/s.
     ///
     /// # Errors
     /// A number that is not positive, or a bulk Reynolds number below 6000.
@@ -118,7 +119,8 @@ impl LogLaw {
         Ok(Self { constants, height, kinematic_viscosity, friction_velocity, bulk_velocity })
     }
 
-    /// Makes a channel flow with a given bulk velocity [m/s], from which the friction velocity is computed.
+    /// Makes a channel flow with a given bulk velocity [m/s], from which the friction velocity is computed. `height`
+    /// [m] is the full width of the channel, and the kinematic viscosity is in m²/s.
     ///
     /// # Errors
     /// Errors of [`LogLaw::with_friction_velocity`].

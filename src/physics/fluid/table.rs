@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-/// Number of bins of the search index per given point. For evenly spaced points most bins contain no point, so the
-/// first cubic piece tried is the right one.
+/// Number of bins per given point in the index that divides the range of y into bins of equal width. For evenly spaced
+/// points most bins contain no point, so the first cubic piece tried is the right one.
 const BINS_PER_NODE: usize = 16;
 
 /// Function u(y) through given points: piecewise cubic with continuous slope and no overshoot between points. The
@@ -15,10 +15,10 @@ const BINS_PER_NODE: usize = 16;
 #[derive(Clone, Debug, Serialize)]
 pub struct VelocityTable {
     pieces: Vec<CubicPiece>,
-    /// Number of the cubic piece at the lower edge of each bin.
+    /// Number of the cubic piece at the lower edge of each bin. The bins divide the range of y into equal parts.
     #[serde(skip)]
     index: Vec<u32>,
-    /// [1/m] number of bins of the search index per length.
+    /// [1/m] number of bins of `index` per length.
     bins_per_length: f64,
     /// [m] first and last y of the given points.
     range: [f64; 2],

@@ -144,9 +144,9 @@ impl Turbulence {
         }
     }
 
-    /// Statistics at the middles of narrow strips, along the line through the middle of the gas from wall to wall.
-    /// `height` [m] is that of the box. The number before each entry is the weight [-] of the strip in a mean over the
-    /// cross-section.
+    /// Statistics at the middles of narrow strips, on a line along y from wall to wall; in a pipe the line crosses the
+    /// axis. `height` [m] is that of the box. The number before each entry is the weight [-] of the strip in a mean
+    /// over the cross-section.
     pub fn strips(&self, profile: &Profile, height: f64) -> impl Iterator<Item = (f64, LocalTurbulence)> {
         let [low, high] = profile.between(height);
         let axis = match profile {
@@ -165,8 +165,9 @@ impl Turbulence {
     }
 
     /// [1/s] largest rate at which the fluctuation changes along the path of particles with a response time [s],
-    /// between the walls of the gas in a box of `height` [m]. The rates are the drift ∇σ/(1 + St), with the standard
-    /// deviation σ of the gas velocity, and the turnover 1/(T_L + τ) of eddies that particles follow.
+    /// between the walls of the gas in a box of `height` [m]. The rates are the drift ∇σ/(1 + St) and the turnover
+    /// 1/(T_L + τ) of eddies that particles follow. Here σ is the standard deviation of the gas velocity, T_L its
+    /// integral time, τ the response time, and St = τ/T_L.
     pub fn largest_rate(&self, profile: &Profile, height: f64, response: f64) -> f64 {
         let rates = self.strips(profile, height).map(|(_, local)| {
             let slowest = local.time + response;
@@ -201,8 +202,9 @@ impl Turbulence {
 pub struct Langevin {
     /// [-] Kolmogorov constant C_0 of the Lagrangian structure function, in T_L = (k/ε)/(1/2 + 3/4 C_0).
     pub kolmogorov_constant: f64,
-    /// [-] ratio β = T_L/T_E of the time scales of the gas along its own path and at a moving point. With 0, the
-    /// crossing of eddies does not shorten the time scale.
+    /// [-] ratio β = T_L/T_E of two integral times of the gas velocity: T_L along the path of the gas, and T_E at a
+    /// point that moves with the mean flow. With 0, the crossing of eddies by a particle does not shorten the integral
+    /// time.
     pub time_scale_ratio: f64,
 }
 
@@ -220,7 +222,8 @@ impl Default for Langevin {
 /// State of a particle that determines the change of the fluctuation it sees.
 #[derive(Clone, Copy, Debug)]
 pub struct EddySeen {
-    /// [-] fluctuation **s** of the gas velocity over its standard deviation.
+    /// [-] fluctuation **s** of the gas velocity over its standard deviation. For the discrete random walk, the
+    /// fluctuation **u** itself [m/s].
     pub fluctuation: Vector3<f64>,
     /// [m/s] velocity of the particle relative to the mean gas velocity.
     pub velocity: Vector3<f64>,
@@ -241,7 +244,8 @@ impl AlongSlip {
     }
 }
 
-/// Constants of the exact solution of the Langevin equation over a time h along one direction, with x = h/T.
+/// Constants of the exact solution of the Langevin equation over a time h along one direction, with x = h/T and the
+/// integral time T of the fluctuation that a particle sees.
 #[derive(Clone, Copy, Debug)]
 struct Relaxation {
     /// [-] share of the initial fluctuation that remains at the end, exp(-x).
@@ -308,9 +312,9 @@ impl Langevin {
     /// fluctuation at the end, and the mean that the particle responds to, both over σ [-]. `noise` [-] contains
     /// independent Gaussian numbers.
     ///
-    /// The effect of an eddy on a particle decays with its response time τ: the weight of the time t before the end is
-    /// exp(-t/τ). This weight is replaced by the sum of a constant weight and a weight at the end, with the same
-    /// centre. The result is exact for long and for short response times.
+    /// The effect of an eddy on a particle decays with the response time τ of the particle: the weight of the time t
+    /// before the end is exp(-t/τ). This weight is replaced by the sum of a constant weight and a weight at the end,
+    /// with the same centre. The result is exact for long and for short response times.
     #[inline]
     pub fn advance(
         &self,
@@ -346,9 +350,9 @@ impl Langevin {
 
 impl Langevin {
     /// Advances the fluctuation **u** [m/s] of a discrete random walk by `duration` [s], exactly. Returns **u** at the
-    /// end, and the mean that the particle responds to. `seen.fluctuation` is **u** here. Lifetimes are exponential, so
-    /// that they may begin anew with each call. The fluctuation then has the correlation exp(-t/T) of the Langevin
-    /// equation.
+    /// end, and the mean that the particle responds to. `seen.fluctuation` is **u** here. The lifetimes of eddies have
+    /// an exponential distribution, so that they may begin anew with each call. The fluctuation then has the
+    /// correlation exp(-t/T) of the Langevin equation.
     pub fn walk(
         &self,
         seen: &EddySeen,

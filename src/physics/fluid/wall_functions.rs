@@ -35,7 +35,7 @@ pub(super) fn cells(reynolds_tau: f64) -> usize {
     ((reynolds_tau / (2.0 * FIRST_NODE)).round() as usize).clamp(4, MOST_CELLS)
 }
 
-/// Faces of cells of equal width, as fractions of h from 0 at the wall to 1.
+/// Faces of cells of equal width, as distances from the wall over the half height h of the channel, from 0 to 1.
 pub(super) fn faces(cells: usize) -> Vec<f64> {
     (0..=cells).map(|face| face as f64 / cells as f64).collect()
 }
@@ -88,7 +88,7 @@ pub(super) fn sweep_turbulence(channel: &mut HalfChannel, step: &SweepStep) -> f
     change
 }
 
-/// Computes ν_t from k and ε.
+/// Computes the eddy viscosity ν_t of every cell from k and ε.
 pub(super) fn renew_viscosity(channel: &mut HalfChannel) {
     for i in 0..channel.k.len() {
         channel.nu_t[i] = C_MU * channel.k[i].powi(2) / channel.epsilon[i];

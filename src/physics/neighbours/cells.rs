@@ -149,8 +149,8 @@ impl CellGrid {
     }
 
     /// Calls `visit` with ranges of the cell order (the list of all items, cell by cell). Together the ranges contain
-    /// all items within `radius` [m] of `x` [m], each item once. The flag is true if items of the range may be nearer
-    /// through a periodic side.
+    /// all items within `radius` [m] of `x` [m], each item once. The flag passed to `visit` is true if items of the
+    /// range may be nearer through a periodic side.
     #[inline(always)]
     pub fn for_each_near(&self, x: &Vector3<f64>, radius: f64, mut visit: impl FnMut(Range<usize>, bool)) {
         let x = self.region.local(x);

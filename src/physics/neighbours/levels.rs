@@ -39,7 +39,7 @@ pub struct SizeLevels {
     levels: Vec<SizeLevel>,
 }
 
-/// Sizes of items, for sorting into levels and cells.
+/// Sizes of items (spheres, or balls that contain their paths), for sorting into levels (ranges of sizes) and cells.
 pub struct SortedSizes<'a> {
     /// [m] radius of each item. It determines to which level (range of sizes) the item belongs.
     pub radius: &'a [f64],
@@ -261,29 +261,31 @@ impl SizeLevels {
         level.map_or(&[], |level| &level.order[range.start - level.first..range.end - level.first])
     }
 
-    /// Rows of cells of all levels. Each row is given by the number of its level, and its number in this level.
+    /// Rows of cells of all levels (ranges of sizes). Each row is given by the number of its level, and its number in
+    /// this level.
     pub fn rows(&self) -> Vec<(usize, usize)> {
         let rows =
             |(k, level): (usize, &SizeLevel)| (0..level.grid.rows()).map(move |row| (k, row)).collect::<Vec<_>>();
         self.levels.iter().enumerate().flat_map(rows).collect()
     }
 
-    /// Grid of the level number `level`, indices of its items cell by cell, and number of items in all levels before
-    /// it.
+    /// Grid of the level (range of sizes) number `level`, indices of its items cell by cell, and number of items in all
+    /// levels before it.
     pub fn level(&self, level: usize) -> (&CellGrid, &[u32], usize) {
         let SizeLevel { grid, order, first, .. } = &self.levels[level];
         (grid, order, *first)
     }
 
-    /// True if the level with the number `level` is followed by levels with smaller spheres.
+    /// True if the level (range of sizes) with the number `level` is followed by levels with smaller spheres.
     #[inline]
     pub fn has_smaller(&self, level: usize) -> bool {
         level + 1 < self.levels.len()
     }
 
     /// Calls `visit` with ranges of the order of all levels (level by level, cell by cell). Together they contain all
-    /// items of levels with smaller spheres, those after `level`, that an item at `x` [m] may touch. The `reach` [m] of
-    /// this item includes the skin. The flag is true if items of the range may be nearer through a periodic side.
+    /// items of levels with smaller spheres, those after `level`, that an item at `x` [m] may touch. `reach` [m] is the
+    /// radius of this item plus the skin, the gap up to which pairs are searched. The flag passed to `visit` is true if
+    /// items of the range may be nearer through a periodic side.
     #[inline(always)]
     pub fn for_each_smaller(&self, level: usize, x: &Vector3<f64>, reach: f64, visit: impl FnMut(Range<usize>, bool)) {
         near(&self.levels[level + 1..], x, reach, visit);

@@ -103,8 +103,8 @@ pub struct NeighbourList {
 }
 
 impl NeighbourList {
-    /// [m/s] velocity of the frame of the list: the mean velocity of the particles, without components that approach a
-    /// wall. Distances that particles move are measured relative to this frame.
+    /// [m/s] velocity of the frame relative to which the list measures how far particles move. It is the mean velocity
+    /// of the particles (in a sheared box, relative to the mean flow), without components that approach a wall.
     pub fn frame(&self) -> Vector3<f64> {
         self.frame
     }
@@ -166,9 +166,10 @@ impl NeighbourList {
         self.travelled += distance;
     }
 
-    /// Builds the list for the present positions. The skin is that of lowest cost for a list that is used every
-    /// `between_uses` [s]. At the present speeds the list lasts for at least one use. The particles are sorted into
-    /// cell order. The returned list contains, for each new index, the previous index of the particle.
+    /// Builds the list for the present positions. The skin (gap up to which pairs are listed) is that of lowest cost
+    /// for a list that is used every `between_uses` [s]. At the present speeds the list lasts for at least one use. The
+    /// particles are sorted into cell order. The returned list contains, for each new index, the previous index of the
+    /// particle.
     pub fn build(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) -> Vec<u32> {
         self.build_in(&Region::from(&scene.domain), particles, scene, between_uses)
     }
@@ -276,8 +277,8 @@ impl NeighbourList {
         self.note_first_pairs(particles.len());
     }
 
-    /// Removes every candidate that contains no chosen particle. `chosen` has one entry for each particle, by index:
-    /// true if the particle is chosen.
+    /// Removes every candidate (pair, or particle and wall) that contains no chosen particle. `chosen` has one entry
+    /// for each particle, by index: true if the particle is chosen.
     pub fn keep_of(&mut self, chosen: &[bool]) {
         let is_chosen = |index: u32| chosen[index as usize];
         self.pairs.retain(|pair| is_chosen(pair.i) || is_chosen(pair.j));
@@ -313,7 +314,7 @@ impl NeighbourList {
         self.walls.dedup_by_key(|near| index(near));
     }
 
-    /// Two bodies of the candidate number `slot` of the list.
+    /// Two bodies of the candidate (pair, or particle and wall) number `slot` of the list.
     #[inline]
     pub fn couple(&self, slot: usize) -> Couple {
         match self.pairs.get(slot) {
@@ -348,7 +349,8 @@ impl NeighbourList {
             .map(|k| self.pairs.len() + k)
     }
 
-    /// Replaces the content of `slots` by the numbers of all candidates that overlap at present, in ascending order.
+    /// Replaces the content of `slots` by the numbers of all candidates (pairs, particles and walls) that overlap at
+    /// present, in ascending order.
     pub fn overlapping(&self, particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         slots.clear();
         let all = self.slots();
@@ -364,7 +366,8 @@ impl NeighbourList {
         slots.extend(parts.iter().flatten());
     }
 
-    /// Appends to `slots` the numbers in `range` of the candidates that overlap at present, in ascending order.
+    /// Appends to `slots` the numbers in `range` of the candidates (pairs, particles and walls) that overlap at
+    /// present, in ascending order.
     pub fn overlapping_within(&self, range: Range<usize>, particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         let end = range.end;
         let walls = range.start.max(self.pairs.len());

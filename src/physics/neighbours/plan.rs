@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 pub struct ListSettings {
     /// [m/s] velocity of the frame relative to which the list measures how far particles move.
     pub frame: Vector3<f64>,
-    /// [m/s] largest speed of any particle relative to the frame.
+    /// [m/s] largest speed of any particle relative to the frame and, in a sheared box, to the mean flow.
     pub largest_speed: f64,
     /// [m] skin: gap up to which pairs are listed.
     pub skin: f64,

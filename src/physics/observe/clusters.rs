@@ -1,9 +1,9 @@
 //! Clusters: groups of particles that are connected by pairs with a gap below a given one.
 //!
 //! The gap of two spheres is the distance of their centres minus both radii, measured to the nearest image across
-//! periodic sides. A particle without such a pair is a cluster of one. The size of the cluster of a particle has the
-//! mean Σ s² n_s/Σ s n_s, with n_s clusters of s particles (Stauffer and Aharony, Introduction to Percolation Theory,
-//! 2nd edition 1994).
+//! periodic sides. A particle without such a pair is a cluster of one. Averaged over all particles, the size of the
+//! cluster to which a particle belongs is Σ s² n_s/Σ s n_s. Here n_s is the number of clusters of s particles (Stauffer
+//! and Aharony, Introduction to Percolation Theory, 2nd edition 1994).
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumber, ObservedQuantity};
 use super::{Needs, Observer, plain_data};
@@ -54,7 +54,7 @@ impl ParticleClusters {
         Self { interval: schedule.spacing(MOST_SAMPLES), gap: settings.gap, samples: Vec::new() }
     }
 
-    /// Numbers of particles in all clusters at the present instant.
+    /// Number of particles in each cluster at the present instant.
     fn sizes(&self, simulation: &Simulation) -> Vec<u64> {
         let particles = &simulation.particles;
         let mut forest: Vec<usize> = (0..particles.len()).collect();
@@ -71,8 +71,9 @@ impl ParticleClusters {
     }
 }
 
-/// Index of the particle that stands for the cluster of the particle at `place`. The chain of indices in `forest` that
-/// leads to it is halved, so that later searches are shorter.
+/// Index of the particle that represents the cluster of the particle at `place`. `forest` holds, for each particle, the
+/// index of another particle of its cluster, and for the representative its own index. The chain of indices from
+/// `place` to the representative is halved, so that later searches are shorter.
 fn root(forest: &mut [usize], mut place: usize) -> usize {
     while forest[place] != place {
         forest[place] = forest[forest[place]];

@@ -1,10 +1,10 @@
 //! Mean squared displacement, autocorrelation of the velocities, and the coefficient of self-diffusion D.
 //!
 //! After the time t from an origin, M(t) = <|Δ|²> and C(t) = <v(0)·v(t)>/3 are means over the particles of a species.
-//! Displacements Δ and velocities v are relative to the mean of the species at the same time. Both means are multiplied
-//! by N/(N - 1), because the mean of the species is that of the same N particles. With the longest time t₁, D is the
-//! slope (M(t₁) - M(t₁/2))/(3 t₁) (Einstein). D is also the integral ∫ C dt from 0 to t₁ (Green and Kubo; Allen and
-//! Tildesley, Computer Simulation of Liquids, 2nd edition 2017, section 2.7).
+//! Displacements Δ and velocities v are relative to the mean of the species at the same time. M and C are multiplied by
+//! N/(N - 1) for the N particles of the species, because the mean that is subtracted is that of the same particles.
+//! With the longest time t₁, D is the slope (M(t₁) - M(t₁/2))/(3 t₁) (Einstein). D is also the integral ∫ C dt from 0
+//! to t₁ (Green and Kubo; Allen and Tildesley, Computer Simulation of Liquids, 2nd edition 2017, section 2.7).
 //!
 //! **Unwrapped displacements.** The displacement of a particle is the sum of its displacements between samples, each to
 //! the nearest image. The nearest image is the right one if the particle has moved less than half a period between two
@@ -36,8 +36,8 @@ struct MotionSample {
     correlation: f64,
 }
 
-/// Particles at the origin of a block of time and at the latest sample. Each list is in the order of the ids of the
-/// particles.
+/// Velocities of the particles at the start of a block of time (its origin), and positions and displacements at the
+/// latest sample (instant of measurement). Each list is in the order of the ids of the particles.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct TrackedParticles {
     /// [m/s] velocities of the particles at the origin of the block.
@@ -51,7 +51,7 @@ struct TrackedParticles {
 /// Means over the particles in one block of time, at each sample from the origin of the block to the longest time.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct MotionBlock {
-    /// [s] simulated time of the origin of the block.
+    /// [s] simulated time at which the block begins (its origin).
     origin: f64,
     /// For each species, the means at each time after the origin.
     samples: Vec<Vec<MotionSample>>,
@@ -68,7 +68,7 @@ pub struct Diffusion {
     species: usize,
     tracked: TrackedParticles,
     blocks: Vec<MotionBlock>,
-    /// True if a particle moved so far between two samples that its nearest image may be the wrong one.
+    /// True if at some sample a particle was so fast that the nearest image at the next sample may be the wrong one.
     is_ambiguous: bool,
 }
 

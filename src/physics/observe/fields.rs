@@ -121,7 +121,8 @@ impl Fields {
             true => Some(cell.rem_euclid(count as i64) as usize),
             false => usize::try_from(cell).ok().filter(|cell| *cell < count),
         };
-        // relative to the nearest cell, since the Gaussian of a small width is zero at all centres by rounding
+        // exponents are relative to that of the nearest cell, since a narrow Gaussian would be rounded to zero at all
+        // centres
         let exponent = |cell: i64| 0.5 * ((cell as f64 - own) * size / self.width).powi(2);
         let nearest = exponent((own.round() as i64).clamp(first, last));
         let mut shares: Vec<(usize, f64)> =
@@ -134,8 +135,9 @@ impl Fields {
         shares
     }
 
-    /// Adds the numbers of `row` to the cells around `place` [m], multiplied by the share of each cell. In a cell, the
-    /// first number is added to the sum with the index `first`, the others to the following sums.
+    /// Divides the numbers of `row`, which belong to the position `place` [m], among the cells around it. Each cell
+    /// gets the numbers times its share [-]. In a cell, the first number is added to the sum with the index `first`,
+    /// the others to the following sums.
     fn spread(&self, sums: &mut [[f64; SUMS]], domain: &Domain, place: &Vector3<f64>, first: usize, row: &[f64]) {
         let place = domain.wrap(place);
         let [x, y, z] = [0, 1, 2].map(|axis| self.shares(domain, axis, place[axis]));

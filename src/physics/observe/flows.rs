@@ -24,8 +24,8 @@ pub struct FlowAverages {
     pub rate: Option<Estimate>,
     /// Sums over the particles that have passed this inlet or outlet in the whole run.
     pub totals: FlowTotals,
-    /// Number of particles that wait at an inlet for free space at the end of the run, and the largest number that has
-    /// waited.
+    /// Number of particles that wait at an inlet for free space: at the end of the run, and the largest number at any
+    /// time. Both are 0 for an outlet.
     pub waiting: [u64; 2],
     /// Sums over the particles that have passed since the start, at each sample (instant of measurement).
     #[serde(skip)]
@@ -48,8 +48,8 @@ pub struct Flows {
     interval: f64,
     /// Samples of each outlet, then of each inlet. The list is empty in a scene without inlets and outlets.
     samples: Vec<Vec<FlowSample>>,
-    /// For each outlet, then each inlet: number of particles that wait at present, and the largest number that has
-    /// waited.
+    /// For each outlet, then each inlet: number of particles that wait for free space at present, and the largest
+    /// number at any time. Both are 0 for an outlet.
     waiting: Vec<[u64; 2]>,
 }
 

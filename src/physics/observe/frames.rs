@@ -20,8 +20,8 @@ const FEW: usize = 50;
 /// Smallest and largest number of frames (instants) that are recorded in a run.
 const FRAMES: std::ops::RangeInclusive<usize> = 40..=241;
 
-/// Largest product of recorded particles and frames, summed over all variants shown on a page. It limits the data of
-/// the page to a few megabytes.
+/// Largest product of recorded particles and frames, summed over all runs shown on a page. It limits the data of the
+/// page to a few megabytes.
 const BUDGET: usize = 90_000;
 
 /// [-] desired mean distance that a particle flies between two frames, over its radius. The distance is that by
@@ -39,8 +39,9 @@ pub struct Frame {
     pub time: f64,
     /// [m] centres of the recorded particles, inside the box along periodic axes.
     pub position: Vec<Vector3<f32>>,
-    /// [m/s] velocities of the recorded particles. In a frame between two samples with drag, they are the velocities of
-    /// the window that ends at the frame. A window is the time between two exchanges of momentum with the gas.
+    /// [m/s] velocities of the recorded particles. With drag, a frame between two samples (instants of measurement) has
+    /// the velocities with which the particles flew in the latest window. A window is the time between two exchanges of
+    /// momentum with the gas.
     pub velocity: Vec<Vector3<f32>>,
     /// [m] largest overlap of each recorded particle; 0 for particles without contact.
     pub overlap: Vec<f32>,
@@ -54,6 +55,7 @@ pub struct Frame {
 
 /// Frames of up to 500 particles at up to 241 instants, from the start of the run. Frames spread over the whole run may
 /// be too far apart in time to show collisions. In that case, the frames are closer in time and end before the run.
+/// There are no frames of a scene with inlets or outlets.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Frames {
     /// [s] duration of the run.
@@ -128,7 +130,7 @@ impl Observer for Frames {
     }
 
     fn see(&mut self, simulation: &Simulation) {
-        // a page shows particles that all stay
+        // with inlets or outlets nothing is recorded, because a page shows particles that stay during the whole run
         if simulation.scene().has_openings() {
             return;
         }

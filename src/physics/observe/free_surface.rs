@@ -1,13 +1,15 @@
 //! Free surface of a layer, seen from above: the waviness of its height, the wavelength and the symmetry of a pattern.
 //!
-//! The box is divided into columns. The height of a column is that of the highest point of a sphere whose centre is in
-//! it, and empty columns have the median height. A Gaussian smooths the heights. Their Fourier transform, with a Hann
-//! window along both axes, gives the pattern. A shell consists of the wave vectors with |f| L near a whole number n,
-//! with f = 1/λ and the longer horizontal edge L. The strongest shell with n > 1 gives the wavelength λ = L/n. Its
-//! symmetry is Q_m = |Σ P exp(i m θ)|/Σ P, with the power P and the direction θ of the wave vectors within 0.75/L of
-//! this shell. A perfect pattern of stripes has Q_2 = Q_4 = Q_6 = 1, squares have Q_4 = 1 and Q_2 = 0, hexagons Q_6 = 1
-//! and Q_2 = Q_4 = 0. These are the metrics of harness/METRICS.md in the repository cbizon/granular_benchmark, where C.
-//! Bizon compares codes with the patterns of Bizon et al. (1998, Phys. Rev. Lett. 80, 57).
+//! The box is divided into columns. The height of a column is that of the highest point of any sphere whose centre is
+//! in the column. Empty columns have the median height. A Gaussian smooths the heights. They are then multiplied by a
+//! Hann window along both axes (weights that fall to zero at the ends) and Fourier transformed. The result is the power
+//! P of each wave vector f, with the wavelength λ = 1/|f|. Let L be the longer horizontal edge of the box. Wave vectors
+//! for which |f| L is near the same whole number n form a shell. The shell with the largest power among those with n >
+//! 1 gives the wavelength λ = L/n. The symmetry of this shell is Q_m = |Σ P exp(i m θ)|/Σ P, with the directions θ of
+//! the wave vectors. The sums are over all wave vectors for which |f| differs by at most 0.75/L from n/L. A perfect
+//! pattern of stripes has Q_2 = Q_4 = Q_6 = 1, squares have Q_4 = 1 and Q_2 = 0, hexagons Q_6 = 1 and Q_2 = Q_4 = 0.
+//! These are the metrics of harness/METRICS.md in the repository cbizon/granular_benchmark, where C. Bizon compares
+//! codes with the patterns of Bizon et al. (1998, Phys. Rev. Lett. 80, 57).
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedGrid, ObservedNumber, ObservedQuantity};
 use super::{Needs, Observer, plain_data};
@@ -24,9 +26,10 @@ use std::f64::consts::{PI, TAU};
 const MOST_SAMPLES: u64 = 2000;
 /// Number of standard deviations at which the smoothing Gaussian ends.
 const CUT: f64 = 4.0;
-/// Numbers m of the symmetries Q_m.
+/// Numbers m of the symmetries Q_m: Q_m measures the m-fold symmetry of the directions of the waves in the pattern.
 const ORDERS: [i32; 3] = [2, 4, 6];
-/// Largest difference of |f| L from that of the strongest shell, for wave vectors that count for the symmetry.
+/// Largest difference between |f| L of a wave vector f and the number n of the strongest shell, up to which the wave
+/// vector counts for the symmetry. L is the longer horizontal edge of the box.
 const HALF_WIDTH: f64 = 0.75;
 
 /// Pattern of the surface at one instant.
@@ -36,9 +39,11 @@ struct SurfaceSample {
     time: f64,
     /// [m] standard deviation of the smoothed height.
     contrast: f64,
-    /// [m²] contribution of each shell to the variance of the height, from n = 0.
+    /// [m²] contribution of each shell to the variance of the height, from n = 0. The shell n contains the waves of
+    /// wavelengths near L/n, with the longer horizontal edge L.
     power: Vec<f64>,
-    /// Number n of the strongest shell; 0 if the surface is flat.
+    /// Number n of the shell with the largest power, whose waves have wavelengths near L/n with the longer horizontal
+    /// edge L; 0 if the surface is flat.
     strongest: usize,
     /// Symmetries Q_2, Q_4 and Q_6 of the strongest shell.
     symmetry: [f64; 3],
@@ -56,7 +61,7 @@ struct HeightMap {
 pub struct FreeSurface {
     /// [s] time between two samples that are used.
     interval: f64,
-    /// [s] time from which on the map with the largest contrast is kept: half of the run.
+    /// [s] half of the duration of the run. From this time on, the map with the largest contrast is kept.
     half: f64,
     /// Vertical axis (0: x, 1: y, 2: z), and the sign of the upward direction.
     up: (usize, f64),
@@ -71,7 +76,8 @@ pub struct FreeSurface {
     /// [m] standard deviation of the smoothing Gaussian.
     smoothing: f64,
     samples: Vec<SurfaceSample>,
-    /// Map with the largest contrast in the second half of the run; `None` before the first map of this half.
+    /// Map of the heights with the largest contrast (standard deviation of the smoothed heights) in the second half of
+    /// the run; `None` before the first map of this half.
     map: Option<HeightMap>,
 }
 
@@ -220,7 +226,7 @@ impl Measurement for FreeSurface {
         let all =
             |of: &dyn Fn(&SurfaceSample) -> f64| estimate(&samples.iter().map(|sample| of(sample)).collect::<Vec<_>>());
         let contrast = all(&|sample| sample.contrast);
-        // a layer that oscillates is flat in some phases, in which nothing is to be seen of its pattern
+        // a layer that oscillates is flat at some phases of the oscillation, at which no pattern is visible
         let is_visible = |sample: &&&SurfaceSample| {
             sample.strongest > 0 && contrast.is_some_and(|mean| sample.contrast >= mean.value)
         };

@@ -54,11 +54,11 @@ pub struct SpeciesAverages {
     /// [m/s] mean streamwise velocity of the species.
     pub velocity: Option<Estimate>,
     /// [m²/s²] granular temperature of the species. Velocities are relative to the mean velocity of the species in the
-    /// slice at the same instant.
+    /// same slice along y at the same instant.
     pub temperature: Option<Estimate>,
     /// [J] mean kinetic energy of the random motion per degree of freedom of a particle: m T/2, with its mass m and the
     /// granular temperature T. If masses differ within the species, it is the mean of m (v - U)²/2 per degree of
-    /// freedom, with the mean velocity U of the slice.
+    /// freedom, with the mean velocity U in the slice along y that contains the particle.
     pub random_energy: Option<Estimate>,
     /// Time averages in slices along y, over the particles of this species alone.
     #[serde(skip)]
@@ -121,7 +121,7 @@ impl KindCurve {
 /// species.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct KindAverages {
-    /// Averages of each species that has particles.
+    /// Averages of each species that has particles at the start of the run.
     pub species: Vec<SpeciesAverages>,
     /// Averages of the impacts of each pair of kinds that had impacts.
     pub meetings: Vec<MeetingAverages>,
@@ -130,16 +130,17 @@ pub struct KindAverages {
     pub curves: Vec<KindCurve>,
 }
 
-/// Joins the blocks of time of several runs of one variant; `None` if some run has no blocks. If `by_runs` is true,
-/// each run is one block, as in [`Batches::pool`].
+/// Joins the blocks of time of several replicas (runs with different seeds); `None` if some run has no blocks. If
+/// `by_runs` is true, each run is one block, as in [`Batches::pool`].
 fn pool<'a>(runs: impl Iterator<Item = &'a Option<Batches>>, by_runs: bool) -> Option<Batches> {
     let all: Option<Vec<&Batches>> = runs.map(Option::as_ref).collect();
     Batches::pool(&all?, by_runs)
 }
 
 impl KindAverages {
-    /// Averages over several independent runs of one variant, with the impacts of all runs. If `by_runs` is true, each
-    /// run is one block for the errors, as in [`Batches::pool`]. Curves over time are those of the first run.
+    /// Averages over several replicas (runs with different seeds), with the impacts of all of them. If `by_runs` is
+    /// true, each run is one block for the errors, as in [`Batches::pool`]. Curves over time are those of the first
+    /// run.
     pub fn pool(runs: &[&Self], by_runs: bool) -> Self {
         let Some((first, others)) = runs.split_first() else { return Self::default() };
         let species = first.species.iter().enumerate().map(|(place, own)| {
@@ -239,7 +240,7 @@ impl Kinds {
     }
 
     /// Mean velocity [m/s] and granular temperature [m²/s²] of each species at every sample, for the test for a steady
-    /// state. The scales of a species follow from its largest temperature.
+    /// state. The scale of the temperature is its largest value, that of the velocity the root of this value.
     pub fn series(&self, scene: &Scene) -> Vec<Followed> {
         let speed = scene.rest_speed();
         let of = |of: &OfSpecies| {

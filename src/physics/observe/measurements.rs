@@ -112,8 +112,8 @@ pub struct Observation {
 }
 
 impl Observation {
-    /// Means over several independent runs of one variant. If `by_runs` is true, errors follow from the scatter between
-    /// the runs. This is for particles that do not mix within a run.
+    /// Means over several replicas (runs with different seeds). If `by_runs` is true, errors follow from the scatter
+    /// between the runs; this choice is for particles that do not mix within a run.
     pub fn pool(runs: &[&[Self]], by_runs: bool) -> Vec<Self> {
         let Some(first) = runs.first() else { return Vec::new() };
         let mean = |values: &mut dyn Iterator<Item = Option<Estimate>>| {

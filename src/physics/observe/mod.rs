@@ -112,9 +112,9 @@ pub enum Needs {
 ///
 /// Every closure that takes a `&Simulation` is an observer that is called at every sample (instant of measurement).
 pub trait Observer: Send {
-    /// [s] next time after `now` [s] at which the observer is to be called; `None` if it is not to be called again. It
-    /// is called at the end of the first window (time between two exchanges with the gas) that reaches this time. Every
-    /// observer is also called at the start. The default is the time of the next sample.
+    /// [s] next time after `now` [s] at which the observer is to be called; `None` if it is not to be called again. The
+    /// call comes at the end of the first window (time between two exchanges with the gas) that reaches this time.
+    /// Every observer is also called at the start. The default is the time of the next sample.
     fn next(&self, now: f64, schedule: &Schedule) -> Option<f64> {
         Some(now + schedule.interval())
     }

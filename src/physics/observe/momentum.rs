@@ -7,7 +7,8 @@ use crate::statistics::{Estimate, estimate};
 use serde::{Deserialize, Serialize};
 
 /// Mean streamwise (z) forces on all particles together [N], positive along z, over the averaging period. A force is
-/// `None` if the period contains fewer than two samples. In a steady flow the forces add up to zero.
+/// `None` if the period contains fewer than two samples. In a steady flow without inlets and outlets the forces add up
+/// to zero.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Balance {
     /// [N] mean drag force of the gas on all particles along z.
@@ -16,7 +17,8 @@ pub struct Balance {
     pub weight: f64,
     /// [N] mean shear force of the walls on all particles along z.
     pub wall: Option<Estimate>,
-    /// [N] sum of drag, weight, wall force and inflow through inlets and outlets; zero on average in a steady flow.
+    /// [N] sum of drag, weight, wall force and the momentum per time that comes in through inlets, less that which
+    /// leaves through outlets; zero on average in a steady flow.
     pub residual: Option<Estimate>,
 }
 

@@ -7,14 +7,14 @@ use crate::particles::Particles;
 use crate::work_sharing;
 use nalgebra::Vector3;
 
-/// Number of particles in one piece of work, whose pairs one thread visits.
+/// Number of particles in one group, whose pairs one thread visits.
 const PIECE: usize = 512;
 
-/// Calls `visit` once for each pair of particles whose centres are less than `reach` [m] apart. It gets the value of
-/// the part, the indices of the two particles, and the vector [m] from the first particle to the nearest image of the
-/// second. Along periodic axes, `reach` is at most half the edge of the box. The pairs are divided into parts, which do
-/// not depend on the number of threads. The value of each part begins as that of `none`. The values of all parts are
-/// returned in order.
+/// Calls `visit` once for each pair of particles whose centres are less than `reach` [m] apart. Along periodic axes,
+/// `reach` is at most half the edge of the box. The pairs are divided into groups, which do not depend on the number of
+/// threads. Each group has a value, which `none` makes and `visit` changes; the values of all groups are returned in
+/// order. The arguments of `visit` are the value of the group, the indices of the two particles, and a vector [m]. The
+/// vector leads from the first particle to the nearest image of the second.
 pub(super) fn near_pairs<A: Send>(
     particles: &Particles,
     domain: &Domain,

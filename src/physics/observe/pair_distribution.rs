@@ -122,8 +122,8 @@ impl PairDistribution {
     }
 
     /// Pair distribution g [-] extrapolated to contact, where the centres have the distance `contact` [m]. `pair` is
-    /// the index of the pair of species. `share` [m³] is the volume of the box divided by the number of pairs of this
-    /// kind. There is one value for each sample. `None` if the extrapolation has no unique solution.
+    /// the index of the pair of species. `share` [m³] is the volume of the box divided by the number of pairs of these
+    /// species. There is one value for each sample. `None` if the extrapolation has no unique solution.
     fn at_contact(&self, samples: &[&PairSample], pair: usize, contact: f64, share: f64) -> Option<Vec<f64>> {
         let weights = weights_at_contact()?;
         let edge = |k: usize| contact * (1.0 + k as f64 * NEAR_WIDTH);

@@ -27,8 +27,8 @@ pub struct PathSample {
     pub overlap: f64,
 }
 
-/// Paths of all particles of a scene with up to 50 particles; empty for larger scenes. The instants are the same in all
-/// variants of the scene.
+/// Paths of all particles of a scene with up to 50 particles; empty for larger scenes, and with inlets or outlets. The
+/// instants are equal in all variants of a case (models or settings that are compared).
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Paths {
     /// [s] time between two instants at which the particles are recorded.
@@ -53,7 +53,8 @@ impl Paths {
 
 impl Observer for Paths {
     fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
-        // without recorded points, the scene has too many particles, and the observer is not called again
+        // without recorded points, the scene has too many particles, or inlets or outlets; the observer is not called
+        // again
         (!self.points.is_empty()).then_some(now + self.interval)
     }
 

@@ -34,9 +34,9 @@ pub struct Ring {
 pub struct RingAverages {
     /// Rings about the axis; none if the gas flow is not that of a pipe.
     pub rings: Vec<Ring>,
-    /// Time averages in the order of the rings. `y` is the radius [m] that divides the area of a ring into two equal
-    /// parts. V is the mean velocity away from the axis, W that around the axis, and the moments use the same
-    /// components. Densities are relative to the mean density in the pipe.
+    /// Time averages in the order of the rings. The coordinate `y` of a ring is the radius [m] that divides its area
+    /// into two equal parts. V is the mean velocity away from the axis, W that around the axis, and the moments use the
+    /// same components. Densities are relative to the mean density in the pipe.
     #[serde(skip)]
     pub profiles: ProfileTable,
 }

@@ -83,9 +83,9 @@ impl RunLoop {
         }
     }
 
-    /// Calls the observers whose time is `now` [s], between two samples (instants of measurement). The drag of the time
-    /// `kick` [s], half of a drag step, is missing in the velocities. It is added for observers that require
-    /// velocities.
+    /// Calls the observers whose next time is `now` [s], between two samples (instants of measurement). At this time
+    /// the velocities lack the drag of the last `kick` [s]. This drag is added for observers that require velocities,
+    /// and taken back afterwards.
     fn see_between(
         &mut self,
         simulation: &mut Simulation,
@@ -110,8 +110,8 @@ impl RunLoop {
         }
     }
 
-    /// Adds the missing half-kick of drag to the velocities of a run that was stopped between two samples. A caller
-    /// that does not continue the run must call this function.
+    /// Adds the missing half-kick (change of velocity by drag and heat in half a window) to a run that was stopped
+    /// between two samples (instants of measurement). A caller that does not continue the run must call this function.
     pub fn finish_half_kick(&self, simulation: &mut Simulation) {
         simulation.finish_half_kick(self.schedule_position.window());
     }
@@ -180,8 +180,8 @@ impl RunLoop {
     }
 }
 
-/// Calls the observers at `indices` in every process, with the particles of this process. Every process
-/// has a copy of each of these observers.
+/// Makes the other processes call their copies of the observers at `indices`, each with its own particles. Every
+/// process has a copy of each of these observers.
 fn see_parts(simulation: &mut Simulation, observers: &[&mut dyn Observer], indices: &[usize]) {
     simulation.see_parts(indices, |index| observers[index].stored().unwrap_or_default());
 }

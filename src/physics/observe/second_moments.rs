@@ -1,8 +1,9 @@
 //! Budgets of the second moments of the velocities: the processes that create and remove the agitation of the
 //! particles.
 //!
-//! The particles of a slice have the second moments R_ij = <v_i″ v_j″>. In a steady flow that depends on y alone, every
-//! moment is constant. With n particles in the slice, their mean velocity U and the wall-normal velocity v:
+//! The particles of a slice along y have the second moments R_ij = <v_i″ v_j″>, where ″ is the deviation from their
+//! mean velocity U. In a steady flow that depends on y alone, every moment is constant. With n particles in the slice
+//! and the wall-normal velocity v:
 //!
 //! ```text
 //! 0 = - <v_i″v″> dU_j/dy - <v_j″v″> dU_i/dy      production by the gradient of the mean velocity
@@ -120,8 +121,9 @@ impl From<[f64; TERMS]> for MomentSums {
 }
 
 /// Contribution of one particle to the sums at the end of a window (time between two exchanges with the gas). Arguments
-/// are the velocity [m/s] of the particle, its acceleration by drag [m/s²], and its velocities [m/s] before and after
-/// the motion and the impacts in the window.
+/// are the velocity [m/s] of the particle at this time, its acceleration by drag [m/s²], and its velocities [m/s]
+/// before and after the impacts of the window. The velocity before the impacts already contains the change by gravity
+/// in the window.
 fn row([velocity, acceleration, before, after]: [&Vector3<f64>; 4]) -> [f64; TERMS] {
     let mut row = [1.0; TERMS];
     row[1..4].copy_from_slice(velocity.as_slice());
@@ -173,9 +175,9 @@ impl MomentSums {
             + 2.0 * m[i] * m[j] * m[1]
     }
 
-    /// Change of the moment <v_i″ v_j″> with the index `moment` by one process, per particle. `products` is the sum of
-    /// the changes of v_i v_j by this process, and `single` the sum of the changes of v. The changes of the mean
-    /// velocity do not contribute.
+    /// Change of the moment <v_i″ v_j″> with the index `moment` by one process, per particle. `products` is the sum
+    /// over the particles of the changes of v_i v_j by this process, `single` that of the changes of v. The part that
+    /// comes from a change of the mean velocity is subtracted.
     fn about(&self, moment: usize, products: f64, single: &Vector3<f64>) -> f64 {
         let (_, i, j) = MOMENTS[moment];
         let mean = self.mean();

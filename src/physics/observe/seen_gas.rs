@@ -1,6 +1,6 @@
-//! Gas velocity that the particles see in scenes with `[fluid.turbulence]`: its fluctuation **u** in slices of y. A
-//! mean of **u** across the flow is a drift. A component of **u** has the mean square 2k/3 of the gas if particles
-//! sample the turbulence evenly.
+//! Gas velocity that the particles see in scenes with `[fluid.turbulence]`: its fluctuation **u** in slices of y. If
+//! the mean of a component of **u** perpendicular to the flow is not zero, the gas that particles see drifts. A
+//! component of **u** has the mean square 2k/3 of the gas if particles sample the turbulence evenly.
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedQuantity};
 use super::{Needs, Observer, plain_data};

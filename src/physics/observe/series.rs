@@ -114,7 +114,8 @@ impl ShearStress {
 pub struct FrictionSums {
     /// [J] energy lost to sliding friction since the start.
     pub sliding: f64,
-    /// [J] energies lost since the start to tangential restitution, springs, rolling and twisting.
+    /// [J] other energies lost to friction since the start: by tangential restitution, in springs, by rolling and by
+    /// twisting.
     pub losses: FrictionLosses,
     /// [J] energies stored in the tangential, the rolling and the twisting springs of contacts.
     pub springs: [f64; 3],
@@ -317,10 +318,10 @@ impl MassSums {
     }
 }
 
-/// [s] time between two rows of a series with at most `most` rows. It is a whole number of sample intervals. If there
-/// are fewer than `least` samples, it is a whole number of windows (times between two exchanges with the gas). The case
-/// may set instants for all variants. They are used if they are closer in time than these rows, or sufficient for a
-/// curve.
+/// [s] time between two rows of a series with at most `most` rows. It is a whole number of sample intervals or, with
+/// fewer than `least` samples, of windows (times between two exchanges with the gas). The schedule may prescribe
+/// instants that all variants of a case (models or settings that are compared) have in common. Their interval, or a
+/// multiple of it, is used instead if it is shorter, or if it gives enough rows for a curve.
 pub(super) fn interval(schedule: &Schedule, least: u64, most: u64) -> f64 {
     let between = |all: u64, rows: u64| all.div_ceil(rows.max(1)).max(1) as f64;
     let own = if schedule.samples >= least {
@@ -333,8 +334,8 @@ pub(super) fn interval(schedule: &Schedule, least: u64, most: u64) -> f64 {
     asked.map_or(own, |asked| if duration / asked >= CURVE as f64 - 0.5 { asked } else { asked.min(own) })
 }
 
-/// Averages over all particles at times that are the same in every variant of a scene. The series has at most a
-/// thousand rows (instants), and one more row at the end of the run.
+/// Averages over all particles at times that are equal in all variants of a case (models or settings that are
+/// compared). The series has at most a thousand rows (instants), and one more row at the end of the run.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Series {
     /// Number of slices along y; the temperature is relative to the mean velocities of these slices.

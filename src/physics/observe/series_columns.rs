@@ -1,4 +1,5 @@
-//! Columns of the averages over time. The file `series.csv`, verdicts and pictures use these columns.
+//! Columns of the averages over time. The file `series.csv`, verdicts (tests whether two runs differ) and pictures use
+//! these columns.
 
 use super::series::{FrictionSums, Row};
 use nalgebra::Vector3;
@@ -14,14 +15,15 @@ pub struct SeriesColumn {
     pub unit: &'static str,
     /// True if the quantity is a sum over all particles, false if it is a mean.
     pub is_sum: bool,
-    /// Scale by which a verdict on curves over time divides differences of the quantity; `None` if verdicts do not
-    /// compare the quantity.
+    /// Scale by which differences of the quantity between two runs are divided in a verdict (test whether the runs
+    /// differ); `None` if verdicts do not compare the quantity.
     pub scale: Option<CurveScale>,
     /// Function that returns the quantity of a row; `None` if the scene does not have it.
     pub of: fn(&Row) -> Option<f64>,
 }
 
-/// Scale by which a verdict on curves over time divides differences of a quantity.
+/// Scale by which differences of a curve over time between two runs are divided in a verdict (test whether the runs
+/// differ).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CurveScale {
     /// Largest magnitude of the quantity over time.

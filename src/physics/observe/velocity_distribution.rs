@@ -9,8 +9,8 @@
 //! the mean of the same velocities. T is also computed from the same particles. The N velocities are then a point on a
 //! sphere in ν = 3(N - S) dimensions, S being the number of slices. The mean of <c⁴> of a Maxwellian gas is then 15/4
 //! ν/(ν + 2), and that of <c⁶> is 105/8 ν²/((ν + 2)(ν + 4)). The moments are divided by ν/(ν + 2) and ν²/((ν + 2)(ν +
-//! 4)), so that a₂ and a₃ of a Maxwellian gas are zero on average for any N. With n particles in a slice, a₂ of another
-//! gas remains too small by about 2 a₂/n.
+//! 4)), so that a₂ and a₃ of a Maxwellian gas are zero on average for any N. With n particles in a slice, a₂ of a gas
+//! that is not Maxwellian remains too small by about 2 a₂/n.
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumber, ObservedQuantity};
 use super::{Needs, Observer, plain_data};
@@ -89,7 +89,8 @@ impl<'a> PeculiarVelocities<'a> {
                 continue;
             }
             *temperature = square / (3.0 * count);
-            // freedom ν of the velocities of this species: the means of slices take a share of it
+            // number ν of degrees of freedom of this species: its share of those that remain if the mean of each slice
+            // is fixed
             let freedom = 3.0 * count * (1.0 - used / all);
             let unit = 2.0 * *temperature;
             let fourth = quartic / count / (unit * unit) * (freedom + 2.0) / freedom;

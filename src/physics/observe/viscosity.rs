@@ -66,7 +66,7 @@ impl Viscosity {
         self.samples.get(first..).unwrap_or_default()
     }
 
-    /// Numbers of a sheared box: the viscosity and its kinetic part.
+    /// Viscosity of a sheared box, and the kinetic part of the viscosity, both in Pa s. `rate` [1/s] is the shear rate.
     fn in_shear(&self, experiment: &Experiment, samples: &[ViscositySample], rate: f64) -> Vec<ObservedNumber> {
         let per_stress = -1.0 / (experiment.scene.domain.volume() * rate);
         let kinetic = |pair: &[ViscositySample]| 0.5 * (shear(&pair[0].kinetic) + shear(&pair[1].kinetic));
@@ -86,8 +86,10 @@ impl Viscosity {
         ]
     }
 
-    /// Times of the curve, the viscosity at these times in a gas in equilibrium, and for each origin the viscosity by
-    /// the second half of the longest time. `longest` is the number of intervals between samples in the longest time.
+    /// Viscosity of a gas in equilibrium: the times t [s] of the curve, the viscosity [Pa s] at these times, and one
+    /// viscosity [Pa s] for each origin. An origin is a sample from which t is counted; its viscosity is computed from
+    /// times between half the longest t and the longest t. `longest` is the number of intervals between samples in the
+    /// longest t.
     fn at_rest(
         &self,
         experiment: &Experiment,
@@ -110,7 +112,8 @@ impl Viscosity {
         (times, ends.map(|ends| estimate(&growth(ends))).collect(), growth([longest / 2, longest]))
     }
 
-    /// [J s] five shear components of G at each sample, from the first of `samples` on.
+    /// [J s] five shear components of G, the time integral of stress times volume, at each sample. The integral begins
+    /// at the first of `samples`.
     fn moments(&self, samples: &[ViscositySample]) -> Vec<[f64; 5]> {
         let mut moment = Matrix3::zeros();
         let mut all: Vec<[f64; 5]> = samples.first().map(|_| components(&moment)).into_iter().collect();
@@ -148,13 +151,14 @@ fn shear(of: &Matrix3<f64>) -> f64 {
     0.5 * (of[(1, 2)] + of[(2, 1)])
 }
 
-/// [J² s²] mean over the five components of the squared difference of two moments.
+/// [J² s²] mean over the five components of the squared difference of two values of G, the time integral of stress
+/// times volume.
 fn square(one: &[f64; 5], other: &[f64; 5]) -> f64 {
     one.iter().zip(other).map(|(one, other)| (other - one) * (other - one)).sum::<f64>() / 5.0
 }
 
-/// [J] thermal energy k_B T: twice the kinetic energy per degree of freedom. One degree of freedom per axis is that of
-/// the mean velocity.
+/// [J] thermal energy k_B T: twice the kinetic energy per degree of freedom. One degree of freedom per axis belongs to
+/// the mean velocity and does not count.
 fn thermal_energy(experiment: &Experiment, samples: &[ViscositySample]) -> f64 {
     let freedom = 3.0 * (experiment.count() as f64 - 1.0);
     samples.iter().map(|sample| sample.kinetic.trace()).sum::<f64>() / (samples.len() as f64 * freedom)
@@ -167,7 +171,8 @@ fn temperature(experiment: &Experiment, samples: &[ViscositySample]) -> Option<f
 }
 
 /// Viscosity [Pa s] by kinetic theory at the granular temperature `temperature` [m²/s²], with the name of the theory.
-/// `None` if the spheres are not equal, smooth, and of a constant restitution, and for collisions by chance.
+/// `None` unless the spheres are equal and smooth and have a constant restitution. `None` also for collisions by chance
+/// (DSMC).
 fn theory(experiment: &Experiment, temperature: f64) -> Option<(&'static str, f64)> {
     let scene = &experiment.scene;
     let ([species], false) = (scene.species.as_slice(), scene.has_sizes()) else { return None };

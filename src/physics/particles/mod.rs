@@ -60,8 +60,9 @@ columns! {
         /// Index of each particle's species in [`Scene::species`](crate::scene::Scene::species).
         pub species: Vec<u16>,
         /// [-] fluctuations of the gas velocity at the particles, over the standard deviation of this velocity at the
-        /// place of each particle. `None` if particles see the mean velocity alone. Only kicks of drag change the
-        /// fluctuations.
+        /// place of each particle. For the discrete random walk ([`EddyLaw::Eddy`](crate::fluid::EddyLaw::Eddy)), the
+        /// fluctuations themselves [m/s]. `None` if particles see the mean velocity alone. Kicks of drag and
+        /// reflections at walls change the fluctuations.
         pub eddies: Option<Vec<Vector3<f64>>>,
         /// Id of each particle, which stays with the particle when the store is reordered.
         pub id: Vec<u32>,
@@ -261,18 +262,18 @@ impl Particles {
         sums
     }
 
-    /// [m²/s²] mean square of the velocities relative to `frame` [m/s]; 0 without particles.
+    /// [m²/s²] mean square of the velocities relative to the velocity `frame` [m/s]; 0 without particles.
     pub fn mean_square_speed(&self, frame: Vector3<f64>) -> f64 {
         self.square_speeds(frame).value() / self.len().max(1) as f64
     }
 
-    /// [m²/s²] exact sum of the squares of the velocities relative to `frame` [m/s].
+    /// [m²/s²] exact sum of the squares of the velocities relative to the velocity `frame` [m/s].
     pub fn square_speeds(&self, frame: Vector3<f64>) -> ExactSum {
         exact::sum(&self.velocity, |v| (v - frame).norm_squared())
     }
 
-    /// [m²/s²] exact sum of the squares of the velocities relative to `frame` [m/s], and the largest speed [m/s]
-    /// relative to `frame`. The largest speed is infinite if a velocity is not a number.
+    /// [m²/s²] exact sum of the squares of the velocities relative to the velocity `frame` [m/s], and the largest speed
+    /// [m/s] relative to `frame`. The largest speed is infinite if a velocity is not a number.
     pub fn square_speeds_and_largest(&self, frame: Vector3<f64>) -> (ExactSum, f64) {
         let (squares, largest) = exact::sum_and_largest(&self.velocity, |v| (v - frame).norm_squared());
         (squares, largest.sqrt())
@@ -300,8 +301,8 @@ impl Particles {
         sums
     }
 
-    /// [m/s] largest speed of any particle relative to `frame` [m/s] and to the mean flow of a sheared box. It is
-    /// infinite if a velocity is not a number.
+    /// [m/s] largest speed of any particle after the mean flow of a sheared box and the velocity `frame` [m/s] are
+    /// subtracted from its velocity. It is infinite if a velocity is not a number.
     pub fn largest_speed_in(&self, frame: Vector3<f64>, domain: &Domain) -> f64 {
         if domain.shear.is_none() {
             return self.largest_speed(frame);
@@ -312,7 +313,8 @@ impl Particles {
         squares.fold(0.0f64, |most, square| if square.is_nan() { f64::INFINITY } else { most.max(square) }).sqrt()
     }
 
-    /// [m/s] largest speed of any particle relative to `frame` [m/s]; infinite if a velocity is not a number.
+    /// [m/s] largest speed of any particle relative to the velocity `frame` [m/s]; infinite if a velocity is not a
+    /// number.
     pub fn largest_speed(&self, frame: Vector3<f64>) -> f64 {
         let largest = |chunk: &[Vector3<f64>]| {
             chunk.iter().fold(0.0f64, |most, v| {

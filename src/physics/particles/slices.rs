@@ -1,10 +1,11 @@
-//! All particles of a run in the order of their ids, collected from all processes, in slices that fit in memory.
+//! All particles of a run in the order of their ids, collected from all processes, in slices (particles with successive
+//! ids) that fit in memory.
 
 use super::{CHUNK, Particles};
 use crate::communicator::Communicator;
 
-/// Number of particles in a slice, which is collected from several processes at a time. A slice is small enough for the
-/// memory of one process, and large enough that few messages are sent.
+/// Number of particles with successive ids in a slice. Several processes collect the particles slice by slice. A slice
+/// is small enough for the memory of one process, and large enough that few messages are sent.
 const SLICE: usize = 1 << 17;
 
 /// Calls `visit` with slices of the particles of all processes, in the order of ids. Only the lead process calls

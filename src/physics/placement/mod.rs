@@ -1,8 +1,8 @@
 //! Initial state of the particles: random positions without overlap, which are the same for every model.
 //!
-//! Three methods remove overlaps. Each works in rounds; a round treats each overlap once. At low density, overlapping particles get new random positions (sequential
-//! insertion). At higher density, overlapping pairs are pushed apart. At the highest densities, all particles are moved
-//! at once like soft spheres (relaxation).
+//! Three methods remove overlaps. Each works in rounds; a round treats each overlap once. At low density, overlapping
+//! particles get new random positions (sequential insertion). At higher density, overlapping pairs are pushed apart. At
+//! the highest densities, all particles are moved at once like soft spheres (relaxation).
 
 mod draw;
 mod parts;
@@ -36,8 +36,8 @@ const ROUNDS: usize = 5000;
 /// at a volume fraction of 0.3, fewer than one in 10⁴ spheres still overlap a larger sphere.
 const ROUNDS_OF_INSERTION: usize = 8;
 
-/// Number of pairs in the neighbour list whose search costs as much effort as one particle in a round. A dense start
-/// has about this number of pairs per particle.
+/// Number of pairs in the neighbour list that count as much effort as one particle in a round over all overlaps. A
+/// dense start has about this number of pairs per particle.
 const PER_PARTICLE: u64 = 32;
 
 /// [-] fraction by which the radii of spheres are enlarged during placement, so that no spheres touch at the start. The
@@ -54,11 +54,12 @@ pub const MARGIN: f64 = 1e-3;
 pub struct Crowded {
     /// [-] volume of the particles over the free volume in which they start.
     pub wanted: f64,
-    /// [-] volume of the particles without overlap, over the same free volume, when the search ended.
+    /// [-] volume of the particles that overlapped nothing, over the same free volume, when the search for positions
+    /// ended.
     pub reached: f64,
     /// [m³] free volume of the space in which the particles start.
     pub room: f64,
-    /// True if the search ended early because the allowed effort was spent.
+    /// True if the search for positions ended early because the allowed effort was spent.
     pub given_up: bool,
     /// [-] largest volume fraction of any arrangement of these spheres, if the particles would exceed it; otherwise
     /// `None`.
@@ -80,8 +81,8 @@ impl Crowded {
         }
     }
 
-    /// Returns an error if the particles fill more of the free volume than any arrangement of spheres can. The check
-    /// precedes the search.
+    /// Returns an error if the particles fill more of the free volume than any arrangement of spheres can. This
+    /// function is called before random positions are tried.
     fn refuse_overfull(wanted: f64, room: &FreeRoom) -> Result<(), Self> {
         let most = room.most();
         if wanted <= most {
@@ -269,7 +270,7 @@ struct There<'a> {
 
 /// Finds overlapping pairs in which at least one particle may move, and sorts the particles. Returns the indices of
 /// both particles of each pair. Also returns the number of overlaps, with particles and walls, that are deeper than
-/// half the enlargement of the radii.
+/// half the enlargement of the radii by [`MARGIN`].
 fn look_for_overlaps(
     particles: &mut Particles,
     list: &mut NeighbourList,

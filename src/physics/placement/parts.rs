@@ -32,7 +32,7 @@ pub struct Start {
 }
 
 impl From<Particles> for Start {
-    /// Makes a start from all particles.
+    /// Makes a start (initial state) from all particles of a run.
     fn from(particles: Particles) -> Self {
         Self { count: particles.len(), fingerprint: particles.fingerprint(), is_part: false, particles }
     }

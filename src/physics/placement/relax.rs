@@ -8,8 +8,8 @@ use crate::scene::Scene;
 use crate::work_sharing;
 use nalgebra::Vector3;
 
-/// [-] volume fraction above which relaxation needs fewer rounds than pushing pairs apart in turn. Relaxation reaches
-/// volume fractions up to 0.62 (`tests/stress.rs`). Random packings jam at 0.64.
+/// [-] volume fraction above which relaxation needs fewer rounds (passes over all overlaps) than pushing pairs apart in
+/// turn. Relaxation reaches volume fractions up to 0.62 (`tests/stress.rs`). Random packings jam at 0.64.
 pub const DENSE: f64 = 0.55;
 
 /// [-] longest time step in units of sqrt(mass/stiffness), where mass and stiffness are 1. With 1 in place of 0.5, a

@@ -17,19 +17,21 @@ const PLACES: u32 = 8192;
 /// [-] difference that counts as rounding: of lengths over their size, and of components of unit normals.
 const ROUNDING: f64 = 1e-9;
 
-/// Free space in which the particles of one population, or of several populations with one region, are placed.
+/// Free space in which the particles of one population (group of particles with common settings), or of several
+/// populations with one region, are placed.
 pub struct FreeRoom {
     /// Scene of the simulation, with periodic images of bodies. If the region is a body, the scene contains it as a
     /// hollow wall.
     pub scene: Scene,
-    /// Search structure for the walls near a point.
+    /// Data structure that finds the walls near a point.
     pub near: NearWalls,
     /// [m] corners of the box in which random positions are chosen. It is the part of the domain between flat walls,
     /// within vessels and within the region.
     corners: [Vector3<f64>; 2],
     /// Indices of the walls inside which the particles start; empty if the region is a body, or if there is no region.
     inside: Vec<u32>,
-    /// Remaining effort of the search, as a number of tried positions. A round over all particles also costs effort.
+    /// Remaining effort of the search for positions: the number of positions that may still be tried. A round over all
+    /// particles also costs effort.
     effort: AtomicU64,
     /// [m³] free volume; empty until it is measured.
     volume: OnceLock<f64>,
@@ -80,7 +82,8 @@ impl FreeRoom {
         self.inside.is_empty() && self.scene.walls.iter().all(are_sides)
     }
 
-    /// Returns this space with a limit on the effort of the search: the number of positions that may be tried.
+    /// Returns this space with a limit on the effort of the search for positions: the number of positions that may be
+    /// tried.
     pub fn with_effort(self, effort: u64) -> Self {
         Self { effort: AtomicU64::new(effort), ..self }
     }

@@ -108,8 +108,8 @@ pub struct Bouncing {
 
 impl Bouncing {
     /// Computes the bounces of a sphere from a position [m] and a velocity [m/s] for `duration` [s], or until a flight
-    /// becomes shorter than `SHORTEST`. `None` without gravity, with drag, heating, inlets or outlets, or if a wall is
-    /// not a smooth plane at rest and perpendicular to gravity.
+    /// becomes shorter than `SHORTEST`. `None` without gravity, with drag, heating, inlets, outlets, several species
+    /// or sizes, or if a wall is not a smooth plane at rest and perpendicular to gravity.
     pub fn of(scene: &Scene, [position, velocity]: [Vector3<f64>; 2], duration: f64) -> Option<Self> {
         /// [-] duration of the shortest flight that is computed, over `duration`. Shorter flights could not be
         /// distinguished in a picture.
@@ -185,8 +185,8 @@ pub struct Chain {
     /// Rank of each sphere in the order along the row, from 0 for the first sphere.
     rank: Vec<usize>,
     /// Coordinate [m] at the start and velocity [m/s] of each straight flight along the row, in the order along the
-    /// row. For each sphere further back in the row, one diameter is subtracted from the coordinate, as if spheres were
-    /// points.
+    /// row. One diameter is subtracted from the coordinate for each sphere that comes before in this order, as if
+    /// spheres were points.
     free: Vec<[f64; 2]>,
 }
 

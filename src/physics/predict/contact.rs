@@ -67,7 +67,8 @@ pub enum ImpactSpeeds {
 }
 
 impl ImpactSpeeds {
-    /// Makes the distribution in a gas whose velocity variance [m²/s²] is the same everywhere and in all directions.
+    /// Makes the distribution in a gas that is the same everywhere and in all directions. `variance` [m²/s²] is that of
+    /// the relative normal velocity: 2T between equal spheres, and T at a wall.
     pub fn isotropic(variance: f64) -> Self {
         Self::Gas { variance, parts: vec![[1.0, 1.0]] }
     }
@@ -235,7 +236,7 @@ impl ContactKind {
     }
 
     /// [-] factor by which the elastic constant of the law must increase so that 99 % of the impacts have overlaps
-    /// below `overlap`. This overlap [-] is divided by the diameter.
+    /// below `overlap` [-], which is relative to the diameter.
     pub fn stiffening_for(&self, law: &ContactLaw, overlap: f64) -> f64 {
         let now = self.largest_overlap(law, self.speeds.quantile(0.99)) / self.diameter;
         law.stiffening(now / overlap)

@@ -120,14 +120,14 @@ pub fn broken_contract(experiment: &Experiment, particles: usize) -> Option<Fail
 ///
 /// A larger growth cannot be due to isolated contacts.
 ///
-/// Here g = e_max² - 1 is the largest gain for any phase of the steps at the instant of touch, with e_max the largest
-/// restitution. Step lengths are also varied, so that N_c to N_c + 1 steps fit into the contact. The reason is that a
-/// window contains a whole number of steps, which are therefore a little shorter than the longest. Two cases need no
-/// search:
+/// Here g = e_max² - 1 is the largest gain, with e_max the largest restitution in simulated impacts. The phase of the
+/// steps at the instant of touch is varied. Step lengths are also varied, so that N_c to N_c + 1 steps fit into the
+/// contact. The reason is that a window (time between two exchanges with the gas) contains a whole number of steps,
+/// which are therefore a little shorter than the longest. In two cases no impacts are simulated:
 ///
 /// * Verlet on the step grid conserves v_(n+½)² + ω_0² q_n q_(n+1) for the overlap q and its rate v. Let a contact
-///   begin and end at the fractions s and s' of a step. The invariant then changes by the factor (1 - s(1-s) x²)/(1 -
-///   s'(1-s') x²) with x = ω_0 Δt. So g is 1/(1 - x²/4) - 1 for a linear spring; damping only reduces it.
+///   begin and end at the fractions a and b of a step. The conserved quantity then changes by the factor (1 - a(1-a)
+///   x²)/(1 - b(1-b) x²) with x = ω_0 Δt. So g is 1/(1 - x²/4) - 1 for a linear spring; damping only reduces it.
 /// * For a step beyond the stability limit (Verlet), or with fewer than five steps in a contact (Heun), g is taken as
 ///   0.
 #[derive(Clone, Debug, Serialize, Deserialize)]

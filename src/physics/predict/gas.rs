@@ -40,13 +40,13 @@ pub struct Component {
     pub count: usize,
     /// [m] diameter of the particles of this component.
     pub diameter: f64,
-    /// [m²/s²] granular temperature T of the component: variance of a velocity component.
+    /// [m²/s²] granular temperature T of these particles: variance of their velocity along one axis.
     pub variance: f64,
 }
 
 impl Component {
-    /// Makes the components of `count` particles of a species, whose velocity components have the variance `variance`
-    /// [m²/s²]. If the sizes differ, there are sixteen components with about the same number of particles. The
+    /// Makes the components of `count` particles of a species. `variance` [m²/s²] is the variance of their velocity
+    /// along one axis. If the sizes differ, there are sixteen components with about the same number of particles. The
     /// particles of each component have the median diameter of a sixteenth of the size distribution.
     pub fn of(species: &Species, count: usize, variance: f64) -> Vec<Self> {
         const PARTS: usize = 16;

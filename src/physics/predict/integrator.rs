@@ -33,14 +33,15 @@ pub enum Method {
 pub struct Scheme {
     /// Numerical method of one time step.
     pub method: Method,
-    /// True if contacts begin and end at their exact instants, as in local stepping. False if they begin and end at the
-    /// next time step, as in uniform stepping.
+    /// True if contacts begin and end at their exact instants, as in local stepping (time steps only for particles in
+    /// contact). False if they begin and end at the next time step, as in uniform stepping (time steps for all
+    /// particles).
     pub exact_instants: bool,
 }
 
 impl Scheme {
-    /// Returns the scheme that the soft engine uses with these settings. `Auto` is treated as local stepping, because
-    /// this is used unless the scene is crowded.
+    /// Returns the scheme that the soft engine uses with these settings. `Auto` is treated as local stepping (time
+    /// steps only for particles in contact), which it uses unless the scene is crowded.
     pub fn of(integrator: Integrator, stepping: SoftStepping) -> Self {
         let exact_instants = stepping != SoftStepping::Uniform;
         let method = match (integrator, exact_instants) {
@@ -314,9 +315,10 @@ mod tests {
         assert!((growth(Method::Heun, 0.0, step).powf(7.7) - 1.02694).abs() < 1e-5);
     }
 
-    /// Compares restitutions with an independent computation: rows "Heun" and "Verlet (half)" for steps of T_c/5 to
-    /// T_c/50, with mean, least and largest value over 200 phases. The tolerance is 0.002 for N_c >= 10. It is 0.01 for
-    /// smaller N_c, because the phases differ, and for extremes that are known to few digits.
+    /// Compares restitutions with a table that was computed independently: its rows "Heun" and "Verlet (half)", for
+    /// steps of T_c/5 to T_c/50. Each row has the mean, the least and the largest value over 200 phases. The tolerance
+    /// is 0.002 for N_c >= 10. It is 0.01 for smaller N_c, because the phases differ, and for extremes that are known
+    /// to few digits.
     #[test]
     fn realised_restitution_on_the_grid() {
         for (scheme, e, steps, mean, least, largest) in [

@@ -33,11 +33,11 @@ const CROWDED: f64 = 0.06;
 /// about as much as 60 pair checks, like building the neighbour list (see `neighbours`).
 const SEARCH: f64 = 60.0;
 
-/// [-] largest fraction of particles that lie on others at the start for which hybrid spheres are recommended. In
-/// addition, the window (time between two exchanges with the gas) must have at least `LONG_WINDOW` time steps.
-/// Otherwise hybrid spheres may cost more than uniform steps of all particles. Ratios of these costs were measured. In
-/// `cases/hybrid/rain-on-a-bed.toml` (fraction 0.024) they were 0.36 at 4300 steps per window and 0.8 at 480. In
-/// gas-above-bed.toml (fraction 0.11) the ratio was 1.2 at 200.
+/// [-] largest fraction of particles that lie on others or on a wall at the start for which hybrid spheres are
+/// recommended. In addition, the window (time between two exchanges with the gas) must have at least `LONG_WINDOW` time
+/// steps. Otherwise hybrid spheres may cost more than uniform steps of all particles. The cost of hybrid spheres over
+/// that of uniform steps was measured. In `cases/hybrid/rain-on-a-bed.toml` (fraction 0.024) it was 0.36 at 4300 steps
+/// per window and 0.8 at 480. In gas-above-bed.toml (fraction 0.11) it was 1.2 at 200.
 const FEW_LIE: f64 = 0.05;
 const LONG_WINDOW: f64 = 300.0;
 

@@ -25,10 +25,10 @@ pub struct Rest {
     pub height: f64,
     /// [m/s] largest speed with which a particle can reach the floor.
     pub speed: f64,
-    /// [s] time from the start to the end of all bounces; infinite if impacts lose no energy.
+    /// [s] time from the start to the end of all bounces; infinite if no impact loses energy.
     pub time: f64,
-    /// [-] restitution, at the impact speed `speed`, of the contact that loses the smallest part of its energy; 0 if
-    /// impacts lose no energy.
+    /// [-] restitution, at the impact speed `speed`, of the contact with the smallest energy loss above zero; 0 if no
+    /// impact loses energy.
     pub restitution: f64,
     /// [N] force between the floor and one particle at rest, if the weight of all particles is divided equally among
     /// the particles on the floor.
@@ -39,9 +39,9 @@ pub struct Rest {
 /// the gas lifts the particles, or if a wall moves. `lift` [m/s] is the component of the gas velocity against gravity,
 /// minus the terminal slip speed.
 ///
-/// The time until rest is that of a sphere dropped from the height h. Its bounces last (1+e)/(1-e) sqrt(2h/g) in total
-/// (a geometric series). If e depends on the speed, the bounces are added one by one. A bed of N spheres needs less
-/// time than one sphere.
+/// The time until rest is that of a sphere dropped from the height h. Its fall and all bounces together last
+/// (1+e)/(1-e) sqrt(2h/g) (a geometric series). If e depends on the speed, the bounces are added one by one. A bed of N
+/// spheres needs less time than one sphere.
 pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<Rest> {
     // walls that move may throw the particles up again
     if lift.is_some_and(|lift| lift > 0.0) || particles.is_empty() || scene.has_moving_walls() {
@@ -85,10 +85,10 @@ pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<R
     Some(Rest { gravity, height, speed, time, weight, restitution: lossy })
 }
 
-/// [-] duration of all bounces of a sphere that first meets a surface at `speed` [m/s], over the time of the fall
-/// before the first impact. It is (1+e)/(1-e) for a constant restitution. Otherwise it is 1 + 2 Σ u_k/u_0 with the
-/// speeds u_k of the rebounds. The sum ends at slow rebounds. It is infinite if rebounds never become slow, because
-/// slow impacts are elastic.
+/// [-] duration of the first fall and all bounces of a sphere, over the time of this fall. The sphere first meets the
+/// surface at `speed` [m/s]. The ratio is (1+e)/(1-e) for a constant restitution e. Otherwise it is 1 + 2 Σ u_k/u_0,
+/// with the speed u_0 of the first impact and the speeds u_k of the rebounds. The sum ends at slow rebounds. The ratio
+/// is infinite if rebounds never become slow, because slow impacts are elastic.
 fn falls(surface: &Surface, speed: f64) -> f64 {
     /// [-] speed of a rebound over the speed of the first impact, below which bounces are neglected.
     const SLOW: f64 = 1e-6;
@@ -189,7 +189,7 @@ pub fn lying(scene: &Scene, particles: &Particles, given: &[bool]) -> usize {
 /// True if some particle at the start has two neighbours (or a neighbour and a wall) so close that an impact has
 /// contacts with both at the same time. `overlap` [m] is the overlap of such an impact. Hard spheres would transmit the
 /// impulse in successive collisions. The test is for starts with given positions, since particles at random positions
-/// are farther apart.
+/// are farther apart. More than 2000 particles are not tested, and the result is then false.
 pub fn in_a_row(scene: &Scene, particles: &Particles, overlap: f64) -> bool {
     let count = particles.len();
     if count > ALL_PAIRS {

@@ -12,8 +12,9 @@ use crate::scene::Scene;
 use serde::Serialize;
 
 /// [-] largest relative difference of the shear stress from that of hard spheres, over the share T_c ω of the time in
-/// which a particle is in contact. Measured for smooth spheres of restitution 0.7 and 0.9 with linear springs: 0.36 to
-/// 0.43 at a volume fraction of 0.3, less at 0.5 (docs/design/shear.md, "Soft or hard").
+/// which a particle is in contact. T_c is the contact time, and ω the collision rate of a particle. Measured for smooth
+/// spheres of restitution 0.7 and 0.9 with linear springs: 0.36 to 0.43 at a volume fraction of 0.3, less at 0.5
+/// (docs/design/shear.md, "Soft or hard").
 const STRESS_CHANGE: f64 = 0.4;
 
 /// [-] largest share of the time in contact for which the difference of the stress is taken as proportional to this
@@ -41,7 +42,8 @@ pub struct ShearPrediction {
 }
 
 /// [-] factor by which the elastic constant of `law` must increase so that the shear stress of the box is that of hard
-/// spheres within the share `error`. `in_contact` [-] is the share of the time in which a particle is in contact.
+/// spheres within the relative error `error` [-]. `in_contact` [-] is the share of the time in which a particle is in
+/// contact.
 pub fn stiffening_in_shear(law: &ContactLaw, in_contact: f64, error: f64) -> f64 {
     law.stiffening(STRESS_CHANGE * in_contact / error)
 }

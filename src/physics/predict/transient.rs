@@ -80,8 +80,8 @@ pub fn fades(experiment: &Experiment) -> bool {
     !driven && (drag.is_some() || lossy)
 }
 
-/// True if moving walls, the shear of the box, eddies of the gas, a thermostat or thermal walls give energy to the
-/// particles.
+/// True if something gives energy to the particles: walls whose shape or surface moves, the shear of the box, eddies of
+/// the gas, a thermostat or thermal walls.
 fn is_stirred(scene: &Scene) -> bool {
     let turbulent = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some() && fluid.turbulence.is_some());
     let slides = |wall: &Wall| wall.turning.is_some() || wall.velocity != Vector3::zeros();

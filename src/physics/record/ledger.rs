@@ -42,10 +42,10 @@ const BY_FLOW: usize = 40;
 /// Totals of energy and momentum of an island (a group of particles that may meet), a window (the time between two
 /// exchanges with the gas) or a run.
 ///
-/// Balance: kinetic plus elastic energy now = that at the start + drag_work + gravity_work + wall_work + shear_work +
-/// thermostat_work + flow_energy - dissipated.
-/// The left side minus the right side is the residual. For hard spheres the residual is a rounding error; for soft
-/// spheres it is the energy that the integrator creates (> 0) or loses (< 0).
+/// Balance: kinetic, rotational and elastic energy now = that at the start + drag_work + gravity_work + wall_work +
+/// shear_work + thermostat_work + flow_energy - dissipated. The left side minus the right side is the residual. For
+/// hard spheres the residual is a rounding error; for soft spheres it is the energy that the integrator creates (> 0)
+/// or loses (< 0).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
     /// [J] work done by drag on the particles.
@@ -64,8 +64,9 @@ pub struct Ledger {
     pub wall_restitution_loss: f64,
     /// [J] energy lost to friction in impacts on walls, >= 0.
     pub wall_friction_loss: f64,
-    /// [J] energy that collisions would have lost if the TC model had not made them elastic, >= 0. The particles keep
-    /// this energy, so it is not part of the balance.
+    /// [J] energy that collisions would have lost if the TC model had not made them elastic, >= 0. In this model a
+    /// collision is elastic if one of its bodies had another collision less than the contact time t_c before. The
+    /// particles keep this energy, so it is not part of the balance.
     pub contact_time_kept: f64,
     /// [kg m/s] momentum given to the particles by drag.
     pub drag_impulse: Vector3<f64>,
@@ -86,7 +87,8 @@ pub struct Ledger {
     pub shear_work: f64,
     /// [kg m/s] momentum that particles gain where they cross a sheared side and get the velocity of their image.
     pub shear_impulse: Vector3<f64>,
-    /// [J] energy given to the particles by a thermostat, and by thermal walls beyond their other work.
+    /// [J] energy given to the particles by a thermostat and by thermal walls. It does not contain the work of walls
+    /// that move, which is in `wall_work`.
     pub thermostat_work: f64,
     /// [kg m/s] momentum given to the particles by a thermostat; zero but for rounding.
     pub thermostat_impulse: Vector3<f64>,

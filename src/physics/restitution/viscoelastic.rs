@@ -72,7 +72,7 @@ fn integrate(damping: f64) -> ViscoelasticImpact {
     };
     let mut now = ImpactState { root: 0.0, rate: 1.0, time: 0.0 };
     let mut depth = 0.0;
-    // root below which inertia ends a strongly damped impact
+    // root of the overlap below which inertia determines the end of a strongly damped impact
     let least = (1.0 + damping).powi(-2);
     loop {
         let scale =

@@ -153,8 +153,8 @@ mod tests {
 
     /// Compares the spin R ω'/(μ u_n) after an impact, as a function of the slip s/(μ u_n) before it, with finite
     /// elements (steel on a rigid plane; Chung and Ooi 2011, test 5). The points are six of the ten in
-    /// `study/validate/chung_ooi.rs`. In gross sliding, where the value is
-    /// 5, the points of the finite elements are up to 0.06 off.
+    /// `study/validate/chung_ooi.rs`. In gross sliding, where the value is 5, the points of the finite elements are up
+    /// to 0.06 off.
     #[test]
     fn spins_are_those_of_finite_elements() {
         let impact = PartialSlip::new(STEEL, SOLID);

@@ -8,7 +8,8 @@
 //! speed, so σ after the impact is a function Φ(σ_0) (Becker et al. 2008, Phys. Rev. E 77, 011304, propose such a map).
 //!
 //! The linear law has δ = exp(-ζt) sin(ω_d t)/ω_d and ω_d = sqrt(1 - ζ²), with time in units of 1/ω_0. For Hertz's law,
-//! w = δ^(5/4) is this function of the oscillator's time (Antypov and Elliott 2011, EPL 94, 50004).
+//! w = δ^(5/4) is this function of a transformed time, in which w oscillates like a linear spring (Antypov and Elliott
+//! 2011, EPL 94, 50004).
 
 use super::{NormalSpring, SpringDashpotSlider, TangentialLaw};
 use std::f64::consts::PI;

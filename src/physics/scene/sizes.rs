@@ -100,8 +100,8 @@ impl SizeDistribution {
     }
 
     /// [m^k] mean of the diameter to the power k, in closed form. For the log-normal distribution with median m and σ =
-    /// ln(geometric deviation), the mean is m^k exp(k²σ²/2) A(kσ)/A(0). A(s) is the share between the cut-offs of a
-    /// normal distribution whose mean is shifted by s.
+    /// ln(geometric deviation), the mean is m^k exp(k²σ²/2) A(kσ)/A(0). A(s) is the share of a normal distribution that
+    /// lies between the cut-offs if its mean is shifted by s standard deviations.
     pub fn mean_power(&self, k: i32) -> f64 {
         match self {
             Self::Uniform { from, to } => {

@@ -6,15 +6,16 @@ use crate::kinetic_theory::contact_value;
 use std::f64::consts::PI;
 
 /// [s] longest window of a scene with a thermostat, which heats the particles between two windows; infinite without a
-/// thermostat. The heat of a window of length h is early or late by h/2. With a collision rate r, the error of this
-/// splitting is at most (r h)²/24 (trapezoidal rule). The window is so short that this error is at most [`SPLITTING`].
+/// thermostat. The heat of a window of length h is early or late by h/2. With the collision rate r, this splitting of
+/// heat and collisions causes a relative error of at most (r h)²/24 (trapezoidal rule). The window is so short that
+/// this error is at most [`SPLITTING`].
 pub fn longest_for_thermostat(experiment: &Experiment) -> f64 {
     heated_rate(experiment).map_or(f64::INFINITY, |rate| (24.0 * SPLITTING).sqrt() / rate)
 }
 
 /// [1/s] upper limit of the collision rate of a particle in a scene with a thermostat; `None` without a thermostat. The
-/// granular temperature is at most that of the start, or that at which the least inelastic impacts balance the heat. It
-/// is also at most the temperature that heat without losses gives within the run.
+/// granular temperature is at most the larger of two values: that of the start, and that at which the least inelastic
+/// impacts balance the heat. It is also at most the temperature that heat without losses gives within the run.
 pub(super) fn heated_rate(experiment: &Experiment) -> Option<f64> {
     let scene = &experiment.scene;
     let thermostat = scene.thermostat?;

@@ -4,8 +4,8 @@
 use super::{Schedule, ScheduleStep};
 use serde::{Deserialize, Serialize};
 
-/// [-] part of a window by which the time of a simulation may differ from that of the schedule. Rounding errors of the
-/// time add up to less than this part over 10⁶ windows.
+/// [-] fraction of a window by which the time of a simulation may differ from that of the schedule. Rounding errors of
+/// the time add up to less than this fraction over 10⁶ windows.
 const DRIFT: f64 = 1e-3;
 
 /// Position of a run in its schedule. A run may stop at any time within a window; the next run completes that window
@@ -71,7 +71,8 @@ impl SchedulePosition {
         (self.now() - time).abs() <= DRIFT * self.schedule.window
     }
 
-    /// Next piece of the run, which does not exceed the time `until` [s].
+    /// Next piece of the run, several whole windows or a part of one window. It ends at the time `until` [s] at the
+    /// latest.
     pub fn next(&self, until: f64) -> ScheduleStep {
         let (schedule, now) = (&self.schedule, self.now());
         let step = match schedule.instants {

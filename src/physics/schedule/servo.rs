@@ -9,8 +9,8 @@ use std::f64::consts::PI;
 /// [-] smallest number of windows within a contact of soft spheres at a servo wall.
 const WINDOWS_PER_CONTACT: f64 = 10.0;
 
-/// [-] largest share of the wanted correction of a pressure that a servo wall makes within one window. The value is far
-/// below 2, from which on the correction grows without limit.
+/// [-] largest share of the difference between the target pressure and the measured one that a servo wall corrects
+/// within one window. The value is far below 2, from which on the corrections grow without limit.
 const LARGEST_CORRECTION: f64 = 1.0 / 3.0;
 
 /// [Pa s/m] acoustic impedance sqrt(K m)/d² of the smallest particles, with their mass m and diameter d. K is the
@@ -31,9 +31,9 @@ fn contact_time(experiment: &Experiment) -> Option<f64> {
 }
 
 /// [s] longest window with servo walls; infinite without such walls. A contact lasts at least ten windows. In a window
-/// of length h, the wall makes the share h K/(c d²) of the wanted correction of the pressure. Here the particles that
-/// cover the wall have the stiffness K and the diameter d, and c is the damping of the wall. The share is at most a
-/// third.
+/// of length h, the wall corrects the share h K/(c d²) of the difference between the target pressure and the measured
+/// one. Here the particles that cover the wall have the stiffness K and the diameter d, and c is the damping of the
+/// wall. The share is at most a third.
 pub fn longest_for_servo(experiment: &Experiment) -> f64 {
     let impedance = impedance(experiment);
     let Some(time) = contact_time(experiment) else { return f64::INFINITY };

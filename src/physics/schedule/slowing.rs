@@ -13,11 +13,12 @@ use nalgebra::Vector3;
 /// windows may become longer.
 ///
 /// Drag decreases the root mean square speed R at least as fast as the speed of one sphere that starts with the speed
-/// R. The reason is that the power of drag, m w²/τ(w), is a convex function of w² for any law whose 1/τ grows with w.
-/// So the mean of this power is at least its value at R (Jensen's inequality). Collisions of spheres that do not rotate
-/// and walls at rest add no energy ([`is_fed`]). Gravity adds at most the speed of a fall from rest. Drag grows at least as fast as w. So the sum S of a
-/// decay and of a fall grows at least as fast as g - S/τ(S), while dR/dt <= g - R/τ(R). Therefore S is an upper limit
-/// of R.
+/// R. The reason is that the power of drag at the speed w, m w²/τ(w) with the response time τ, is a convex function of
+/// w² for any law whose 1/τ grows with w. So the mean of this power is at least its value at R (Jensen's inequality).
+/// Collisions of spheres that do not rotate and walls at rest add no energy ([`is_fed`]). Gravity g adds at most the
+/// speed of a fall from rest. Let S be the sum of the speed of this fall and of a speed that drag alone decreases from
+/// the R of the start. Drag grows at least as fast as w, so dS/dt >= g - S/τ(S), while dR/dt <= g - R/τ(R). Therefore S
+/// is an upper limit of R.
 pub(super) struct Slowing<'a> {
     experiment: &'a Experiment,
     /// [m/s] root mean square speed R at the start.
@@ -25,8 +26,8 @@ pub(super) struct Slowing<'a> {
 }
 
 impl<'a> Slowing<'a> {
-    /// Speed limit for an experiment. `None` if there is no such limit, because the gas moves or the scene
-    /// [adds energy](is_fed), or if several species or a start without speed make the limit useless.
+    /// Makes the upper limit for an experiment. `None` if there is no such limit, because the gas moves or the scene
+    /// [adds energy](is_fed). `None` also if several species or a start without speed make the limit useless.
     pub(super) fn of(experiment: &'a Experiment) -> Option<Self> {
         if is_fed(&experiment.scene) {
             return None;

@@ -18,20 +18,21 @@ pub struct ContactSummary {
 
 impl Simulation {
     /// [J] kinetic and rotational energy of all particles plus the energy stored in contacts. Before the first window,
-    /// the stored energy is that of the initial overlaps. The energy is a sum over the [`sample`](Self::sample).
+    /// the stored energy is that of the initial overlaps. Particles of all processes count (see
+    /// [`sample`](Self::sample)).
     pub fn energy(&self) -> f64 {
         let sample = self.sample();
         sample.kinetic_energy() + sample.rotational_energy() + self.elastic_energy()
     }
 
     /// [J] energy stored in the contacts of all particles. Before the first window, it is that of the initial overlaps.
-    /// It is a sum over the [`sample`](Self::sample).
+    /// Particles of all processes count (see [`sample`](Self::sample)).
     pub fn elastic_energy(&self) -> f64 {
         self.unseen.unwrap_or_else(|| self.engine.elastic_energy())
     }
 
-    /// [J] energies stored in tangential, rolling and twisting springs, as parts of the elastic energy of all
-    /// particles. Each is a sum over the [`sample`](Self::sample).
+    /// [J] energies stored in tangential, rolling and twisting springs, as parts of the elastic energy. Particles of
+    /// all processes count (see [`sample`](Self::sample)).
     pub fn spring_energies(&self) -> [f64; 3] {
         self.engine.spring_energies()
     }
@@ -82,7 +83,7 @@ impl Simulation {
         self.engine.distributed().map_or_else(Vec::new, Distributed::touching_abroad)
     }
 
-    /// Summary of the contacts in progress of all particles, a sum over the [`sample`](Self::sample).
+    /// Summary of all contacts in progress. Particles of all processes count (see [`sample`](Self::sample)).
     pub fn touching(&self) -> ContactSummary {
         let abroad = self.touching_abroad();
         let deepest = abroad.iter().map(|(_, overlap)| overlap.depth / overlap.diameter).fold(0.0, f64::max);

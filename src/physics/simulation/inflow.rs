@@ -1,8 +1,9 @@
 //! Particles that come in through inlets: random positions without overlap, by random sequential insertion. They come
 //! in at the end of a window, the time between two exchanges with the gas.
 //!
-//! The random size, velocity and spin of a particle follow from the seed and its id, its position also from the window.
-//! So they do not depend on threads, on the order of the store, or on a stop and continuation of the run.
+//! The random size, velocity and spin of a particle are determined by the seed of the run and the id of the particle.
+//! Its random position depends also on the number of the window. So none of them depends on threads, on the order of
+//! the store, or on a stop and continuation of the run.
 
 use super::Simulation;
 use super::through_flow::ThroughFlow;

@@ -118,11 +118,13 @@ pub(super) fn kick_among(
     work_sharing::map(velocity.chunks_mut(CHUNK).zip(others), each).into_iter().fold(exact::none(), exact::merged)
 }
 
-/// Positions [m], masses [kg], species and radii [m] of the particles of one chunk.
+/// Positions [m], masses [kg], species and radii [m] of one chunk of particles (successive particles that one thread
+/// treats).
 type Dragged<'a> = (&'a [Vector3<f64>], (&'a [f64], (&'a [u16], &'a [f64])));
 
-/// Applies drag alone to the particles of one chunk, as [`kick`] does, on one thread. Three short loops treat one block
-/// of particles at a time, so that the processor computes several particles at once.
+/// Applies drag alone to one chunk (successive particles that one thread treats), as [`kick`] does. The chunk is
+/// divided into short blocks, and each block is treated in three loops, so that the processor computes several
+/// particles at once.
 fn kick_chunk(
     velocity: &mut [Vector3<f64>],
     (position, (mass, (species, radius))): Dragged,

@@ -40,8 +40,8 @@ pub enum Order {
     /// Apply drag and heat without motion for a duration [s]. The second value is the number of the kick, which
     /// determines its random numbers.
     Kick(f64, u64),
-    /// Advance the engine from a start time [s] through a window [s]. If particles change the gas, the gas is sent too,
-    /// since processes that had no particles have not computed it.
+    /// Advance the engine from the time of the first value [s] by a window, whose length [s] is the second value. If
+    /// particles change the gas, the gas is sent too, since processes that had no particles have not computed it.
     Advance(f64, f64, Option<Box<LoadedFlow>>),
     /// Store the velocities and the state of the gas, before a half-kick for observers.
     Keep,

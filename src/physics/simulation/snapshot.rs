@@ -28,18 +28,19 @@ pub struct Snapshot {
     pub time: f64,
     /// Number of windows completed since the start of the run.
     pub windows: u64,
-    /// Wall-clock time spent in the parts of the simulation so far.
+    /// Wall-clock times spent so far in the engine, in changes of velocity between windows, and in observers.
     pub spent: SimulationTimes,
     /// Sums over all particles of all processes.
     totals: SimulationTotals,
     /// True if the kick after the latest window has been applied completely, so that velocities and positions belong to
     /// one time. False if velocities still lack a half-kick.
     half_kicked: bool,
-    /// Limit of the growth of the energy by errors of the soft scheme. It depends on the initial state.
+    /// Limit of the growth of the energy by errors of the time steps of soft spheres. It depends on the initial state.
+    /// `None` if there is no such limit, as without soft contacts.
     bound: Option<Bound>,
     /// [J] elastic energy of the overlaps at the start; `None` after the first window.
     unseen: Option<f64>,
-    /// Gas flow that the particles change; `None` if the gas is frozen.
+    /// Gas flow that the particles change; `None` if the particles do not change the gas.
     loaded_flow: Option<Box<LoadedFlow>>,
     /// Particles that have come in and left; `None` in a scene without inlets and outlets.
     through_flow: Option<Box<ThroughFlow>>,
@@ -50,10 +51,10 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
-    /// Checks that the number and the species of the particles fit an experiment.
+    /// Checks that all data of the particles are complete, and that the experiment has their species.
     ///
     /// # Errors
-    /// The number or the species of the particles do not fit the experiment.
+    /// A quantity is not stored for every particle, or the experiment lacks a species of the particles.
     pub fn fits(&self, experiment: &Experiment) -> Result<(), StoreError> {
         let (particles, kinds) = (&self.particles, experiment.scene.species.len());
         let known = particles.species.iter().all(|kind| usize::from(*kind) < kinds);

@@ -10,8 +10,8 @@ use crate::scene::Scene;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Number of sums over the particles that have passed through an opening: mass, momentum along x, y and z, kinetic,
-/// rotational and potential energy, and speed.
+/// Number of sums over the particles that have passed through an opening (inlet or outlet): mass, momentum along x, y
+/// and z, kinetic, rotational and potential energy, and speed.
 const SUMS: usize = 8;
 
 /// Sums over the particles that have passed through an inlet or outlet since the start.
@@ -40,7 +40,7 @@ pub struct FlowTotals {
 pub struct OpeningFlow {
     count: u64,
     sums: [ExactSum; SUMS],
-    /// Number of particles that are due at an inlet and have not found a place.
+    /// Number of particles that are due at an inlet and have not found a place; 0 at an outlet.
     waiting: u64,
     /// Largest number of particles that waited at an inlet at one time.
     most_waiting: u64,
@@ -71,7 +71,7 @@ impl OpeningFlow {
         self.most_waiting = self.most_waiting.max(waiting);
     }
 
-    /// Number of particles that have passed through the opening since the start.
+    /// Number of particles that have passed through this inlet or outlet since the start.
     pub(super) fn count(&self) -> u64 {
         self.count
     }

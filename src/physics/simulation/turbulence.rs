@@ -98,7 +98,8 @@ pub(super) struct TurbulentKick<'a> {
     pub seed_and_number: (u64, u64),
 }
 
-/// Velocities [m/s] of the particles of one chunk, and the fluctuations of the gas velocity that these particles see.
+/// Velocities [m/s] of one chunk of particles (successive particles that one thread treats), and the fluctuations of
+/// the gas velocity that these particles see.
 type Moving<'a> = (&'a mut [Vector3<f64>], &'a mut [Vector3<f64>]);
 
 impl TurbulentKick<'_> {

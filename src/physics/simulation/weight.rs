@@ -38,9 +38,9 @@ impl Simulation {
         self.totals.momentum += weight + by_walls;
     }
 
-    /// Accelerates particles for `duration` [s] by the difference in acceleration, by weight minus buoyancy, between
-    /// their species and the densest species. The engine itself applies the acceleration of the densest species to all
-    /// particles.
+    /// Accelerates particles for `duration` [s] by the difference between two accelerations, each by weight minus
+    /// buoyancy: that of their species, and that of the densest species. The engine itself applies the acceleration of
+    /// the densest species to all particles.
     pub(super) fn add_differences_in_gravity(&mut self, duration: f64) {
         let differences = self.scene.differences_in_gravity();
         if differences.is_empty() {

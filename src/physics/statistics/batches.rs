@@ -43,8 +43,9 @@ pub struct Batches {
 
 impl Batches {
     /// Average and blocks of one quantity that is sampled every `interval` [s], first at the time `from` [s]. There are
-    /// 20 to 39 blocks, or one for each sample if there are fewer than 40 samples. Samples that do not fill a block are
-    /// left out at the beginning. `None` without a sample, or if a sample is not finite.
+    /// 20 to 39 blocks, or one for each sample if there are fewer than 40 samples. Samples at the beginning that do not
+    /// fill a block are left out of the blocks, but not of the average. `None` without a sample, or if a sample is not
+    /// finite.
     pub fn of_series(samples: &[f64], interval: f64, from: f64) -> Option<Self> {
         if samples.is_empty() || samples.iter().any(|sample| !sample.is_finite()) {
             return None;
@@ -128,10 +129,10 @@ impl Batches {
         Some(Estimate::new(value, covariance(&first, &deviations, &guesses)[(0, 0)].sqrt()))
     }
 
-    /// Averages over several runs of one variant. With at least 8 runs, or if `by_runs` is true, each run is one block,
-    /// and nothing is assumed about the correlation within a run. Otherwise the blocks of all runs are used, one run
-    /// after the other. `by_runs` is for particles that do not mix within a run: only the scatter between runs then
-    /// gives a valid error. `None` without a run.
+    /// Averages over several replicas (runs with different seeds). With at least 8 runs, or if `by_runs` is true, each
+    /// run is one block, and nothing is assumed about the correlation within a run. Otherwise the blocks of all runs
+    /// are used, one run after the other. `by_runs` is for particles that do not mix within a run: only the scatter
+    /// between runs then gives a valid error. `None` without a run.
     pub fn pool(runs: &[&Self], by_runs: bool) -> Option<Self> {
         let first = *runs.first()?;
         if runs.len() == 1 {
@@ -195,7 +196,7 @@ impl Batches {
         Self { values: blocks.iter().map(|blocks| mean(blocks)).collect(), blocks, per_run: last, ..*self }
     }
 
-    /// True if there are enough blocks for a standard error: 8 successive blocks, or 3 runs of one block each.
+    /// True if there are enough blocks for a standard error: 8 blocks of time, or 3 runs of one block each.
     pub fn tells_errors(&self) -> bool {
         self.count() >= if self.per_run == 1 { FEWEST_RUNS } else { FEWEST_BLOCKS }
     }

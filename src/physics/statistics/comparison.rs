@@ -69,7 +69,8 @@ pub struct Judged {
     /// Results of the tests of this observable.
     #[serde(flatten)]
     pub tested: Tested,
-    /// True if a difference is found, at the level of 1 % for all observables together (Holm 1979).
+    /// True if a difference is found, at the level of 1 % for all observables together, or at a lower one with several
+    /// interim tests (Holm 1979).
     pub detected: bool,
     /// Answer for this observable.
     pub answer: Answer,
@@ -95,7 +96,8 @@ pub struct Judged {
 /// Comparison of two runs in several observables.
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
-    /// Answer for all observables together: the least favourable of their answers.
+    /// Answer for all observables together: the least favourable of their answers. If some observable has no error
+    /// bars, it is not better than `Unresolved`.
     pub answer: Answer,
     /// [-] largest difference that counts as equivalent, divided by the scale of each observable.
     pub margin: f64,

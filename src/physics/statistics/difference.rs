@@ -118,13 +118,13 @@ pub struct Tested {
     /// one-sided tests at every position, at the level of 5 % or, with several interim tests, at a lower one.
     pub bound: f64,
     /// Upper bound of the magnitude of the difference, in the unit of the observable, if the difference is a sum of the
-    /// smooth shapes. Its level is that of `bound`.
+    /// smooth shapes (polynomials across the profile). Its level is that of `bound`.
     pub smooth_bound: f64,
     /// Differences at all positions; a single number has one position.
     #[serde(skip)]
     places: Vec<Deviation>,
-    /// Standard error of the coefficient of the first smooth shape, times the largest value of this shape, in the unit
-    /// of the observable.
+    /// Standard error of the coefficient of the first smooth shape (polynomial across the profile), times the largest
+    /// value of this shape, in the unit of the observable.
     #[serde(skip)]
     first_error: f64,
     /// [-] degrees of freedom of the standard error `first_error`.
@@ -145,9 +145,9 @@ impl Tested {
         }
     }
 
-    /// Smallest difference in the first smooth shape that a test at the level `level` [-] finds in 80 % of cases, in
-    /// the unit of the observable. The first shape is uniform unless the mean difference vanishes by definition or
-    /// symmetry.
+    /// Smallest difference in the first smooth shape (polynomial across the profile) that a test at the level `level`
+    /// [-] finds in 80 % of cases, in the unit of the observable. The first shape is uniform unless the mean difference
+    /// vanishes by definition or symmetry.
     pub fn detectable(&self, level: f64) -> f64 {
         let level = level / self.tests();
         let bound = if self.mean.is_some() {
@@ -242,15 +242,15 @@ impl Folded {
         Some(Self { name, unit, scale, scale_is, places, batches, shapes, has_mean })
     }
 
-    /// Correlations [-] between neighbouring blocks of time of the coefficients of all smooth shapes. Each has its
-    /// variance [-] due to chance.
+    /// Correlations [-] between neighbouring blocks of time of the coefficients of all smooth shapes (polynomials
+    /// across the profile). Each has its variance [-] due to chance.
     pub fn correlations(&self) -> Vec<(f64, f64)> {
         let [a, b] = self.projected(&self.shapes);
         measured(&a, &b)
     }
 
-    /// Coefficients of the smooth shapes `shapes` in each of the two runs, averaged over the run and in each block of
-    /// time.
+    /// Coefficients of the smooth shapes `shapes` (polynomials across the profile) in each of the two runs, averaged
+    /// over the run and in each block of time.
     fn projected(&self, shapes: &[Vec<f64>]) -> [Batches; 2] {
         let count = self.batches[0].values.len() as f64;
         let weights: Vec<Vec<f64>> =
@@ -355,8 +355,8 @@ impl Smooth {
         (!self.shapes.is_empty()).then(|| deviation(&self.contrast, 0, None, rounding))
     }
 
-    /// [-] probability that equal systems show a difference of at least this size in the smooth shapes, by Hotelling's
-    /// distribution.
+    /// [-] probability that equal systems show a difference of at least this size in the smooth shapes (polynomials
+    /// across the profile), by Hotelling's distribution.
     fn chance(&self, rounding: f64) -> f64 {
         let exact = (0..self.shapes.len()).filter(|k| !self.scattering.contains(k));
         if exact.into_iter().any(|k| self.contrast.difference[k].abs() > 10.0 * rounding) {
@@ -386,8 +386,9 @@ impl Smooth {
         (0..places).map(at).fold(0.0, f64::max)
     }
 
-    /// Standard error of the coefficient of the first shape, times the largest value of this shape, in the unit of the
-    /// observable. The second number is the degrees of freedom [-] of this error.
+    /// Standard error of the coefficient of the first smooth shape (polynomial across the profile), times the largest
+    /// value of this shape, in the unit of the observable. The second number is the degrees of freedom [-] of this
+    /// error.
     fn first(&self) -> (f64, f64) {
         let Some(shape) = self.shapes.first() else { return (0.0, 1.0) };
         let largest = shape.iter().fold(0.0_f64, |most, value| most.max(value.abs()));

@@ -1,5 +1,5 @@
-//! Averages over time in the slices of the box, with standard errors, and their averages over several runs of one
-//! variant.
+//! Averages over time in the slices of the box, with standard errors, and their averages over several replicas (runs
+//! with different seeds).
 
 use super::batches::Batches;
 use super::errors::Estimate;
@@ -49,9 +49,9 @@ impl ProfileTable {
         self.batches.get(slice)?.get(column.index)?.as_ref()
     }
 
-    /// Averages over several runs of one variant. A value that is missing in one run is unknown. The standard errors
-    /// come from the blocks of all runs or, if `by_runs` is true, from the scatter between the runs (see
-    /// [`Batches::pool`]).
+    /// Averages over several replicas (runs with different seeds). A value that is missing in one run is unknown. The
+    /// standard errors come from the blocks of all runs or, if `by_runs` is true, from the scatter between the runs
+    /// (see [`Batches::pool`]).
     pub fn pool(runs: &[&Self], by_runs: bool) -> Self {
         let Some(first) = runs.first() else { return Self::default() };
         let batches = |slice: usize| -> Vec<Option<Batches>> {

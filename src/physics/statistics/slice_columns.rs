@@ -1,4 +1,5 @@
-//! Quantities that are averaged in slices of the box. Files, verdicts and pictures all use the list in this file.
+//! Quantities that are averaged in slices of the box. Files, verdicts (tests whether two runs differ) and pictures all
+//! use the list in this file.
 
 use super::modes::Parity;
 use super::spin_sums::SPIN_QUANTITIES;

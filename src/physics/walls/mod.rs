@@ -181,13 +181,14 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         None
     }
 
-    /// [m] lowest and highest corner of a box around the wall, including a vessel; `None` for an endless wall.
+    /// [m] lowest and highest corner of a box around the wall, also for a vessel (a wall around all particles). `None`
+    /// for a plane; infinite along the axis of a pipe without ends.
     fn extent(&self) -> Option<[Vector3<f64>; 2]> {
         self.bounds()
     }
 
     /// [m] lowest and highest corner of a box that contains all particles, infinite in directions without a limit.
-    /// `None` unless the wall is a vessel or a plane perpendicular to an axis.
+    /// `None` unless the wall is a vessel (a wall around all particles) or a plane perpendicular to an axis.
     fn room_corners(&self) -> Option<[Vector3<f64>; 2]> {
         None
     }
@@ -206,7 +207,8 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         None
     }
 
-    /// True if the wall has an inside: it is a vessel, a shell with open ends, or a sheet of triangles.
+    /// True if the wall has an inside: it is a vessel (a wall around all particles), a thin round shell with open ends,
+    /// or a sheet of triangles.
     fn has_inside(&self) -> bool {
         false
     }
@@ -374,8 +376,8 @@ impl WallGeometry {
 }
 
 impl WallGeometry {
-    /// [m] lowest and highest corners of the box around the body. For a body with periodic images, the boxes around its
-    /// nearest images follow. Empty if the shape has no bounds.
+    /// [m] lowest and highest corner of the box around the body. For a body with periodic images, the list also has the
+    /// boxes around its nearest images. Empty if the shape has no bounds.
     pub fn boxes(&self) -> Vec<[Vector3<f64>; 2]> {
         match self {
             Self::Repeated(body) => body.boxes(),

@@ -22,8 +22,7 @@ use serde::{Deserialize, Serialize};
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 
-/// Processes that work on one command, as one of these processes knows them. Process 0 is the lead, the others are
-/// helpers.
+/// Processes that work on one command, as seen from one of them. Process 0 is the lead, the others are helpers.
 pub struct Ranks {
     link: Box<dyn Link>,
     /// True when the processes have compared the checksums of their lists of runs.
@@ -31,34 +30,35 @@ pub struct Ranks {
     /// Numbers of the helper processes that are free to begin a run. A helper is listed once for each run that it can
     /// begin.
     free: RefCell<VecDeque<usize>>,
-    /// Number of runs that the lead has given to helpers, and whose results have not arrived.
+    /// Number of runs that the lead process has given to helper processes, and whose results have not arrived.
     away: Cell<usize>,
-    /// Exit code that this helper has received from the lead; `None` before the command has ended.
+    /// Exit code that this helper process has received from the lead process; `None` before the command has ended.
     dismissed: Cell<Option<u8>>,
 }
 
 /// Message between the lead process and one of its helper processes.
 #[derive(Serialize, Deserialize)]
 pub enum Message {
-    /// Lead to helper: do the run with this index in the list of runs.
+    /// From the lead process to a helper process: do the run with this index in the list of runs.
     Do(usize),
-    /// Lead to helper: take part in the run with this index in the list of runs. All processes share this run, and it
-    /// begins now.
+    /// From the lead process to a helper process: take part in the run with this index in the list of runs. All
+    /// processes share this run, and it begins now.
     Follow(usize),
-    /// Lead to helper: stop the runs in progress at the ends of their windows (times between two exchanges with the
-    /// gas).
+    /// From the lead process to a helper process: stop the runs in progress at the ends of their windows (times between
+    /// two exchanges with the gas).
     Stop,
-    /// Lead to helper: the command has ended, with this exit code.
+    /// From the lead process to a helper process: the command has ended, with this exit code.
     End(u8),
-    /// Helper to lead: the helper can do this number of runs at the same time.
+    /// From a helper process to the lead process: the helper can do this number of runs at the same time.
     Free(usize),
-    /// Helper to lead: the run with this index has reached this simulated time [s].
+    /// From a helper process to the lead process: the run with this index has reached this simulated time [s].
     At(usize, f64),
-    /// Helper to lead: the run with this index is over. The bytes are its result; `None` if the run was stopped early.
+    /// From a helper process to the lead process: the run with this index is over. The bytes are its result; `None` if
+    /// the run was stopped early.
     Done(usize, Result<Option<Vec<u8>>, StudyError>),
-    /// Helper to lead: the helper can do no run, for this reason.
+    /// From a helper process to the lead process: the helper can do no run, for this reason.
     Failed(String),
-    /// Helper to lead: this is the last message of the helper.
+    /// From a helper process to the lead process: this is the last message of the helper.
     Gone,
 }
 
@@ -238,8 +238,8 @@ impl Ranks {
         (1..self.count()).for_each(|helper| self.send(helper, &Message::Stop));
     }
 
-    /// Next message that a helper has sent to the lead; `None` if no message has arrived. The message also updates the
-    /// list of free helpers and the number of runs that helpers are doing.
+    /// Next message that a helper process has sent to the lead process; `None` if no message has arrived. The message
+    /// also updates the list of free helpers and the number of runs that helpers are doing.
     pub fn heard(&self) -> Option<Message> {
         let (from, message) = self.take()?;
         match &message {
@@ -253,7 +253,7 @@ impl Ranks {
         Some(message)
     }
 
-    /// Sends a message from this process to the lead.
+    /// Sends a message from this process to the lead process.
     pub fn report(&self, message: &Message) {
         self.send(0, message);
     }

@@ -11,7 +11,7 @@ const TARGETS: [(f64, &str); 2] = [(0.01, "1 %"), (0.001, "0.1 %")];
 /// attributed to chance.
 const RESOLVED: f64 = 3.0;
 /// [-] relative error below which an error of a method is attributed to rounding. Positions of about 1 mm have a
-/// rounding error of about 1e-19 m, and overlaps are some micrometres.
+/// rounding error of about 1e-19 m, which is at most 1e-13 of an overlap of some micrometres.
 const ROUNDING: f64 = 1e-12;
 /// Largest number of points through which the order of convergence is fitted. The fit uses the points with the finest
 /// parameters whose errors exceed chance and rounding.

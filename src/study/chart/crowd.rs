@@ -37,7 +37,7 @@ const NUMBERS: [(&str, &str, &str, &str, OutcomeColumn); 2] = [
 ];
 
 /// Profiles across the height of the box in which methods can be compared. Each has a key, a name, a label of the axis
-/// of errors, and the column of the table of slices.
+/// of errors, and the column with its values in the table of averages over slices of the box.
 const PROFILES: [(&str, &str, &str, SliceColumn); 2] = [
     ("velocity_profile", "profile of the streamwise velocity U", "L₂ norm of U − reference, over that of U", U),
     (
@@ -224,8 +224,8 @@ impl Crowd {
         found.error.is_finite().then_some(found)
     }
 
-    /// Mean over the runs of the reference of a column of the table of slices, one value per slice. `None` in a slice
-    /// that is empty in at least one run.
+    /// Mean profile of the reference: a column of the table of averages over slices of the box across y, averaged over
+    /// the runs of the reference. There is one value per slice; `None` in a slice that is empty in at least one run.
     fn mean_profile(&self, column: SliceColumn) -> Vec<Option<f64>> {
         let mut sums: Vec<Option<f64>> = Vec::new();
         for run in &self.references {
@@ -246,8 +246,8 @@ impl Crowd {
     }
 }
 
-/// Values of a column of the table of slices, one per slice, in the unit of the column. `None` in a slice without
-/// samples.
+/// Profile from one run: a column of the table of averages over slices of the box across y, in the unit of the column.
+/// There is one value per slice; `None` in a slice in which no particle was measured.
 fn profile(outcome: &Outcome, column: SliceColumn) -> Vec<Option<f64>> {
     outcome.profiles.slices.iter().map(|row| Some(row.of(column)?.value)).collect()
 }
@@ -256,7 +256,7 @@ fn differences(values: &[Option<f64>], from: &[Option<f64>]) -> Vec<Option<f64>>
     values.iter().zip(from).map(|(value, from)| Some((*value)? - (*from)?)).collect()
 }
 
-/// Root of the sum of squares of the values of a profile. Slices without a value are left out.
+/// Root of the sum of squares of the values of a profile. Missing values (`None`) are left out.
 fn norm(values: &[Option<f64>]) -> f64 {
     values.iter().flatten().map(|value| value * value).sum::<f64>().sqrt()
 }

@@ -28,7 +28,7 @@ const TRIAL: f64 = 0.02;
 /// as equal within this tolerance.
 const ROUNDING: f64 = 1e-9;
 /// [-] longest duration tried in the search for the shortest duration with error bars, divided by the duration of the
-/// case. Windows grow with the duration, so the search needs trials.
+/// case. The search needs trials, because windows (times between two exchanges with the gas) grow with the duration.
 const LONGEST: f64 = 1e6;
 
 /// Piece of the simulated time of a case that every method of a chart runs.
@@ -112,8 +112,8 @@ impl Stretch {
         sweeps
     }
 
-    /// Experiment of one method at the value `value` (SI unit) of its swept parameter. The time between samples of the
-    /// statistics is at least one window (time between two exchanges with the gas).
+    /// Experiment of one method at the value `value` (SI unit) of its swept parameter. The time between samples
+    /// (instants of measurement) is at least one window (time between two exchanges with the gas).
     pub fn run_of(&self, sweep: &MethodSweep, value: f64) -> Experiment {
         let mut experiment = sweep.experiment(&self.experiment, value);
         if let (Some(window), Some(interval)) = (experiment.run.window, experiment.statistics.sample_interval) {
@@ -148,8 +148,9 @@ impl Stretch {
         Ok(expected)
     }
 
-    /// Message for the reader if a stretch (piece of time that every method runs) has too few samples for error bars.
-    /// It names the shortest `run.duration` of the case `base` with enough samples. `None` if there are enough.
+    /// Message for the reader if a stretch (piece of time that every method runs) has too few samples (instants of
+    /// measurement) for error bars. It names the shortest `run.duration` of the case `base` with enough samples. `None`
+    /// if there are enough.
     pub fn shortfall(&self, base: &Experiment, quick: bool) -> Option<String> {
         let samples = Schedule::new(&self.experiment).samples;
         if samples >= FEWEST_BLOCKS as u64 {

@@ -24,10 +24,11 @@ const POINTS: usize = 20;
 /// Observables of a variant and of its reference, in the same order in both lists. A mixture adds the temperature and
 /// the impact rate of each species, and its velocity if gas or gravity drives a stream.
 ///
-/// The velocities V and W and the stresses uw and vw are left out: V vanishes since mass is conserved, the others
-/// vanish by symmetry. U needs gas or gravity along the stream, since momentum is conserved otherwise. The number
-/// density needs walls or gravity. The stress uv needs walls and a stream, or a sheared box. The rotational temperature
-/// T_r is compared if the spheres of both variants rotate. The mean spin also needs walls and a stream.
+/// The velocities V (across the walls) and W (spanwise) and the stresses uw and vw are left out: V vanishes since mass
+/// is conserved, the others vanish by symmetry. The streamwise velocity U needs gas or gravity along the stream, since
+/// momentum is conserved otherwise. The number density needs walls or gravity. The stress uv needs walls and a stream,
+/// or a sheared box. The rotational temperature T_r is compared if the spheres of both variants rotate. The mean spin
+/// also needs walls and a stream.
 pub fn observables(variant: &Outcome, reference: &Outcome) -> [Vec<Observable>; 2] {
     let scene = &reference.experiment.scene;
     let walls = !scene.walls.is_empty();
@@ -103,8 +104,9 @@ fn numbers(outcome: &Outcome, reference: &Outcome, until: f64) -> Vec<Observable
     numbers.collect()
 }
 
-/// Observables of each species of a mixture, chosen by `which`: 0 for the velocity, 1 for the temperature, 2 for the
-/// rate of impacts with particles. Species that `reference` lacks are left out, and so are times after `until` [s].
+/// Observables of each species of a mixture, chosen by `which`: 0 for the streamwise velocity, 1 for the granular
+/// temperature, 2 for the rate of impacts with particles. Species that `reference` lacks are left out, and so are times
+/// after `until` [s].
 fn of_kinds(outcome: &Outcome, reference: &Outcome, until: f64, which: usize) -> Vec<Observable> {
     let (name, unit) = [("U", "m/s"), ("granular temperature", "m²/s²"), ("impacts per time", "1/s")][which];
     let of = |other: &SpeciesAverages| {
@@ -149,10 +151,11 @@ pub(super) fn number(
 /// sentence.
 pub(super) type Scale = (f64, &'static str);
 
-/// Scale of a column of the table of slices, in the unit of the column; differences are divided by it. It is the mean
-/// for the density, a normal stress and T_r, and the largest magnitude for the shear stress and the mean spin. For U it
-/// is the mean slip between gas and particles or, without gas, the mean velocity past walls; at least the agitation √T.
-/// No scale depends on the frame of reference. `None` without samples, or if nothing moves.
+/// Scale by which the differences of a profile are divided, in the unit of the profile; `column` is one of the averages
+/// over slices of the box. The scale is the mean for the density, a normal stress and the rotational temperature, and
+/// the largest magnitude for the shear stress and the mean spin. For the streamwise velocity it is the mean slip
+/// between gas and particles or, without gas, the mean velocity past walls; at least the agitation √T (granular
+/// temperature T). No scale depends on the frame of reference. `None` without a measured value, or if nothing moves.
 pub(super) fn scale(column: &SliceColumn, reference: &Outcome) -> Option<Scale> {
     let table = &reference.profiles;
     let known: Vec<(f64, f64)> = (0..table.slices.len())

@@ -25,7 +25,8 @@ const ADVISED: usize = 8;
 /// it would be 1. The value is larger, so that the answer "different" is not given too soon.
 const CLUMP: f64 = 100.0;
 
-/// Columns of the time series that are compared as curves over time: all that have a scale.
+/// Columns of the time series that are compared as curves over time. These are all columns with a `scale`, the rule for
+/// the value by which differences are divided.
 fn curves() -> impl Iterator<Item = &'static SeriesColumn> {
     SERIES_COLUMNS.iter().filter(|column| column.scale.is_some())
 }
@@ -35,8 +36,8 @@ fn agitation(row: &Row) -> Option<f64> {
     row.granular_temperature().map(|temperature| temperature.max(0.0).sqrt())
 }
 
-/// Compares the curves over time of two variants that are not steady, at instants at which all their runs have a
-/// sample. `runs` has the replicas of the variant, then those of its reference.
+/// Compares the curves over time of two variants that are not steady, at instants at which all their runs were
+/// measured. `runs` has the replicas (runs with different seeds) of the variant, then those of its reference.
 pub fn judge(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
     let all: [Vec<&Outcome>; 2] = [0, 1].map(|k| std::iter::once(runs[k].outcome).chain(runs[k].others).collect());
     let why = unsteady(&[runs[0].outcome, runs[1].outcome]);
@@ -76,7 +77,7 @@ fn nothing(why: &str) -> Finding {
     }
 }
 
-/// Row of the time series of a run at the simulated time `time` [s]; `None` if there is no sample at this time.
+/// Row of the time series of a run at the simulated time `time` [s]; `None` if nothing was measured at this time.
 fn row_at(run: &Outcome, time: f64) -> Option<&Row> {
     let rows = &run.series.rows;
     let place = rows.partition_point(|row| row.time < time * (1.0 - 1e-9));

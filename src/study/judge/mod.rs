@@ -30,9 +30,9 @@ use words::percent;
 /// takes milliseconds and would distort the ratio of two short times.
 const TELLING: f64 = 0.1;
 
-/// [-] factor by which the sample interval of a longer run may exceed that of the present run. Beyond it, the errors of
-/// averages would not decrease with the length as expected. A recommendation of the longer run then also names a sample
-/// interval.
+/// [-] factor by which the time between samples (instants of measurement) of a longer run may exceed that of the
+/// present run. Beyond it, the errors of averages would not decrease with the length as expected. A recommendation of
+/// the longer run then also names a time between samples.
 const CLOSE: f64 = 1.1;
 
 /// [-] volume fraction up to which soft and hard spheres have nearly equal collision rates. The relative difference is
@@ -41,13 +41,15 @@ const DILUTE: f64 = 0.03;
 
 /// Compares every variant with its reference, which is another variant or a table of values. `others` contains all
 /// replicas (runs with different seeds) of each variant except the first. The averages in `outcomes` are already over
-/// all replicas. `margin` [-] is relative to the scale of each observable.
+/// all replicas. `margin` [-] is the largest difference that counts as equivalent, divided by the scale of each
+/// observable.
 pub fn judge(outcomes: &[Outcome], others: &[Vec<Outcome>], margin: f64) -> Vec<Verdict> {
     judge_at(outcomes, others, Criteria { margin, levels: ErrorLevels::default() })
 }
 
-/// Compares every variant with its reference, with the margin and the error levels `asked`. Use it for one of several
-/// interim tests, which need stricter error levels.
+/// Compares every variant with its reference, with the margin (largest accepted difference) and the accepted
+/// probabilities of wrong answers in `asked`. Use it for one of several interim tests, which need smaller
+/// probabilities.
 pub fn judge_at(outcomes: &[Outcome], others: &[Vec<Outcome>], asked: Criteria) -> Vec<Verdict> {
     let replicas = |place: usize| others.get(place).map_or(&[][..], Vec::as_slice);
     let pairs = references(outcomes).into_iter().enumerate().filter(|(place, other)| place != other);
@@ -70,7 +72,8 @@ pub struct Criteria {
 /// Outcomes of all replicas of a variant; replicas are runs with different seeds.
 #[derive(Clone, Copy)]
 pub struct ReplicaRuns<'a> {
-    /// Outcome of the first replica. If there are several replicas, its averages are over all replicas.
+    /// Outcome of the first replica (run with one of the seeds). If there are several replicas, its averages are over
+    /// all replicas.
     pub outcome: &'a Outcome,
     /// Outcomes of all replicas (runs with different seeds) except the first.
     pub others: &'a [Outcome],
@@ -145,8 +148,8 @@ fn stopped(runs: &[&Outcome], found: Finding) -> Finding {
     Finding { answer: Answer::Unresolved, sentence, ..found }
 }
 
-/// Message about a run that stopped early, or about a replica that stopped and is left out of the averages; `None` if
-/// nothing stopped.
+/// Message about a run that stopped early, or about a replica (run with another seed) that stopped and is left out of
+/// the averages. `None` if nothing stopped.
 fn how_it_stopped(run: &Outcome) -> Option<String> {
     let (name, why) = (&run.experiment.name, run.failure.as_ref()?);
     let time = quantity(run.simulated_seconds, "s", 4);
@@ -157,15 +160,15 @@ fn how_it_stopped(run: &Outcome) -> Option<String> {
     })
 }
 
-/// [-] share of the particles that are in the same layer at the start and at the end of averaging, the larger value of
-/// the two runs. `None` if it is at most [`FROZEN`]. With a larger share, averages of one run are not valid for other
-/// runs.
+/// [-] share of the particles that are in the same layer (slice of the height y) at the start and at the end of
+/// averaging, the larger value of the two runs. `None` if it is at most [`FROZEN`]. With a larger share, averages of
+/// one run are not valid for other runs.
 fn frozen(both: [&Outcome; 2]) -> Option<f64> {
     both.iter().filter_map(|one| one.places_kept).reduce(f64::max).filter(|kept| *kept > FROZEN)
 }
 
 /// Finding "unresolved" for variants with one run each whose particles do not mix: another run would settle to another
-/// state. `kept` [-] is the share of particles that stay in their layer.
+/// state. `kept` [-] is the share of particles that stay in their layer (slice of the height y).
 fn one_of_many(both: [&Outcome; 2], kept: f64) -> Finding {
     let placed = both[1].experiment.start.iter().all(|one| matches!(one.amount, Amount::Placed(_)));
     let advice = if placed {
@@ -202,7 +205,7 @@ fn steady(variant: &Outcome, reference: &Outcome, asked: Criteria) -> Finding {
     let shorter = if variant.simulated_seconds < reference.simulated_seconds { variant } else { reference };
     let replicas = |one: &Outcome| one.averaged.replicas.map_or(1, |replicas| replicas.count);
     let runs = replicas(variant).min(replicas(reference));
-    // if all particles start at given positions, all replicas are equal
+    // if all particles start at given positions, all replicas (runs with different seeds) are equal
     let placed = shorter.experiment.start.iter().all(|one| matches!(one.amount, Amount::Placed(_)));
     let frozen = frozen([variant, reference]).is_some();
     let needed = |stretch: f64| {
@@ -228,7 +231,8 @@ fn steady(variant: &Outcome, reference: &Outcome, asked: Criteria) -> Finding {
 }
 
 /// Description, for a sentence, of a run whose averaging period is `stretch` [-] times that of `run`. It also
-/// recommends the sample interval of `run` if a longer run would have a much longer interval by default.
+/// recommends the time between samples (instants of measurement) of `run` if a longer run would have a much longer one
+/// by default.
 fn longer(run: &Outcome, stretch: f64) -> String {
     let from = run.profiles.from;
     let mut experiment = run.experiment.clone();

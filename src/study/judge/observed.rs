@@ -16,7 +16,8 @@ const NAMED: usize = 4;
 
 /// Remark on a reference value that is zero within its error, so that differences cannot be divided by it.
 const ZERO: &str = "no relative difference: the value is zero within its error";
-/// Remark on numbers whose errors have no known number of blocks.
+/// Remark on numbers whose standard error was not computed from averages over intervals of time, so that the number of
+/// independent values is not known.
 const NORMAL: &str = "tested by the normal distribution: the number of independent values is not known";
 /// Remark on numbers that are constant in time, such as the wavelength of a pattern that stays. Another run may have
 /// another pattern.
@@ -37,9 +38,10 @@ pub(super) fn judge(both: [&Outcome; 2], asked: Criteria) -> Vec<ObservedDiffere
     found
 }
 
-/// Differences of the numbers that two runs share, first run minus second run, with answers by the margin and the
-/// levels of `asked`. Samples after `until` [s] are left out. The scale of a number is its magnitude in the second run.
-/// If this magnitude is zero within its error, only a difference can be shown, and no equivalence.
+/// Differences of the numbers that two runs share, first run minus second run, with answers by the margin (largest
+/// accepted difference) and the error levels of `asked`. Measurements after `until` [s] are left out. A difference is
+/// divided by the magnitude of the number in the second run. If this magnitude is zero within its error, only a
+/// difference can be shown, and no equivalence.
 pub fn observed_differences(runs: [&[Observation]; 2], until: f64, asked: Criteria) -> Vec<ObservedDifference> {
     let shared = shared(runs);
     let (mut own, mut other) = (Vec::new(), Vec::new());
@@ -72,13 +74,14 @@ impl SharedNumber<'_> {
         format!("{}, {}", self.measurement, self.numbers[0].quantity.column)
     }
 
-    /// Magnitude of the number in the second run, in the unit of the number; 0 if it is zero within its error.
+    /// Magnitude of the number in the second run, by which differences are divided, in the unit of the number. It is 0
+    /// if the number is zero within its error.
     fn scale(&self) -> f64 {
         if self.values[1].is_zero_within_error() { 0.0 } else { self.values[1].value.abs() }
     }
 
-    /// True if a standard error has no known number of blocks, so that this error counts as exactly known. Values with
-    /// the error 0 are not meant.
+    /// True if a standard error other than 0 was not computed from averages over intervals of time. The number of
+    /// independent values is then not known, and the error counts as exactly known.
     fn is_stated(&self) -> bool {
         let each = self.numbers.iter().zip(&self.values);
         each.into_iter().any(|(number, value)| number.batches.is_none() && value.error != Some(0.0))
@@ -139,9 +142,9 @@ fn shared(runs: [&[Observation]; 2]) -> Vec<SharedNumber<'_>> {
     shared
 }
 
-/// Values over blocks of time up to `until` [s]. A number without blocks counts as one with an exactly known standard
-/// error; this error is independent of the errors of numbers with another `place`. `None` without a standard error, and
-/// if the first block ends after `until`.
+/// Averages of a number over intervals (blocks) of time up to `until` [s]. A number without blocks counts as one with
+/// an exactly known standard error; this error is independent of the errors of numbers with another `place`. `None`
+/// without a standard error, and if the first block ends after `until`.
 fn batches(number: &ObservedNumber, place: usize, until: f64) -> Option<Batches> {
     let stated = || number.value.and_then(|found| Some(Batches::of_stated(found.value, found.error?, place)));
     let blocks = |batches: &Batches| Some(batches.until(until)).filter(|kept| kept.per_run > 0);

@@ -28,7 +28,7 @@ const GROWTH: f64 = 1e3;
 /// Positions and velocities of all particles at one recorded instant, sorted by id.
 type Instant<'a> = &'a [PathSample];
 
-/// Recorded states of all particles of a run: one slice of samples for each instant, in order of time.
+/// Recorded states of all particles of a run: one list of states for each instant, in order of time.
 fn instants(run: &Outcome) -> Vec<Instant<'_>> {
     run.paths.points.chunk_by(|a, b| a.time == b.time).collect()
 }

@@ -172,10 +172,10 @@ fn all_of<'a>(runs: &ReplicaRuns<'a>) -> Vec<&'a Outcome> {
     std::iter::once(runs.outcome).chain(runs.others).collect()
 }
 
-/// Observable that reduces a profile to one number: its mean over the slices. If the profile changes sign at the
-/// mid-plane, the number is half the difference of the two sides. For the density it is the value in the slice at the
-/// wall. An observable that is a single number is returned unchanged. If no slice has a value, the returned observable
-/// has none either. The result is never `None`.
+/// Observable that reduces a profile to one number: its mean over the slices of the box across y. If the profile
+/// changes sign at the mid-plane, the number is half the difference of the two sides. For the density it is the value
+/// in the slice at the wall. An observable that is a single number is returned unchanged. If no slice has a value, the
+/// returned observable has none either. The result is never `None`.
 fn number(profile: &Observable) -> Option<Observable> {
     let count = profile.places.len();
     if count == 0 {

@@ -75,9 +75,9 @@ fn observables(outcome: &Outcome, table: &ReferenceTable) -> Vec<(Observable, Ob
     pairs
 }
 
-/// Profile of the run and profile of the table as two observables. `None` if the scale of their differences is not
-/// known, as for a velocity without samples. Differences of velocities are divided by a velocity of the run, such as
-/// the mean slip, because velocities depend on the frame of reference.
+/// Profile of the run and profile of the table as two observables. Differences of velocities are divided by a velocity
+/// of the run, such as the mean slip, because velocities depend on the frame of reference. `None` if this divisor is
+/// not known, as without a measured velocity.
 fn profile(
     outcome: &Outcome,
     column: SliceColumn,

@@ -35,14 +35,14 @@ pub fn not_steady(steadiness: &Steadiness) -> Option<String> {
     Some(format!("is not steady ({why})"))
 }
 
-/// Text of a margin [-] in per cent, without needless zeros, as a user would type it.
+/// Text of a margin (largest accepted difference) [-] in per cent, without needless zeros, as a user would type it.
 pub fn margin(share: f64) -> String {
     let digits = format!("{:.4}", 100.0 * share);
     format!("{} %", digits.trim_end_matches('0').trim_end_matches('.'))
 }
 
-/// Name of a column of the table of slices in the form that fits into a sentence, such as "the mean velocity U" for
-/// "U".
+/// Name of an average over slices of the box, given by the name of its column, in the form that fits into a sentence.
+/// An example is "the mean velocity U" for "U".
 pub fn in_prose(name: &str) -> String {
     match name {
         "number_density_ratio" => "the number density".into(),
@@ -66,8 +66,8 @@ pub fn answer(comparison: &Comparison, across: &str, needed: impl Fn(f64) -> Str
     }
 }
 
-/// Phrase for a statement that holds everywhere: in all slices if `across` is "m", at all instants if it is "s". Empty
-/// for single numbers.
+/// Phrase for a statement that holds everywhere: at all positions if `across` is "m", at all instants if it is "s".
+/// Empty for single numbers.
 fn anywhere(across: &str) -> &'static str {
     match across {
         "" => "",
@@ -106,8 +106,9 @@ fn different(detected: &[&Judged], across: &str, limit: f64) -> String {
     sentence + "."
 }
 
-/// Text of a difference in per cent of the scale of the observable, with its standard error and its position or
-/// instant. `across` is the unit of the position or instant: m, s, or empty.
+/// Text of a difference, with its standard error and its position or instant. The difference is in per cent of the
+/// value by which differences of this observable are divided. `across` is the unit of the position or instant: m, s, or
+/// empty.
 fn size(one: &Judged, across: &str) -> String {
     let name = in_prose(&one.tested.name);
     let Some(Deviation { place, difference, error, .. }) = one.tested.headline() else { return name };

@@ -96,8 +96,9 @@ fn times(frames: &[ParticleFrame]) -> (&'static str, Vec<f64>) {
     }
 }
 
-/// Averages over the particles of one instant, each with the name of its column. With more than one of the `slices`
-/// along y, each slice adds its number of particles, mean velocity and temperatures.
+/// Averages over the particles of one instant, each with the name of its column. If `slices` exceeds 1, the box is
+/// divided into this number of slices along y. Each slice then adds its number of particles, mean velocity and
+/// temperatures.
 fn columns(frame: &ParticleFrame, slices: usize) -> Vec<AveragedColumn> {
     // without a box no side is periodic, and one slice contains all particles
     let domain = frame.domain.clone().unwrap_or_else(|| Domain::new(Vector3::repeat(f64::INFINITY), [false; 3]));

@@ -22,8 +22,8 @@ use settings::JudgeFile;
 use side::{JudgeSide, SideData};
 use std::path::{Path, PathBuf};
 
-/// [-] margin of equivalence that applies if neither the command line nor the settings give one. It is a share of the
-/// scale of a quantity.
+/// [-] margin of equivalence (largest accepted difference) that applies if neither the command line nor the settings
+/// give one. It is divided by the scale of a quantity, such as the magnitude of its value on side B.
 const MARGIN: f64 = 0.01;
 
 /// Compares the data of two sides and writes the report to one folder. Returns one answer for all quantities together,
@@ -76,16 +76,17 @@ pub fn judge_files(args: &JudgeArguments) -> Result<Option<Answer>, StudyError> 
     Ok(overall(&comparisons))
 }
 
-/// Path of the first file of a side, without the name of a variant that may follow after a colon. The name of the
-/// folder of results is made from this path.
+/// Path of the first file of one side of the comparison, without the name of a variant that may follow after a colon.
+/// The name of the folder of results is made from this path.
 fn first_file(side: &JudgeSide) -> PathBuf {
     let first = side.paths.first().map_or("", String::as_str);
     first.split(':').next().unwrap_or(first).into()
 }
 
-/// Answers for all quantities. Quantities with the same margin and the same kind of data (averages or curves) form a
-/// group with one answer. The error level of a group is proportional to its number of quantities. So the probability of
-/// any false difference is as large as for a single test.
+/// Answers for all quantities. Quantities with the same margin (largest accepted difference) and the same kind of data
+/// (averages or curves) form a group with one answer. The accepted probability of a false difference in a group is
+/// proportional to its number of quantities. So the probability of any false difference is as large as for a single
+/// test.
 fn verdicts(measured: &[MeasuredQuantity], names: &[String; 2]) -> Vec<Verdict> {
     let key = |one: &MeasuredQuantity| (one.summary.basis, one.summary.margin);
     let mut keys: Vec<(Basis, f64)> = Vec::new();
@@ -101,8 +102,8 @@ fn verdicts(measured: &[MeasuredQuantity], names: &[String; 2]) -> Vec<Verdict> 
     keys.into_iter().map(one).collect()
 }
 
-/// Answer for a group of quantities with the same margin and the same kind of data (averages or curves). `share` [-] is
-/// the number of quantities in the group divided by that of all quantities.
+/// Answer for a group of quantities with the same margin (largest accepted difference) and the same kind of data
+/// (averages or curves). `share` [-] is the number of quantities in the group divided by that of all quantities.
 fn verdict(group: &[&MeasuredQuantity], names: &[String; 2], share: f64) -> Verdict {
     let (basis, margin) = (group[0].summary.basis, group[0].summary.margin);
     let observables = [0, 1].map(|k| -> Vec<Observable> {

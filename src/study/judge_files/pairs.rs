@@ -10,7 +10,7 @@ use crate::legible::quote;
 pub struct ComparedColumns {
     /// Name of the quantity in sentences.
     pub name: String,
-    /// Names of the columns on side A and on side B. In a table of points they are labels of points.
+    /// Names of the columns on side A and on side B. In a table of single values they are the labels of values.
     pub columns: [String; 2],
     /// Factors for the values of the columns of A and B that convert them to the unit of the comparison.
     pub factors: [f64; 2],
@@ -51,7 +51,8 @@ pub fn compared_columns(
     Ok((all, Vec::new()))
 }
 
-/// Quantity that a table `[[quantities]]` of the settings describes. `margin` [-] applies if the table gives no margin.
+/// Quantity that a table `[[quantities]]` of the settings describes. `margin` [-] is the largest difference accepted as
+/// equivalent, if the table gives none.
 fn named(
     one: &Located<QuantityFile>,
     margin: f64,

@@ -35,7 +35,8 @@ struct ReplicaValues<'a> {
     values: Vec<f64>,
 }
 
-/// Data of one side for one quantity: a series over time for each replica, or a single value with its error.
+/// Data of one side of the comparison for one quantity: a series over time for each replica (run with its own seed), or
+/// a single value with its error.
 enum MeasuredSide<'a> {
     Series(&'a SeriesFiles, Vec<ReplicaValues<'a>>),
     Point(Estimate),
@@ -128,7 +129,8 @@ fn side<'a>(
     }
 }
 
-/// Average of a quantity on one side over its steady time, with averages over blocks of this time.
+/// Average of a quantity on one side over its steady time, with the averages over equal intervals (blocks) of this
+/// time.
 struct SideAverage {
     summary: SideSummary,
     batches: Option<Batches>,
@@ -192,7 +194,8 @@ fn average(
         .collect();
     let batches = Batches::pool(&blocks.iter().collect::<Vec<_>>(), false).map(|mut batches| {
         if !series.unit_known {
-            // block lengths in unknown units must not be compared with block lengths of the other side
+            // lengths of the averaged intervals (blocks) in unknown units must not be compared with those of the other
+            // side
             batches.length = f64::NAN;
         }
         batches
@@ -207,8 +210,9 @@ fn average(
     Ok(SideAverage { summary, batches })
 }
 
-/// Steadiness of all replicas of a side together. Averaging begins at the time from which every replica is steady. The
-/// side is steady if more than half of its replicas are, since one steady run in twenty appears unsteady by chance.
+/// Steadiness of all replicas (runs with different seeds) of a side together. Averaging begins at the time from which
+/// every replica is steady. The side is steady if more than half of its replicas are, since one steady run in twenty
+/// appears unsteady by chance.
 fn steadiness(spaced: &[(f64, &[f64], &[f64])], from: Option<f64>, scale: Option<f64>) -> Steadiness {
     let each: Vec<Steadiness> = spaced
         .iter()

@@ -1,4 +1,5 @@
-//! Reads `judge.toml`, the settings of a comparison of files: files, columns, units, times and margins.
+//! Reads `judge.toml`, the settings of a comparison of files: files, columns, units, times and margins (largest
+//! accepted differences).
 
 use crate::case::de::{Located, read};
 use crate::case::quantity::{Exponents, Ratio, dimension_name, si_unit, unit};
@@ -13,13 +14,13 @@ const MOST_SLICES: u32 = 1000;
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JudgeFile {
-    /// [-] margin of equivalence of all quantities without a margin of their own, relative to the scale of each
-    /// quantity. Default: 0.01, unless the command line gives a margin.
+    /// [-] margin of equivalence (largest accepted difference) of all quantities without a margin of their own, divided
+    /// by the scale of each quantity. Default: 0.01, unless the command line gives a margin.
     pub margin: Option<Located<Ratio>>,
-    /// Table `[a]`: first side, whose data are compared with the reference.
+    /// Table `[a]`: first side of the comparison, whose data are compared with the reference.
     #[serde(default)]
     pub a: SideFile,
-    /// Table `[b]`: second side, the reference.
+    /// Table `[b]`: second side of the comparison, the reference.
     #[serde(default)]
     pub b: SideFile,
     /// Quantities that are compared. Default: all columns with the same name on both sides.
@@ -27,14 +28,14 @@ pub struct JudgeFile {
     pub quantities: Vec<Located<QuantityFile>>,
 }
 
-/// Table `[a]` or `[b]` of `judge.toml`: files of one side, and the meaning of their times.
+/// Table `[a]` or `[b]` of `judge.toml`: files of one side of the comparison, and the meaning of their times.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SideFile {
-    /// Paths of the files of the side, one per replica, relative to the folder of `judge.toml`. Without them the
-    /// command line must name the files.
+    /// Paths of the files of this side of the comparison, one per replica (run with its own seed), relative to the
+    /// folder of `judge.toml`. Without them the command line must name the files.
     pub files: Option<Vec<Located<String>>>,
-    /// Name of the side in sentences. Default: name of its first file.
+    /// Name of this side of the comparison in sentences. Default: name of its first file.
     pub name: Option<String>,
     /// Name of the column of times. Default: the first known name, such as `t_s` or `Time`.
     pub time: Option<Located<String>>,
@@ -53,9 +54,9 @@ pub struct SideFile {
 pub struct QuantityFile {
     /// Name of the quantity in sentences. Default: name of the column of side B.
     pub name: Option<String>,
-    /// Name of the column of side A, or label of a point in its table of points.
+    /// Name of the column of side A or, in a table of single values, label of a value.
     pub a: Located<String>,
-    /// Name of the column of side B, or label of a point in its table of points.
+    /// Name of the column of side B or, in a table of single values, label of a value.
     pub b: Located<String>,
     /// Unit of the column of side A, such as "mm/s". Both sides have a unit or neither; without units, the values are
     /// compared as they are.
@@ -64,7 +65,8 @@ pub struct QuantityFile {
     pub b_unit: Option<Located<String>>,
     /// Kind of comparison, averages or curves. Default: averages if both sides are steady, else curves.
     pub compare: Option<JudgedAs>,
-    /// [-] margin of equivalence of this quantity, relative to its scale. Default: the margin of all quantities.
+    /// [-] margin of equivalence (largest accepted difference) of this quantity, divided by its scale. Default: the
+    /// margin of all quantities.
     pub margin: Option<Located<Ratio>>,
     /// Scale by which differences are divided, in the SI unit of the quantity or, if no units are given, in the unit of
     /// the columns. Default: magnitude of the value of side B.

@@ -1,5 +1,5 @@
 //! One side of a comparison of files: series over time of several replicas (runs with different seeds), or a table of
-//! points.
+//! single values (points).
 
 use super::settings::SideFile;
 use super::table::NumberTable;
@@ -15,7 +15,7 @@ const TIMES: [&str; 9] = ["t_s", "time_s", "time", "Time", "t", "Step", "TimeSte
 /// Names of columns of times that count time steps, or number the instants of a file.
 const STEPS: [&str; 4] = ["Step", "TimeStep", "step", "frame"];
 
-/// Columns of a table of points that do not belong to the label of a point.
+/// Columns of a table of single values that do not belong to the label of a value.
 const POINT: [&str; 2] = ["value", "standard_error"];
 
 /// [-] largest deviation of a time from equal spacing, divided by the spacing, in a series that can be averaged.
@@ -23,15 +23,15 @@ const SPACING: f64 = 1e-3;
 
 /// One side of a comparison of files, with its data.
 pub struct JudgeSide {
-    /// Name of the side in sentences.
+    /// Name of the side (A or B of the comparison) in sentences.
     pub name: String,
-    /// Paths of all files of the side, as the user typed them.
+    /// Paths of all files of the side (A or B of the comparison), as the user typed them.
     pub paths: Vec<String>,
-    /// Data from the files of the side.
+    /// Data from the files of the side: series over time, or a table of single values.
     pub data: SideData,
 }
 
-/// Data of a side: series over time, or a table of values without times.
+/// Data of one side (A or B) of a comparison: series over time, or a table of values without times.
 pub enum SideData {
     /// Series over time, with one table for each replica (run with its own seed).
     Series(SeriesFiles),
@@ -39,9 +39,9 @@ pub enum SideData {
     Points(Vec<MeasuredPoint>),
 }
 
-/// Series over time of all replicas (runs with different seeds) of a side.
+/// Series over time of one side (A or B) of a comparison, from all its replicas (runs with different seeds).
 pub struct SeriesFiles {
-    /// Tables of the replicas, one per file.
+    /// Tables of the replicas (runs with different seeds), one per file.
     pub replicas: Vec<TimedTable>,
     /// True if the times of this side can be compared with those of the other side. This holds if a unit of time is
     /// given, or if the column of times does not count time steps.
@@ -64,19 +64,19 @@ pub struct TimedTable {
     pub rows: Vec<usize>,
 }
 
-/// One row of a table of points: a value, its standard error and its label.
+/// One row of a table of single values: a value, its standard error and its label.
 pub struct MeasuredPoint {
-    /// Label of the point: all cells of the row except the value and the standard error.
+    /// Label of the value: all cells of its row except the value and the standard error.
     pub label: String,
-    /// Value of the point, in the unit of its column.
+    /// Measured value, in the unit of its column.
     pub value: f64,
     /// Standard error of the value, in the unit of the value; `None` if the table gives no standard error.
     pub error: Option<f64>,
 }
 
 impl JudgeSide {
-    /// Reads all files of a side. `argument` is a list of the files, separated by commas; without it, the settings name
-    /// the files.
+    /// Reads all files of one side (A or B) of a comparison. `argument` is a list of the files, separated by commas;
+    /// without it, the settings name the files.
     ///
     /// # Errors
     /// Returns an error if a file cannot be read, if it has no column of times, or if its times do not increase.
@@ -121,7 +121,7 @@ impl JudgeSide {
         Ok(Self { name, paths: names, data })
     }
 
-    /// Warnings about the files of the side for the user.
+    /// Warnings for the user about the files of the side (A or B of the comparison).
     pub fn warnings(&self) -> Vec<String> {
         let SideData::Series(series) = &self.data else { return Vec::new() };
         let of = |one: &TimedTable| {
@@ -212,8 +212,8 @@ impl TimedTable {
         self.rows.iter().map(|row| self.table.number(*row, column, sources)).collect()
     }
 
-    /// Time between two samples, in the unit of `times`, and the range of samples that begins at the time `from`. A
-    /// last row that does not fit the spacing is left out, since some programs write a further row at the end of a run.
+    /// Time between two rows, in the unit of `times`, and the range of rows from the time `from` on. A last row that
+    /// does not fit the spacing is left out, since some programs write a further row at the end of a run.
     ///
     /// # Errors
     /// Returns an error if the times are not equally spaced. Averages over time would then need weights.
@@ -244,8 +244,8 @@ impl TimedTable {
     }
 }
 
-/// Points of a table, each with value, standard error and label. The label of a row consists of all its cells except
-/// the value and the standard error.
+/// Values of a table, each with standard error and label. The label of a row consists of all its cells except the value
+/// and the standard error.
 fn points(table: &NumberTable, sources: &Sources) -> Result<Vec<MeasuredPoint>, Diagnostic> {
     let (value, error) = (table.column("value").unwrap_or_default(), table.column("standard_error"));
     let labels: Vec<usize> =

@@ -8,7 +8,8 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 
-/// Name of the file in a folder of results that contains averages over all particles at each sample.
+/// Name of the file in a folder of results that contains averages over all particles at each sample (instant of
+/// measurement).
 const SERIES: &str = "series.csv";
 
 /// Largest number of names of columns or variants that a message lists.

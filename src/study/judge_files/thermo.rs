@@ -7,16 +7,16 @@ use super::table::{NumberTable, words};
 use crate::case::{Diagnostic, Sources};
 use std::ops::Range;
 
-/// Beginnings of the line that precedes the header of a block of thermo output, in present and in older versions of
-/// LAMMPS.
+/// Beginnings of the line before the header of a table of thermo output, in present and in older versions of LAMMPS.
 const BEFORE_HEADER: [&str; 2] = ["Per MPI rank memory allocation", "Memory usage per processor"];
 
 /// Beginning of the line with the names of the columns, in the style `yaml` of thermo output.
 const YAML_HEADER: &str = "keywords:";
 
 impl NumberTable {
-    /// Reads the rows of a LAMMPS log, from all blocks of thermo output whose header equals that of the last block. A
-    /// block ends at `Loop time`. Returns false if the text contains no header.
+    /// Reads the rows of a LAMMPS log. A log may have several tables of thermo output, each of which ends at `Loop
+    /// time`; the rows are those of all tables whose header equals that of the last one. Returns false if the text
+    /// contains no header.
     pub(super) fn thermo(&mut self, text: &str, lines: &[Range<usize>], sources: &Sources) -> Result<bool, Diagnostic> {
         let line = |place: usize| text[lines[place].clone()].trim();
         let is_header = |place: usize| {

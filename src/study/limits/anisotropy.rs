@@ -61,11 +61,11 @@ pub fn anisotropy_decay(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (kappas, count, seeds) =
         grid.choose((vec![0.05], 10_000, 6), (vec![0.003, 0.009, 0.02, 0.035, 0.05], 20_000, 48));
     let seeds = even(1.0, f64::from(seeds), seeds as usize);
-    // κ_n = sqrt(2/π) sqrt(m T/k)/d
+    // overlap number κ_n = sqrt(2/π) sqrt(m T/k)/d
     let softness = |kappa: f64| kappa / FRAC_2_PI.sqrt();
     let temperature = start_temperature(&grid.base);
     let stiffness = |kappa: f64| mass() * temperature / (softness(kappa) * DIAMETER).powi(2);
-    // in this list, κ_n = 0 stands for hard spheres
+    // in this list, an overlap number κ_n of 0 stands for hard spheres
     let all: Vec<f64> = std::iter::once(0.0).chain(kappas.iter().copied()).collect();
     let runs = grid.run(&points(&seeds, &all), |&(seed, kappa)| {
         let experiment = grid.with(|case| {

@@ -27,8 +27,8 @@ fn collapse(failure: &Option<Failure>) -> Option<f64> {
 }
 
 /// Gaps [m] and velocities [m/s] of `count` spheres in a row at the start. If `wall` is true, all spheres approach a
-/// wall at 1 m/s. Otherwise the velocities decrease evenly from 1 m/s for the first sphere to -1 m/s for the last.
-/// `set` is the number of a set of scattered gaps.
+/// wall at 1 m/s. Otherwise the velocities decrease evenly from 1 m/s for the first sphere to -1 m/s for the last. The
+/// gaps are scattered; each value of `set` gives other gaps.
 fn start(count: usize, set: usize, wall: bool) -> (Vec<f64>, Vec<f64>) {
     let middle = if wall { 0.0 } else { 9.0 * count as f64 };
     let gap = |k: usize| 0.5 + scatter(set, k) + if k == 0 { middle } else { 0.0 };
@@ -138,7 +138,8 @@ const BIN: f64 = 2e-3;
 /// Number of bins of time in which the collisions of a bed are counted.
 const BINS: usize = 75;
 
-/// Collision rate of a bed of spheres, and energy conserved by the TC model, in one bin of time.
+/// Collision rate of a bed of spheres in one bin of time, and energy conserved by the TC model (elastic collisions in
+/// quick succession).
 struct CollapseInterval {
     /// [s] simulated time at the middle of the bin.
     at: f64,

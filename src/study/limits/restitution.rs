@@ -13,8 +13,8 @@ use crate::predict::integrator::{Scheme, realised_restitution};
 use crate::runs::StudyError;
 use nalgebra::Vector3;
 
-/// [-] upper limits of the first four classes of the error |realised restitution - given restitution|. The fifth class
-/// has larger errors.
+/// [-] largest errors |realised restitution - given restitution| in the first four classes, each of which has its own
+/// colour in the map. The fifth class has larger errors.
 const CLASSES: [f64; 4] = [0.001, 0.005, 0.02, 0.05];
 
 /// Mean, least and largest realised restitution [-] of head-on impacts, and the first failure. The spheres first touch

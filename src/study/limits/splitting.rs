@@ -9,7 +9,7 @@ use crate::output::panel::SeriesStyle;
 use crate::runs::StudyError;
 
 /// Number of windows (times between two kicks of drag) in the reference run, 32 times that of the finest point of the
-/// map. The error of the reference is thus (1/32)² of the error of this point.
+/// map. The method is of second order, so the error of the reference is (1/32)² of the error of this point.
 const REFERENCE: u64 = 16_384;
 
 /// Map of the errors of position and velocity at the end of a run, as a function of the window, the time between two

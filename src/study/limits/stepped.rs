@@ -39,15 +39,15 @@ pub fn missed_and_overlap(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     );
     let seeds = even(1.0, f64::from(seeds), seeds as usize);
     let duration = collisions / collision_rate(FRACTION, SPEED * SPEED);
-    // in this list, θ = 0 stands for exact collision instants
+    // in this list, a step criterion θ of 0 stands for exact collision instants
     let all: Vec<f64> = std::iter::once(0.0).chain(theta.iter().copied()).collect();
     let runs = grid.run(&points(&seeds, &all), |&(seed, theta)| {
         let mut simulation = simulation(&grid.with(|case| {
             case.run.seed = seed as u64;
             case.hard.stepping = if theta > 0.0 { HardStepping::Steps { theta } } else { HardStepping::Events };
         }))?;
-        // a single window: a window has a whole number of steps, so a short window would force shorter steps than θ
-        // allows
+        // a single window (piece of the run): a window has a whole number of steps, so a short window would force
+        // shorter steps than the step criterion θ allows
         let failure = run(&mut simulation, 1, duration);
         let summary = simulation.record.pairs.summary();
         Ok(SteppedRun {

@@ -9,7 +9,7 @@ use crate::study::points::run_points;
 /// Options for running the points of a sweep (set of points from which maps are made).
 #[derive(Clone, Copy, Debug)]
 pub struct Grid {
-    /// True for fewer points and shorter runs.
+    /// True if each map has fewer points and shorter runs.
     pub quick: bool,
     /// True if no progress is displayed.
     pub quiet: bool,
@@ -28,9 +28,9 @@ pub struct Points<'a> {
 
 /// Point of a map whose numbers are all known.
 pub struct KnownPoint {
-    /// Numbers of the row of the table, in the order of its columns, each in the unit of its column.
+    /// Numbers of the point in the order of the columns of the map's table, each in the unit of its column.
     pub values: Vec<f64>,
-    /// Failure of the first run of the point that stopped early; `None` if no run stopped.
+    /// Failure of the first run of this point of the map that stopped early; `None` if no run stopped.
     pub failure: Option<Failure>,
 }
 

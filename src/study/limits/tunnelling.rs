@@ -67,9 +67,9 @@ pub fn pair(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
 }
 
 /// Point of the map of spheres that hit a thin plate. `reduced` [-] is their speed divided by d ω_0 (diameter times
-/// undamped angular frequency), `steps` the number of steps per contact. The point also has the share of spheres
-/// stopped by the overlap limit, and the share that passed undetected. The `phases` spheres, one per run, reach the
-/// plate at equally spaced instants within a step.
+/// undamped angular frequency), `steps` the number of steps per contact. The `phases` spheres, one per run, reach the
+/// plate at equally spaced instants within a step. The point also has the share of runs that stopped because the
+/// overlap was too large, and the share of spheres that passed undetected.
 fn through_plate(grid: &Points, reduced: f64, steps: f64, phases: i32) -> Result<KnownPoint, StudyError> {
     let frequency = (STIFFNESS / mass()).sqrt();
     let speed = reduced * DIAMETER * frequency;

@@ -14,8 +14,8 @@ use crate::runs::StudyError;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// [-] upper limits of the first four classes of the error of Walton's rule. The error is divided by the largest
-/// friction impulse.
+/// [-] largest errors of Walton's rule in the first four classes, each of which has its own colour in the map. An error
+/// is divided by the largest friction impulse.
 const CLASSES: [f64; 4] = [0.002, 0.01, 0.05, 0.2];
 
 /// [-] ratio M_t/M for a solid sphere: effective mass of the slip divided by that of the normal motion
@@ -36,8 +36,9 @@ fn law(case: &TangentialLaw, restitution: f64, beta: f64) -> TangentialLaw {
     })
 }
 
-/// Reduced slip s/(μ u_n) [-] of the surfaces after one impact with the tangential law `law`; `reduced` [-] is the
-/// reduced slip before it. The second part is the failure of the run, if it stopped early.
+/// Reduced slip s/(μ u_n) [-] of the surfaces after one impact with the tangential law `law`, with slip s, coefficient
+/// of friction μ and normal speed u_n. `reduced` [-] is the reduced slip before the impact. The second part of the
+/// result is the failure of the run, if it stopped early.
 fn rebound(grid: &Points, law: TangentialLaw, reduced: f64) -> Result<(f64, Option<Failure>), StudyError> {
     let mut unit = 0.0;
     let mut simulation = simulation(&grid.with(|case| {

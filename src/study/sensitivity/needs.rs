@@ -55,7 +55,8 @@ pub fn confirm(executor: &mut Executor, table: &mut SensitivityTable) -> Result<
 }
 
 /// Factors whose models can be left out together, beginning with the one that saves the most time. The shifts of each
-/// factor are below the margin. For every observable, the sum of the magnitudes of their shifts is at most the margin.
+/// factor are below the margin (largest accepted shift). For every observable, the magnitudes of the shifts by these
+/// factors add up to at most the margin.
 fn superfluous<'a>(
     planned: &'a [PlannedFactor],
     factors: &[Factor],
@@ -143,7 +144,7 @@ fn of_models(
 }
 
 /// Sentence on the models that the scene does not need, and on the wall time without them. `cost` [-] is this time
-/// divided by that with all models, and `within` is the margin as text.
+/// divided by that with all models, and `within` is the margin (largest accepted shift) as text.
 fn conclusion(cheapest: &Factor, chosen: &[&PlannedFactor], cost: f64, within: &str) -> String {
     let without = chosen.iter().map(|planned| planned.title.as_str()).collect::<Vec<_>>().join(", ");
     let time = significant(Some(cost), 2);
@@ -179,7 +180,8 @@ mod tests {
         PlannedFactor { name, title, simpler, ..PlannedFactor::against(0, 1, "without", "a test") }
     }
 
-    /// A factor whose only observable shifts by `share` of its scale.
+    /// A factor (change of the case) whose only observable shifts by `share` [-], divided by the scale of the
+    /// observable.
     fn factor(name: &str, share: f64, answer: Answer) -> Factor {
         let shift = Shift {
             observable: "T".to_owned(),

@@ -19,7 +19,7 @@ const REPLICAS: u16 = 8;
 pub const NOT_ASKED: &str = "not asked for";
 
 /// Largest number of particles for which runs are compared by the paths of the particles. Such a comparison needs no
-/// replicas.
+/// replicas (runs with different seeds).
 const FEW: usize = 50;
 
 /// Runs that are compared for a factor, given by their indices in the plan.
@@ -27,9 +27,9 @@ const FEW: usize = 50;
 pub enum Compared {
     /// Difference of two runs: the run with the second index minus the run with the first index.
     Against(usize, usize),
-    /// Extrapolation of several runs to infinite stiffness, minus the first run. Each entry has the index of a run and
-    /// its effect of softness [-] divided by that of the first run. This ratio is 1 for the first run and 0 for
-    /// infinite stiffness.
+    /// Extrapolation of several runs to infinite stiffness, minus the first run. Each entry has the index of a run, and
+    /// its effect of softness divided by that of the first run [-]. The effect of softness is measured by the depth of
+    /// the overlaps. The ratio is 1 for the first run and 0 for infinite stiffness.
     Extrapolated(Vec<(usize, f64)>),
 }
 
@@ -67,8 +67,9 @@ impl PlannedFactor {
         Self::new(Compared::Against(base, run), change.into(), why.into())
     }
 
-    /// Factor that compares the extrapolation of several runs to infinite stiffness with the first run. `runs` has
-    /// their indices and their effects of softness [-], divided by that of the first run.
+    /// Factor that compares the extrapolation of several runs to infinite stiffness with the first run. Each entry of
+    /// `runs` has the index of a run, and its effect of softness (measured by the depth of the overlaps) divided by
+    /// that of the first run [-].
     pub fn extrapolated(runs: Vec<(usize, f64)>, change: String, why: String) -> Self {
         Self::new(Compared::Extrapolated(runs), change, why)
     }

@@ -17,16 +17,17 @@ pub struct SensitivityTable<'a> {
     pub plan: SensitivityPlan<'a>,
     /// Question of the study, on which the sentences of the report depend.
     pub question: Question,
-    /// [-] margin of equivalence, relative to the scale of each observable.
+    /// [-] margin of equivalence: largest accepted difference, divided by the scale of each observable.
     pub margin: f64,
     /// Title, case and command of the study, for the report.
     pub provenance: Provenance,
-    /// Outcomes by index of the run, and for each run by replica; `None` for a replica that is not complete.
+    /// Outcomes by index of the run, and for each run by replica (run with another seed); `None` for a replica that is
+    /// not complete.
     pub outcomes: Vec<Vec<Option<Outcome>>>,
 }
 
 impl SensitivityTable<'_> {
-    /// True if all runs of the study are complete, each with all its replicas.
+    /// True if all runs of the study are complete, each with all its replicas (runs with different seeds).
     pub fn is_whole(&self) -> bool {
         self.outcomes.iter().flatten().all(Option::is_some)
     }

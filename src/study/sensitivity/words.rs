@@ -56,7 +56,8 @@ pub fn sentences(factors: &[Factor], waiting: &[String], margin: f64) -> Vec<Str
     sentences
 }
 
-/// Text of a shift in per cent of its scale, with its standard error, and as a multiple of the margin.
+/// Text of a shift, with its standard error and as a multiple of the margin (largest accepted shift). The shift is in
+/// per cent of the scale of the observable, by which it is divided.
 fn headline(shift: &Shift, margin: f64) -> String {
     let times = significant(shift.share().abs() / margin, 2);
     format!("{} by {}, {times} times the margin of {}", where_(shift), share(shift), margin_in_words(margin))
@@ -73,7 +74,7 @@ fn where_(shift: &Shift) -> String {
 /// [-] largest shift, divided by its scale, that is attributed to rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Text of a shift in per cent of its scale, with its standard error.
+/// Text of a shift with its standard error, both in per cent of the scale of the observable, by which they are divided.
 fn share(shift: &Shift) -> String {
     if shift.share().abs() < ROUNDING && shift.share_error().is_none_or(|error| error < ROUNDING) {
         return "nothing".into();

@@ -60,7 +60,7 @@ mod tests {
     #[test]
     fn a_reading_error_leaves_a_small_difference_unresolved() {
         assert_eq!(answer(read_off("n", "", (1.0, 0.01), 1.02, 0.05)), Answer::Equivalent);
-        // 0.04 + 1.65 errors is beyond the margin, and a difference needs four errors
+        // 0.04 + 1.65 errors is beyond the margin (largest accepted difference), and a difference needs four errors
         assert_eq!(answer(read_off("n", "", (1.0, 0.01), 1.035, 0.05)), Answer::Unresolved);
         assert_eq!(answer(read_off("n", "", (1.0, 0.01), 1.06, 0.05)), Answer::Different);
     }

@@ -12,19 +12,19 @@ use rayon::prelude::*;
 
 /// Row of the validation suite: a description of the comparison, and the function that runs its scene.
 pub struct ValidationCheck {
-    /// Name of the row on the command line (`--only`) and in the report.
+    /// Name of the row (comparison of the suite) on the command line (`--only`) and in the report.
     pub name: &'static str,
     /// Kind of the reference, such as a closed form or an experiment.
     pub tier: ValidationTier,
-    /// Name of the built-in case that contains the scene. The row may change some keys of this case.
+    /// Name of the built-in case that contains the scene. The comparison may change some keys of this case.
     pub case: &'static str,
     /// Description of the scene, for the report.
     pub scene: &'static str,
     /// Source of the reference value, with the place in the source.
     pub source: &'static str,
-    /// Sentence on effects that the row does not test.
+    /// Sentence on effects that the comparison does not test.
     pub not_shown: &'static str,
-    /// True if the row takes minutes. The option `--quick` leaves such rows out.
+    /// True if the comparison takes minutes. The option `--quick` leaves out such comparisons.
     pub takes_minutes: bool,
     /// Function that runs the scene, and returns the results with their references.
     pub measure: fn(&CheckScene) -> Result<CheckResult, StudyError>,
@@ -32,9 +32,9 @@ pub struct ValidationCheck {
 
 /// Results of a row of the validation suite, with a picture if there is one.
 pub struct CheckResult {
-    /// Results with their references, before they are judged.
+    /// Numbers of the comparison with their references, before they are judged.
     pub numbers: Vec<ValidationNumber>,
-    /// Picture with its caption; `None` if the row has no picture.
+    /// Picture with its caption; `None` if the comparison has no picture.
     pub picture: Option<(&'static str, Panel)>,
 }
 
@@ -44,7 +44,7 @@ impl From<Vec<ValidationNumber>> for CheckResult {
     }
 }
 
-/// Built-in case of a row, from which the experiments of the row are made.
+/// Built-in case of a row (comparison of the suite), from which the experiments of the row are made.
 pub struct CheckScene {
     case: Case,
     /// True for fewer and shorter runs (option `--quick`).
@@ -112,12 +112,13 @@ pub fn run_to(simulation: &mut Simulation, time: f64, windows: u64) -> Result<()
     Ok(())
 }
 
-/// Error of a row for the failure of an engine.
+/// Error of a row (comparison of the suite) for the failure of an engine.
 pub fn stopped(why: Failure) -> StudyError {
     StudyError::Failed(why.to_string())
 }
 
-/// Makes a result of a row that has no scatter, with an exact reference. The tolerance is in the unit of the result.
+/// Makes a number of a validation row that has no scatter, with an exact reference. The tolerance is in the unit of the
+/// number.
 pub fn exact(
     name: impl Into<String>,
     unit: &'static str,
@@ -137,8 +138,9 @@ pub fn exact(
     }
 }
 
-/// Makes a result of a row that has no scatter, with a reference that is a measurement or was read off a picture.
-/// `reading` is the standard error of the reference. This error and the margin are in the unit of the result.
+/// Makes a number of a validation row that has no scatter, with a reference that is a measurement or was read off a
+/// picture. `reading` is the standard error of the reference. This error and the margin (largest accepted difference)
+/// are in the unit of the number.
 pub fn read_off(
     name: impl Into<String>,
     unit: &'static str,
@@ -153,8 +155,8 @@ pub fn read_off(
     }
 }
 
-/// Makes a result of a row from several independent runs, with its standard error. The margin is in the unit of the
-/// result.
+/// Makes a number of a validation row from several independent runs, with its standard error. The margin (largest
+/// accepted difference) is in the unit of the number.
 pub fn averaged(
     name: impl Into<String>,
     unit: &'static str,

@@ -11,7 +11,8 @@ use crate::statistics::Estimate;
 use statrs::function::erf::erf;
 use std::f64::consts::PI;
 
-/// Validation row: a cooling gas of hard spheres with a contact time (TC model).
+/// Validation row: a cooling gas of hard spheres with a contact time (TC model), within which further collisions are
+/// elastic.
 pub const CONTACT_TIME: ValidationCheck = ValidationCheck {
     name: "tc-cooling",
     tier: OtherCodes,
@@ -23,7 +24,8 @@ pub const CONTACT_TIME: ValidationCheck = ValidationCheck {
     measure: cooling,
 };
 
-/// [-] contact time of the TC model, divided by the mean time between two collisions of a sphere at the start.
+/// [-] contact time t_c of the TC model (collisions within t_c of another one are elastic), divided by the mean time
+/// between two collisions of a sphere at the start.
 const RATIO: f64 = 0.2;
 
 /// [-] largest speed in the integrals over the Maxwellian velocity distribution, divided by √T. A share of 1e-17 of the
@@ -40,8 +42,9 @@ fn rate_at(v: f64) -> f64 {
     mean_relative_speed * PI.sqrt() / 4.0
 }
 
-/// [-] rate of energy loss in the TC model, divided by that of Haff's law. `ratio` [-] is the contact time divided by
-/// the mean time between two collisions of a sphere, and `loss` [-] is 1 - e².
+/// [-] rate of energy loss in the TC model, in which collisions within the contact time t_c of another one are elastic,
+/// divided by that of Haff's law. `ratio` [-] is t_c divided by the mean time between two collisions of a sphere, and
+/// `loss` [-] is 1 - e² with the restitution e.
 ///
 /// A sphere that collides changes its speed. Spheres of one speed collide at the rate ν. In a steady gas, equally many
 /// spheres get this speed by a collision. So the share exp(-ν t_c) of them has not collided during the last time t_c.
@@ -52,8 +55,8 @@ fn share_of_loss(ratio: f64, loss: f64) -> f64 {
     (0..4).fold(1.0, |share, _| share_with_cooling(ratio, loss * share / 3.0))
 }
 
-/// [-] rate of energy loss in the TC model, divided by that of Haff's law, for a given rate of cooling. `cooling` [-]
-/// is -d(ln T)/dt divided by the collision rate of a sphere.
+/// [-] rate of energy loss in the TC model (elastic collisions in quick succession), divided by that of Haff's law. It
+/// is valid for a given rate of cooling: `cooling` [-] is -d(ln T)/dt divided by the collision rate of a sphere.
 fn share_with_cooling(ratio: f64, cooling: f64) -> f64 {
     let step = FASTEST / POINTS as f64;
     let speeds: Vec<f64> = (0..POINTS).map(|k| (k as f64 + 0.5) * step).collect();
@@ -72,8 +75,8 @@ fn share_with_cooling(ratio: f64, cooling: f64) -> f64 {
     kept / all
 }
 
-/// [-] temperature ratio T(t)/T(0) at the `times` [s], by the theory of the TC model. `rate` [1/s] is the collision
-/// rate of a sphere at the start.
+/// [-] temperature ratio T(t)/T(0) at the `times` [s], by the theory of the TC model (elastic collisions in quick
+/// succession). `rate` [1/s] is the collision rate of a sphere at the start.
 fn theory(restitution: f64, rate: f64, times: &[f64]) -> Vec<f64> {
     /// Number of time steps from one of the times to the next, with which the classical Runge-Kutta method is exact to
     /// 1e-9.

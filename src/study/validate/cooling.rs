@@ -177,8 +177,8 @@ pub const ROUGH: ValidationCheck = ValidationCheck {
     measure: rough,
 };
 
-/// Reference values: number of collisions per sphere, then T and T_r divided by the initial T [-], each with its
-/// standard error.
+/// Reference values: number of collisions per sphere, then granular temperature T and rotational temperature T_r
+/// divided by the initial T [-], each with its standard error.
 const MONTE_CARLO: [(f64, [(f64, f64); 2]); 2] =
     [(1.0, [(0.86357, 0.00093), (0.81901, 0.00040)]), (5.0, [(0.45934, 0.00064), (0.38795, 0.00048)])];
 
@@ -216,8 +216,8 @@ fn rough(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(numbers.into())
 }
 
-/// Measured T and T_r divided by the initial temperature [-], after each number of collisions per sphere in
-/// [`MONTE_CARLO`], and after 20 collisions.
+/// Measured granular temperature T and rotational temperature T_r [-], both divided by the mean of the initial T and
+/// T_r. There is one entry after each number of collisions per sphere in [`MONTE_CARLO`], and one after 20 collisions.
 fn temperatures(simulation: &mut Simulation) -> Result<Vec<[f64; 2]>, StudyError> {
     let both = |simulation: &Simulation| {
         let particles = &simulation.particles;

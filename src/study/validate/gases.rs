@@ -137,7 +137,8 @@ pub const ATMOSPHERE: ValidationCheck = ValidationCheck {
     measure: atmosphere,
 };
 
-/// Sums over all particles and samples of a run, from which the profile of the atmosphere is computed.
+/// Sums over all particles and all samples (instants of measurement) of a run, from which the profile of the atmosphere
+/// is computed.
 #[derive(Default)]
 struct Heights {
     samples: f64,

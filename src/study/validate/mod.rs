@@ -77,8 +77,8 @@ pub fn not_validated() -> &'static [NotValidated] {
     missing::MISSING
 }
 
-/// Runs the row with the name `name` and judges its results; `None` if there is no such row. If `quick` is true, the
-/// row has fewer and shorter runs.
+/// Runs the row (comparison of the suite) with the name `name` and judges its results; `None` if there is no such row.
+/// If `quick` is true, the row has fewer and shorter runs.
 ///
 /// # Errors
 /// Returns an error if the scene cannot be made. This would be a fault of the program.
@@ -114,7 +114,7 @@ fn measured(check: &ValidationCheck, quick: bool) -> Result<ValidationRow, Study
     })
 }
 
-/// Rows that the arguments select, and the names of the rows that `--quick` leaves out.
+/// Rows (comparisons of the suite) that the arguments select, and the names of the rows that `--quick` leaves out.
 fn wanted(args: &Validate) -> Result<(Vec<&'static ValidationCheck>, Vec<&'static str>), StudyError> {
     let known: Vec<&str> = names().collect();
     if let Some(unknown) = args.only.iter().find(|name| !known.contains(&name.as_str())) {
@@ -171,8 +171,8 @@ pub fn validate(args: &Validate) -> Result<Option<Answer>, StudyError> {
     if failed.is_empty() { Ok(study.answer()) } else { Err(StudyError::Failed(failed.join("\n"))) }
 }
 
-/// Sentence with the number of rows that agree with their references, and the names of the different and of the
-/// unresolved rows.
+/// Sentence with the number of rows (comparisons) that agree with their references, and the names of the different and
+/// of the unresolved rows.
 fn sentence(study: &ValidationStudy) -> String {
     let of = |answer: Answer| -> Vec<&str> {
         study.rows.iter().filter(|row| row.answer() == answer).map(|row| row.name).collect()

@@ -11,8 +11,9 @@ use crate::predict::contact::ContactTimes;
 use crate::schedule::Schedule;
 use crate::simulation::soft_step;
 
-/// Largest number of windows, or of time steps of all particles, unless the case allows more. It is about a hundred
-/// times that of the paper's longest run (6.5e6). A run of a single particle with this number takes minutes to hours.
+/// Largest number of windows (times between two exchanges with the gas), or of time steps of all particles, unless the
+/// case allows more. It is about a hundred times the number in the longest run of the reference paper (6.5e6). A run of
+/// a single particle with so many windows takes minutes to hours.
 pub const MOST: f64 = 1e9;
 
 /// Largest number of time steps if time steps move only particles in contact. With more steps, the length of a step
@@ -20,7 +21,8 @@ pub const MOST: f64 = 1e9;
 const MOST_LOCAL: f64 = 1e15;
 
 impl Resolver {
-    /// Refuses a run that has too many windows or time steps, unless the case allows such runs.
+    /// Refuses a run that has too many windows (times between two exchanges with the gas) or time steps, unless the
+    /// case allows such runs.
     pub(super) fn check_length(&mut self, file: &CaseFile, experiment: &Experiment) -> Result<(), Diagnostic> {
         let Some(run) = file.run.as_ref() else { return Ok(()) };
         let value = &run.value;

@@ -9,8 +9,8 @@ use crate::experiment::{Experiment, Model};
 use crate::walls::{MovingShape, PiecewisePath, PrescribedMotion, ServoMotion, ServoState, Turning, Wall};
 use nalgebra::Vector3;
 
-/// [-] share of a length that counts as rounding. This number is also the allowed difference of a cosine from 1 for
-/// planes that count as parallel.
+/// [-] largest difference of two lengths, over the size of the box, that counts as rounding. Two directions count as
+/// parallel if the magnitude of the cosine of the angle between them differs from 1 by at most this number.
 const ROUNDING: f64 = 1e-9;
 
 impl Resolver {

@@ -21,14 +21,15 @@ const MOST_BINS: i64 = 10_000;
 /// Largest number of wavelengths along an edge of the box. The list of wave vectors grows with the third power of this
 /// number.
 const MOST_WAVES: f64 = 100.0;
-/// Largest number of cells of a grid of fields. A cell takes 2.5 KB of memory: 16 sums in each of 20 blocks of time.
+/// Largest number of cells of a grid of fields (density, velocity and stress). A cell takes 2.5 KB of memory: 16 sums
+/// for each of the 20 parts into which the time of a run is divided.
 const MOST_CELLS: i64 = 50_000;
-/// Smallest and largest number of columns of a surface along an edge of the box. The computing time of a sample grows
-/// with the third power of the number of columns.
+/// Smallest and largest number of columns of a surface along an edge of the box. The computing time at each instant of
+/// measurement grows with the third power of the number of columns.
 const FEWEST_COLUMNS: f64 = 10.0;
 const MOST_COLUMNS: f64 = 500.0;
-/// Smallest number of samples within the longest time of the mean squared displacement, or of the correlation of
-/// stresses.
+/// Smallest number of samples (instants of measurement) within the longest time span of the mean squared displacement,
+/// or of the correlation of stresses.
 const FEWEST_SAMPLES: f64 = 10.0;
 
 impl Resolver {
@@ -228,7 +229,8 @@ impl Resolver {
         Err(self.sources.error(&viscosity.origin, message).help(help))
     }
 
-    /// Checks that the longest time of a measurement has enough samples and is within the run.
+    /// Checks that the longest time span of a measurement, such as that of a displacement, contains enough samples
+    /// (instants of measurement) and is within the run.
     fn check_samples(&self, typed: &Located<Time>, experiment: &Experiment) -> Result<(), Diagnostic> {
         let interval = Schedule::new(experiment).interval();
         let (asked, least, most) = (typed.value.0, FEWEST_SAMPLES * interval, experiment.run.duration);

@@ -25,7 +25,7 @@ const SOFT_LIMIT: f64 = 0.01;
 /// Rule by which overlaps in the initial state are accepted or refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Rule {
-    /// Hard spheres may not overlap; soft spheres may start in a contact.
+    /// The usual rule: hard spheres may not overlap, while soft spheres may start in a contact.
     Events,
     /// Hard spheres of a saved state may overlap, because the stepped engine finds overlaps at the ends of steps.
     Steps,

@@ -15,8 +15,8 @@ use crate::triangles::digits;
 use nalgebra::Vector3;
 use rustc_hash::FxHashSet;
 
-/// Indices in [`COLUMNS`], the properties of a particle, of columns that a file may lack. `OF_SPIN` and `OF_MOMENTUM`
-/// are the indices of the x components of vectors.
+/// Index of the diameter in [`COLUMNS`], the properties of a particle. The constants below are indices of other
+/// properties that a file may lack; `OF_SPIN` and `OF_MOMENTUM` are those of the x component of a vector.
 const OF_DIAMETER: usize = 6;
 const OF_SPECIES: usize = 7;
 const OF_ID: usize = 8;

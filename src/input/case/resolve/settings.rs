@@ -195,7 +195,8 @@ impl Resolver {
         })
     }
 
-    /// [s] contact time t_c of the TC model; `None` if the case gives none.
+    /// [s] contact time t_c of the TC model, in which collisions in quick succession (within t_c) are elastic. `None`
+    /// if the case gives no contact time.
     fn contact_time(&mut self, hard: &HardFile, stepping: HardSteppingFile) -> Result<Option<f64>, Diagnostic> {
         let Some(typed) = &hard.contact_time else { return Ok(None) };
         let help = "t_c of the TC model: how long a contact would last, for example \"1e-6 s\"; leave it out for none";

@@ -8,19 +8,19 @@ use super::ghost_islands::{HotParticleDigest, agree_with, tell};
 use super::packing::{packed, unpacked};
 use crate::engine::islands::{IslandFinder, Reach};
 
-/// [-] safety factor on the distance from which particles are borrowed (copied from other processes), relative to the
-/// distance needed in the last part. Repeating a part costs more than borrowing a few particles too many.
+/// [-] factor by which the distance within which a process copies particles of others exceeds the distance needed in
+/// the last part (piece of a window). To repeat a part costs more than to copy a few particles too many.
 const SPARE: f64 = 1.25;
 
 /// Joint decision of all processes, after each has tried to solve its islands (groups of particles that may meet) in a
 /// part, a piece of the time between two exchanges with the gas.
 pub enum PartDecision {
-    /// The results of all processes for the part are valid.
+    /// The results of all processes for this piece of the window are valid.
     Done,
-    /// The part must be repeated, with particles borrowed (copied from other processes) from farther away.
+    /// This piece of the window must be computed again, with particles copied from other processes farther away.
     Again,
-    /// Islands are not used in this part: one is too large, reaches beyond half a period of the box, or an engine
-    /// failed.
+    /// Islands (groups of particles that may meet) are not used in this piece of the window. One of them is too large
+    /// or reaches beyond half a period of the box, or the engine failed.
     Failed,
 }
 
@@ -30,7 +30,7 @@ struct LocalStatus {
     /// Largest distances [m] that particles reach in flights and in islands (groups of particles that may meet).
     reach: Reach,
     /// Smallest distance [m] from the islands (groups of particles that may meet) of own particles to the border of the
-    /// region whose particles this process stores. It is negative if an island reaches beyond.
+    /// region whose particles this process stores. It is negative if an island reaches beyond this border.
     room: f64,
     /// True if an island (group of particles that may meet) is too large, or the engine failed.
     failed: bool,
@@ -40,10 +40,10 @@ struct LocalStatus {
 }
 
 impl<C> Domains<C> {
-    /// Returns the joint decision of all processes about a part, a piece of the time between two exchanges with the
-    /// gas, that they have tried. Its results are accepted, it is repeated with particles from farther away, or it is
-    /// computed without islands. `failed` is true if, in this process, an island (group of particles that may meet) is
-    /// too large or the engine failed. All processes must call this function.
+    /// Returns the joint decision of all processes about a part, a piece of a window that they have tried to compute.
+    /// The part is accepted, repeated with particles from farther away, or computed without islands. `failed` is true
+    /// if, in this process, an island (group of particles that may meet) is too large or the engine failed. All
+    /// processes must call this function.
     pub fn decide<'a>(
         &mut self,
         islands: &impl IslandFinder<'a>,

@@ -25,13 +25,15 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::sync::Arc;
 
-/// [-] smallest width of the zone around the block of a process from which it borrows (copies) particles of other
-/// processes. The unit is the largest distance that a flying particle reaches from the middle of its flight.
+/// [-] smallest width of the zone around the block of a process (its region of the box) from which it borrows (copies)
+/// particles of other processes. The unit is the largest distance that a flying particle reaches from the middle of its
+/// flight.
 const SEEN: f64 = 4.0;
 
-/// [-] width of the zone from which a process borrows particles of other processes in the first part of a run, in the
-/// unit of [`SEEN`]. The width that islands need is not yet known then. Case D with 10⁶ particles needs 8, and a
-/// repeated part costs as much as a whole window.
+/// [-] width of the zone from which a process borrows (copies) particles of other processes in the first part (piece of
+/// a window) of a run. The unit is that of [`SEEN`]. In this first part the width that islands need is not yet known.
+/// Case D of the channel study with 10⁶ particles needs 8. With too small a width the part is repeated, which costs as
+/// much as a whole window.
 const SEEN_AT_FIRST: f64 = 10.0;
 
 /// Number of particles per process below which processes do not share uniform steps, because most particles would be
@@ -44,7 +46,8 @@ pub struct Domains<C> {
     pub(super) communicator: Arc<dyn Communicator>,
     /// Blocks of the box, one per process.
     pub(super) blocks: Blocks,
-    /// [m] distance from the block of this process within which it borrows (copies) particles of other processes.
+    /// [m] distance from the block (region of the box) of this process within which it borrows (copies) particles of
+    /// other processes.
     pub(super) width: f64,
     /// True if each process stores only the particles of its block; false if the lead process stores the particles of
     /// all blocks.
@@ -63,10 +66,11 @@ pub struct Domains<C> {
 pub struct LocalParticles<C> {
     /// For each particle in the store, true if this process owns it; empty if this process owns all particles.
     pub(super) mine: Vec<bool>,
-    /// Number of particles in the store at the start of the part, before those of other processes were copied.
+    /// Number of particles in the store at the start of the part (interval of time), before those of other processes
+    /// were copied.
     pub(super) count: usize,
-    /// Carried contacts at the start of the part: those among own particles, and those between an own particle and one
-    /// of another process.
+    /// Carried contacts at the start of the part (interval of time): those among own particles, and those between an
+    /// own particle and one of another process.
     pub(super) lasting: (Vec<C>, Vec<CrossRankContact<C>>),
     /// Index in the store of each particle that another process owns, by its id.
     pub(super) strangers: FxHashMap<u32, u32>,
@@ -123,9 +127,10 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         }
     }
 
-    /// Sends particles that have left the block to the processes that now own them, and copies from other processes
-    /// those particles whose flights come near the block. Flights last `part` [s], in a frame with the velocity `frame`
-    /// [m/s]. `flight` [m] is the largest distance of a flying particle from the middle of its flight.
+    /// Sends particles that have left the block (region of the box) to the processes that now own them. Copies from
+    /// other processes those particles whose flights have their middle within `width` of the block. Flights last `part`
+    /// [s], in a frame with the velocity `frame` [m/s]. `flight` [m] is the largest distance of a flying particle from
+    /// the middle of its flight.
     pub fn trade<S: Solve<Carried = C>>(
         &mut self,
         work: &mut Work<C>,
@@ -213,10 +218,10 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         pack(work.particles, indices, &lasting)
     }
 
-    /// Sends particles that have left the block to the processes that now own them, and copies all particles of other
-    /// processes within `width` [m] of the block. The first result is, for each particle, true if this process owns it.
-    /// The second result is, for each process, the indices of the own particles of which that process now has copies;
-    /// it may have had these copies before.
+    /// Sends particles that have left the block (region of the box) to the processes that now own them, and copies all
+    /// particles of other processes within `width` [m] of the block. The first result is, for each particle, true if
+    /// this process owns it. The second result is, for each process, the indices of the own particles of which that
+    /// process now has copies; it may have had these copies before.
     pub fn borrow<S: Solve<Carried = C>>(&mut self, work: &mut Work<C>, width: f64) -> (Vec<bool>, Vec<Vec<u32>>) {
         let before = std::mem::replace(&mut self.width, width);
         let LocalParticles { mine, .. } = self.trade::<S>(work, (Vector3::zeros(), 0.0), 0.0);
@@ -256,15 +261,15 @@ impl<C> Domains<C> {
         self.blocks.corners(self.communicator.rank(), domain)
     }
 
-    /// Distance [m] from the block of another process within which own particles are copied to that process. It exceeds
-    /// `width` by a billionth, to allow for rounding.
+    /// Distance [m] from the block (region of the box) of another process within which own particles are copied to that
+    /// process. It exceeds `width` by a billionth, to allow for rounding.
     pub(super) fn lent(&self) -> f64 {
         self.width * (1.0 + 1e-9)
     }
 
     /// Calls `visit` with the number of every other process that needs a copy of an own particle. `x` [m] is the middle
-    /// of the particle's flight, or its position. `block` contains the lowest and highest corner of the block of this
-    /// process.
+    /// of the particle's flight, or its position. `block` contains the lowest and highest corner of the block (region
+    /// of the box) of this process.
     pub(super) fn for_each_borrower(
         &self,
         x: &Vector3<f64>,

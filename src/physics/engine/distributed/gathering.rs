@@ -13,10 +13,10 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 /// [-] ratio of the largest number of particles of a process to the mean number, above which the borders of the blocks
-/// are moved. The other processes must wait for the process with most particles.
+/// (regions of the box) are moved. The other processes must wait for the process with most particles.
 const FULLEST: f64 = 1.1;
 
-/// Approximate number of particles whose positions determine new borders of the blocks.
+/// Approximate number of particles whose positions determine new borders of the blocks (regions of the box).
 const ASKED: usize = 1 << 16;
 
 /// Number of particles that a process sends at a time, which limits the memory of messages for any number of particles.
@@ -37,7 +37,7 @@ pub struct GatheredPart<C> {
 
 impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     /// Distributes all particles and their contacts in progress from the lead process to the processes that own the
-    /// blocks. New blocks with about equal numbers of particles are made first.
+    /// blocks (regions of the box). New blocks with about equal numbers of particles are made first.
     pub fn cut<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>) {
         let (domain, size) = (&work.scene.domain, self.communicator.size());
         work.particles.wrap(domain);
@@ -103,14 +103,16 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         true
     }
 
-    /// Begins a run with blocks of equal size; each process must already store the particles of its block.
+    /// Begins a run with blocks (regions of the box) of equal size; each process must already store the particles of
+    /// its block.
     pub fn begin_cut(&mut self, domain: &Domain) {
         self.blocks = Blocks::of_one_size(self.communicator.size(), domain);
         self.is_cut = true;
     }
 
-    /// Moves the borders of the blocks if one process has many more particles than the mean. Particles whose block
-    /// changes in this way are sent to their new process later, when the processes next exchange particles.
+    /// Moves the borders of the blocks (regions of the box) if one process has many more particles than the mean.
+    /// Particles whose block changes in this way are sent to their new process later, when the processes next exchange
+    /// particles.
     pub fn balance(&mut self, particles: &Particles, domain: &Domain) {
         let (mut most, count) = ([particles.len() as f64], self.population.count);
         self.communicator.largest(&mut most);

@@ -1,4 +1,5 @@
-//! Operations with which several processes share uniform time steps. With a single process they exchange nothing.
+//! Operations with which several processes share uniform time steps, in which all particles move by the same Δt. With a
+//! single process they exchange nothing.
 
 use crate::engine::soft::{ContactSums, SoftSolver};
 use crate::engine::{Failure, not_a_number};
@@ -31,8 +32,8 @@ pub trait GhostExchange {
     }
 
     /// Builds the neighbour list again, for uses that are `times[0]` [s] apart. Several processes also exchange the
-    /// particles that have left their blocks. Before that they apply the forces that are not yet applied, for the
-    /// remaining time `times[1]` [s].
+    /// particles that have left their blocks (regions of the box). Before that they apply the forces that are not yet
+    /// applied, for the remaining time `times[1]` [s].
     fn rebuild(&mut self, solver: &mut SoftSolver, particles: &mut Particles, scene: &Scene, times: [f64; 2]) {
         solver.rebuild(particles, scene, times[0]);
     }

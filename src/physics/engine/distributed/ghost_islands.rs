@@ -17,7 +17,8 @@ pub struct HotParticleDigest {
     /// Ball that contains the particle after the first touch in its island, until the end of the part (piece of the
     /// time between two exchanges with the gas).
     ball: BoundingSphere,
-    /// Velocity changes of the particle in the part, in the order of time; `None` if the engine does not report them.
+    /// Velocity changes of the particle in the part (interval of time), in the order of time; `None` if the engine does
+    /// not report them.
     turns: Option<Vec<VelocityChange>>,
 }
 
@@ -78,9 +79,9 @@ pub fn agree_with<'a>(
     alike && told.iter().all(|(index, told)| is_known(*index) || !meets(*index, told))
 }
 
-/// Members of own islands that are not sorted into cells and may meet a particle in the messages `told`. `own` is true
-/// for each island that this process owns. Members too deep inside the region to meet such a particle are left out. No
-/// member or ball reaches farther than `widest` [m] from its middle.
+/// Members of own islands that are not in the cells of the search and may meet a particle in the messages `told`. `own`
+/// is true for each island that this process owns. Members too deep inside the region to meet such a particle are left
+/// out. No member, and no ball in the messages, reaches farther than `widest` [m] from its middle.
 fn late_near<'i, 'a: 'i>(
     islands: &'i impl IslandFinder<'a>,
     own: &[bool],

@@ -62,9 +62,10 @@ impl Halo {
         Self { mine: vec![true; count], own: (0..count as u32).collect(), ..Self::default() }
     }
 
-    /// Sends particles that have left the block to the processes that own their new blocks, and copies all particles of
-    /// other processes within `width` [m] of the block. Afterwards the store contains own particles and copies, and
-    /// `work.lasting` their contacts. The lists `own`, `lent` and `borrowed` are filled later, by `follow`.
+    /// Sends particles that have left the block (region of the box) to the processes that own their new blocks, and
+    /// copies all particles of other processes within `width` [m] of the block. Afterwards the store contains own
+    /// particles and copies, and `work.lasting` their contacts. The lists `own`, `lent` and `borrowed` are filled
+    /// later, by `follow`.
     pub fn borrow(domains: &mut Domains<Contact>, work: &mut Work<Contact>, width: f64) -> (Self, Names) {
         let (mine, indices) = domains.borrow::<SoftIslands>(work, width);
         let id = &work.particles.id;
@@ -154,7 +155,8 @@ impl Halo {
         for (k, &index) in self.own.iter().enumerate() {
             seen.set_motion(index as usize, &own.motion(k));
         }
-        // kicks also change the gas fluctuations (`eddies`) at the particles; those of borrowed particles are not used
+        // kicks by drag also change the gas fluctuations (`eddies`) at the particles; those of borrowed particles are
+        // not used
         if let (Some(eddies), Some(of_own)) = (&mut seen.eddies, &own.eddies) {
             self.own.iter().zip(of_own).for_each(|(&index, own)| eddies[index as usize] = *own);
         }

@@ -40,7 +40,8 @@ pub trait Distributed: Engine {
     ///
     /// If `sample` is divided among the processes, each process must store the particles of its block, among [blocks of
     /// one size](crate::domain::blocks::Blocks::of_one_size). Otherwise the lead process stores all particles.
-    /// Particles of other processes are then ignored until the run is first cut.
+    /// Particles in the stores of other processes are then ignored until the run is first cut, so that each process
+    /// stores only its own particles.
     fn share(&mut self, communicator: Arc<dyn Communicator>, sample: &Sample, scene: &Scene);
 
     /// True if each process stores only the particles of its domain; false if the lead process stores all particles.
@@ -59,7 +60,7 @@ pub trait Distributed: Engine {
     /// nothing if they have not been replaced.
     fn scatter(&mut self, particles: &mut Particles);
 
-    /// True if each process can store its own part of the state of the run by [`packed`](Self::packed). Otherwise all
+    /// True if each process can store its own share of the state of the run by [`packed`](Self::packed). Otherwise all
     /// particles must first be copied to the lead process, which then stores the state.
     fn gives_parts(&self) -> bool;
 
@@ -67,9 +68,9 @@ pub trait Distributed: Engine {
     /// [`take_parts`](Self::take_parts) reads. Used while each process stores only its own particles.
     fn packed(&self, particles: &Particles) -> Vec<u8>;
 
-    /// Replaces all particles and contacts in progress by those of a stored run, which consists of `count` parts packed
-    /// by [`packed`](Self::packed). In the lead process, or the only one, `next` returns the part with a given number.
-    /// All processes must call this function.
+    /// Replaces all particles and contacts in progress by those of a stored run, which consists of `count` parts
+    /// (shares of its particles), packed by [`packed`](Self::packed). In the lead process, or the only one, `next`
+    /// returns the part with a given number. All processes must call this function.
     fn take_parts(
         &mut self,
         particles: &mut Particles,
@@ -131,7 +132,7 @@ pub struct CrossRankContact<C> {
     pub carried: C,
     /// Index in the store of the particle of this process.
     pub own: u32,
-    /// Overlap of the two bodies at the end of the last interval of motion; it may be negative. `None` if the carried
-    /// state is no contact, or if it was received since and the overlap is not yet computed.
+    /// Overlap of the two bodies at the end of the last interval of motion; it is negative if they are apart. `None` if
+    /// the carried state is no contact, or if another process has sent it since and the overlap is not yet computed.
     pub overlap: Option<Overlap>,
 }

@@ -50,8 +50,8 @@ pub fn add_received_contacts<S: Solve>(
 
 impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     /// Distributes a part of a stored run, which the lead process has read as `bytes`, to the processes that own the
-    /// blocks. Returns to each process the bytes with its particles and their contacts. All processes must call this
-    /// function, the others with empty `bytes`.
+    /// blocks (regions of the box). Returns to each process the bytes with its particles and their contacts. All
+    /// processes must call this function, the others with empty `bytes`.
     pub fn deal<S: Solve<Carried = C>>(&self, bytes: &[u8], domain: &Domain) -> Vec<u8> {
         let mut outgoing = vec![Vec::new(); self.communicator.size()];
         let mut part = Particles::default();

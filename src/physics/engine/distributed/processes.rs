@@ -32,8 +32,8 @@ impl<C> Default for Processes<C> {
 
 impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
     /// Shares the run among processes; `population` summarises the sizes of all particles. If each process already
-    /// stores the particles of its block, `cut` is the box. With `None` the lead process stores all particles, which
-    /// are distributed when islands (groups of particles that may meet) are next tried.
+    /// stores the particles of its block (region of the box), `cut` is the box. With `None` the lead process stores all
+    /// particles, which are distributed when islands (groups of particles that may meet) are next tried.
     pub fn share(&mut self, communicator: Arc<dyn Communicator>, population: PopulationSummary, cut: Option<&Domain>) {
         let domains = self.domains.insert(Domains::new(communicator, population));
         cut.into_iter().for_each(|domain| domains.begin_cut(domain));
@@ -88,9 +88,9 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         self.domains.iter().for_each(|domains| domains.largest(values));
     }
 
-    /// Completes the sum of the energies [J] of contacts. Before the call, `sum` contains those among own particles,
-    /// and afterwards those of all processes. `energy` returns the energy of a contact. Does nothing for a single
-    /// process.
+    /// Completes the sum of the energies [J] of contacts. Before the call, `sum` contains the energies of contacts
+    /// among own particles, and afterwards those of all contacts in all processes. `energy` returns the energy of a
+    /// contact. Does nothing for a single process.
     pub fn add_energy(&self, sum: &mut ExactSum, energy: impl Fn(&C) -> f64) {
         if let Some(domains) = self.cut_domains().filter(|_| !self.is_shown()) {
             // half, since both processes count it
@@ -139,15 +139,15 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
     }
 
     /// Distributes the particles from the lead process to the owners of their domains, if the lead process still stores
-    /// all.
+    /// all particles.
     pub fn cut<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>) {
         if let Some(domains) = self.domains.as_mut().filter(|domains| !domains.is_cut) {
             domains.cut(solver, work);
         }
     }
 
-    /// Moves all particles to the lead process. `members` lists the particles that were in islands in the most recent
-    /// part of a window; their indices are adapted.
+    /// Moves all particles to the lead process. `members` lists the particles that were in islands in the last part
+    /// (interval of time) of a window; their indices are adapted.
     pub fn assemble<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, members: &mut Vec<u32>) {
         if let Some(domains) = self.domains.as_mut().filter(|domains| domains.is_cut) {
             domains.assemble(solver, work, members);
@@ -156,7 +156,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
 
     /// Replaces all particles and contacts in progress by those of a stored run, which consists of `count` packed
     /// parts. In the lead process, `next` returns the part with a given number. Each process keeps the particles in its
-    /// block, among blocks of equal size; a single process keeps all.
+    /// block (region of the box), among blocks of equal size; a single process keeps all.
     pub fn take_parts<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,

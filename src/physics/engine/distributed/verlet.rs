@@ -4,7 +4,7 @@
 //! the list is built again. A contact across the border of two blocks is computed in both processes. The two results
 //! agree in all bits, because the particles of each process are in the same order as in the list of all particles.
 //!
-//! After every kick (change of velocities by forces) the processes exchange the largest speed, and the information if
+//! After every kick (change of velocities by forces) the processes exchange the largest speed, and tell each other if
 //! one of them has failed. If forces acted on an own particle that another process borrows, its new velocity is then
 //! sent to that process.
 
@@ -102,8 +102,9 @@ impl<'a> OtherProcesses<'a> {
         ListSettings::across_processes(own, sizes, scene, between_uses, &*self.communicator)
     }
 
-    /// Builds the neighbour list again with the settings `plan`; each process builds the part for its own particles.
-    /// Particles that have left a block are first sent to the process that owns their new block.
+    /// Builds the neighbour list again with the settings `plan`; each process lists the neighbours of its own
+    /// particles. Particles that have left a block (region of the box) are first sent to the process that owns their
+    /// new block.
     fn rebuild_by(&mut self, plan: &ListSettings, solver: &mut SoftSolver, particles: &mut Particles, scene: &Scene) {
         let (mut log, mut record) = (Log::default(), Record::default());
         let mut work = Work { particles, scene, lasting: &mut *self.lasting, log: &mut log, record: &mut record };
@@ -215,7 +216,8 @@ impl SoftSolver {
         window: Window,
         domains: &mut Domains<Contact>,
     ) -> Result<(), Failure> {
-        // contacts are put into new contact blocks, which first test the whole list, so `look_anew` need not be called
+        // contacts are put into new blocks of memory, which first test the whole neighbour list, so `look_anew` need
+        // not be called
         self.ran_last = true;
         work.record.count(&mut work.log.impacts);
         if !domains.is_cut {
@@ -300,7 +302,8 @@ impl DistributedSolver for SoftSolver {
         Some(&mut self.islands.allowance.each)
     }
 
-    /// False for Heun's method, and for rough walls, at which velocities also change between the exchanged kicks.
+    /// False for Heun's method, and for rough walls, at which velocities also change between the exchanged kicks
+    /// (changes of velocities by forces).
     fn shares_steps(&self, scene: &Scene) -> bool {
         self.integrator == Integrator::VelocityVerlet && !scene.has_rough_walls()
     }

@@ -17,7 +17,7 @@ const EDGE: f64 = 1.0 / 3.0;
 
 /// Mean number of particles N in a cell whose edge h is a third of the mean free path λ (Bird 1994, chapter 11). Two
 /// particles collide again before they leave a cell with a probability of about h/(λ N). So cells with shorter edges
-/// may contain fewer particles.
+/// may contain fewer particles at the same probability.
 const PER_CELL: f64 = 20.0;
 
 /// Smallest mean number of particles in a cell that is chosen; no pairs exist in cells with fewer than two.
@@ -28,17 +28,18 @@ const FEWEST: f64 = 2.0;
 /// (docs/results/dsmc.md).
 const ACROSS: f64 = 24.0;
 
-/// Mean number of particles in a block of cells that have one volume fraction φ. The number N of particles in a block
-/// fluctuates, so the mean of N (N - 1) χ(φ) differs from its value at the mean N, with the contact value χ. The
-/// relative difference is (2 φ χ'/χ + φ² χ''/(2 χ))/N, where primes denote derivatives with respect to φ. With χ of
-/// Carnahan and Starling it is less than 0.01 up to φ = 0.3.
+/// Smallest mean number of particles in a block, a group of cells for which one volume fraction φ is computed. The
+/// number N of particles in a block fluctuates. So the mean of N (N - 1) χ(φ), with the contact value χ, differs from
+/// its value at the mean N. The relative difference is (2 φ χ'/χ + φ² χ''/(2 χ))/N, where primes denote derivatives
+/// with respect to φ. With χ of Carnahan and Starling it is less than 0.01 up to φ = 0.3.
 const PER_BLOCK: f64 = 500.0;
 
-/// [-] largest volume fraction at which the contact value is evaluated: no packing is denser than 0.7405 (Kepler).
+/// [-] largest volume fraction at which the contact value is evaluated: no packing of equal spheres is denser than
+/// 0.7405 (Kepler).
 const DENSEST: f64 = 0.74;
 
-/// Number of lattice points along each edge of a cell that a wall cuts. The open part of the cell is then accurate
-/// within about a tenth of the cell.
+/// Number of lattice points along each edge of a cell that a wall cuts. The fraction of points at which centres of
+/// particles can be gives the open part of the cell, within about a tenth of the cell.
 const LATTICE: usize = 6;
 
 /// Largest number of cells along an axis that the program chooses. It limits the memory in a nearly empty box.
@@ -219,7 +220,8 @@ fn numbers(scene: &Scene, region: &Region, sizes: &RadiusSummary, enskog: bool) 
     let walled = periodic.iter().filter(|periodic| !**periodic).count() as i32;
     let third = EDGE * sizes.mean_free_path(region.volume(), enskog);
     let narrowest = (0..3).filter(|&axis| !periodic[axis]).map(|axis| size[axis]).fold(f64::INFINITY, f64::min);
-    // flows vary from wall to wall, also where the mean free path is longer than their distance
+    // flows vary from wall to wall, also where the mean free path is longer than the distance of the walls, so this
+    // distance limits the edges too
     let thin = third.min((narrowest / ACROSS).max(2.0 * sizes.range[1]));
     let per_cell = if walled < 3 { (PER_CELL * thin / third).max(FEWEST) } else { PER_CELL };
     let wanted = per_cell * region.volume() / sizes.count as f64;

@@ -8,9 +8,9 @@ use priority_queue::PriorityQueue;
 use rustc_hash::FxBuildHasher;
 use std::cmp::Reverse;
 
-/// Key by which the event queue is sorted: the time of a touch [s since the start of the part], then the slot (number
-/// of the candidate pair or wall). If times are equal, the event with the lower slot comes first, so that runs are
-/// reproducible.
+/// Key by which the event queue is sorted: the time of a touch [s since the start of the part, an interval of time],
+/// then the slot (number of the candidate pair or wall). If times are equal, the event with the lower slot comes first,
+/// so that runs are reproducible.
 type DueEvent = Reverse<(OrderedFloat<f64>, u32)>;
 
 /// Event queue of an island (group of particles that may meet), with at most one coming touch for each slot, the number
@@ -26,8 +26,9 @@ impl Calendar {
         self.queue.clear();
     }
 
-    /// Sets the time `time` [s since the start of the part] of the next touch of the two bodies at `slot`, their number
-    /// in the neighbour list. With `None`, no touch is coming, and an earlier entry of the slot is removed.
+    /// Sets the time `time` [s since the start of the part, an interval of time] of the next touch of the two bodies at
+    /// `slot`, their number in the neighbour list. With `None`, no touch is coming, and an earlier entry of the slot is
+    /// removed.
     pub fn set(&mut self, slot: u32, time: Option<f64>) {
         match time {
             Some(time) => {
@@ -40,7 +41,7 @@ impl Calendar {
     }
 
     /// Removes the earliest touch from the queue. Returns its slot, the number of the two bodies in the neighbour list,
-    /// and its time [s since the start of the part]; `None` if the queue is empty.
+    /// and its time [s since the start of the part, an interval of time]; `None` if the queue is empty.
     pub fn pop(&mut self) -> Option<(u32, f64)> {
         self.queue.pop().map(|(slot, Reverse((time, _)))| (slot, time.0))
     }

@@ -10,8 +10,8 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// Number of successive impacts of one particle, each after an unresolvably short flight, that counts as an inelastic
-/// collapse. A chain of n touching spheres transmits a blow in fewer than n²/2 collisions. So scenes without collapse
-/// have fewer such impacts in succession.
+/// collapse. For comparison, a chain of n touching spheres transmits a blow in fewer than n²/2 collisions (200 for 20
+/// spheres). So scenes without collapse have fewer such impacts in succession.
 const COLLAPSE_STREAK: u8 = 200;
 
 /// [-] length of a flight divided by the longest edge of the box, below which the flight is unresolvably short.
@@ -20,15 +20,15 @@ const COLLAPSE_STREAK: u8 = 200;
 const COLLAPSE_FLIGHT: f64 = 64.0 * f64::EPSILON;
 
 /// Number of successive flights of a particle, each shorter than the one before, after which an unresolvably short
-/// flight shows an inelastic collapse. A collapsing group has no more impacts once its relative speeds are below
-/// rounding, some dozen impacts later, so the limit [`COLLAPSE_STREAK`] would not be reached. By chance, three flights
-/// in a row are each shorter than the one before in one of 24 cases. A chance flight is shorter than 10⁻¹⁴ of the box
-/// with a probability of about 10⁻¹⁴.
+/// flight shows an inelastic collapse. A collapsing group has only some dozen more impacts after such a flight, because
+/// its relative speeds then fall below rounding. So the limit [`COLLAPSE_STREAK`] would not be reached. By chance,
+/// three flights in a row are each shorter than the one before in one of 24 cases. A chance flight is shorter than
+/// 10⁻¹⁴ of the box with a probability of about 10⁻¹⁴.
 const ZENO_FLIGHTS: u8 = 3;
 
 /// Number of impacts of one particle within one window, the time between two exchanges with the gas, that counts as an
-/// inelastic collapse. The limit does not apply with a contact time, since spheres at rest then collide about once per
-/// contact time, without end.
+/// inelastic collapse. The limit does not apply in the TC model, in which a collision is elastic within a contact time
+/// after another one. Spheres at rest then collide about once per contact time, without end.
 const COLLAPSE_IMPACTS: u32 = 1_000_000;
 
 /// Last collision of one particle, stored from one window (time between two exchanges with the gas) to the next. The TC
@@ -74,7 +74,7 @@ impl LastCollision {
 
     /// Adds a collision at simulated time `time` [s] to the history of the particle. Returns `None` normally, and the
     /// time [s] since the particle's previous collision if the collisions show an inelastic collapse. `contact_time`
-    /// [s] is that of the TC model, if the model is used.
+    /// [s] is that of the TC model, in which a collision is elastic soon after another one; `None` without this model.
     pub fn note(&mut self, collision: &Collision, scene: &Scene, time: f64, contact_time: Option<f64>) -> Option<f64> {
         let interval = time - self.last;
         let flown = collision.approach().abs() * interval;
@@ -127,10 +127,10 @@ impl Collapsed {
     }
 }
 
-/// Normal speed [m/s] away from the wall that the TC model with the contact time t_c gives to a particle at rest on a
-/// wall. `None` if the particle does not rest, if the other body is no wall, or without t_c. A particle rests if
-/// gravity, or the acceleration of a moving wall, presses it to the wall, and if it would rise by an unresolvably small
-/// height.
+/// Normal speed [m/s] away from the wall that the TC model gives to a particle at rest on a wall. In this model a
+/// collision is elastic if the particle collided less than the contact time t_c before. `None` if the particle does not
+/// rest, if the other body is no wall, or without t_c. A particle rests if gravity, or the acceleration of a moving
+/// wall, presses it to the wall, and if it would rise by an unresolvably small height.
 ///
 /// Without t_c the particle would have infinitely many collisions in finite time. In reality a contact of finite
 /// duration carries the weight during its contact time. Here the particle rebounds at a_n t_c/4, with a_n the
@@ -149,8 +149,8 @@ pub fn rests(collision: &Collision, scene: &Scene, contact_time: Option<f64>) ->
 }
 
 /// Selects from the collision histories `met`, one per particle in the order of their indices, the particles that
-/// collided less than the contact time before simulated time `now` [s]. Each is returned with the time of its last
-/// collision. Empty without a contact time.
+/// collided less than the contact time of the TC model before simulated time `now` [s]. Each is returned with the time
+/// of its last collision. Empty without a contact time.
 pub fn recent<'a>(
     met: impl Iterator<Item = &'a LastCollision>,
     contact_time: Option<f64>,

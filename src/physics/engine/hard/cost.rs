@@ -47,7 +47,7 @@ pub fn fallback_cost(
 }
 
 /// True if the predicted events of the event queue of all particles stay valid from one window to the next. They do not
-/// if kicks change velocities between windows ([`Scene::is_kicked`]).
+/// if velocities also change between windows, for instance by drag ([`Scene::is_kicked`]).
 pub fn lasts(scene: &Scene) -> bool {
     !scene.is_kicked()
 }

@@ -21,10 +21,10 @@ use nalgebra::Vector3;
 pub struct DeflectedFlight {
     /// Local index of the particle in its island.
     pub index: u32,
-    /// [s] time of the collision with which the flight begins, since the start of the part.
+    /// [s] time of the collision with which the flight begins, since the start of the part (interval of time).
     pub time: f64,
-    /// [m] position that the particle would have had at the start of the part if it had always moved on the line of
-    /// this flight.
+    /// [m] position that the particle would have had at the start of the part (interval of time) if it had always moved
+    /// on the line of this flight.
     pub origin: Vector3<f64>,
     /// [m/s] velocity of the particle after the collision.
     pub velocity: Vector3<f64>,
@@ -36,7 +36,7 @@ pub struct DeflectedFlight {
 pub struct WindowPart {
     /// Rest of the window, from the start of this part on. The event loop counts times from this start.
     pub window: Window,
-    /// [s] length of the part, from its start to its end.
+    /// [s] length of the part (interval of time).
     pub end: f64,
 }
 
@@ -44,8 +44,8 @@ pub struct WindowPart {
 /// candidates in the neighbour list: pairs, and particles with walls.
 ///
 /// A stored position is not that of the present: it is the point where the particle would have been at the start of the
-/// part on its present straight line. So `x(t) = origin + v t` for every particle, also after collisions. No particle
-/// requires a separate time, and a collision changes only the data of its two partners.
+/// part (interval of time) on its present straight line. So `x(t) = origin + v t` for every particle, also after
+/// collisions. No particle requires a separate time, and a collision changes only the data of its two partners.
 #[derive(Clone, Default)]
 pub struct EventLoop {
     /// Neighbour list with the candidates for collisions: pairs, and particles with walls. After a change of this list,
@@ -87,8 +87,9 @@ impl EventLoop {
         self.connect(particles);
     }
 
-    /// Last collisions of those of the first `particles` particles that collided less than the contact time before
-    /// simulated time `now` [s]. Empty without a contact time.
+    /// Last collisions of those of the first `particles` particles that collided less than the contact time of the TC
+    /// model before simulated time `now` [s]. Empty without this model, in which a collision is elastic soon after
+    /// another one.
     pub fn recent(&self, particles: usize, now: f64) -> impl Iterator<Item = Recent> {
         recent(self.met.iter().take(particles), self.contact_time, now)
     }
@@ -121,8 +122,9 @@ impl EventLoop {
     }
 
     /// Moves the particles from collision to collision through a part of a window. The loop stops early if a particle
-    /// becomes faster than `bounds` allow, or if an inelastic collapse is detected. Returns the time reached [s since
-    /// the start of the part], and the index of the particle that became too fast, if any.
+    /// becomes faster than its speed limit in `bounds`, or if an inelastic collapse is detected. Returns the time
+    /// reached [s since the start of the part, an interval of time], and the index of the particle that became too
+    /// fast, if any.
     pub fn run(
         &mut self,
         particles: &mut Particles,
@@ -179,7 +181,8 @@ impl EventLoop {
     }
 
     /// Puts the next touch of the two bodies at `slot` (their number in the neighbour list) into the event queue. With
-    /// `None` for `touch`, no touch is coming. The time of the touch is in s since the start of the part.
+    /// `None` for `touch`, no touch is coming. The time of the touch is in s since the start of the part (interval of
+    /// time).
     fn predict_events(&mut self, slot: usize, touch: Option<Touch>) {
         if let (Some(near), Some(touch)) = (slot.checked_sub(self.list.pairs.len()), touch) {
             self.features[near] = touch.feature;
@@ -188,7 +191,7 @@ impl EventLoop {
     }
 
     /// Next touch of the two bodies at a slot (number in the neighbour list) between the times `now` and `end`; `None`
-    /// without a touch. All times are in s since the start of the part.
+    /// without a touch. All times are in s since the start of the part (interval of time).
     fn touch(&self, slot: usize, particles: &Particles, scene: &Scene, now: f64, end: f64) -> Option<Touch> {
         let couple = self.list.couple(slot);
         let touch = couple.touch(particles, scene, FrameTime::ahead(now), end - now);
@@ -197,7 +200,7 @@ impl EventLoop {
     }
 
     /// Fills the event queue with the first touch of every candidate in the neighbour list, up to the time `end` [s]
-    /// since the start of the part.
+    /// since the start of the part (interval of time).
     fn predict_all(&mut self, particles: &Particles, scene: &Scene, end: f64) {
         self.calendar.clear();
         self.features.clear();
@@ -229,8 +232,8 @@ impl EventLoop {
         couple.indices().into_iter().flatten().any(|index| time - last(index) < contact_time)
     }
 
-    /// Adds a collision at the time `now` [s since the start of the part] to the histories of both partners. Returns an
-    /// error if the histories show an inelastic collapse.
+    /// Adds a collision at the time `now` [s since the start of the part, an interval of time] to the histories of both
+    /// partners. Returns an error if the histories show an inelastic collapse.
     fn watch(
         &mut self,
         collision: &Collision,

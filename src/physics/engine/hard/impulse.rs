@@ -92,9 +92,10 @@ impl Collision {
         !self.elastic && scene.surface(self.kinds.0, self.kinds.1).restitution_at(self.approach()) < 1.0
     }
 
-    /// Applies the impulse to the velocities and spins in `particles`, and adds the impact to `log`. The log also
-    /// contains the work of gravity on the new momentum during the time `remaining` [s] until the end of the window.
-    /// Returns the velocity changes [m/s] of `i` and of the other particle (zero for a wall).
+    /// Applies the impulse to the velocities and spins in `particles`, and adds the impact to `log`. An impulse **J**
+    /// of a wall also changes the work of gravity **g** until the end of the window, `remaining` [s] later, by
+    /// **g**·**J** `remaining`; the log contains this change. Returns the velocity changes [m/s] of `i` and of the
+    /// other particle (zero for a wall).
     pub fn resolve(
         &self,
         particles: &mut Particles,
@@ -111,8 +112,8 @@ impl Collision {
         changes
     }
 
-    /// Returns the collision with a randomly inclined facet of a rough wall: its normal replaces the normal of the
-    /// smooth wall. `None` if the second body is a particle or a smooth wall.
+    /// Returns the collision with a randomly inclined facet of a rough wall: the normal of the facet replaces that of
+    /// the smooth wall. `None` if the second body is a particle or a smooth wall.
     fn on_facet(&self, particles: &Particles, scene: &Scene) -> Option<Self> {
         let Other::Wall(AtWall { wall, .. }) = self.couple.other else { return None };
         let roughness = scene.walls[wall as usize].roughness?;
@@ -137,8 +138,9 @@ impl Collision {
     }
 
     /// Adds the impact to `log`, and returns the velocity changes [m/s] of `i` and of the other particle (zero for a
-    /// wall). The velocities in `particles` stay, but the spins of rotating spheres are changed there. The log also
-    /// contains the work of gravity on the new momentum during the time `remaining` [s] until the end of the window.
+    /// wall). The velocities in `particles` stay, but the spins of rotating spheres are changed there. An impulse **J**
+    /// of a wall also changes the work of gravity **g** until the end of the window, `remaining` [s] later, by
+    /// **g**·**J** `remaining`; the log contains this change.
     pub fn apply_impulse(
         &self,
         weights: &CollisionMasses,
@@ -229,8 +231,9 @@ impl Collision {
         }
     }
 
-    /// Adds to the ledger the impulse [kg m/s] that a wall gives to the particle. Also adds the work of gravity on this
-    /// momentum during the time `remaining` [s] until the end of the window.
+    /// Adds to the ledger the impulse [kg m/s] that a wall gives to the particle. Also adds the change of the work of
+    /// gravity, **g**·`impulse` `remaining`, that this impulse causes until the end of the window, `remaining` [s]
+    /// later.
     fn book_wall_impulse(&self, impulse: &Vector3<f64>, scene: &Scene, remaining: f64, ledger: &mut Ledger) {
         ledger.wall_impulse += impulse;
         ledger.wall_normal_impulse += impulse.dot(&self.met.normal);
@@ -239,8 +242,8 @@ impl Collision {
 
     /// Velocity change [m/s] of a particle of `mass` [kg] that rests on a wall, after which its normal speed away from
     /// the wall is `speed` [m/s]. The energy given to the particle is recorded as a negative loss. No impact is
-    /// recorded, since the particle does not approach the wall. The log also contains the work of gravity on the new
-    /// momentum during the time `remaining` [s] until the end of the window.
+    /// recorded, since the particle does not approach the wall. The log also contains the change of the work of gravity
+    /// by this impulse until the end of the window, `remaining` [s] later.
     pub fn hold_at_rest(&self, speed: f64, mass: f64, scene: &Scene, remaining: f64, log: &mut Log) -> Vector3<f64> {
         let before = self.met.normal_velocity;
         let change = self.met.normal * (speed - before);

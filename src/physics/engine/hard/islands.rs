@@ -8,8 +8,9 @@ use crate::engine::Window;
 use crate::engine::islands::{GivenUp, Island, Solve, TracedIslands};
 use crate::scene::Scene;
 
-/// Solver that moves the hard spheres of one island (group of particles that may meet) from collision to collision. The
-/// only state that it carries to the next part is the times of recent collisions, which the TC model needs.
+/// Solver that moves the hard spheres of one island (group of particles that may meet) from collision to collision
+/// through a part (interval of time). It carries only the times of recent collisions to the next part, for the TC
+/// model, in which a collision is elastic soon after another one.
 #[derive(Default)]
 pub struct HardIslands {
     /// Contact time t_c [s] of the TC model, in which a collision is elastic soon after another one; `None` without

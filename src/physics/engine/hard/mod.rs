@@ -69,7 +69,7 @@ struct Memory {
 }
 
 /// Largest number of windows in a row in which islands (groups of particles that may meet) are not tried. A failed
-/// trial is costly: the neighbour lists and the events of all particles must be computed again.
+/// trial of islands is costly: the neighbour lists and the events of all particles must be computed again.
 const LONGEST_STAY: u32 = 64;
 
 /// State of the engine between two windows, as stored in a snapshot of a run.

@@ -22,7 +22,7 @@ use std::ops::Range;
 pub struct HotParticle {
     /// Index of the particle in the particle store.
     pub index: u32,
-    /// Position, velocity and other moving quantities of the particle at the end of the part.
+    /// Position, velocity and other moving quantities of the particle at the end of the part (interval of time).
     pub motion: Motion,
 }
 
@@ -87,9 +87,9 @@ pub struct Solved {
     pub impacts: Range<usize>,
     pub ways: Range<usize>,
     pub ledger: Ledger,
-    /// Number of collisions (hard spheres) or contact steps (soft spheres).
+    /// Number of collisions (hard spheres), or of time steps of contacts (soft spheres).
     pub events: u64,
-    /// Number of collisions in the hybrid engine, which counts its contact steps in `events`.
+    /// Number of collisions in the hybrid engine, which counts the time steps of its contacts in `events`.
     pub impulses: u64,
     /// Number of uniform steps, if the island is a crowd (an island that is moved by such steps); otherwise 0.
     pub crowd_steps: u64,
@@ -108,8 +108,8 @@ pub struct Solved {
 pub struct Batch<C> {
     pub solved: Vec<Solved>,
     pub states: Vec<HotParticle>,
-    /// Contacts or recent collisions that are carried into the next part; they contain indices of particles in the
-    /// store.
+    /// Contacts or recent collisions that are carried into the next part (interval of time); they contain indices of
+    /// particles in the store.
     pub carried: Vec<C>,
     pub impacts: Vec<(Between, Impact)>,
     /// Trajectories of the particles in `states`; empty unless the engine reports every velocity change.
@@ -138,8 +138,8 @@ pub struct IslandResults<'a, C> {
     pub landing: &'a Landing,
     /// Results of the islands; one thread has solved all islands of a batch.
     pub batches: &'a [Batch<C>],
-    /// [m/s] velocity that gravity adds from the last exchange with the gas to the end of the part. Velocities in the
-    /// particle store do not contain it yet.
+    /// [m/s] velocity that gravity adds from the last exchange with the gas to the end of the part (interval of time).
+    /// Velocities in the particle store do not contain it yet.
     pub fallen: Vector3<f64>,
 }
 
@@ -148,8 +148,8 @@ pub struct IslandResults<'a, C> {
 pub struct Notes<C> {
     /// Indices in the particle store of the members of the islands.
     pub members: Vec<u32>,
-    /// Contacts or recent collisions that are carried into the next part; they contain indices of particles in the
-    /// store.
+    /// Contacts or recent collisions that are carried into the next part (interval of time); they contain indices of
+    /// particles in the store.
     pub lasting: Vec<C>,
     /// Impacts of these islands, each with the kinds (species or wall) of its two bodies.
     pub impacts: Vec<(Between, Impact)>,
@@ -246,13 +246,13 @@ pub struct Task<'a, S: Solve> {
     pub solver: &'a S,
     pub scene: &'a Scene,
     pub window: Window,
-    /// [m/s] velocity that gravity adds from the last exchange with the gas to the start of the part. Velocities in the
-    /// particle store do not contain it yet.
+    /// [m/s] velocity that gravity adds from the last exchange with the gas to the start of the part (interval of
+    /// time). Velocities in the particle store do not contain it yet.
     pub fallen: Vector3<f64>,
-    /// [s] length of the part.
+    /// [s] length of the part (interval of time).
     pub part: f64,
-    /// Contacts or recent collisions at the start of the part, for all islands; they contain indices of particles in
-    /// the store.
+    /// Contacts or recent collisions at the start of the part (interval of time), for all islands; they contain indices
+    /// of particles in the store.
     pub carried: &'a [S::Carried],
 }
 

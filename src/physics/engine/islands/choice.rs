@@ -33,22 +33,24 @@ pub struct IslandCost {
 
 /// A part: a piece of a window (time between two exchanges with the gas) for which islands are found and solved.
 pub struct WindowPiece<'a> {
-    /// [s] time from the start of the window to the start of the part.
+    /// [s] time from the start of the window to the start of the part (interval of time).
     pub elapsed: f64,
     /// [s] length of the part (piece of a window).
     pub part: f64,
-    /// Estimated number of pairs that the search for touching particles will check in this part.
+    /// Estimated number of pairs that the search for touching particles will check in this part (interval of time).
     pub foreseen: u64,
     /// Summary of the sizes of all particles.
     pub population: &'a PopulationSummary,
-    /// Speeds of all particles at the start of the part.
+    /// Speeds of all particles at the start of the part (interval of time).
     pub speeds: SpeedSummary,
-    /// Largest number of members that an island may have; if an island has more, a shorter part is tried.
+    /// Largest number of members that an island may have; if an island has more, a shorter part (interval of time) is
+    /// tried.
     pub most: usize,
 }
 
 impl WindowPiece<'_> {
-    /// Upper limit [m] of the distance of any point of a particle from the middle of its straight flight in this part.
+    /// Upper limit [m] of the distance of any point of a particle from the middle of its straight flight in this part
+    /// (interval of time).
     pub fn flight(&self) -> f64 {
         self.population.largest + 0.5 * self.part * self.speeds.largest * (1.0 + 1e-9)
     }
@@ -56,13 +58,13 @@ impl WindowPiece<'_> {
 
 /// Data for the choice of the length of a part, a piece of the time between two exchanges with the gas.
 pub struct PartLimits {
-    /// [s] time from the start of the part to the end of the window, which the part cannot exceed.
+    /// [s] time from the start of the part (interval of time) to the end of the window, which the part cannot exceed.
     pub left: f64,
     /// [ns/s] cost of the classical algorithm (all particles at once), per particle and simulated time. Islands must be
     /// cheaper.
     pub fallback_cost: f64,
-    /// Number of contacts in progress. In every part their particles are copied into a crowd (an island moved by
-    /// uniform steps) and back.
+    /// Number of contacts in progress. In every part (interval of time) their particles are copied into a crowd (an
+    /// island moved by uniform steps) and back.
     pub held: usize,
     /// Measured costs of finding and solving islands, by which the length is chosen.
     pub costs: PartCosts,
@@ -79,7 +81,7 @@ pub struct PartCosts {
     /// [ns] cost per hot particle (member of an island) of making and solving its island.
     island: f64,
     /// [-] distance within which a hot particle (member of an island) may meet other hot ones, over the mean length of
-    /// a flight in the part.
+    /// a flight in the part (interval of time).
     reach: f64,
     /// [-] number of other hot particles (members of islands) within reach of a hot particle, above which nearly all
     /// islands unite. Islands within reach of each other unite, and the united island reaches farther.
@@ -87,27 +89,28 @@ pub struct PartCosts {
 }
 
 /// Costs of islands that are found by bounds on the flights of their members
-/// ([`BoundedIslands`](super::BoundedIslands)). In case D, islands have up to 20 particles for parts of 0.5 ms, and up
-/// to 200 for parts of 0.7 ms.
+/// ([`BoundedIslands`](super::BoundedIslands)). In case D of the channel study, islands have up to 20 particles for
+/// parts (intervals of time) of 0.5 ms, and up to 200 for parts of 0.7 ms.
 pub const BOUNDED: PartCosts = PartCosts { search: 90.0, pair: 1.2, island: 1400.0, reach: 1.5, crowded: 0.25 };
 
 /// Costs of islands that are found by the trajectories of their members ([`TracedIslands`](super::TracedIslands)). In
-/// scene S1, a hot particle (member of an island) costs 1.1 µs for parts of 0.375 ms, 1.2 µs for 0.5 ms, and 1.6 µs for
-/// 0.75 ms.
+/// scene S1 (docs/results/speed.md), a hot particle (member of an island) costs 1.1 µs for parts (intervals of time) of
+/// 0.375 ms, 1.2 µs for 0.5 ms, and 1.6 µs for 0.75 ms.
 pub const TRACED: PartCosts = PartCosts { search: 80.0, pair: 1.2, island: 1000.0, reach: 0.5, crowded: 0.15 };
 
-/// [-] largest shear of a sheared box in one part: relative displacement of two particles by the mean flow, divided by
-/// their distance along y. The balls that contain flights are enlarged by about this fraction, which is thus small.
+/// [-] largest shear of a sheared box in one part (interval of time): relative displacement of two particles by the
+/// mean flow, divided by their distance along y. The balls that contain flights are enlarged by about this fraction,
+/// which is thus small.
 const STRAINED: f64 = 0.1;
 
-/// [-] factor by which parts are shorter in a sheared box, since the balls that contain flights are enlarged there by
-/// up to a fifth.
+/// [-] factor by which parts (intervals of time) are shorter in a sheared box, since the balls that contain flights are
+/// enlarged there by up to a fifth.
 const STRAINED_ROOM: f64 = 0.8;
 
 /// Length of a part (piece of the time between two exchanges with the gas) that has the lowest cost per simulated time.
 #[derive(Clone, Copy)]
 pub struct Cheapest {
-    /// [s] length of the part.
+    /// [s] length of the part (interval of time).
     pub part: f64,
     /// [-] expected number of pairs per particle that the search for touching particles checks.
     pub pairs: f64,
@@ -116,7 +119,8 @@ pub struct Cheapest {
 /// Chooses the length of the next part, a piece of the rest of the window, with the lowest cost per simulated time.
 /// `None` if islands cost more than the classical algorithm at any length.
 ///
-/// In a longer part, one search serves for more time, but it checks more pairs and finds more islands.
+/// In a longer part, one search for touching particles serves for more time, but it checks more pairs and finds more
+/// islands.
 pub fn cheapest_part(
     population: &PopulationSummary,
     domain: &Domain,

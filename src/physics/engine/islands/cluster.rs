@@ -39,10 +39,10 @@ const BATCH: usize = 64;
 pub struct Member {
     pub(in crate::engine) index: u32,
     pub(in crate::engine) cluster: u32,
-    /// The ball that contains the particle in this part if it flies straight all the time.
+    /// The ball that contains the particle in this part (interval of time) if it flies straight all the time.
     pub(in crate::engine) flight: BoundingSphere,
-    /// The ball that contains the particle from the first touch in its island to the end of the part. Before that touch
-    /// the particle flies straight.
+    /// The ball that contains the particle from the first touch in its island to the end of the part (interval of
+    /// time). Before that touch the particle flies straight.
     pub(in crate::engine) ball: BoundingSphere,
     /// Radius [m] of a ball about the middle of the straight flight that contains both `flight` and `ball`.
     around: f64,
@@ -79,13 +79,14 @@ pub struct Cluster {
     /// Lower limit [m/s] of the speed limits of the members. It is raised after a member has exceeded its limit, and 0
     /// before.
     pub(in crate::engine) floor: f64,
-    /// Time [s] of the first touch in the island since the start of the part. Until then all members fly straight.
+    /// Time [s] of the first touch in the island since the start of the part (interval of time). Until then all members
+    /// fly straight.
     pub(in crate::engine) first: f64,
     /// True if the island is a crowd even if it is small: it is moved by uniform steps, since it contains many contacts
     /// or was too expensive.
     pub(in crate::engine) lasts: bool,
     pub(in crate::engine) alive: bool,
-    /// Place of the island's result in the batches of results; `None` as long as there is no valid result.
+    /// Place of the island's result in the lists of results; `None` as long as there is no valid result.
     solved: Option<IslandResult>,
     /// Number of changes of the island so far. Data computed for an earlier version are outdated.
     version: u32,
@@ -102,7 +103,7 @@ impl Cluster {
     }
 }
 
-/// Places, in the batches of results, of the results of all islands (groups of particles that may meet).
+/// Places of the results of all islands (groups of particles that may meet) in the lists of results.
 pub struct Landing {
     /// Place of the result of each solved island, in the order of the islands.
     pub kept: Vec<IslandResult>,
@@ -113,11 +114,11 @@ pub struct Landing {
 
 /// Data with which islands are found in a part, a piece of the time between two exchanges with the gas.
 pub struct Space<'a> {
-    /// Scene with walls, box and gravity at the start of the part.
+    /// Scene with walls, box and gravity at the start of the part (interval of time).
     pub scene: &'a Scene,
     /// [m/s] velocity of the moving frame in which speeds are measured.
     pub frame: Vector3<f64>,
-    /// [s] length of the part.
+    /// [s] length of the part (interval of time).
     pub part: f64,
     /// [kg] mass of the lightest particle of the run.
     pub lightest: f64,
@@ -137,8 +138,9 @@ pub struct Clusters<'a> {
     pub(in crate::engine) list: Vec<Cluster>,
     /// Energy [J] that each carried contact may give back to its particles.
     energy: Vec<f64>,
-    /// Speed [m/s] by which walls raise all speed limits: the velocity that gravity adds towards walls during the part,
-    /// plus twice the speed of the fastest moving wall. An impact on a moving wall adds at most twice the wall's speed.
+    /// Speed [m/s] by which walls raise all speed limits: the velocity that gravity adds towards walls during the part
+    /// (interval of time), plus twice the speed of the fastest moving wall. An impact on a moving wall adds at most
+    /// twice the wall's speed.
     fall: f64,
     pub(in crate::engine) members: Vec<Member>,
     /// Largest distance [m] that any member may reach from the middle of its straight flight.
@@ -170,7 +172,7 @@ impl<'a> Clusters<'a> {
     }
 
     /// Velocity [m/s] of the frame in which the speed of a particle, given by index, is limited. In a sheared box it
-    /// contains the mean flow at the position of the particle at the start of the part.
+    /// contains the mean flow at the position of the particle at the start of the part (interval of time).
     #[inline]
     fn frame_of(&self, index: usize) -> Vector3<f64> {
         self.frame + self.domain.mean_flow(&self.particles.position[index])
@@ -200,9 +202,9 @@ impl<'a> Clusters<'a> {
         self.settle_all();
     }
 
-    /// Unites the islands of two particles that touch at `time` [s] since the start of the part, and returns the number
-    /// of the united island; with `None` for `j`, particle `i` touches a wall. A new island is made if neither particle
-    /// is in one. Energies and speeds of the particles are not read here, but later in parallel.
+    /// Unites the islands of two particles that touch at `time` [s] since the start of the part (interval of time).
+    /// Returns the number of the united island; with `None` for `j`, particle `i` touches a wall. A new island is made
+    /// if neither particle is in one. Energies and speeds of the particles are not read here, but later in parallel.
     fn join(&mut self, i: u32, j: Option<u32>, time: f64) -> usize {
         let known = self.found(i).or_else(|| self.found(j?));
         let mut which = known.unwrap_or_else(|| self.open());

@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 /// Amounts of work done in islands since the start of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct IslandCounters {
-    /// Number of collisions (hard spheres) or contact steps (soft spheres).
+    /// Number of collisions (hard spheres), or of time steps of contacts (soft spheres).
     pub events: u64,
-    /// Number of collisions in the hybrid engine, which counts its contact steps in `events`.
+    /// Number of collisions in the hybrid engine, which counts the time steps of its contacts in `events`.
     pub impulses: u64,
     /// Number of uniform steps of crowds, which are islands so large that they are moved by uniform steps.
     pub crowd_steps: u64,
@@ -21,8 +21,8 @@ pub struct IslandCounters {
     pub searched: u64,
     /// Number of contact forces computed in all islands, those in uniform steps of crowds included.
     pub force_evaluations: u64,
-    /// Number of particles moved by stages of contact steps, plus the number of gaps checked after steps. It measures
-    /// the work.
+    /// Work: the number of moved particles, summed over all stages of the time integrator, plus the number of gaps
+    /// checked after steps.
     pub updates: u64,
     /// Estimated number of pairs that searches for touching particles check. Unlike the actual number, it does not
     /// depend on the number of processes that share the run.

@@ -15,7 +15,7 @@ const FEW: usize = 32;
 /// particles), then the bystanders, which fly straight unless a member hits them.
 pub struct Island<C> {
     /// Copies of the particles, with velocities relative to the frame at rest. The engine moves them from the start of
-    /// a part to its end.
+    /// a part (interval of time) to its end.
     pub particles: Particles,
     /// Index in the particle store of each particle, by local index.
     pub indices: Vec<u32>,
@@ -26,19 +26,20 @@ pub struct Island<C> {
     /// Local indices of all particles, sorted by the index in the particle store. A small island needs no such list, so
     /// it is empty.
     by_index: Vec<u32>,
-    /// Candidates for contacts: pairs of particles, and particles with walls, that may touch in this part.
+    /// Candidates for contacts: pairs of particles, and particles with walls, that may touch in this part (interval of
+    /// time).
     pub list: NeighbourList,
     /// Contacts in progress (or recent collisions), with local indices of particles. Before the island is solved they
-    /// are those at the start of the part, afterwards those at its end.
+    /// are those at the start of the part (interval of time), afterwards those at its end.
     pub carried: Vec<C>,
     /// Log of the impacts and energies in the island.
     pub log: Log,
     /// Velocity changes in the order of time, each with the local index of its particle; empty if the engine does not
     /// report them.
     pub turns: Vec<(u32, VelocityChange)>,
-    /// Number of collisions (hard spheres) or contact steps (soft spheres).
+    /// Number of collisions (hard spheres), or of time steps of contacts (soft spheres).
     pub events: u64,
-    /// Number of collisions of the hybrid engine, which counts its contact steps in `events`.
+    /// Number of collisions of the hybrid engine, which counts the time steps of its contacts in `events`.
     pub impulses: u64,
     /// Number of uniform steps, if the island is a crowd (moved by uniform steps); otherwise 0.
     pub crowd_steps: u64,
@@ -48,8 +49,8 @@ pub struct Island<C> {
     pub pair_checks: u64,
     /// Number of contact forces that were computed in the island, those of uniform steps included.
     pub force_evaluations: u64,
-    /// Number of particles moved by stages of contact steps, plus the number of gaps checked after steps. It measures
-    /// the work.
+    /// Work: the number of moved particles, summed over all stages of the time integrator, plus the number of gaps
+    /// checked after steps.
     pub updates: u64,
     /// Local indices of further particles that exceeded their speed limit or were hit unexpectedly, besides the one
     /// that the solver returns.
@@ -62,8 +63,8 @@ pub struct Island<C> {
     pub(super) limits: Vec<f64>,
     /// Velocity [m/s] of the moving frame of the speed limits, relative to the frame at rest.
     frame: Vector3<f64>,
-    /// [m/s] mean flow of a sheared box at the place of each particle at the start of the part. It is added to the
-    /// velocity of the frame; empty without shear.
+    /// [m/s] mean flow of a sheared box at the place of each particle at the start of the part (interval of time). It
+    /// is added to the velocity of the frame; empty without shear.
     pub(super) flow: Vec<Vector3<f64>>,
 }
 
@@ -74,8 +75,8 @@ pub struct Bounds<'a> {
     limits: &'a [f64],
     /// Velocity [m/s] of the moving frame of the speed limits, relative to the frame at rest.
     frame: Vector3<f64>,
-    /// [m/s] mean flow of a sheared box at the place of each particle at the start of the part, which is added to the
-    /// velocity of the frame. Empty without shear.
+    /// [m/s] mean flow of a sheared box at the place of each particle at the start of the part (interval of time),
+    /// which is added to the velocity of the frame. Empty without shear.
     flow: &'a [Vector3<f64>],
 }
 
@@ -181,8 +182,8 @@ impl<C> Island<C> {
     }
 
     /// True if the particle at the local `index` may have this velocity [m/s], given in the frame that falls with
-    /// gravity from rest at the start of the part. Its speed in the moving frame of the limits must not exceed its
-    /// limit. False for a bystander, which must not be touched.
+    /// gravity from rest at the start of the part (interval of time). Its speed in the moving frame of the limits must
+    /// not exceed its limit. False for a bystander, which must not be touched.
     pub fn allows(&self, index: usize, velocity: &Vector3<f64>) -> bool {
         Bounds { limits: &self.limits, frame: self.frame, flow: &self.flow }.allows(index, velocity)
     }
@@ -192,10 +193,10 @@ impl<C> Island<C> {
         (&mut self.particles, &mut self.log, Bounds { limits: &self.limits, frame: self.frame, flow: &self.flow })
     }
 
-    /// Records a velocity change of the particle at the local `index`, at `time` [s] since the start of the part.
-    /// `origin` [m] is the position that the particle would have had at the start of the part on the line of its new
-    /// flight. `velocity` [m/s] is its new velocity in the frame that falls with gravity from rest at the start of the
-    /// part.
+    /// Records a velocity change of the particle at the local `index`, at `time` [s] since the start of the part
+    /// (interval of time). `origin` [m] is the position that the particle would have had at the start of the part on
+    /// the line of its new flight. `velocity` [m/s] is its new velocity in the frame that falls with gravity from rest
+    /// at the start of the part.
     pub fn turn(&mut self, index: u32, time: f64, origin: Vector3<f64>, velocity: Vector3<f64>) {
         self.turns.push((index, VelocityChange { time, origin, velocity: velocity - self.frame_of(index as usize) }));
     }

@@ -95,11 +95,11 @@ pub trait Solve: Sync {
         false
     }
 
-    /// Moves the particles of an island from the start of a part to its end after `end` [s]. `window` is the time from
-    /// the start of the part to the next exchange with the gas. Returns `None` if the result is valid. The function
-    /// stops, and returns the local index of a particle, if that particle exceeds its speed limit or is hit
-    /// unexpectedly ([`Island::allows`]). If this happens to several particles, the others are stored in
-    /// [`Island::also`].
+    /// Moves the particles of an island from the start of a part (interval of time) to its end after `end` [s].
+    /// `window` is the time from the start of the part to the next exchange with the gas. Returns `None` if the result
+    /// is valid. The function stops, and returns the local index of a particle, if that particle exceeds its speed
+    /// limit or is hit unexpectedly ([`Island::allows`]). If this happens to several particles, the others are stored
+    /// in [`Island::also`].
     ///
     /// # Errors
     /// The engine fails, or the island costs more than the classical algorithm would.
@@ -134,14 +134,15 @@ const SHORTER: i32 = 3;
 const BATCH: usize = 64;
 
 /// Method that moves particles through a window (time between two exchanges with the gas) by finding islands and
-/// solving them. The window is divided into parts, and `C` is the type of contacts carried from part to part.
+/// solving them. The window is divided into parts (intervals of time), and `C` is the type of contacts carried from
+/// part to part.
 pub struct Islands<C> {
     /// Clock that measures the wall-clock time of searches and flights.
     pub clock: Clock,
     /// Wall-clock time that searches and flights have taken so far.
     pub spent: EngineTimes,
     pub(super) counters: IslandCounters,
-    /// Indices of the particles that were members of islands in the last part of a window.
+    /// Indices of the particles that were members of islands in the last part (interval of time) of a window.
     pub(super) members: Vec<u32>,
     search: Search,
     frame: Vector3<f64>,
@@ -180,7 +181,7 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         self.members.clear();
     }
 
-    /// Indices of the particles that were members of islands in the last part of a window.
+    /// Indices of the particles that were members of islands in the last part (interval of time) of a window.
     pub fn members(&self) -> &[u32] {
         &self.members
     }
@@ -216,9 +217,8 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
     /// Moves all particles through the window for as long as islands cost less than the classical algorithm. Returns
     /// the time [s] from the start of the window that is covered in this way. In a dilute scene it is the whole window.
     ///
-    /// # Errors
     /// A velocity is not a finite number. If the engine fails in an island, the function returns early without an
-    /// error. The classical algorithm then meets the failure again, and stops at its time.
+    /// error. The classical algorithm then meets the failure again, and stops at the time of the failure.
     pub fn advance<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,
@@ -273,7 +273,7 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
     }
 
     /// Prepares a part, a piece of the window: moves particles beyond periodic sides back into the box, sorts the store
-    /// after every [`WINDOWS_PER_SORT`] searches, and counts the search.
+    /// after every [`WINDOWS_PER_SORT`] searches, and increases the count of searches.
     fn prepare<S: Solve<Carried = C>>(&mut self, work: &mut Work<C>, piece: &WindowPiece) {
         let began = self.clock.now();
         if self.counters.neighbour_builds.is_multiple_of(WINDOWS_PER_SORT) {
@@ -348,8 +348,8 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         }
     }
 
-    /// Finds all touches that would occur in the next part if all particles flew straight, for the particles in
-    /// `region`.
+    /// Finds all touches of the particles in `region` that would occur in the next part (piece of a window) if all
+    /// particles flew straight.
     fn find(&mut self, work: &Work<C>, region: Region, piece: &WindowPiece) -> Vec<FirstTouch> {
         let began = self.clock.now();
         let span = SearchInterval::new(work.scene, piece.elapsed, piece.part);

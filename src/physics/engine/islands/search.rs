@@ -74,7 +74,7 @@ pub struct FirstTouch {
     pub index: u32,
     /// Index of the other particle; `None` for a wall.
     pub other: Option<u32>,
-    /// [s] time of the touch since the start of the part.
+    /// [s] time of the touch since the start of the part (interval of time).
     pub time: f64,
 }
 
@@ -100,10 +100,10 @@ pub struct Search {
     /// Mark of each hot particle (member of an island), by particle index: its number among all members; `None` for
     /// other particles. Between two searches no particle is marked.
     pub label: Vec<Option<Label>>,
-    /// Search for the walls near a point, from the last search.
+    /// Structure for finding the walls near a point, made in the last search for touches.
     pub near_walls: NearWalls,
-    /// Indices of the particles whose flights come near a wall, by chunks of the particle store. All particles are
-    /// listed if some wall is not flat.
+    /// Indices of the particles whose flights come near a wall, in one list per fixed number of consecutive particles.
+    /// All particles are listed if some wall is not flat.
     beside_walls: Vec<Vec<u32>>,
 }
 

@@ -36,8 +36,8 @@ const LISTED: f64 = 5.0;
 /// [ns] cost of one contact force in a uniform step, with its records.
 const CONTACT: f64 = 50.0;
 
-/// Longest pause of islands, in windows. A failed trial of islands costs about five uniform windows, which is less than
-/// a tenth of this pause.
+/// Longest pause of islands, in windows. A failed trial of islands costs about as much as uniform steps in five
+/// windows, which is less than a tenth of this pause.
 const LONGEST: u32 = 64;
 
 /// [ns] cost of local steps of islands with `forces` contact forces. `updates` is the number of particles moved, summed

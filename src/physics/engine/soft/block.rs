@@ -22,7 +22,7 @@ use facets::FacetTurns;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Number of contacts in a batch. All encounters of a batch (2 kB) are computed before its contact forces.
+/// Number of contacts whose encounters (relative positions and velocities, 2 kB) are computed before their forces.
 const BATCH: usize = 32;
 
 /// Reserves memory for `room` elements in total, plus an eighth. Lists of contacts that grow by doubling would take up
@@ -45,19 +45,19 @@ struct TouchingSlot {
 pub struct ForceEvaluation {
     /// Number of contact forces computed.
     pub forces: u64,
-    /// Number of slots tested for an overlap.
+    /// Number of slots (candidates of the neighbour list) tested for an overlap.
     pub checks: u64,
 }
 
-/// Sums over the contacts of one block in one force evaluation.
+/// Sums over the contacts of one block (range of candidates in the neighbour list) in one force evaluation.
 #[derive(Default)]
 pub struct ForceSums {
-    /// Powers and forces of the block's contacts.
+    /// Rows of powers [W] and forces [N] of the block's contacts, from which exact sums are made.
     pub rows: ContactRows,
     /// [J] elastic energy of the contacts. It is summed only for Heun's method, whose predicted state the contacts do
     /// not store.
     pub elastic_energy: f64,
-    /// Numbers of forces and tests in the evaluation.
+    /// Numbers of contact forces computed and of candidates tested in the evaluation.
     pub done: ForceEvaluation,
     /// Failure with the smallest ids among the invalid contacts; `None` if all contacts are valid.
     pub failure: Option<Failure>,
@@ -75,11 +75,11 @@ impl ForceSums {
 pub struct BlockScratch {
     /// Powers and forces of single contacts, before they are condensed into few rows.
     rows: ContactRows,
-    /// Contacts of the block at the previous step, in ascending order of slot.
+    /// Contacts of the block at the previous step, in the order of the neighbour list.
     before: Vec<TouchingSlot>,
     /// Slots (candidates of the neighbour list) whose two bodies overlap.
     overlapping: Vec<u32>,
-    /// Slots of pairs that may overlap soon.
+    /// Slots (candidates of the neighbour list) of pairs that may overlap soon.
     near: Vec<u32>,
 }
 
@@ -87,18 +87,18 @@ pub struct BlockScratch {
 #[derive(Default)]
 pub struct ContactBlock {
     slots: Range<usize>,
-    /// Contacts in progress, in ascending order of slot.
+    /// Contacts in progress, in the order of the neighbour list.
     touching: Vec<TouchingSlot>,
     records: PackedContacts,
-    /// Contacts that began in the last predicted state of a Runge-Kutta stage, in ascending order of slot.
+    /// Contacts that began in the last predicted state of a Runge-Kutta stage, in the order of the neighbour list.
     foreseen: Vec<Contact>,
-    /// Slots of pairs that may overlap before the list's travelled distance exceeds `near_until`, in ascending order.
+    /// Slots (candidates) of pairs that may overlap before particles have moved by `near_until`, in ascending order.
     near: Vec<u32>,
-    /// [m] travelled distance of the list up to which `near` and `near_walls` are valid; `None` before a search.
+    /// [m] motion of particles since the list was built, up to which both near lists are valid; `None`: not valid.
     near_until: Option<f64>,
-    /// Slots of particles that may overlap a wall before that distance exceeds `near_until`, in ascending order.
+    /// Slots (candidates) of particles that may overlap a wall before particles have moved by `near_until`.
     near_walls: Vec<u32>,
-    /// [m] for each slot of a particle and a wall: travelled distance of the list up to which the two cannot touch.
+    /// [m] for each slot of a particle and a wall: motion of particles up to which the two cannot touch.
     free_until: Vec<f64>,
     /// Contact forces of the last evaluation.
     pub pushes: ForceBuffer,
@@ -116,18 +116,18 @@ impl ContactBlock {
         Self { slots, ..Self::default() }
     }
 
-    /// True if all slots of the block are after `slot`.
+    /// True if all slots (candidates) of the block are after `slot` in the neighbour list.
     pub fn begins_after(&self, slot: u32) -> bool {
         self.slots.start > slot as usize
     }
 
-    /// True if `slot` is one of the block's slots.
+    /// True if `slot` is one of the block's slots (candidates of the neighbour list).
     #[cfg(test)]
     pub fn holds(&self, slot: u32) -> bool {
         self.slots.contains(&(slot as usize))
     }
 
-    /// Adds a contact at one of the block's slots. Its bodies may be in the opposite order to those of the slot.
+    /// Adds a contact of one of the block's candidates. Its bodies may be in the opposite order to the candidate's.
     pub fn put(&mut self, contact: &Contact, list: &NeighbourList) {
         let Contact { touch, course, slot } = *contact;
         let course = if list.couple(slot as usize) == touch.couple { course } else { course.reversed() };
@@ -142,7 +142,7 @@ impl ContactBlock {
         self.foreseen.push(contact);
     }
 
-    /// Sorts the contacts of the block by slot.
+    /// Sorts the contacts of the block in the order of the neighbour list.
     pub fn sort(&mut self) {
         self.touching.sort_unstable_by_key(|touch| touch.slot);
         self.foreseen.sort_unstable_by_key(|contact| contact.slot);
@@ -155,7 +155,7 @@ impl ContactBlock {
         self.sums = ForceSums::default();
     }
 
-    /// Discards the lists of slots that may overlap soon, so that the next evaluation tests all slots.
+    /// Discards the lists of candidates that may overlap soon, so that the next evaluation tests all candidates.
     pub fn look_anew(&mut self) {
         self.near_until = None;
         self.free_until.clear();
@@ -166,12 +166,12 @@ impl ContactBlock {
         self.touching.len()
     }
 
-    /// Couples of bodies that touch, in ascending order of their slots in `list`.
+    /// Couples of bodies that touch, in the order of the neighbour list `list`.
     pub fn couples(&self, list: &NeighbourList) -> impl Iterator<Item = Couple> {
         self.touching.iter().map(|touch| list.couple(touch.slot as usize))
     }
 
-    /// Contacts in progress, in ascending order of slot; `couples` must be the result of [`couples`](Self::couples).
+    /// Contacts in progress, in the order of the list; `couples` must be the result of [`couples`](Self::couples).
     pub fn contacts(&self, couples: impl Iterator<Item = Couple>) -> impl Iterator<Item = Contact> {
         self.touching.iter().zip(couples).map(|(&TouchingSlot { slot, record }, couple)| {
             let (constants, course) = self.records.whole(record);
@@ -179,7 +179,7 @@ impl ContactBlock {
         })
     }
 
-    /// Contacts that began in the last predicted state, in ascending order of slot.
+    /// Contacts that began in the last predicted state of a Runge-Kutta stage, in the order of the neighbour list.
     pub fn foreseen(&self) -> &[Contact] {
         &self.foreseen
     }
@@ -207,8 +207,8 @@ impl ContactBlock {
         rows.leave(&mut self.sums.rows);
     }
 
-    /// Finds the slots that overlap. Most slots of the list are too far apart to touch soon. The others are listed from
-    /// time to time, and only the listed slots are tested in between, with the same result.
+    /// Finds the slots (candidates) whose bodies overlap. Most slots of the list are too far apart to touch soon. The
+    /// others are listed from time to time, and only the listed slots are tested in between, with the same result.
     fn find(&mut self, view: ContactSearch, overlapping: &mut Vec<u32>, near: &mut Vec<u32>) {
         let ContactSearch { list, particles, scene, at, .. } = view;
         overlapping.clear();
@@ -234,7 +234,7 @@ impl ContactBlock {
         self.find_walls(view, overlapping);
     }
 
-    /// Lists the slots of particles that may touch a wall before the list's travelled distance reaches `until` [m].
+    /// Lists the slots (candidates) of particles that may touch a wall before particles have moved by `until` [m].
     fn list_walls(&mut self, until: f64, list: &NeighbourList) {
         let first = self.slots.start.max(list.pairs.len());
         self.free_until.resize(self.slots.end.saturating_sub(first), f64::NEG_INFINITY);
@@ -243,8 +243,8 @@ impl ContactBlock {
         self.near_walls.extend(slots.filter(|(_, free)| **free < until).map(|(slot, _)| slot));
     }
 
-    /// Finds the slots of particles that overlap a wall. After a test has found a gap, the slot is not tested again
-    /// until its particle can have crossed this gap.
+    /// Finds the slots (candidates) of particles that overlap a wall. After a test has found a gap, the slot is not
+    /// tested again until its particle can have crossed this gap.
     fn find_walls(&mut self, view: ContactSearch, overlapping: &mut Vec<u32>) {
         let ContactSearch { list, particles, scene, .. } = view;
         let (travelled, pairs) = (list.travelled(), list.pairs.len());
@@ -305,8 +305,8 @@ impl ContactBlock {
         }
     }
 
-    /// Evaluates all contacts in progress. The encounters of a batch are computed before its forces, so that the
-    /// processor computes the square roots and divisions of several contacts at the same time.
+    /// Evaluates all contacts in progress. The encounters (relative motions) of 32 contacts are computed before their
+    /// forces, so that the processor computes the square roots and divisions of several contacts at the same time.
     fn look_at_all(&mut self, view: ContactSearch, law: &ContactLaw, rows: &mut ContactRows) {
         let Self { touching, records, sums, pushes, .. } = self;
         if view.scene.rotation.is_some() {
@@ -371,7 +371,7 @@ impl ContactBlock {
         }
     }
 
-    /// Makes the contact that begins between the two bodies of the slot `slot`.
+    /// Makes the contact that begins between the two bodies of the slot `slot` (candidate of the neighbour list).
     fn open(&self, slot: u32, view: ContactSearch, law: &ContactLaw) -> Contact {
         let ContactSearch { list, at, .. } = view;
         let mut touch = view.touching(list.couple(slot as usize), law);
@@ -393,7 +393,7 @@ impl ContactBlock {
     }
 
     /// Records the impact of a contact that has ended, and removes the contact. If `gone` is true, the surface no
-    /// longer has the normal of this contact, and the slot now belongs to another contact of the wall.
+    /// longer has the normal of this contact, and the slot (candidate) now belongs to another contact of the wall.
     fn close(
         &mut self,
         TouchingSlot { slot, record }: TouchingSlot,

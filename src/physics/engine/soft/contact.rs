@@ -24,8 +24,8 @@ pub fn overlap_limit(flat: bool) -> f64 {
 pub const SHORT: f64 = 0.4;
 
 /// Failure of the particle at index `i`, whose centre passes through wall `wall` within one step, reported for `time`
-/// [s]. The step is a straight line of `length` [m]. The ratio is that for a centre on the surface: radius over
-/// diameter.
+/// [s]. The step is a straight line of `length` [m]. The reported ratio of overlap to diameter is 0.5, that for a
+/// centre on the surface.
 pub fn passed(particles: &Particles, i: usize, (wall, time): (u32, f64), length: f64) -> Failure {
     let (limit, diameter) = (overlap_limit(false), 2.0 * particles.radius[i]);
     let way = Some(length / diameter);
@@ -281,7 +281,7 @@ impl ContactState {
 pub struct ContactForce {
     /// [N] force on particle i; the other body gets the opposite force.
     pub on_i: Vector3<f64>,
-    /// [N] component of the force along the normal.
+    /// [N] component of the force along the normal; positive if it pushes the bodies apart.
     pub normal: f64,
     /// [W] power dissipated by the dashpot, in the middle of the time for which the force changes the velocities.
     pub restitution_power: f64,
@@ -333,7 +333,8 @@ impl Alike {
         TouchingPair { couple, constants: self.constants }
     }
 
-    /// Species of one particle and kind of the other. Both are the single species to which all particles belong.
+    /// Species of one particle and kind (species or wall) of the other. Both are the single species to which all
+    /// particles belong.
     pub fn kinds(&self) -> (u16, Kind) {
         (self.species, Kind::Species(self.species))
     }

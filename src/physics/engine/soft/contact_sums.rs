@@ -192,7 +192,8 @@ impl ContactSums {
         FrictionLosses::new(damped, values(&self.of_springs))
     }
 
-    /// Adds the sums, multiplied by the time `time` [s] for which they act, to the ledger.
+    /// Adds the sums, multiplied by the time `time` [s] for which they act, to the ledger (energies and momenta of the
+    /// run).
     pub fn book(&self, time: f64, ledger: &mut Ledger) {
         if !self.is_empty {
             ledger.add_to(&OF_PAIRS, values(&self.of_pairs).map(|number| number * time));

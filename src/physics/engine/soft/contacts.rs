@@ -30,8 +30,8 @@ pub struct StepRecord<'a> {
 }
 
 impl StepRecord<'_> {
-    /// Shifts the particles of a sheared box by whole periods into the box, and adds the changes of energy and momentum
-    /// at its sheared sides to the ledger. Boxes without shear are not changed.
+    /// Shifts the particles of a sheared box by whole periods into the box. Adds the changes of energy and momentum at
+    /// its sheared sides to the sums (ledger) in the log. Boxes without shear are not changed.
     pub fn cross(&mut self, particles: &mut Particles, domain: &Domain) {
         if domain.shear.is_some() {
             self.log.ledger += particles.wrap(domain);
@@ -63,16 +63,18 @@ pub struct EvaluationTime {
     /// [s] time of the velocities, since the start of the window. The velocities do not yet contain gravity over this
     /// time.
     pub fall: f64,
-    /// [s] time from the given velocities to the middle of the kick, for which powers are computed.
+    /// [s] time from the given velocities to the middle of the kick (change of velocities by forces), for which powers
+    /// are computed.
     pub to_middle: f64,
-    /// [-] fraction of the time step for which these forces act in the kick that follows.
+    /// [-] fraction of the time step for which these forces act in the kick (change of velocities) that follows.
     pub weight: f64,
     /// True if contacts begin and end in this evaluation; false in the predicted state of a Runge-Kutta stage.
     pub opens: bool,
-    /// True if the travelled distance of the neighbour list is exact for the present positions (Verlet's method); false
-    /// for Heun's method.
+    /// True if the distance that particles may have moved, as stored in the neighbour list, holds for the present
+    /// positions (Verlet's method). False for Heun's method.
     pub travel_is_exact: bool,
-    /// True if the second half of the kick with these forces is applied at the start of the next window.
+    /// True if the second half of the kick (change of velocities) by these forces is applied at the start of the next
+    /// window.
     pub leaves_half: bool,
 }
 
@@ -129,12 +131,12 @@ impl ContactSearch<'_> {
 /// All contacts of a scene with soft spheres, for uniform steps of all particles.
 pub struct Contacts {
     law: ContactLaw,
-    /// Blocks of the neighbour list. If there are any, they contain all contacts, and `lasting` and `foreseen` are
-    /// empty.
+    /// Contacts in blocks, each for a range of candidates in the neighbour list. If there are blocks, they contain all
+    /// contacts, and `lasting` and `foreseen` are empty.
     blocks: Vec<ContactBlock>,
-    /// Contacts in progress, in ascending order of slot.
+    /// Contacts in progress, in the order of the neighbour list.
     lasting: Vec<Contact>,
-    /// Contacts that began in the last predicted state of a Runge-Kutta stage, in ascending order of slot.
+    /// Contacts that began in the last predicted state of a Runge-Kutta stage, in the order of the neighbour list.
     foreseen: Vec<Contact>,
     /// [J] elastic energy stored in all contacts.
     elastic_energy: f64,
@@ -152,14 +154,15 @@ pub struct Contacts {
 /// State that the last force evaluation of a window passes to the first one of the next window.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Due {
-    /// Contacts that began in the last predicted state of a Runge-Kutta stage, in ascending order of slot. Their forces
-    /// have already acted, so their speed of approach is that of the predicted state.
+    /// Contacts that began in the last predicted state of a Runge-Kutta stage, in the order of the neighbour list.
+    /// Their forces have already acted, so their speed of approach is that of the predicted state.
     foreseen: Vec<Contact>,
     /// [J] elastic energy stored in all contacts.
     elastic_energy: f64,
-    /// Powers and wall forces of the last kick, whose second half is recorded in the next window.
+    /// Powers and wall forces of the last kick (change of velocities by forces), whose second half is recorded in the
+    /// next window.
     rates: Rates,
-    /// [W] parts of the friction power of the last kick.
+    /// [W] parts of the friction power of the last kick (change of velocities by forces), by cause.
     losses: FrictionLosses,
 }
 
@@ -169,8 +172,8 @@ fn block_size(list: &NeighbourList) -> usize {
     if slots <= 2 * CHUNK { slots.max(1) } else { CHUNK }
 }
 
-/// Divides the slots of a list into blocks without contacts. All contacts of one particle with one wall are in one
-/// block.
+/// Divides the slots (candidates) of a neighbour list into blocks without contacts. All contacts of one particle with
+/// one wall are in one block.
 fn blocks(list: &NeighbourList) -> Vec<ContactBlock> {
     let (slots, size) = (list.slots(), block_size(list));
     let border = |k: usize| {
@@ -180,8 +183,8 @@ fn blocks(list: &NeighbourList) -> Vec<ContactBlock> {
     (0..slots.div_ceil(size).max(1)).map(|k| ContactBlock::of(border(k)..border(k + 1))).collect()
 }
 
-/// Block of contacts that contains the slot `slot`. Blocks have about `size` slots; their borders may be moved to later
-/// slots.
+/// Block of contacts that contains the slot `slot` (candidate of the neighbour list). Blocks have about `size` slots;
+/// their borders may be moved to later slots.
 fn block_of(blocks: &mut [ContactBlock], slot: u32, size: usize) -> &mut ContactBlock {
     let k = slot as usize / size;
     let is_before = blocks[k].begins_after(slot);
@@ -236,26 +239,27 @@ impl Contacts {
         }
     }
 
-    /// Removes and returns the contacts in progress. The sums for the second half of the last kick stay, because the
-    /// contacts may be put back unchanged.
+    /// Removes and returns the contacts in progress. The sums for the second half of the last kick (change of
+    /// velocities by forces) stay, because the contacts may be put back unchanged.
     pub fn take(&mut self, list: &NeighbourList) -> Vec<Contact> {
         self.gather(list);
         std::mem::take(&mut self.lasting)
     }
 
-    /// Calls `visit` for each contact in progress, in ascending order of slot.
+    /// Calls `visit` for each contact in progress, in the order of the neighbour list.
     pub fn for_each(&self, list: &NeighbourList, visit: &mut dyn FnMut(Contact)) {
         self.lasting.iter().copied().for_each(&mut *visit);
         self.blocks.iter().flat_map(|block| block.contacts(block.couples(list))).for_each(visit);
     }
 
-    /// Makes the next evaluation test all slots of the neighbour list, as after a restart from a stored run. The counts
-    /// of work are then the same in a restarted run as in an uninterrupted one.
+    /// Makes the next evaluation test all slots (candidates) of the neighbour list, as after a restart from a stored
+    /// run. The counts of work are then the same in a restarted run as in an uninterrupted one.
     pub fn look_anew(&mut self) {
         self.blocks.iter_mut().for_each(ContactBlock::look_anew);
     }
 
-    /// Discards the sums for the second half of the last kick, because another method has moved the contacts.
+    /// Discards the sums for the second half of the last kick (change of velocities by forces), because another method
+    /// has moved the contacts.
     pub fn forget(&mut self) {
         self.elastic_energy = 0.0;
         (self.rates, self.losses) = (Rates::default(), FrictionLosses::default());
@@ -267,7 +271,8 @@ impl Contacts {
         self.lasting = contacts;
     }
 
-    /// Moves all contacts from the blocks to `lasting` and `foreseen`, and removes the blocks.
+    /// Moves all contacts from the blocks (ranges of the neighbour list) to `lasting` and `foreseen`, and removes the
+    /// blocks.
     fn gather(&mut self, list: &NeighbourList) {
         // saves memory: the list does not grow by doubling, and each block is freed before the next one is read
         self.lasting.reserve_exact(self.blocks.iter().map(ContactBlock::count).sum());
@@ -277,14 +282,15 @@ impl Contacts {
         }
     }
 
-    /// Moves only the contacts that began in a predicted state from the blocks to `foreseen`, and removes the blocks.
+    /// Removes the blocks (ranges of the neighbour list). Moves only their contacts that began in a predicted state to
+    /// `foreseen`.
     fn keep_foreseen(&mut self) {
         for block in std::mem::take(&mut self.blocks) {
             self.foreseen.extend(block.foreseen());
         }
     }
 
-    /// Moves the contacts from `lasting` and `foreseen` to new blocks of the neighbour list.
+    /// Moves the contacts from `lasting` and `foreseen` to new blocks (ranges of candidates) of the neighbour list.
     fn spread(&mut self, list: &NeighbourList) {
         let size = block_size(list);
         self.blocks = blocks(list);
@@ -297,7 +303,7 @@ impl Contacts {
     }
 
     /// Frees memory that the next neighbour list does not need, because building that list requires much memory.
-    /// Returns the two bodies of each contact, since slots are valid only in the present list.
+    /// Returns the two bodies of each contact, since slots (numbers of candidates) are valid only in the present list.
     pub fn shed(&mut self, list: &NeighbourList) -> impl Iterator<Item = Couple> + use<> {
         self.blocks.iter_mut().for_each(ContactBlock::shed);
         // saves memory: the list does not grow by doubling, and pairs, which come first, take half the memory of
@@ -387,7 +393,8 @@ impl Contacts {
         Ok(done)
     }
 
-    /// Slots at which a contact with a rough wall begins at the present positions, in ascending order.
+    /// Slots (candidates of the neighbour list) at which a contact with a rough wall begins at the present positions,
+    /// in ascending order.
     pub fn begun_at_rough_walls(&mut self, view: ContactSearch) -> Vec<u32> {
         if self.blocks.is_empty() {
             self.spread(view.list);
@@ -397,13 +404,14 @@ impl Contacts {
         slots
     }
 
-    /// Stores the rotation vector `turn` [rad] for the contact that begins at the slot `slot` in the next evaluation.
+    /// Stores the rotation vector `turn` [rad] for the contact that begins at the slot `slot` (candidate of the
+    /// neighbour list) in the next evaluation.
     pub fn meet_facet(&mut self, slot: u32, turn: Vector3<f64>, list: &NeighbourList) {
         block_of(&mut self.blocks, slot, block_size(list)).facets.begin(slot, turn);
     }
 
-    /// Couples and rotation vectors [rad] of the contacts with rough walls that ended in the last evaluation, in
-    /// ascending order of slot.
+    /// Couples and rotation vectors [rad] of the contacts with rough walls that ended in the last evaluation, in the
+    /// order of the neighbour list.
     pub fn left_facets(&mut self, list: &NeighbourList) -> Vec<(Couple, Vector3<f64>)> {
         let mut left = Vec::new();
         self.blocks.iter_mut().for_each(|block| block.take_left_facets(list, &mut left));
@@ -420,7 +428,7 @@ impl Contacts {
     }
 
     /// Adds powers and forces of the last evaluation to the sums, after all processes have agreed that these forces
-    /// act. If half of their kick is applied in the next window, stores the sums for that half.
+    /// act. If half of their kick (change of velocities) is applied in the next window, stores the sums for that half.
     pub fn count(&mut self, at: EvaluationTime, ghosts: &dyn GhostExchange) {
         for ContactBlock { sums, .. } in &self.blocks {
             self.total.add(&sums.rows, at.weight);
@@ -444,8 +452,8 @@ impl Contacts {
         }
     }
 
-    /// Records the second half of the last kick of the previous window, which acts in this window. `time` [s] is the
-    /// length of this half, and `remaining` [s] the length of the whole window.
+    /// Records the second half of the last kick (change of velocities by forces) of the previous window, which acts in
+    /// this window. `time` [s] is the length of this half, and `remaining` [s] the length of the whole window.
     pub fn record_half_kick(&mut self, time: f64, remaining: f64, scene: &Scene, log: &mut Log) {
         self.rates.add(time, remaining, scene, log);
         log.ledger.friction += self.losses * time;
@@ -459,8 +467,8 @@ mod tests {
     use crate::encounter::AtWall;
     use crate::neighbours::NearWall;
 
-    /// Checks that the contacts of one particle with one wall are in one block, and that a slot is found in its block.
-    /// Each particle has seven slots, and the size of a block is not a multiple of seven.
+    /// Checks that the contacts of one particle with one wall are in one block, and that a slot (candidate) is found in
+    /// its block. Each particle has seven slots, and the size of a block is not a multiple of seven.
     #[test]
     fn no_border_parts_the_contacts_of_a_particle_with_a_wall() {
         let near = |k: u32| NearWall { particle: k / 7, at: AtWall { wall: 0, which: k % 7 } };

@@ -19,7 +19,7 @@ pub struct Steps {
     pub law: ContactLaw,
     /// Integrator of the steps.
     pub integrator: Integrator,
-    /// [s] longest step; steps may be a little shorter.
+    /// [s] longest step; steps may be a little shorter, so that a whole number of them fits.
     pub longest: f64,
 }
 

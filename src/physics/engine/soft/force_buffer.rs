@@ -53,7 +53,7 @@ impl StoreIndex {
     }
 }
 
-/// Forces of contacts, in the order of the slots to which the contacts belong.
+/// Forces of contacts, in the order of the candidates in the neighbour list.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ForceBuffer {
     /// Forces; if a particle occurs more than once, its forces are applied in this order.
@@ -248,8 +248,8 @@ impl PerTorque<'_> {
 const FEW: usize = 1024;
 
 /// Applies the forces to all particles: v += a `dt` [s]. `common` [kg] is the mass of each particle if all masses are
-/// equal. Each velocity is changed by one thread only, which applies its forces in the order of slots. Returns the
-/// largest speed [m/s], relative to `frame` [m/s], that a particle had after a force was applied.
+/// equal. Each velocity is changed by one thread only, which applies its forces in the order of the neighbour list.
+/// Returns the largest speed [m/s], relative to `frame` [m/s], that a particle had after a force was applied.
 pub fn kick_all(
     pushes: &[ForceBuffer],
     (particles, common): (&mut Particles, Option<f64>),

@@ -1,4 +1,5 @@
-//! Second-order Runge-Kutta scheme, included for comparison with the paper.
+//! Uniform steps of soft spheres by Heun's method, a second-order Runge-Kutta scheme, included for comparison with the
+//! paper.
 
 use super::contacts::{EvaluationTime, StepRecord};
 use super::{SoftSolver, Window, instant};

@@ -75,8 +75,8 @@ pub struct SoftSolver {
     /// they are stored elsewhere. If processes share the steps, it is false too, and `contacts` contains copies of the
     /// contacts.
     keeps_contacts: bool,
-    /// Forces of the last evaluation. At the end of a window, these are the forces of the first half-kick of the next
-    /// window (Verlet).
+    /// Forces of the last evaluation. At the end of a window, these are the forces of the first half-kick (change of
+    /// velocities over half a step) of the next window (Verlet).
     pub(in crate::engine) pushes: Vec<ForceBuffer>,
     /// Working memory: forces of the first stage of Heun's method.
     before: Vec<ForceBuffer>,
@@ -108,7 +108,7 @@ pub struct SoftState {
     /// Present neighbour list. A list that is built anew for the present positions would contain other pairs, in
     /// another order.
     list: NeighbourList,
-    /// Forces of the half-kick that is not yet applied (Verlet).
+    /// Forces of the half-kick (change of velocities over half a step) that is not yet applied (Verlet).
     pending: ForceBuffer,
     due: Due,
     has_forces: bool,
@@ -187,8 +187,8 @@ impl SoftSolver {
         Ok(())
     }
 
-    /// Applies the half-kick at the start of a window with steps of `dt` [s]. The forces are those at the end of the
-    /// previous window, or those at the start of the run.
+    /// Applies the half-kick (change of velocities over half a step of `dt` [s]) at the start of a window. The forces
+    /// are those at the end of the previous window, or those at the start of the run.
     fn first_half_kick(
         &mut self,
         particles: &mut Particles,

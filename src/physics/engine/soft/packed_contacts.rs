@@ -1,11 +1,12 @@
-//! Compact records of the contacts in progress of one block. Most contacts are between bodies of the same kinds, so
-//! their constants are stored only once. The contacts are stored in chunks of equal length.
+//! Compact records of the contacts in progress of one block, a range of candidates in the neighbour list. Most contacts
+//! are between bodies of the same kinds, so their constants are stored only once. The contacts are stored in chunks of
+//! equal length.
 
 use super::contact::{ContactConstants, ContactState, ResistanceMemory};
 use nalgebra::Vector3;
 
-/// Number of kinds of contacts whose constants are stored once for all contacts of that kind. Each contact of a further
-/// kind has constants of its own.
+/// Number of different sets of contact constants that are stored once for all contacts with these constants. Each
+/// contact with other constants has a set of its own.
 const SHARED: usize = 16;
 
 /// Number of contacts per chunk of storage. A single list would be copied when it grows, and would fragment the memory.
@@ -90,27 +91,27 @@ pub struct PackedContacts {
     constants: Vec<ContactConstants>,
     /// Indices in `constants`, from `SHARED` on, whose entries no contact uses.
     unused: Vec<u32>,
-    /// [m] shears of the contacts in `kept`, in the same chunks; empty if contacts have no tangential springs.
-    shears: Vec<Vec<Vector3<f64>>>,
-    /// States of the rolling and twisting springs of the contacts in `kept`, in the same chunks; empty without such
+    /// [m] shears of the contacts in `kept`, in lists of the same lengths; empty if contacts have no tangential
     /// springs.
+    shears: Vec<Vec<Vector3<f64>>>,
+    /// States of the rolling and twisting springs of the contacts in `kept`, in lists of the same lengths; empty
+    /// without such springs.
     resistances: Vec<Vec<ResistanceMemory>>,
-    /// [m/s] slips at first touch of the contacts in `kept`, in the same chunks; empty if spheres do not rotate. `None`
-    /// for a contact whose first slip is not recorded.
+    /// [m/s] slips at first touch of the contacts in `kept`, in lists of the same lengths; empty if spheres do not
+    /// rotate. `None` for a contact whose first slip is not recorded.
     first_slips: Vec<Vec<Option<Vector3<f32>>>>,
-    /// [rad] rotation vectors of the contacts in `kept` with rough walls, in the same chunks; empty if no contact has
-    /// one. `None` for a contact without a rotation vector.
+    /// [rad] rotation vectors of the contacts in `kept` with rough walls, in lists of the same lengths; empty if no
+    /// contact has one. `None` for a contact without a rotation vector.
     facets: Vec<Vec<Option<Vector3<f64>>>>,
 }
 
-/// Returns the element at `index`, which counts the elements of all chunks; `None` if there are fewer
-/// chunks.
+/// Returns the element at `index` of a list that is stored in chunks of equal length; `None` if there are fewer chunks.
 #[inline(always)]
 fn in_chunks<T>(chunks: &mut [Vec<T>], index: u32) -> Option<&mut T> {
     Some(&mut chunks.get_mut(index as usize / CHUNK)?[index as usize % CHUNK])
 }
 
-/// Stores a value for the contact at `index`, and adds chunks if they are needed.
+/// Stores a value for the contact at `index` of a list in chunks of equal length, and adds chunks if they are needed.
 fn store_in_chunks<T: Clone + Default>(chunks: &mut Vec<Vec<T>>, index: u32, value: T) {
     while chunks.len() <= index as usize / CHUNK {
         chunks.push(vec![T::default(); CHUNK]);

@@ -30,7 +30,7 @@ pub struct ResistingCouple {
     pub couple: Vector3<f64>,
     /// [N] force f of the rolling resistance; its torque is -R_eff n × f, with the effective radius R_eff and normal n.
     pub rolling: Vector3<f64>,
-    /// [W] power taken from the rotation, in the middle of the kick.
+    /// [W] power taken from the rotation, in the middle of the kick (change of velocities by forces).
     pub power: f64,
     /// [W] parts of `power`: rolling resistance, and twisting resistance.
     pub parts: [f64; 2],
@@ -92,7 +92,7 @@ pub struct ResistedStep {
     pub dt: f64,
     /// [s] time in the step during which the surfaces have moved. It is less than `dt` if the contact has just begun.
     pub elapsed: f64,
-    /// [s] time from the given velocities to the middle of the kick.
+    /// [s] time from the given velocities to the middle of the kick (change of velocities by forces).
     pub to_middle: f64,
 }
 

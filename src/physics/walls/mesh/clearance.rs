@@ -18,7 +18,8 @@ pub struct Clearance {
     cell: f64,
     count: [usize; 3],
     away: Vec<u8>,
-    /// True for each cell in which particles may be everywhere; false for each cell that a triangle may overlap.
+    /// True for each cell in which particles may be everywhere. False for each cell that a triangle may overlap, and
+    /// for cells on the other side of the surface.
     is_free: Vec<bool>,
     /// True if particles may be outside the box around the mesh.
     is_free_beyond: bool,

@@ -240,8 +240,9 @@ impl Mesh {
     }
 
     /// True if all triangles within `reach` [m] of `point` [m] have nearly equal normals, so that a sphere has at most
-    /// one contact there. The nearest point may lie on an edge or corner of a closed surface. The direction from there
-    /// to `point` lies between the normals of the adjacent triangles, all of which are within `reach`.
+    /// one contact there. For a sheet with particles on both sides the result is always false. The nearest point may
+    /// lie on an edge or corner of a closed surface. The direction from there to `point` lies between the normals of
+    /// the adjacent triangles, all of which are within `reach`.
     fn is_smooth(&self, point: &Vector3<f64>, reach: f64) -> bool {
         let mut normals = self.tree.within(point, reach).map(|face| &self.surface.faces[face as usize].normal);
         let first = normals.next();

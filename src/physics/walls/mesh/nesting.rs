@@ -118,7 +118,8 @@ fn volume(points: &[Vector3<f64>], triangles: &Numbered, part: &[usize]) -> f64 
     each.sum()
 }
 
-/// Numbers of the parts that contain each part, in ascending order. Parts that cross others are counted in `nested`.
+/// For each part, the indices of the other parts that contain it, in ascending order. Parts that cross others are
+/// counted in `nested`.
 fn parts_around(
     points: &[Vector3<f64>],
     triangles: &Numbered,
@@ -164,7 +165,7 @@ struct Crossings {
 }
 
 impl Crossings {
-    /// Numbers of the parts other than `own` that contain a point [m]. `None` if the rays in all directions of [`WAYS`]
+    /// Indices of the parts other than `own` that contain a point [m]. `None` if the rays in all directions of [`WAYS`]
     /// pass through edges.
     fn around(
         &self,

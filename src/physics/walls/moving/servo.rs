@@ -4,13 +4,13 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// Motion of a plane on which particles shall press with a given pressure. Its speed along the normal is V = (p -
-/// p_m)/c, with the wanted pressure p, the measured pressure p_m, and the damping c (da Cruz et al. 2005, Phys. Rev. E
+/// p_m)/c, with the target pressure p, the measured pressure p_m, and the damping c (da Cruz et al. 2005, Phys. Rev. E
 /// 72, 021309, eq. 2). The speed is constant between two measurements.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ServoMotion {
     /// [-] unit normal of the plane, which points to the particles.
     pub direction: Vector3<f64>,
-    /// [Pa] wanted pressure p of the particles on the plane.
+    /// [Pa] target pressure p of the particles on the plane.
     pub pressure: f64,
     /// [m²] area of the plane on which particles can press.
     pub area: f64,

@@ -34,7 +34,7 @@ pub struct Layout {
     pub counted: bool,
     /// True, for each axis, if positions are given as fractions of the box size.
     pub scaled: [bool; 3],
-    /// Names of the columns that are ignored and reported.
+    /// Names of the columns that are ignored; a warning lists them.
     left: Vec<String>,
     /// Number of words in the line of each particle.
     pub width: usize,
@@ -116,7 +116,8 @@ fn meaning(name: &str, width: usize) -> Option<Meaning> {
 }
 
 impl Layout {
-    /// Adds the next column to the layout; `width` is the number of words that share this name.
+    /// Adds the next column of a particle file to the layout of its lines. `width` is the number of consecutive words
+    /// that the column `name` has in a line.
     ///
     /// # Errors
     /// In words: the column repeats another column.

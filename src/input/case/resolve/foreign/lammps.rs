@@ -32,7 +32,8 @@ struct Outline<'a> {
     atoms: Option<Atoms>,
     /// Index of the header line of the section `Velocities`; `None` if the file has no such section.
     moving: Option<usize>,
-    /// Index of the line, velocity and angular velocity of each atom, by the id of the atom.
+    /// For each atom, by its id: index of its line in the section `Velocities`, and texts of its velocity and angular
+    /// velocity.
     velocities: FxHashMap<&'a str, (usize, [&'a str; 3], [&'a str; 3])>,
     /// Text of the mass of each atom type, by the number of the type.
     masses: FxHashMap<&'a str, &'a str>,

@@ -6,7 +6,8 @@ use crate::particles::Particles;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-/// Number of bits of a cube's number along each axis; with ten bits there are about a thousand cubes along each axis.
+/// Number of bits of a cube's number along each axis; with ten bits there are about a thousand cubes along the longest
+/// edge of the box.
 const BITS: u32 = 10;
 
 /// Indices of the particles in the order in which Morton's curve meets their positions; these must be inside the box.

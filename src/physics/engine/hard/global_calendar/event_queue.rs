@@ -74,9 +74,9 @@ pub struct EventQueue {
 }
 
 impl EventQueue {
-    /// Fills the queue with the next events of all particles in `table` that are earlier than `before` [s];
-    /// the present time is `now` [s]. Both times are counted from the epoch. The interval of the bins is chosen from
-    /// these events.
+    /// Fills the queue with the next events of all particles in `table` that are earlier than `before` [s]; the present
+    /// time is `now` [s]. Both times are counted from the epoch (zero of the calendar's time). The interval of the bins
+    /// is chosen from these events.
     pub fn fill(&mut self, table: EventTable, now: f64, before: f64) {
         let mut times = Vec::with_capacity(table.next_events.len());
         times.extend(table.next_events.iter().map(|events| events.time).filter(|time| *time < before));
@@ -161,7 +161,8 @@ impl EventQueue {
     }
 
     /// Index of the particle whose event comes `after` events after the earliest one (0: the earliest). `None` if this
-    /// event is not yet in the sorted list. The entry may be outdated.
+    /// event is not yet in the sorted list. The entry may be outdated, if the next event of that particle has changed
+    /// since.
     #[inline]
     pub fn upcoming(&self, after: usize) -> Option<u32> {
         self.near.len().checked_sub(after + 1).map(|at| self.near[at].index)

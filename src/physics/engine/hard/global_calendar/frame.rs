@@ -20,7 +20,8 @@ pub struct FallingFrame {
 }
 
 impl FallingFrame {
-    /// Position [m] of the frame's origin, relative to that of the scene, at `time` [s] since the epoch.
+    /// Position [m] of the frame's origin, relative to that of the scene, at `time` [s] since the epoch (zero of the
+    /// calendar's time).
     fn origin(&self, time: f64) -> Vector3<f64> {
         self.offset + (self.velocity + self.gravity * (0.5 * time)) * time
     }
@@ -30,8 +31,8 @@ impl FallingFrame {
         self.velocity + self.gravity * time
     }
 
-    /// Flight relative to the scene, from `time` [s] since the epoch on, of a body that has `position` [m] and
-    /// `velocity` [m/s] in this frame at that time.
+    /// Flight relative to the scene, from `time` [s] since the epoch (zero of the calendar's time) on, of a body that
+    /// has `position` [m] and `velocity` [m/s] in this frame at that time.
     pub fn flight(&self, position: &Vector3<f64>, velocity: &Vector3<f64>, time: f64) -> Flight {
         Flight {
             position: position + self.origin(time),

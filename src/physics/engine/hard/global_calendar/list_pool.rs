@@ -50,19 +50,21 @@ pub struct ListPool {
 }
 
 impl ListPool {
-    /// Forgets all free rooms (memory blocks of neighbour lists), before the long array is filled again.
+    /// Forgets all free rooms (memory blocks of neighbour lists), before the array of all neighbour lists is filled
+    /// again.
     pub fn clear(&mut self) {
         self.free.clear();
     }
 
-    /// Adds a free room (memory block) with the size number `room`, which begins at entry `first` of the long array.
+    /// Adds a free room (memory block) with the size number `room`, which begins at entry `first` of the array of all
+    /// lists.
     pub fn give(&mut self, room: u8, first: u32) {
         self.free.resize(self.free.len().max(usize::from(room) + 1), Vec::new());
         self.free[usize::from(room)].push(first);
     }
 
-    /// Removes a free room (memory block) with the size number `room` from the pool. Returns the entry of the long
-    /// array at which the room begins; `None` if no room of this size is free.
+    /// Removes a free room (memory block) with the size number `room` from the pool. Returns the entry of the array of
+    /// all lists at which the room begins; `None` if no room of this size is free.
     pub fn take(&mut self, room: u8) -> Option<u32> {
         self.free.get_mut(usize::from(room))?.pop()
     }

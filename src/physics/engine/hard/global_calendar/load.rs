@@ -21,13 +21,13 @@ use nalgebra::Vector3;
 use std::cmp::Ordering;
 use std::f64::consts::{PI, SQRT_2};
 
-/// Number of times that the fastest particle may cross the box within an epoch. In a longer epoch the rounding of times
-/// would matter as much as that of positions.
+/// Number of times that the fastest particle may cross the box between two epochs, the instants from which times are
+/// counted. Over a longer time the rounding of times would matter as much as that of positions.
 const CROSSINGS: f64 = 8.0;
 
-/// [-] distance that the frame may move towards a wall within an epoch while it follows a flying layer of particles,
-/// over the largest diameter. All particles within this distance of a wall are tested for a touch. A shorter distance
-/// needs more epochs, each of which builds all lists again.
+/// [-] distance that the frame may move towards a wall between two epochs (instants from which times are counted) while
+/// it follows a flying layer of particles, over the largest diameter. All particles within this distance of a wall are
+/// tested for a touch. A shorter distance needs more epochs, at each of which all lists are built again.
 const FOLLOWED: f64 = 2.0;
 
 /// Smallest number of particles whose common motion the frame follows. The mean velocity of few particles is large by
@@ -94,7 +94,8 @@ impl GlobalCalendar {
             return false;
         }
         let (mean, square) = mean_and_fluctuation(particles);
-        // lower limit: a frame that falls past a bed at rest begins anew only with its next epoch
+        // a frame that falls past a bed at rest is not replaced before its next epoch; the lower limit excludes this
+        // case
         let largest = self.shells.kinds.last().map_or(0.0, |kind| kind.radius);
         let fall = across(scene, scene.gravity).norm() * 2.0 * largest;
         let behind = across(scene, mean - self.frame.velocity_at(self.now)).norm_squared();
@@ -173,8 +174,9 @@ impl GlobalCalendar {
         self.shells.forget();
     }
 
-    /// Builds the calendar anew: sorts the particle store along a curve through the box, copies its flights, and makes
-    /// shells and neighbour lists. `met` contains the collision histories by id, and `start` [s] is the simulated time.
+    /// Builds the calendar anew: sorts the particle store along a curve through the box, copies the flights of the
+    /// particles, and makes shells and neighbour lists. `met` contains the collision histories by id, and `start` [s]
+    /// is the simulated time.
     fn load(
         &mut self,
         particles: &mut Particles,
@@ -245,9 +247,9 @@ impl GlobalCalendar {
         self.set_limit(work.particles, work.scene, start)
     }
 
-    /// Chooses the end of the epoch, in which times are counted from the same instant. The largest speed, the motion of
-    /// the frame towards walls, and moving walls limit it. `start` [s] is the simulated time. Returns an error if a
-    /// velocity is not a finite number.
+    /// Chooses when the next epoch begins, the instant from which times are then counted. The largest speed, the motion
+    /// of the frame towards walls, and moving walls limit the time until then. `start` [s] is the simulated time.
+    /// Returns an error if a velocity is not a finite number.
     fn set_limit(&mut self, particles: &Particles, scene: &Scene, start: f64) -> Result<(), Failure> {
         let before = self.limit;
         let fastest = self.bodies.iter().map(|body| body.velocity.norm_squared()).fold(0.0, |a: f64, b| {
@@ -313,8 +315,8 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// True if the particle at `index` may touch a wall before it leaves its shell (ball in which its
-    /// neighbour list is valid) or the epoch ends.
+    /// True if the particle at `index` may touch a wall before it leaves its shell (ball in which its neighbour list is
+    /// valid), or before the next epoch, from which times are counted anew.
     pub(super) fn at_wall(&self, index: usize, scene: &Scene) -> bool {
         if scene.walls.is_empty() {
             return false;
@@ -354,7 +356,8 @@ fn frame_velocity(particles: &Particles, scene: &Scene) -> Vector3<f64> {
     if is_layer { mean } else { along }
 }
 
-/// True if the calendar is built again in each epoch, since its frame falls towards walls or walls move.
+/// True if the calendar is built again at each epoch (instant from which times are counted), since its frame falls
+/// towards walls or walls move.
 fn is_built_each_epoch(scene: &Scene) -> bool {
     scene.has_moving_walls() || across(scene, scene.gravity) != Vector3::zeros()
 }

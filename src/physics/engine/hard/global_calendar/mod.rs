@@ -50,13 +50,13 @@ const KEPT_IMPACTS: usize = 1 << 8;
 #[derive(Clone, Default, Serialize, Deserialize)]
 pub struct GlobalCalendar {
     frame: FallingFrame,
-    /// Present time [s], counted from the epoch.
+    /// Present time [s], counted from the epoch, the zero of the calendar's time.
     now: f64,
-    /// Time [s] since the epoch at which a new epoch must begin, because rounding errors of times grow and the frame
-    /// falls.
+    /// Time [s] since the epoch (zero of the calendar's time) at which a new epoch must begin, before rounding errors
+    /// of times grow too large, and before the frame or walls have moved too far.
     limit: f64,
-    /// Time [s] since the epoch up to which events are predicted and queued. It is the end of the window if drag
-    /// changes velocities after every window, otherwise infinite.
+    /// Time [s] since the epoch (zero of the calendar's time) up to which events are predicted and queued. It is the
+    /// end of the window if drag changes velocities after every window, otherwise infinite.
     horizon: f64,
     /// Simulated time [s] at the epoch, the instant from which the calendar counts times. The places of moving walls
     /// and of the images of a sheared box follow from it.
@@ -68,8 +68,8 @@ pub struct GlobalCalendar {
     /// finite time) is detected.
     last_collisions: Vec<LastCollision>,
     shells: Shells,
-    /// Time [s] since the epoch until which neighbour lists across the sheared sides of the box are valid, since images
-    /// slide there; infinite without shear.
+    /// Time [s] since the epoch (zero of the calendar's time) until which neighbour lists across the sheared sides of
+    /// the box are valid, since images slide there; infinite without shear.
     lists_valid_until: f64,
     /// True for each periodic axis along which the box is so short that a pair may touch through an image other than
     /// the nearest one.
@@ -111,12 +111,12 @@ struct CalendarWindow {
 }
 
 impl CalendarWindow {
-    /// Time [s] from `now` [s] since the epoch to the end of the window.
+    /// Time [s] from `now` [s] since the epoch (zero of the calendar's time) to the end of the window.
     fn left(&self, now: f64) -> f64 {
         self.end - now
     }
 
-    /// Simulated time [s] at `now` [s] since the epoch.
+    /// Simulated time [s] at `now` [s] since the epoch (zero of the calendar's time).
     fn time(&self, now: f64) -> f64 {
         self.window.start + (self.window.duration - self.left(now))
     }
@@ -206,9 +206,9 @@ impl GlobalCalendar {
         self.shells.neighbours(&events.shell).iter().for_each(|&k| prefetch_index(&self.bodies, k as usize));
     }
 
-    /// Processes the next event of the particle at `index`: a collision or a new shell. If the event is void and a
-    /// second one is stored, the second one replaces it in the queue. Otherwise the next events of all particles
-    /// concerned are predicted.
+    /// Processes the next event of the particle at `index`: a collision or a new shell. An event is void if its partner
+    /// has collided meanwhile; if a second event is stored, it then replaces the void one in the queue. Otherwise the
+    /// next events of all particles that took part are predicted.
     fn event(&mut self, index: u32, work: &mut Work<Recent>, span: &CalendarWindow) -> Result<(), Failure> {
         let scene = work.scene;
         let NextEvents { kind, detail, .. } = self.next_events[index as usize];
@@ -352,8 +352,8 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// Last collisions of all particles that collided less than the contact time of the TC model before simulated time
-    /// `time` [s]. Empty without a contact time.
+    /// Last collisions of all particles that collided less than the contact time of the TC model (in which their next
+    /// collision is elastic) before simulated time `time` [s]. Empty without a contact time.
     pub fn recent(&self, time: f64) -> impl Iterator<Item = Recent> {
         recent(self.last_collisions.iter(), self.contact_time, time)
     }

@@ -15,7 +15,8 @@ pub struct FlightState {
     pub position: Vector3<f64>,
     /// [m/s] velocity of the particle in the frame that falls with gravity.
     pub velocity: Vector3<f64>,
-    /// [s] time since the epoch at which the particle is at `position`; usually that of its last event.
+    /// [s] time since the epoch (zero of the calendar's time) at which the particle is at `position`; usually that of
+    /// its last event.
     pub time: f64,
     /// Number of the particle's combination of radius and mass in `Shells::kinds`.
     pub kind: u32,
@@ -25,7 +26,7 @@ pub struct FlightState {
 }
 
 impl FlightState {
-    /// Moves the particle along its flight to the time `now` [s] since the epoch.
+    /// Moves the particle along its flight to the time `now` [s] since the epoch (zero of the calendar's time).
     #[inline]
     pub fn advance(&mut self, now: f64) {
         self.position += self.velocity * (now - self.time);
@@ -48,7 +49,7 @@ pub enum EventKind {
 }
 
 /// The next two events of one particle, and its shell (ball in which its neighbour list is valid), in one cache line.
-/// Times are counted from the epoch.
+/// Times are counted from the epoch (zero of the calendar's time).
 #[repr(align(64))]
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct NextEvents {

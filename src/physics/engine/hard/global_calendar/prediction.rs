@@ -116,8 +116,8 @@ impl GlobalCalendar {
     }
 
     /// Finds the earliest two events of a particle. The candidates are the exit from its shell (ball in which its
-    /// neighbour list is valid), the end of prediction, and all touches. Unless the first event is a touch, the second
-    /// one is the same event.
+    /// neighbour list is valid), the end of prediction, and all touches. If no touch is the first event, both events
+    /// are the same.
     #[inline]
     fn next_events(&self, index: u32, scene: &Scene) -> Events {
         let (body, shell) = (&self.bodies[index as usize], &self.next_events[index as usize].shell);

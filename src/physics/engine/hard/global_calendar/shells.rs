@@ -172,8 +172,8 @@ impl Shells {
         lists
     }
 
-    /// Reserves memory for the lists in `parts`, after which the first `known` particles have lists. If memory must
-    /// grow, it is made large enough for all `count` particles, by extrapolation.
+    /// Reserves memory for the neighbour lists in `parts`, after which the first `known` particles have lists. If
+    /// memory must grow, it is made large enough for all `count` particles, by extrapolation.
     fn reserve(&mut self, parts: &[Lists], known: usize, count: usize) {
         let room: usize =
             parts.iter().flat_map(|lists| &lists.counts).map(|&count| size(room_for(count)) as usize).sum();

@@ -47,9 +47,9 @@ impl GlobalCalendar {
         self.lists_valid_until = self.now + self.interval(scene);
     }
 
-    /// Moves the particle at `index` to the present time and into the box, and gives it a new shell (ball in
-    /// which its neighbour list is valid). If the particle crosses a sheared side, the work of the crossing is added to
-    /// the ledger.
+    /// Moves the particle at `index` to the present time and into the box, and gives it a new shell (ball in which its
+    /// neighbour list is valid). If the particle crosses a sheared side, the work of the crossing is added to the
+    /// ledger, the sums of energies of the run.
     pub(super) fn make_shell(&mut self, index: u32, work: &mut Work<Recent>) {
         let (now, scene) = (self.now, work.scene);
         let (domain, mass) = (self.domain(scene), self.shells.mass(&self.bodies[index as usize]));
@@ -76,17 +76,18 @@ impl GlobalCalendar {
         })
     }
 
-    /// Removes from the ledger the side crossings that were added when the positions in the particle store were wrapped
-    /// into the box, after the event queue had written them. The flights in the queue go on beyond the sheared sides;
-    /// their crossings are recorded when the particles get new shells.
+    /// Removes from the ledger (sums of energies of the run) the side crossings that were added when the positions in
+    /// the particle store were wrapped into the box, after the event queue had written them. The flights in the queue
+    /// go on beyond the sheared sides; their crossings are recorded when the particles get new shells.
     pub(super) fn take_back_crossings(&self, work: &mut Work<Recent>) {
         if work.scene.domain.shear.is_some() {
             self.crossings(&work.scene.domain).for_each(|crossing| self.take_back(crossing, work.record));
         }
     }
 
-    /// Velocities [m/s] of the particles of the store after a kick. If the flight of a particle goes on beyond a
-    /// sheared side, its velocity beyond that side is returned, and its crossing is removed from the ledger.
+    /// Velocities [m/s] of the particles of the store after a kick (change of velocities, for instance by drag). If the
+    /// flight of a particle goes on beyond a sheared side, its velocity beyond that side is returned, and its crossing
+    /// is removed from the ledger (sums of energies of the run).
     pub(super) fn velocities_after_kick<'a>(&self, work: &'a mut Work<Recent>) -> Cow<'a, [Vector3<f64>]> {
         if work.scene.domain.shear.is_none() {
             return Cow::Borrowed(&work.particles.velocity);

@@ -45,8 +45,8 @@ impl GlobalCalendar {
         wall.moving.as_ref().map_or(0.0, |moving| self.epoch + self.now - moving.time())
     }
 
-    /// Upper limit [m] of the distance by which a wall moves away from its place in the scene until the epoch of the
-    /// calendar ends; 0 for a wall that does not move.
+    /// Upper limit [m] of the distance by which a wall moves away from its place in the scene until the next epoch, the
+    /// instant from which the calendar then counts times. It is 0 for a wall that does not move.
     pub(super) fn travel(&self, wall: &Wall) -> f64 {
         wall.moving.as_ref().map_or(0.0, |moving| moving.travel(self.epoch + self.limit - moving.time()))
     }

@@ -144,8 +144,8 @@ impl BoundedIslands<'_> {
     /// bystanders (particles that fly straight unless a member hits them) of each island are known. Returns false if an
     /// island is too large.
     ///
-    /// The searches of a round run in parallel, and islands change only between rounds. Islands only grow, so the
-    /// result does not depend on the order of the searches.
+    /// In each round, the searches of all changed islands run in parallel; islands change only between rounds. Islands
+    /// only grow, so the result does not depend on the order of the searches.
     fn expand_all(&mut self, changed: Vec<usize>) -> bool {
         let mut waiting = changed;
         while !waiting.is_empty() {

@@ -27,8 +27,8 @@ pub trait IslandFinder<'a>: DerefMut<Target = Clusters<'a>> + Sync + Sized {
     /// Measured costs of islands that are found by this method.
     const COSTS: PartCosts;
 
-    /// True if parts stay short until the next exchange with the gas, after a part had to be shortened because an
-    /// island was too large: later parts are not longer than the shortened one.
+    /// True if, after an island was too large and a part (piece of a window) had to be shortened, all later parts of
+    /// the window are at most as long as the shortened one.
     const KEEPS_SHORTER: bool;
 
     /// Makes a finder from the data `clusters` of a part (piece of the time between two exchanges with the gas), with
@@ -67,7 +67,8 @@ pub trait IslandFinder<'a>: DerefMut<Target = Clusters<'a>> + Sync + Sized {
     /// is too large. An island is counted only if its leader, the member with the smallest id, satisfies `mine`.
     fn next_round(&mut self, retries: Vec<(usize, Retry)>, mine: impl Fn(u32) -> bool) -> Option<u64>;
 
-    /// Velocity changes of a member in this part, in the order of time; `None` if its trajectory is unknown.
+    /// Velocity changes of a member in this part (interval of time), in the order of time; `None` if its trajectory is
+    /// unknown.
     fn velocity_changes(&self, _member: &Member) -> Option<&[VelocityChange]> {
         None
     }

@@ -113,8 +113,8 @@ impl Clusters<'_> {
         self.members = members;
     }
 
-    /// Sorts the members and contacts of an island by id and number, and computes its largest energies and speeds. The
-    /// order does not depend on that of the particle store, nor on the order in which islands were united.
+    /// Sorts the members of an island by id and its contacts by number, and computes its largest energies and speeds.
+    /// The order does not depend on that of the particle store, nor on the order in which islands were united.
     fn put_in_order(&self, cluster: &mut Cluster) {
         cluster.hot.sort_unstable_by_key(|&member| self.particles.id[self.members[member as usize].index as usize]);
         cluster.carried.sort_unstable();
@@ -131,7 +131,8 @@ impl Clusters<'_> {
     }
 
     /// Computes the ball that contains a member of an island between the first touch in the island and the end of the
-    /// part. Returns the largest distance [m] of any point of the member from the middle of its straight flight.
+    /// part (interval of time). Returns the largest distance [m] of any point of the member from the middle of its
+    /// straight flight.
     fn reach_out(&self, member: &mut Member) -> f64 {
         let (cluster, i) = (&self.list[member.cluster as usize], member.index as usize);
         member.flight = self.search.flights[i];
@@ -154,7 +155,8 @@ impl Clusters<'_> {
     }
 
     /// Distance [m] from the places that members of an island may reach to the border of the region whose particles
-    /// this process stores. It is negative if they reach beyond, and infinite if the process stores all particles.
+    /// this process stores. It is negative if they reach beyond this border, and infinite if the process stores all
+    /// particles.
     pub(super) fn room(&self, which: usize) -> f64 {
         if self.search.region.is_all() {
             return f64::INFINITY;
@@ -189,7 +191,7 @@ impl Clusters<'_> {
         self.list[which].hot.first().map(|&member| self.members[member as usize].index)
     }
 
-    /// The periodic box of the scene at the start of the part.
+    /// The periodic box of the scene at the start of the part (interval of time).
     pub fn domain(&self) -> &Domain {
         self.domain
     }

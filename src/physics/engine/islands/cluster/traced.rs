@@ -64,8 +64,8 @@ pub struct TracedIslands<'a> {
     /// Velocity changes of the members of all solved islands. Those of one member follow one another in the order of
     /// time.
     turns: Vec<VelocityChange>,
-    /// Balls that contain paths after the first velocity change, in cells. The first entry is for all members, the
-    /// second for those whose islands have been solved again since the first round.
+    /// Balls that contain paths after the first velocity change, in cells. The first entry is for all members. The
+    /// second is for members whose islands have been solved more than once.
     deflected: [DeflectedFlights; 2],
 }
 
@@ -229,8 +229,9 @@ impl TracedIslands<'_> {
         changed.iter().all(|&which| !self.list[which].is_crowd()).then_some(in_vain)
     }
 
-    /// Sorts into cells the balls that contain paths after a velocity change. In the first round these are the balls of
-    /// all members. In later rounds the balls of the islands in `new` are added to a second list of balls.
+    /// Sorts into cells the balls that contain paths after a velocity change. After all islands have been solved for
+    /// the first time, these are the balls of all members. Whenever islands are solved again, the balls of the islands
+    /// in `new` are added to a second list of balls.
     fn lay_out(&mut self, new: &[usize]) {
         let Clusters { search, members: known, list, widest, .. } = &mut self.clusters;
         let region = &search.region;
@@ -290,7 +291,8 @@ impl TracedIslands<'_> {
     }
 
     /// True if two particles may touch on their trajectories after a velocity change of at least one of them. Touches
-    /// of two straight flights are not considered, because they are already known. True if a trajectory is unknown.
+    /// of two straight flights are not considered, because they are already known. Also true if a trajectory is
+    /// unknown.
     fn may_touch(&self, one: &ParticleTrajectory, other: &ParticleTrajectory) -> bool {
         let (Some(turns), Some(others)) = (one.turns, other.turns) else { return true };
         let reach = self.particles.radius[one.index as usize] + self.particles.radius[other.index as usize];

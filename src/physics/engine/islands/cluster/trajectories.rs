@@ -11,8 +11,8 @@ use std::ops::Range;
 pub struct VelocityChange {
     /// [s] time of the change since the start of the part, a piece of the time between two exchanges with the gas.
     pub time: f64,
-    /// [m] position that the particle would have had at the start of the part if it had always moved on the line of the
-    /// new flight.
+    /// [m] position that the particle would have had at the start of the part (interval of time) if it had always moved
+    /// on the line of the new flight.
     pub origin: Vector3<f64>,
     /// [m/s] new velocity, relative to the moving frame in which the speed of this particle is limited; in a sheared
     /// box that frame contains the mean flow.
@@ -43,10 +43,10 @@ pub struct PiecewiseTrajectory {
 
 /// A straight piece of a trajectory between two successive velocity changes.
 pub struct Segment {
-    /// [s] times of the beginning and the end of the piece since the start of the part.
+    /// [s] times of the beginning and the end of the piece since the start of the part (interval of time).
     pub span: [f64; 2],
-    /// [m] position that the particle would have had at the start of the part if it had always moved on the line of
-    /// this piece.
+    /// [m] position that the particle would have had at the start of the part (interval of time) if it had always moved
+    /// on the line of this piece.
     pub origin: Vector3<f64>,
     /// [m/s] velocity on this piece, relative to the moving frame of the search, which is common to all particles.
     pub velocity: Vector3<f64>,

@@ -7,7 +7,8 @@ use crate::engine::soft::contacts::ContactSearch;
 use crate::neighbours::NeighbourList;
 use nalgebra::Vector3;
 
-/// Contacts of one block with rough walls that begin or end in a step. Both lists are empty between two steps.
+/// Contacts with rough walls that begin or end in a step, for one block (range of candidates in the neighbour list).
+/// Both lists are empty between two steps.
 #[derive(Default)]
 pub struct FacetTurns {
     /// Slots (numbers of candidates) of contacts that begin, in ascending order, with the rotation vectors [rad] by
@@ -18,17 +19,20 @@ pub struct FacetTurns {
 }
 
 impl FacetTurns {
-    /// Adds the rotation vector `turn` [rad] of a contact that begins at the slot `slot`.
+    /// Adds the rotation vector `turn` [rad] of a contact that begins at the slot `slot` (candidate of the neighbour
+    /// list).
     pub fn begin(&mut self, slot: u32, turn: Vector3<f64>) {
         self.begun.push((slot, turn));
     }
 
-    /// True if the velocity of the particle of a slot has been turned for a contact that begins there.
+    /// True if the velocity of the particle has been turned for a contact that begins at this slot (candidate of the
+    /// neighbour list).
     pub fn begins(&self, slot: u32) -> bool {
         self.begun.iter().any(|(begun, _)| *begun == slot)
     }
 
-    /// Removes and returns the rotation vector [rad] of the contact that begins at a slot; `None` if there is none.
+    /// Removes and returns the rotation vector [rad] of the contact that begins at a slot (candidate of the neighbour
+    /// list); `None` if there is none.
     pub fn take(&mut self, slot: u32) -> Option<Vector3<f64>> {
         let k = self.begun.iter().position(|(begun, _)| *begun == slot)?;
         Some(self.begun.remove(k).1)
@@ -41,7 +45,8 @@ impl FacetTurns {
 }
 
 impl ContactBlock {
-    /// Adds to `slots` the slots of the block at which a contact with a rough wall begins at the present positions.
+    /// Adds to `slots` the slots (candidates) of the block at which a contact with a rough wall begins at the present
+    /// positions.
     pub fn find_begun_at_rough_walls(&self, view: ContactSearch, slots: &mut Vec<u32>) {
         let ContactSearch { list, particles, scene, .. } = view;
         let pairs = list.pairs.len();

@@ -9,8 +9,8 @@ use crate::engine::soft::wall_contacts::{are_of_one_wall, encounters, is_numbere
 use nalgebra::Vector3;
 
 impl ContactBlock {
-    /// Assigns the present slots to the contacts of the previous step, `before`, which are in ascending order of slot.
-    /// Contacts whose normal no longer exists are ended.
+    /// Assigns the present slots (numbers of candidates) to the contacts of the previous step, `before`, which are in
+    /// ascending order of slot. Contacts whose normal no longer exists are ended.
     pub(super) fn renumber(
         &mut self,
         view: ContactSearch,
@@ -36,8 +36,8 @@ impl ContactBlock {
         }
     }
 
-    /// Assigns the present slots to the contacts of one particle with one wall. Contacts that no longer exist are moved
-    /// to the end of `touching`; the function returns their number.
+    /// Assigns the present slots (numbers of candidates) to the contacts of one particle with one wall. Contacts that
+    /// no longer exist are moved to the end of `touching`; the function returns their number.
     fn renumber_at_wall(&self, view: ContactSearch, couple: Couple, touching: &mut [TouchingSlot]) -> usize {
         let ContactSearch { list, particles, scene, at, .. } = view;
         let all = encounters(&couple, particles, scene, at.moment());

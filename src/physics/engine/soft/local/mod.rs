@@ -85,9 +85,9 @@ pub struct SoftIslands<I = NoInstants> {
 /// [ns/s] largest cost of an island per simulated time. If it is infinite, no island is given up.
 #[derive(Clone, Copy, Debug)]
 pub struct Allowance {
-    /// [ns/s] part that does not depend on the size of the island.
+    /// [ns/s] share of the largest cost that does not depend on the size of the island.
     pub each: f64,
-    /// [ns/s] part per hot particle, which is a member of the island.
+    /// [ns/s] share of the largest cost per hot particle, which is a member of the island.
     pub per_particle: f64,
 }
 
@@ -109,9 +109,9 @@ pub struct IslandScratch {
     touches: Vec<TouchingPair>,
     /// True for each slot (candidate pair, or particle with wall) that is in contact.
     touching: Vec<bool>,
-    /// Present gap [m] and its rate [m/s] of every slot.
+    /// Present gap [m] and its rate [m/s] of every slot (candidate).
     gaps: Vec<(f64, f64)>,
-    /// Gap [m] and its rate [m/s] of every slot before the step.
+    /// Gap [m] and its rate [m/s] of every slot (candidate) before the step.
     before: Vec<(f64, f64)>,
     position: Vec<Vector3<f64>>,
     velocity: Vec<Vector3<f64>>,
@@ -200,8 +200,8 @@ impl<I: InstantaneousRule> Solve for SoftIslands<I> {
     }
 }
 
-/// Computation of one island in a part of a window. Velocities are relative to the frame that falls freely from rest,
-/// from the start of the window.
+/// Computation of one island in a part (interval of time) of a window. Velocities are relative to the frame that falls
+/// freely from rest, from the start of the window.
 struct IslandRun<'a, I> {
     engine: &'a SoftIslands<I>,
     island: &'a mut Island<Contact>,
@@ -210,14 +210,14 @@ struct IslandRun<'a, I> {
     window: Window,
     particles: &'a mut Particles,
     now: f64,
-    /// The two bodies of the last instantaneous touch, until their velocities have been checked against the bounds;
-    /// `None` after the check.
+    /// The two bodies of the last instantaneous touch, until their velocities have been checked against the speed
+    /// limits; `None` after the check.
     struck: Option<Couple>,
 }
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
-    /// Moves the island until `end` [s], or until a particle leaves its bounds. Returns the local index of that
-    /// particle; `None` if the island has reached `end`.
+    /// Moves the island until `end` [s], or until a particle exceeds its speed limit or is touched without being a
+    /// member. Returns the local index of that particle; `None` if the island has reached `end`.
     fn until(&mut self, end: f64) -> Result<Option<usize>, GivenUp> {
         self.update_gaps();
         while self.now < end {
@@ -304,14 +304,14 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         FrameTime::in_free_fall(self.now)
     }
 
-    /// Present gap [m] between the two bodies of the slot `slot`, and rate of change of the gap [m/s]; positive:
-    /// separating.
+    /// Present gap [m] between the two bodies of the slot `slot` (candidate), and rate of change of the gap [m/s];
+    /// positive: separating.
     fn gap(&self, slot: usize) -> (f64, f64) {
         let met = self.encounter(slot, &self.scratch.touches[slot].couple, self.moment());
         (met.gap, met.normal_velocity)
     }
 
-    /// Computes the present gaps of all slots and their rates, and stores them in `gaps`.
+    /// Computes the present gaps of all slots (candidates) and their rates, and stores them in `gaps`.
     fn update_gaps(&mut self) {
         let mut gaps = std::mem::take(&mut self.scratch.gaps);
         self.island.updates += self.island.list.slots() as u64;

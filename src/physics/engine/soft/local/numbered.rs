@@ -11,13 +11,13 @@ use crate::engine::soft::contact::Contact;
 use crate::engine::soft::wall_contacts::{are_of_one_wall, encounters, is_numbered_by_distance, matched};
 use nalgebra::Vector3;
 
-/// [-] gap that a slot without an encounter gets, divided by the distance at touch. It is large enough to mean no
-/// touch.
+/// [-] gap that a slot (candidate) gets if its wall has no contact left for it, divided by the distance at touch. It is
+/// large enough to mean no touch.
 const APART: f64 = 1.0;
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
-    /// Encounter of the two bodies of the slot `slot` at the time `moment`. Normal and velocity are for the order of
-    /// the bodies in `couple`, which may be opposite to that of the slot.
+    /// Encounter of the two bodies of the slot `slot` (candidate) at the time `moment`. Normal and velocity are for the
+    /// order of the bodies in `couple`, which may be opposite to that of the slot.
     #[inline(always)]
     pub(super) fn encounter(&self, slot: usize, couple: &Couple, moment: FrameTime) -> Encounter {
         if self.follows_normals(slot) {
@@ -26,14 +26,14 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         couple.meet(self.particles, self.scene, moment)
     }
 
-    /// True if spheres rotate, and the slot belongs to a wall that numbers its contacts by distance.
+    /// True if spheres rotate, and the slot (candidate) belongs to a wall that numbers its contacts by distance.
     #[inline(always)]
     pub(super) fn is_by_distance(&self, slot: usize) -> bool {
         self.rotates() && is_numbered_by_distance(&self.scratch.touches[slot].couple, self.scene)
     }
 
-    /// True if the encounter of the slot `slot` is found by normals. The particle then touches a wall that numbers its
-    /// contacts by distance.
+    /// True if the encounter of the slot `slot` (candidate) is found by normals. The particle then touches a wall that
+    /// numbers its contacts by distance.
     #[inline(always)]
     pub(super) fn follows_normals(&self, slot: usize) -> bool {
         let couple = &self.scratch.touches[slot].couple;
@@ -41,8 +41,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.is_by_distance(slot) && touched.any(|other| are_of_one_wall(couple, other))
     }
 
-    /// Encounter of the slot `slot`, one of the possible contacts with a wall, at the time `moment`. The particle
-    /// touches this wall, and its contacts with the wall are recognised by their normals.
+    /// Encounter of the slot `slot` (candidate), one of the possible contacts with a wall, at the time `moment`. The
+    /// particle touches this wall, and its contacts with the wall are recognised by their normals.
     fn encounter_by_normal(&self, slot: usize, moment: FrameTime) -> Encounter {
         let touch = &self.scratch.touches[slot];
         let here = |contact: &&Contact| are_of_one_wall(&touch.couple, &contact.touch.couple);

@@ -16,8 +16,8 @@ fn is_of(couple: &Couple, index: u32) -> bool {
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
     /// [s] time from now, at most until `end` [s], for which a single contact without friction certainly remains the
-    /// only one. It is 0 without exactly one contact, with friction, at a curved or moving wall, or if another gap is
-    /// closed.
+    /// only one. It is 0 if there is not exactly one contact, or if it has friction. It is also 0 if the contact is at
+    /// a curved or moving wall, or if another gap is closed.
     pub(super) fn clear_time(&self, end: f64) -> f64 {
         let [contact] = self.scratch.contacts.as_slice() else { return 0.0 };
         let TouchingPair { couple, constants: ContactConstants { spring, friction, .. } } = contact.touch;
@@ -49,9 +49,9 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         indices.into_iter().flatten().filter(|&index| is_of(couple, index)).count()
     }
 
-    /// [s] time from now for which the gap of the slot `slot` cannot close; it is valid up to `end` [s] after the start
-    /// of the window. The velocity of each body of `couple` may change by `change` [m/s]. The result is negative if the
-    /// gap is closed already.
+    /// [s] time from now for which the gap of the slot `slot` (candidate) cannot close; it is valid up to `end` [s]
+    /// after the start of the window. The velocity of each body of `couple` may change by `change` [m/s]. The result is
+    /// negative if the gap is closed already.
     fn clear_of(&self, slot: usize, couple: &Couple, change: f64, end: f64) -> f64 {
         let velocity = |index: u32| self.particles.velocity[index as usize];
         let (gap, rate) = self.scratch.gaps[slot];
@@ -75,11 +75,13 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// True if the gap of the slot `slot` may close within `time` [s] after one of its particles touches another body.
+    /// True if the gap of the slot `slot` (candidate) may close within `time` [s] after one of its particles touches
+    /// another body.
     ///
-    /// While two bodies fly straight, the rate at which their gap closes does not grow. An impulse changes the velocity
-    /// of a particle by at most 2 (1 + μ) M |u_n|/m, or 2 (1 + μ) M |u|/m at a rough wall. Here m is the mass of the
-    /// particle, M the effective mass, μ the friction coefficient and u the relative velocity with normal part u_n.
+    /// While two bodies fly straight, the rate at which their gap closes does not grow, so the present rate is an upper
+    /// limit. An impulse changes the velocity of a particle by at most 2 (1 + μ) M |u_n|/m, or 2 (1 + μ) M |u|/m at a
+    /// rough wall. Here m is the mass of the particle, M the effective mass, μ the friction coefficient and u the
+    /// relative velocity with normal part u_n.
     fn may_come(&self, slot: usize, meeting: &ReachedTouch, time: f64) -> bool {
         let other = self.scratch.touches[slot].couple;
         let ReachedTouch { touch, met, scene, .. } = meeting;
@@ -105,8 +107,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         (curved + change - rate) * time > gap
     }
 
-    /// Applies an impulse if the touch of the two bodies of the slot `slot` is instantaneous. Returns true in that
-    /// case.
+    /// Applies an impulse if the touch of the two bodies of the slot `slot` (candidate) is instantaneous. Returns true
+    /// in that case.
     pub(super) fn strike(&mut self, slot: usize) -> bool {
         let touch = self.scratch.touches[slot];
         let moment = self.moment();
@@ -128,7 +130,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     }
 
     /// Moves the only contact to its end, or through `clear` [s] if it lasts longer, while all other particles fly
-    /// straight. Returns the index of a particle that left its bounds, or `None` if all particles stayed within them.
+    /// straight. Returns the index of a particle that exceeded its speed limit or is not a member of the island;
+    /// otherwise `None`.
     pub(super) fn resolve_alone(&mut self, clear: f64) -> Result<Option<usize>, Failure> {
         let start = self.now;
         let touch = self.scratch.contacts[0].touch;

@@ -15,7 +15,7 @@ use crate::engine::soft::contact::{Contact, ContactForce, ContactState, Touching
 use crate::record::FrictionLosses;
 use nalgebra::Vector3;
 
-/// Phase of the motion of a spring with a slider.
+/// Phase of the motion of a spring with a slider, such as sticking or sliding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Phase {
     /// The spring has no memory: its force follows from the present motion only.
@@ -53,8 +53,8 @@ pub struct SlidingContact {
     mean: Vector3<f64>,
     /// [m] shear ξ at the present time of the island.
     pub(super) shear: Vector3<f64>,
-    /// Distances from the conditions that end the phase, as a force [N] or a sliding speed [m/s]: at the start of the
-    /// step, and now. The phase ends when one of them becomes negative.
+    /// Distances from the conditions that end the phase (such as sticking), as a force [N] or a sliding speed [m/s]: at
+    /// the start of the step, and now. The phase ends when one of them becomes negative.
     margins: [[f64; 2]; 2],
 }
 
@@ -62,7 +62,7 @@ pub struct SlidingContact {
 const BEFORE: usize = 0;
 const AFTER: usize = 1;
 
-/// [-] smallest fraction of a step to which the step is shortened at the end of a phase.
+/// [-] smallest fraction of a step to which the step is shortened at the end of a phase (such as sticking).
 const SHORTEST: f64 = 1e-3;
 
 impl SlidingContact {
@@ -169,7 +169,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Begins the resistances that are due, and stores the state at the start of a step, from which each trial begins.
+    /// Begins due rolling and twisting resistances, and stores the state from which each trial of a step begins.
     pub(super) fn keep_springs(&mut self) {
         if self.kinds().len() > 1 {
             self.wake_resistances();
@@ -444,8 +444,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         ends.min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// Repeats the step from `start` [s] with the length at which a phase of a spring ends. The first guess is a
-    /// fraction of `dt` [s].
+    /// Repeats the step from `start` [s] with the length at which a phase (such as sticking) of the spring `k` ends.
+    /// The first guess is `fraction` [-] of `dt` [s].
     pub(super) fn find_switch(&mut self, start: f64, dt: f64, (fraction, k, which): (f64, usize, usize)) -> Rates {
         let before = self.scratch.sliding[k].margins[BEFORE][which];
         let mut low = (0.0, before.max(0.0));

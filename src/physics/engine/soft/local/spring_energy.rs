@@ -13,7 +13,7 @@ use std::ops::Range;
 /// Energies of the springs of an island [J].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SpringEnergies {
-    /// Energy of springs of all kinds, of pairs (first) and at walls (second).
+    /// Energies of the springs of all kinds: those of pairs (first), and those at walls (second).
     by_partner: [f64; 2],
     /// Energy of the rolling springs of all contacts.
     rolling: f64,

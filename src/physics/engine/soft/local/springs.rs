@@ -85,8 +85,8 @@ pub struct SpringMotion {
 /// [-] overlap over the diameter up to which a contact counts as one that has just begun.
 const TOUCHING: f64 = 1e-9;
 
-/// [-] short time, as a fraction of a time step. After this time force and limit of a beginning contact are compared,
-/// and it is the interval of finite differences.
+/// [-] short time as a fraction of a time step. The force of a beginning contact and its limit are compared after this
+/// time, and rates of change are computed as finite differences over it.
 const SOON: f64 = 1e-4;
 
 impl ContactMotion {

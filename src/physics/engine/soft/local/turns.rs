@@ -12,7 +12,8 @@ use crate::record::{Between, Impact};
 use nalgebra::Vector3;
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
-    /// Begins a contact between the two bodies of the slot `slot`, unless their touch is an instantaneous impulse.
+    /// Begins a contact between the two bodies of the slot `slot` (candidate), unless their touch is an instantaneous
+    /// impulse.
     pub(super) fn open(&mut self, slot: usize) {
         let (_, rate) = self.scratch.gaps[slot];
         self.scratch.touches[slot].begin_at(-rate, (self.particles, self.scene), &self.engine.law);
@@ -35,13 +36,13 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.scratch.contacts.push(Contact { slot: slot as u32, touch, course });
     }
 
-    /// Repeats the step that began at `start` [s], with the length at which the gap of the slot `slot` is zero. The
-    /// first guess of that length is `fraction` [-] of `dt` [s].
+    /// Repeats the step that began at `start` [s], with the length at which the gap of the slot `slot` (candidate) is
+    /// zero. The first guess of that length is `fraction` [-] of `dt` [s].
     ///
     /// The contact of the slot ends when its gap becomes positive, or begins when the gap becomes negative. If two such
-    /// instants nearly coincide, their order may differ from the estimate. The gap of the later one then already has
-    /// its new sign at the start of the next step, and the search must end there. A search for a change of sign since
-    /// that start would go on to the end of the step instead, past all other such instants.
+    /// instants nearly coincide, the later one may have been passed when the last step ended. The gap then already has
+    /// its new sign at the start of this step. The search tests the sign itself, not a change of sign, so it ends near
+    /// that start. A search for a change of sign would go on to the end of the step, past all other such instants.
     pub(super) fn find_turn(&mut self, start: f64, dt: f64, fraction: f64, slot: usize) -> Rates {
         let touching = self.scratch.contacts.iter().any(|c| c.slot as usize == slot);
         let (mut low, mut high) = (0.0, 1.0);
@@ -67,7 +68,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         rates
     }
 
-    /// Ends the contact of the slot `slot` if there is one; otherwise begins a contact there.
+    /// Ends the contact of the slot `slot` (candidate) if there is one; otherwise begins a contact there.
     pub(super) fn turn(&mut self, slot: usize) {
         match self.scratch.contacts.iter().position(|c| c.slot as usize == slot) {
             None => self.open(slot),
@@ -96,8 +97,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Turns the velocity of the particle of the slot `slot`, if it touches a randomly inclined facet of a rough wall.
-    /// Returns the rotation vector [rad]; `None` if the wall is smooth, or the other body a particle.
+    /// Turns the velocity of the particle of the slot `slot` (candidate), if it touches a randomly inclined facet of a
+    /// rough wall. Returns the rotation vector [rad]; `None` if the wall is smooth, or the other body a particle.
     fn meet_facet(&mut self, slot: usize) -> Option<Vector3<f64>> {
         let couple = self.scratch.touches[slot].couple;
         let met = self.encounter(slot, &couple, self.moment());
