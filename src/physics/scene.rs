@@ -256,8 +256,7 @@ pub struct Scene {
     pub pairs: Pairs,
     /// Species of the particles; `Particles::species` contains indices into this list.
     pub species: Vec<Species>,
-    /// Laws of friction of spheres that rotate; `None` if no sphere rotates. Without rotation, friction is computed
-    /// without a tangential spring.
+    /// Laws of friction of rotating spheres; `None` if no sphere rotates, and friction has no tangential spring.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotation: Option<Rotation>,
     /// Heating of the particles from outside; `None` if the particles are not heated.
@@ -369,8 +368,7 @@ impl Scene {
         kinds
     }
 
-    /// Contact properties of a particle of the species with the index `species` and another body, a particle of a
-    /// species or a wall.
+    /// Contact properties of a particle of the species with the index `species` and another particle or a wall.
     #[inline]
     pub fn meeting(&self, species: u16, other: Kind) -> Meeting {
         match self.pairs.find(species, other) {

@@ -204,8 +204,8 @@ fn two_bodies(scene: &Scene, particles: &Particles, case: &Path) -> Result<Impac
 }
 
 /// Gap [m] between the two bodies and their normal relative velocity [m/s], at the simulated time `time` [s], to which
-/// `scene` and `particles` belong. The gap is negative while the bodies overlap, and the velocity is positive while they
-/// separate.
+/// `scene` and `particles` belong. The gap is negative while the bodies overlap, and the velocity is positive while
+/// they separate.
 pub(super) fn point(scene: &Scene, particles: &Particles, meeting: &ImpactPair, time: f64) -> PathPoint {
     let place = |id: u32| particles.id.iter().position(|&other| other == id).unwrap_or_default();
     let i = place(0);

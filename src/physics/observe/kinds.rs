@@ -121,7 +121,7 @@ impl KindCurve {
 /// species.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct KindAverages {
-    /// Averages of each species that has particles at the start of the run.
+    /// Averages of each species that has particles at the start of the run or comes in through an inlet.
     pub species: Vec<SpeciesAverages>,
     /// Averages of the impacts of each pair of kinds that had impacts.
     pub meetings: Vec<MeetingAverages>,

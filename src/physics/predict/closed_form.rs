@@ -24,8 +24,8 @@ pub struct Cooling {
     square: f64,
 }
 
-/// True if only gravity and collisions change the velocities of particles, no particle comes in or leaves, and planes are
-/// smooth. Otherwise the closed forms of this module do not hold.
+/// True if only gravity and collisions change the velocities of particles, no particle comes in or leaves, and planes
+/// are smooth. Otherwise the closed forms of this module do not hold.
 fn is_undriven(scene: &Scene) -> bool {
     let driven = scene.is_kicked() || scene.is_heated() || scene.domain.shear.is_some();
     !(driven || scene.has_openings() || scene.has_rough_walls())
