@@ -361,8 +361,10 @@ fn turbulence_is_damped_by_the_constants_of_the_case() {
         close("damping over that of 2.1", damped(constant) / damped(2.1), wanted, 1e-3 * wanted);
     }
     let seen = "[fluid.turbulence.langevin]\nkolmogorov_constant = 7\n[fluid.coupling]";
-    let [own, default] = [seen, "[fluid.turbulence.langevin]\n[fluid.coupling]"]
-        .map(|table| begin(&case(&CHANNEL.replace("[fluid.coupling]", table))).loaded_flow().cloned().unwrap());
+    let [own, default] = [seen, "[fluid.turbulence.langevin]\n[fluid.coupling]"].map(|table| {
+        let experiment = case(&CHANNEL.replace("[fluid.coupling]", table), Model::Hard, &[]).unwrap();
+        begin(&experiment).loaded_flow().cloned().unwrap()
+    });
     assert_ne!(own, default);
     let constants = Langevin { kolmogorov_constant: 7.0, ..Langevin::default() };
     assert_eq!(own, default.with_langevin(constants));

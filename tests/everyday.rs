@@ -228,3 +228,15 @@ fn check_says_that_no_start_was_found() {
     let why = check_text(&read(&text.replace("diameter = \"406 um\"", "diameter = \"10 um\""))).unwrap_err();
     assert!(why.to_string().contains("there is no random start: the particles fill 1.454e11"), "{why}");
 }
+
+/// A file for which the memory is not free is not read: its size is in the message. An empty place on disk of 4 TiB, which
+/// takes no room, stands for it.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_file_longer_than_the_free_memory_is_not_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("huge.toml");
+    std::fs::File::create(&path).unwrap().set_len(1 << 42).unwrap();
+    let why = Case::read(&path, &[]).unwrap_err().to_string();
+    assert!(why.contains("4398.0 GB long") && why.contains("are free for this process"), "{why}");
+}

@@ -8,37 +8,57 @@ use crate::case::quantity;
 use crate::case::saved;
 use crate::case::source::Origin;
 use crate::legible::{of_cell, quote};
+use crate::memory::{available, lack, size};
 use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
-/// [byte] largest size of a file that is read. Without this limit, a device or a wrong file could fill the memory.
-const LONGEST_TEXT: u64 = 1 << 28;
+/// [byte] largest size of a file that is read without a look at the free memory. It is also the limit if the free
+/// memory is not known.
+const SHORT: u64 = 1 << 28;
+
+/// [byte] memory per byte of a table while it is read: 6 with 10⁶ particles of a saved state (2026-11-30), rounded up.
+const MEMORY_PER_BYTE: f64 = 8.0;
 
 /// Reads a whole file into memory.
 ///
 /// # Errors
-/// In words: the file does not exist, is a folder, a pipe or a device, or is too long.
+/// In words: the file does not exist, is a folder, a pipe or a device, or is too long for the free memory.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
     let told = |error: std::io::Error| match error.kind() {
         std::io::ErrorKind::NotFound => "there is no such file".to_string(),
         _ => error.to_string(),
     };
     // this is checked before opening, because opening a pipe without a writer would wait forever
-    let kind = std::fs::metadata(path).map_err(told)?.file_type();
+    let metadata = std::fs::metadata(path).map_err(told)?;
+    let kind = metadata.file_type();
     if kind.is_dir() {
         return Err("it is a folder, not a file".into());
     }
     if !kind.is_file() {
         return Err("it is a pipe or a device, not a regular file; save what it gives as a file".into());
     }
+    let longest = longest(metadata.len())?;
     let file = std::fs::File::open(path).map_err(told)?;
     let mut bytes = Vec::new();
-    file.take(LONGEST_TEXT + 1).read_to_end(&mut bytes).map_err(|error| error.to_string())?;
-    if bytes.len() as u64 > LONGEST_TEXT {
-        return Err(format!("it is longer than {} MiB", LONGEST_TEXT >> 20));
+    file.take(longest + 1).read_to_end(&mut bytes).map_err(|error| error.to_string())?;
+    if bytes.len() as u64 > longest {
+        return Err(format!("it is longer than {}", size(longest as f64)));
     }
     Ok(bytes)
+}
+
+/// [byte] most that is read of a file with the size `length` [byte]. Without a limit, a wrong file could fill the memory.
+///
+/// # Errors
+/// In words: the memory for so long a file is not free.
+fn longest(length: u64) -> Result<u64, String> {
+    let need = MEMORY_PER_BYTE * length as f64;
+    match (length > SHORT, lack(need)) {
+        (true, Some(lack)) => Err(format!("it is {} long, and reading it takes {lack}", size(length as f64))),
+        (true, None) if available().is_some() => Ok(length),
+        _ => Ok(SHORT),
+    }
 }
 
 /// True if symbolic links in the path of a file lead out of the `folder`. False if the file does not exist.
