@@ -15,7 +15,8 @@ pub struct StoredCommand {
     pub folder: OsString,
     /// Checksum of the text of the case, by which a changed case is detected.
     pub case: u32,
-    /// Identities of all runs of the command, in order.
+    /// Identities of the runs of the command, in the order of its list of runs. Replicas (runs with other seeds) of a
+    /// variant have one name, and only the first of them is stored. Empty for a sweep.
     pub runs: Vec<RunIdentity>,
 }
 

@@ -332,8 +332,9 @@ impl Simulation {
         in_order(self.particles.clone(), &self.scene)
     }
 
-    /// Replaces the particles by those of [`state`](Self::state), without a copy. Call this method only after the last
-    /// run, because the engine requires its own order of the particles.
+    /// Brings the particles into the form that [`state`](Self::state) returns: in the order of their ids, with positions
+    /// wrapped into the box. Unlike with `state`, no second store of particles remains. Call this method only after the
+    /// last run, because the engine requires its own order of the particles.
     pub fn end(&mut self) {
         // the memory of the engine is freed before the particles are copied
         self.engine.forget();

@@ -250,16 +250,17 @@ pub enum Failure {
         /// The contract that the law violates.
         broken: BrokenContract,
     },
-    /// The sum of kinetic and elastic energy grew by more than the work of drag and gravity plus the largest possible
-    /// error of the time integrator.
+    /// The sum of kinetic, rotational and elastic energy grew by more than the particles got from outside, plus the
+    /// largest possible error of the time integrator. Sources outside are drag, gravity, walls, shear, a thermostat and
+    /// particles that came in.
     #[error(
-        "at t = {time} s the energy has grown by {grown:.3e} J beyond what drag and gravity put in; the time integrator explains {explained:.3e} J: lower the time step ({remedy})",
+        "at t = {time} s the energy has grown by {grown:.3e} J beyond what the particles got from outside (drag, gravity, walls); the time integrator explains {explained:.3e} J: lower the time step ({remedy})",
         time = nine(time)
     )]
     EnergyGrew {
         /// Time [s] of the failure.
         time: f64,
-        /// Growth [J] of the energy beyond the work of drag and gravity.
+        /// Growth [J] of the energy beyond what the particles got from outside.
         grown: f64,
         /// Part of this growth [J] that can be due to the error of the time integrator.
         explained: f64,

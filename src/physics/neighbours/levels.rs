@@ -252,8 +252,8 @@ impl SizeLevels {
         }
     }
 
-    /// Indices of the items in a range of the order of all levels (level by level, cell by cell). The range must be
-    /// within one level.
+    /// Part of the list of all items that is sorted level by level and, within a level, cell by cell: the indices of the
+    /// items at the positions `range`. The range must lie within one level.
     #[inline]
     pub fn indices(&self, range: Range<usize>) -> &[u32] {
         let of = |level: &SizeLevel| level.first <= range.start && range.start < level.first + level.order.len();

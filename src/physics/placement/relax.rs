@@ -113,9 +113,9 @@ fn push_apart(particles: &mut Particles, is_free: &[bool], room: &FreeRoom, marg
     deep
 }
 
-/// Writes the repulsive forces of all overlaps into `force`: each is the overlap [m] times the unit normal of the two
-/// bodies. Returns the number of overlaps of free particles that exceed half of the enlargement of the radii by
-/// `margin` [-].
+/// Sums the repulsive forces on each particle into `force`. The force of an overlap is the overlap [m] times the unit
+/// normal; overlaps without a free particle are left out. Returns the number of overlaps that are deeper than half of
+/// `margin` [-] times the sum of the enlarged radii (at a wall, times the one radius).
 fn overlaps(
     list: &NeighbourList,
     slots: &[u32],

@@ -105,9 +105,10 @@ impl ObliqueImpact {
     }
 
     /// Values of the integration variable that no step may cross, because the equations change there. For Hertz's law
-    /// the first one is at the largest overlap (phase arccos ζ), after which the spring may be rescaled. The second one
-    /// is at twice this phase. From there on, damping makes the normal force attractive, so the limit of friction is 0.
-    /// The third one is the end of the contact.
+    /// the first one is at the largest overlap (phase arccos ζ). From there on, Mindlin's law may lower the tangential
+    /// force together with the stiffness ([`SpringHistory::Rescaled`]). For linear laws it equals the second one. The
+    /// second one is at twice this phase. From there on, damping makes the normal force attractive, so the limit of
+    /// friction is 0. The third one is the end of the contact.
     fn stops(&self) -> [f64; 3] {
         let phase = self.damping_ratio.acos();
         if self.is_hertzian() {

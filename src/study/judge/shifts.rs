@@ -173,8 +173,9 @@ fn all_of<'a>(runs: &ReplicaRuns<'a>) -> Vec<&'a Outcome> {
 }
 
 /// Observable that reduces a profile to one number: its mean over the slices of the box across y. If the profile
-/// changes sign at the mid-plane, the number is half the difference of the two sides. For the density it is the value
-/// in the slice at the wall. An observable that is a single number is returned unchanged. If no slice has a value, the
+/// changes sign at the mid-plane, the number is half the difference between the means of the two halves. For the
+/// density it is the mean of the two slices at the walls, or the first slice of a profile that is not symmetric. An
+/// observable that is a single number is returned unchanged. If no slice has a value, the
 /// returned observable has none either. The result is never `None`.
 fn number(profile: &Observable) -> Option<Observable> {
     let count = profile.places.len();

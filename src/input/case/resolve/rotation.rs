@@ -134,8 +134,8 @@ impl Resolver {
         self.in_range(typed, help).map(Some)
     }
 
-    /// Tangential law that a case gives. If the case gives none but has Walton's rule, the law is a spring with the
-    /// coefficient β_0 of this rule. If there is no such spring either, the law is friction without memory.
+    /// Tangential law that a case gives. If the case gives none, but has Walton's rule with β_0 > 0 and a linear normal
+    /// law, it is a spring with this tangential restitution β_0. Otherwise it is friction without memory.
     fn tangential_law(&mut self, file: &CaseFile, soft: &SoftSettings) -> Result<TangentialLaw, Diagnostic> {
         let is_linear = soft.law.is_none_or(|law| law.is_linear());
         let is_viscoelastic = matches!(soft.law, Some(ContactLaw::KuwabaraKono(_)));

@@ -166,8 +166,8 @@ fn is_above(face: &Face, corners: &[Vector3<f64>; 3], point: &Vector3<f64>) -> b
     face.inward.iter().zip(corners).all(|(inward, corner)| inward.dot(&(point - corner)) >= least)
 }
 
-/// [s] time at which a sphere in straight flight touches the edge between two points [m], without its end points. The
-/// second part of the result, the number of an end point in [`on_bar`], is always `None`.
+/// [s] time at which a sphere in straight flight touches the edge between two points [m]; `None` if it does not. Touches
+/// of the end points are not found. The second value is always `None`; it exists because [`on_bar`] returns a pair.
 fn on_edge([from, to]: [Vector3<f64>; 2], flight: &Flight, radius: f64) -> Option<(f64, Option<usize>)> {
     let length = (to - from).norm();
     let along = (to - from) / length;

@@ -178,8 +178,8 @@ impl Clusters<'_> {
         theirs.map(|which| self.room(which)).fold(f64::INFINITY, f64::min)
     }
 
-    /// True if the island with the number `which` is in use and contains a particle for which `chosen` is true, by its
-    /// index.
+    /// True if the island with the number `which` has not been united with another one, and has a member for whose index
+    /// in the store `chosen` returns true.
     pub(in crate::engine) fn has(&self, which: usize, chosen: &impl Fn(u32) -> bool) -> bool {
         let Cluster { alive, hot, .. } = &self.list[which];
         *alive && hot.iter().any(|&member| chosen(self.members[member as usize].index))
