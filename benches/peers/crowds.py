@@ -126,7 +126,7 @@ LARGE_PAGES = {"GLIBC_TUNABLES": "glibc.malloc.hugetlb=1"}
 
 def growth(rounds, counts, window, fractions=(0.3, 0.5), models=("hard", "soft")):
     """Cost of a particle in small and in large crowds, with pages of usual size and of 2 MB, and memory. Windows have the length `window`
-    [d/sqrt(T)], one in the short run and five in the long one."""
+    [d/sqrt(T)]. The short run has one; the long one has four more, and the more of them the fewer particles there are."""
     print("| model | volume fraction | particles | µs of processor time per particle and d/sqrt(T), median [range] | over the smallest "
           "| with pages of 2 MB | over pages of usual size | bytes per particle |")
     print("|---|---|---|---|---|---|---|---|")
@@ -144,13 +144,15 @@ def growth(rounds, counts, window, fractions=(0.3, 0.5), models=("hard", "soft")
                 # memory without that of reading a file
                 few, many = [ours(case, number, fraction, window * unit, keys)[1] for number in (1000, count)]
 
-                def cost(variables):
-                    short, long = [ours(placed, count, fraction, time * window * unit, keys, variables) for time in (1, 5)]
-                    return (long[0] - short[0]) / count / (4 * window) * 1e6
+                # four windows of a small crowd are done within a tenth of a second, less than the scatter of the start
+                more = 4 * max(1, 1_000_000 // count)
 
-                # a small crowd is done within a tenth of a second, which scatters
+                def cost(variables):
+                    short, long = [ours(placed, count, fraction, time * window * unit, keys, variables) for time in (1, 1 + more)]
+                    return (long[0] - short[0]) / count / (more * window) * 1e6
+
                 contestants = {"usual": lambda: cost({}), "large": lambda: cost(LARGE_PAGES)}
-                costs = measure.in_turn(rounds * max(1, 100_000 // count), contestants)
+                costs = measure.in_turn(rounds, contestants)
                 median = statistics.median(costs["usual"])
                 smallest = smallest or median
                 ratio = [large / usual for usual, large in zip(costs["usual"], costs["large"])]

@@ -17,7 +17,8 @@ use std::sync::Arc;
 /// memory is not known.
 const SHORT: u64 = 1 << 28;
 
-/// [byte] memory per byte of a table while it is read: 6 with 10⁶ particles of a saved state (2026-11-30), rounded up.
+/// [byte] memory per byte of a table while it is read. It was 4.6 with 10⁷ particles of a saved state (2026-11-30), and
+/// is rounded up because each row takes some memory besides its text.
 const MEMORY_PER_BYTE: f64 = 8.0;
 
 /// Reads a whole file into memory.
