@@ -437,3 +437,33 @@ fn a_start_may_overlap_pairs_but_not_walls() {
     assert!(case(&at("4 mm"), Model::Hard, &[]).unwrap_err().contains("overlap"));
     assert!(case(&at("0.3 mm"), Model::Dsmc, &[]).unwrap_err().contains("from walls[0]"));
 }
+
+/// A gas without collisions around a ball in a periodic box. A particle flies over hundreds of boxes in the longest
+/// window, and meets the images of the ball as often as in short windows; four standard errors of both counts are allowed.
+#[test]
+fn images_of_a_body_are_met_in_windows_of_any_length() {
+    const BALL: &str = r#"
+        domain = { size = ["10 mm", "10 mm", "10 mm"], periodic = ["x", "y", "z"] }
+        contact = { restitution = 1, friction = 0 }
+        run = { model = "dsmc", duration = "4 s", average_from = "0 s" }
+        [[particles]]
+        name = "p"
+        diameter = "0.01 mm"
+        density = "1000 kg/m^3"
+        count = 50
+        velocity_fluctuation = "0.5 m/s"
+        [[walls]]
+        sphere = { center = ["5 mm", "5 mm", "5 mm"], radius = "3 mm" }
+        restitution = 1
+        friction = 0
+    "#;
+    let experiment = case(BALL, Model::Dsmc, &[]).unwrap();
+    let impacts = |windows: u64| {
+        let mut simulation = Simulation::new(&experiment, initial_state(&experiment).unwrap());
+        simulation.run(windows, 4.0 / windows as f64).unwrap();
+        simulation.record.walls.count as f64
+    };
+    let (short, long) = (impacts(1000), impacts(8));
+    println!("{short} {long}");
+    close("impacts in long windows", long / short, 1.0, 4.0 * (2.0 / short).sqrt());
+}

@@ -328,6 +328,29 @@ fn species_that_come_in_are_averaged_too() {
     close("number in the volume", species[1].number_density * 1000.0, mean, 1.0);
 }
 
+/// In a box that an inlet has filled before averaging begins, the mean weight is that of all particles, and the balance
+/// closes within its error.
+#[test]
+fn the_weight_of_what_has_come_in_is_averaged() {
+    let mut scene = empty([10.0, 10.0, 40.0], [true, true, false], unit(), surface(1.0, 0.0));
+    scene.gravity.z = -1.0;
+    let wall = surface(1.0, 0.0);
+    scene.walls = vec![plane([0.0; 3], [0.0, 0.0, 1.0], wall), plane([0.0, 0.0, 40.0], [0.0, 0.0, -1.0], wall)];
+    let inlet = feed(block([0.0, 0.0, 10.0], [10.0, 10.0, 30.0]), 10.0, [0.0; 3], 3.0);
+    scene.inlets = vec![Inlet { end: 3.05, ..inlet }];
+    let mut run = experiment(scene, 0, [0.0; 3], 0.0, Model::Hard, 4);
+    (run.run.duration, run.run.window) = (60.0, Some(0.05));
+    run.run.average_from = AverageFrom::Time(5.0);
+    run.statistics.sample_interval = Some(0.05);
+    let start = initial_state(&run).unwrap();
+    let (outcome, end) = execute(&run, start, &mut []);
+    let residual = outcome.balance.residual.unwrap();
+    println!("{} particles: weight {}, residual {residual:?}", end.len(), outcome.balance.weight);
+    // unit spheres have the mass 1 kg
+    close("weight", outcome.balance.weight, -(end.len() as f64), 1e-9 * end.len() as f64);
+    close("residual", residual.value, 0.0, 4.0 * residual.error.unwrap());
+}
+
 /// Spheres at rest fill a region, until those that are due find no place.
 #[test]
 fn what_finds_no_place_waits() {
@@ -395,7 +418,7 @@ fn cases_give_rates_and_bad_ones_are_refused_with_a_remedy() {
         ("inlets[0].particles=\"steel\"", "names no particles"),
         ("inlets[0].end=\"-1 s\"", "out of range"),
         ("inlets[0].box.half_extents=[\"5 mm\", \"0.4 mm\", \"5 mm\"]", "has no room for a particle"),
-        ("observe.diffusion.duration=\"1 ms\"", "needs particles that stay"),
+        ("observe.diffusion.duration=\"10 ms\"", "needs particles that stay"),
         ("inlets[0].mass_rate=\"1 g\"", "mass per time"),
     ] {
         let why = case(CASE, Model::Hard, &[set]).unwrap_err();

@@ -406,12 +406,12 @@ pub fn longest_for_coupling(experiment: &Experiment) -> f64 {
 /// all other scenes.
 fn steady_rate(experiment: &Experiment) -> f64 {
     let scene = &experiment.scene;
-    let surfaces = scene.surfaces(experiment.count());
+    let surfaces = scene.surfaces(experiment.most_that_touch(experiment.count()));
     let elastic = surfaces.iter().all(|surface| surface.restitution == 1.0 && surface.friction == 0.0);
-    if !elastic || scene.gravity != Vector3::zeros() || scene.fluid.is_some() {
+    let count = experiment.count() as f64;
+    if !elastic || scene.gravity != Vector3::zeros() || scene.fluid.is_some() || count == 0.0 {
         return 0.0;
     }
-    let count = experiment.count() as f64;
     let each = experiment.start.iter().map(|population| {
         let agitation = motion(population).1;
         population.amount.count() as f64 / count

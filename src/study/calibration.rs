@@ -188,9 +188,10 @@ fn smaller(experiment: &Experiment) -> Experiment {
     let domain = &mut small.scene.domain;
     let axes = domain.periodic.iter().filter(|periodic| **periodic).count();
     let diameter = experiment.scene.largest_diameter();
-    // with a body inside the domain the box is not shortened, since the body would then be at another position
+    // with a body or an opening inside the domain the box is not shortened, since it would then be at another position
     let flat = experiment.scene.walls.iter().all(|wall| wall.geometry.is_flat());
-    if axes > 0 && flat && count as f64 > PARTICLES {
+    let open = experiment.scene.has_openings();
+    if axes > 0 && flat && !open && count as f64 > PARTICLES {
         let factor = (PARTICLES / count as f64).powf(1.0 / axes as f64);
         let size = Vector3::from_fn(|axis, _| {
             let side = domain.size[axis];
@@ -258,7 +259,14 @@ fn temperature_error(outcome: &Outcome) -> Option<f64> {
 /// contact law `law`; without it, that of the case. `None` if they need a contact law and neither gives one, and for
 /// models without lasting contacts if the scene has servo walls.
 pub fn with_choice(experiment: &Experiment, choice: EngineChoice, law: Option<ContactLaw>) -> Option<Experiment> {
-    if matches!(choice, EngineChoice::Hard | EngineChoice::Dsmc) && experiment.scene.has_servo_walls() {
+    let scene = &experiment.scene;
+    let has_thermal_walls = scene.walls.iter().any(|wall| wall.thermal.is_some());
+    let is_refused = match choice {
+        EngineChoice::Hard => scene.has_servo_walls(),
+        EngineChoice::Dsmc => scene.has_moving_walls(),
+        EngineChoice::SoftLocal | EngineChoice::SoftUniform | EngineChoice::Hybrid => has_thermal_walls,
+    };
+    if is_refused {
         return None;
     }
     let mut chosen = experiment.clone();

@@ -117,7 +117,9 @@ fn restitution(outcome: &Outcome, note: &mut impl FnMut(String)) {
             "pairs rebound with a restitution of {pairs:.4} on average where {asked} was asked for{several}."
         ));
     }
-    if let Some(asked) = scene.restitution_at_walls()
+    // a thermal wall gives a new speed, whatever the restitution is
+    let is_thermal = scene.walls.iter().any(|wall| wall.thermal.is_some());
+    if let Some(asked) = scene.restitution_at_walls().filter(|_| !is_thermal)
         && let Some(walls) = outcome.record.walls.summary().mean_restitution
         && (walls - asked).abs() > MISS
     {

@@ -386,3 +386,35 @@ fn overlapping_beads_are_pushed_apart_on_demand() {
     let nonsense = read("bed.xyz", bed(0.55).as_bytes(), &case, Model::Hard).err().unwrap();
     assert!(nonsense.contains("of a diameter"), "{nonsense}");
 }
+
+/// Rows of a kind that does not name the file are told, columns come in threes, ids order the rows of a table, and spins
+/// have their unit.
+#[test]
+fn no_part_of_a_file_is_left_out_in_silence() {
+    let table = "x,y,z,species\n0.005,0.005,0.005,glass\n0.010,0.005,0.005,steel\n0.015,0.005,0.005,steel\n";
+    let steel = "{ name = \"steel\", diameter = \"1 mm\", density = \"7800 kg/m^3\", count = 0 }]";
+    let without = ONE.replace("file = \"FILE\" }]", &format!("file = \"FILE\" }}, {steel}"));
+    let (states, told) = found("start.csv", table, &without).unwrap();
+    assert_eq!(states.len(), 1);
+    assert!(told.iter().any(|line| line.contains("2 particles of \"steel\"")), "{told:?}");
+    let (states, told) = found("start.csv", table, &two()).unwrap();
+    assert_eq!((states.len(), told), (3, vec![]));
+    let swapped = "x,y,z,id\n0.015,0.005,0.005,1\n0.005,0.005,0.005,0\n";
+    let places: Vec<f64> = found("start.csv", swapped, ONE).unwrap().0.iter().map(|state| state[0]).collect();
+    assert_eq!(places, [5.0, 15.0]);
+    let rotating = ONE.replace("restitution = 0.9", "restitution = 0.9, rotation = true");
+    let refused = |name: &str, text: &str, words: &str| {
+        let why = found(name, text, &rotating).unwrap_err();
+        assert!(why.contains(words), "{text}: {why}");
+    };
+    refused("start.csv", "x,y,z,id\n0.005,0.005,0.005,first\n", "is no whole number");
+    refused("start.csv", "x,y,z,wx,wy\n0.005,0.005,0.005,1,2\n", "lacks wz");
+    refused("start.csv", "x,y,z,wx,wy,wz\n0.005,0.005,0.005,1e10,0,0\n", "out of range");
+    refused("start.xyz", &XYZ.replace("units=\"m s\"", "units=\"mm s\""), "in the units");
+    refused("start.xyz", &XYZ.replace("pbc=", "Origin=\"0.001 0\" pbc="), "`Origin` has 2 numbers");
+    refused("start.xyz", &XYZ.replace("velo:R:3", "wx:R:1:wy:R:1:id:I:1").replace(" 0\nX", " 7\nX"), "of the spin");
+    let (with_unit, _) =
+        read("start.csv", b"x,y,z,wx_rad_s,wy,wz\n0.005,0.005,0.005,2,0,0\n", &rotating, Model::Hard).unwrap();
+    let Amount::Placed(particles) = &with_unit.start[0].amount else { panic!("not placed") };
+    assert_eq!(particles.spin.as_ref().unwrap()[0].x, 2.0);
+}

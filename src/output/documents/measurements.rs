@@ -142,8 +142,9 @@ pub(super) fn tables(outcomes: &[Outcome]) -> Result<Vec<(String, Vec<u8>)>, Out
 fn curves(results: &[(&Outcome, &Observation)]) -> Result<Vec<u8>, OutputError> {
     let mut columns: Vec<(&str, bool)> = Vec::new();
     for curve in results.iter().flat_map(|(_, observed)| &observed.curves) {
-        if !columns.iter().any(|(column, _)| *column == curve.quantity.column) {
-            columns.push((&curve.quantity.column, curve.theory.is_some()));
+        match columns.iter_mut().find(|(column, _)| *column == curve.quantity.column) {
+            Some((_, has_theory)) => *has_theory |= curve.theory.is_some(),
+            None => columns.push((&curve.quantity.column, curve.theory.is_some())),
         }
     }
     let head = columns.iter().flat_map(|(column, has_theory)| {

@@ -2,6 +2,7 @@
 //! Theoretical curves are added where a theory is valid.
 
 use super::{chart, file_name};
+use crate::experiment::Model;
 use crate::observe::Row;
 use crate::outcome::Outcome;
 use crate::output::groups::{PanelGroup, groups};
@@ -223,7 +224,8 @@ fn theory(outcome: &Outcome) -> Option<Box<Theory>> {
         let bouncing = Bouncing::of(scene, start, outcome.experiment.run.duration)?;
         return Some(Box::new(move |_, time| bouncing.at(time)));
     }
-    let chain = Chain::of(scene, &start)?;
+    // spheres that collide by chance fly through each other
+    let chain = Chain::of(scene, &start).filter(|_| outcome.experiment.model() != Model::Dsmc)?;
     Some(Box::new(move |sphere, time| chain.at(sphere, time)))
 }
 

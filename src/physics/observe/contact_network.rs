@@ -167,7 +167,9 @@ impl NetworkSample {
 
 impl Measurement for ContactNetwork {
     fn result(&self, _experiment: &Experiment, from: f64) -> Observation {
-        let samples: Vec<&NetworkSample> = self.samples.iter().filter(|sample| sample.time >= from).collect();
+        // means over the particles need particles
+        let has_any = |sample: &&NetworkSample| sample.time >= from && sample.count() > 0.0;
+        let samples: Vec<&NetworkSample> = self.samples.iter().filter(has_any).collect();
         let clock = [samples.first().map_or(from, |sample| sample.time), self.interval];
         let number = |column: &str, symbol: &str, unit: &'static str, of: &dyn Fn(&NetworkSample) -> Option<f64>| {
             // samples without a contact have no force and no fabric

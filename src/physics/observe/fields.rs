@@ -214,7 +214,8 @@ impl Measurement for Fields {
         let sum_of = |counts: &[usize]| -> f64 {
             counts.iter().zip(&experiment.scene.species).map(|(n, of)| *n as f64 * of.mass()).sum()
         };
-        let exact = (!experiment.scene.has_sizes()).then(|| ("sum over the particles", sum_of(&experiment.counts())));
+        let is_known = !experiment.scene.has_sizes() && !experiment.scene.has_openings();
+        let exact = is_known.then(|| ("sum over the particles", sum_of(&experiment.counts())));
         let fields: Vec<CellFields> = all.iter().map(|sums| CellFields::of(sums, volume)).collect();
         let six = |of: fn(&CellFields) -> [f64; 6]| fields.iter().flat_map(of).collect::<Vec<_>>();
         Observation {

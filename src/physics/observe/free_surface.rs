@@ -165,7 +165,7 @@ impl FreeSurface {
             })
             .collect();
         let longest = self.edges[0].max(self.edges[1]);
-        let shells = across.min(along) / 2;
+        let shells = shells(self.edges, self.columns);
         let half = (along / 2) as i64;
         let mut waves = Vec::new();
         for n in 0..=across / 2 {
@@ -207,6 +207,14 @@ fn folded(place: i64, count: usize, is_periodic: bool) -> usize {
     place.min(2 * count - 1 - place) as usize
 }
 
+/// Number of shells of wave numbers, in units of the inverse of the longer edge [m] of the surface. The shortest wave
+/// has a length of two columns.
+fn shells(edges: [f64; 2], columns: [usize; 2]) -> usize {
+    let spacing = (edges[0] / columns[0] as f64).max(edges[1] / columns[1] as f64);
+    // a part of 1e-9 is added, since the quotient of equal numbers is rounded
+    (0.5 * edges[0].max(edges[1]) / spacing * (1.0 + 1e-9)).floor() as usize
+}
+
 /// Hann window of `count` weights, which is zero at both ends.
 fn hann_window(count: usize) -> Vec<f64> {
     let ends = (count as f64 - 1.0).max(1.0);
@@ -239,7 +247,7 @@ impl Measurement for FreeSurface {
             let clock = [samples.first().map_or(from, |sample| sample.time), self.interval];
             ObservedNumber::of_series(ObservedQuantity::new(column, symbol, unit), &series, clock, None)
         };
-        let shells = self.columns[0].min(self.columns[1]) / 2;
+        let shells = shells(self.edges, self.columns);
         let mut numbers = vec![
             number(("contrast", "contrast of the surface", "m"), &samples, &|sample| sample.contrast),
             number(("wavelength", "wavelength of the surface", "m"), &visible, &|sample| {

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 pub struct Balance {
     /// [N] mean drag force of the gas on all particles along z.
     pub drag: Option<Estimate>,
-    /// [N] weight minus buoyancy of all particles, along z; negative if it acts against the flow.
+    /// [N] mean weight minus buoyancy of all particles, along z; negative if it acts against the flow.
     pub weight: f64,
     /// [N] mean shear force of the walls on all particles along z.
     pub wall: Option<Estimate>,
@@ -27,8 +27,11 @@ pub struct Balance {
 pub struct MomentumBooks {
     /// [s] time between two samples (instants of measurement).
     interval: f64,
-    /// [N] weight minus buoyancy of all particles, along z.
-    weight: f64,
+    /// [N] weight minus buoyancy of all particles, along z; `None` if it changes, since particles come and go or species
+    /// differ in buoyancy.
+    weight: Option<f64>,
+    /// [kg m/s] momentum along z that particles have received by weight and buoyancy since the start, at every sample.
+    gravity: Vec<f64>,
     /// [kg m/s] momentum along z that particles have received by drag since the start, at every sample.
     drag: Vec<f64>,
     /// [kg m/s] momentum along z that particles have received from walls since the start, at every sample.
@@ -41,7 +44,9 @@ pub struct MomentumBooks {
 impl MomentumBooks {
     /// Creates an observer for a run with the given schedule.
     pub fn new(schedule: &Schedule) -> Self {
-        Self { interval: schedule.interval(), weight: 0.0, drag: Vec::new(), wall: Vec::new(), flow: Vec::new() }
+        let interval = schedule.interval();
+        let [gravity, drag, wall, flow] = [const { Vec::new() }; 4];
+        Self { interval, weight: Some(0.0), gravity, drag, wall, flow }
     }
 
     /// Mean streamwise forces on all particles from the sample with the index `first` to the end.
@@ -49,14 +54,16 @@ impl MomentumBooks {
         let forces = |impulses: &[f64]| -> Vec<f64> {
             impulses.windows(2).skip(first).map(|pair| (pair[1] - pair[0]) / self.interval).collect()
         };
-        let (drag, wall, flow) = (forces(&self.drag), forces(&self.wall), forces(&self.flow));
-        let each = drag.iter().zip(&wall).zip(&flow);
-        let sum = estimate(&each.map(|((d, w), f)| d + w + f).collect::<Vec<f64>>());
+        let [gravity, drag, wall, flow] = [&self.gravity, &self.drag, &self.wall, &self.flow].map(|list| forces(list));
+        // a weight that changes is averaged with the other forces, sample by sample
+        let changing = |k: usize| if self.weight.is_none() { gravity[k] } else { 0.0 };
+        let sum = estimate(&(0..drag.len()).map(|k| drag[k] + wall[k] + flow[k] + changing(k)).collect::<Vec<f64>>());
+        let constant = self.weight.unwrap_or(0.0);
         Balance {
             drag: estimate(&drag),
-            weight: self.weight,
+            weight: self.weight.unwrap_or_else(|| gravity.iter().sum::<f64>() / gravity.len().max(1) as f64),
             wall: estimate(&wall),
-            residual: sum.map(|sum| Estimate { value: sum.value + self.weight, ..sum }),
+            residual: sum.map(|sum| Estimate { value: sum.value + constant, ..sum }),
         }
     }
 }
@@ -76,13 +83,14 @@ impl Observer for MomentumBooks {
 
     fn see(&mut self, simulation: &Simulation) {
         let ledger = &simulation.record.ledger;
+        self.gravity.push(ledger.gravity_impulse.z);
         self.drag.push(ledger.drag_impulse.z);
         self.wall.push(ledger.wall_impulse.z);
         self.flow.push(ledger.flow_impulse.z);
     }
 
     fn end(&mut self, simulation: &Simulation) {
-        self.weight = simulation.weight().z;
+        self.weight = simulation.has_constant_weight().then(|| simulation.weight().z);
     }
 
     plain_data!();

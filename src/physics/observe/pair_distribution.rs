@@ -8,7 +8,7 @@
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumber, ObservedQuantity};
 use super::near_pairs::near_pairs;
 use super::{Needs, Observer, plain_data};
-use crate::experiment::{Experiment, PairDistributionSettings};
+use crate::experiment::{Experiment, Model, PairDistributionSettings};
 use crate::kinetic_theory::contact_value;
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
@@ -183,7 +183,8 @@ impl Measurement for PairDistribution {
                 if species.len() == 1 { "Carnahan and Starling 1969" } else { "Boublik 1970, Mansoori et al. 1971" };
             let series = self.at_contact(&samples, pair, contact, share).unwrap_or_default();
             let quantity = quantity("contact_value", "g at contact", [a, b]);
-            let theory = (!scene.has_sizes()).then_some((source, exact));
+            // spheres that collide by chance do not exclude each other
+            let theory = (!scene.has_sizes() && experiment.model() != Model::Dsmc).then_some((source, exact));
             numbers.push(ObservedNumber::of_series(quantity, &series, clock, theory));
         }
         Observation {

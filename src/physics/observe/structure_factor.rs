@@ -6,7 +6,7 @@ use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumbe
 use super::{Needs, Observer, plain_data};
 use crate::domain::Domain;
 use crate::exact;
-use crate::experiment::{Experiment, StructureFactorSettings};
+use crate::experiment::{Experiment, Model, StructureFactorSettings};
 use crate::kinetic_theory::{compressibility, percus_yevick};
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
@@ -90,7 +90,8 @@ impl Measurement for StructureFactor {
         let mean = |own: &Vec<Vector3<f64>>| own.iter().map(|k| k.norm()).sum::<f64>() / own.len() as f64;
         // theories of spheres of one size
         let fraction = match scene.species.as_slice() {
-            [species] if !scene.has_sizes() => {
+            // spheres that collide by chance do not exclude each other
+            [species] if !scene.has_sizes() && experiment.model() != Model::Dsmc => {
                 Some((species.diameter, experiment.count() as f64 * species.volume() / scene.domain.volume()))
             }
             _ => None,

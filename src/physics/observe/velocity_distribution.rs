@@ -18,7 +18,7 @@ use crate::domain::Domain;
 use crate::experiment::{Experiment, VelocityDistributionSettings};
 use crate::kinetic_theory::{cooling_a2, heated_a2};
 use crate::particles::Sample;
-use crate::scene::Thermostat;
+use crate::scene::{Kind, Thermostat};
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
 use crate::statistics::estimate;
@@ -185,14 +185,14 @@ impl VelocityDistribution {
 /// that depends on the speed.
 fn theory(experiment: &Experiment) -> Option<f64> {
     let scene = &experiment.scene;
-    let surface = &scene.contact;
+    let surface = scene.surface(0, Kind::Species(0));
     let is_simple = scene.species.len() == 1
         && !scene.has_sizes()
         && scene.rotation.is_none()
         && surface.friction == 0.0
         && surface.by_speed.is_none();
     let law = if matches!(scene.thermostat, Some(Thermostat::Stochastic { .. })) { heated_a2 } else { cooling_a2 };
-    (scene.is_homogeneous() && is_simple).then(|| law(surface.restitution))
+    (scene.is_homogeneous() && !scene.has_openings() && is_simple).then(|| law(surface.restitution))
 }
 
 impl Measurement for VelocityDistribution {

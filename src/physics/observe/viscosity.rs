@@ -178,7 +178,7 @@ fn theory(experiment: &Experiment, temperature: f64) -> Option<(&'static str, f6
     let ([species], false) = (scene.species.as_slice(), scene.has_sizes()) else { return None };
     let restitution = scene.restitution_of_pairs()?;
     let is_smooth = scene.rotation.is_none() && scene.surfaces(2).iter().all(|surface| surface.friction == 0.0);
-    if !is_smooth || scene.is_heated() || experiment.model() == Model::Dsmc {
+    if !is_smooth || scene.is_heated() || scene.domain.orbit().is_some() || experiment.model() == Model::Dsmc {
         return None;
     }
     let density = experiment.count() as f64 / scene.domain.volume();

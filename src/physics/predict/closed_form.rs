@@ -81,6 +81,9 @@ pub fn settling_velocity(scene: &Scene) -> Option<Vector3<f64>> {
     else {
         return None;
     };
+    if scene.has_sizes() || drag.law().cells().is_some() {
+        return None;
+    }
     let down = scene.gravity.try_normalize(0.0)?;
     Some(Vector3::z() * *gas + down * terminal_slip(drag, &fluid.sphere(species), scene.gravity.norm()))
 }
@@ -196,7 +199,8 @@ impl Chain {
     pub fn of(scene: &Scene, start: &[[Vector3<f64>; 2]]) -> Option<Self> {
         let ([species], [_, _, ..]) = (scene.species.as_slice(), start) else { return None };
         let alone = is_undriven(scene) && scene.walls.is_empty() && scene.gravity.norm() == 0.0;
-        if !(alone && scene.restitution_of_pairs() == Some(1.0)) {
+        let smooth = scene.rotation.is_none() || scene.surface(0, Kind::Species(0)).friction == 0.0;
+        if !(alone && smooth && scene.restitution_of_pairs() == Some(1.0)) {
             return None;
         }
         let along = (start[1][0] - start[0][0]).try_normalize(0.0)?;

@@ -36,15 +36,16 @@ pub struct Rest {
 }
 
 /// Finds the floor of a scene: the flat wall against which gravity presses most. `None` if there is no such wall, if
-/// the gas lifts the particles, or if a wall moves. `lift` [m/s] is the component of the gas velocity against gravity,
+/// the gas lifts the particles, if a wall moves or is thermal, or with a thermostat. `lift` [m/s] is the component of the gas velocity against gravity,
 /// minus the terminal slip speed.
 ///
 /// The time until rest is that of a sphere dropped from the height h. Its fall and all bounces together last
 /// (1+e)/(1-e) sqrt(2h/g) (a geometric series). If e depends on the speed, the bounces are added one by one. A bed of N
 /// spheres needs less time than one sphere.
 pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<Rest> {
-    // walls that move may throw the particles up again
-    if lift.is_some_and(|lift| lift > 0.0) || particles.is_empty() || scene.has_moving_walls() {
+    // walls that move or are thermal, and a thermostat, may throw the particles up again
+    let is_fed = scene.has_moving_walls() || scene.is_heated();
+    if lift.is_some_and(|lift| lift > 0.0) || particles.is_empty() || is_fed {
         return None;
     }
     let planes = (0u32..).zip(&scene.walls).filter_map(|(index, wall)| Some((wall.geometry.plane()?, index)));

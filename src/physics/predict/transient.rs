@@ -74,7 +74,7 @@ pub fn fades(experiment: &Experiment) -> bool {
     let scene = &experiment.scene;
     let drag = scene.fluid.as_ref().and_then(|fluid| fluid.drag.as_ref());
     let sheared = scene.fluid.as_ref().is_some_and(|fluid| !matches!(fluid.profile, Profile::Uniform(_)));
-    let surfaces = scene.surfaces(experiment.count());
+    let surfaces = scene.surfaces(experiment.most_that_touch(experiment.count()));
     let lossy = surfaces.iter().any(|surface| surface.restitution < 1.0 || surface.friction > 0.0);
     let driven = is_stirred(scene) || drag.is_some() && sheared;
     !driven && (drag.is_some() || lossy)
@@ -116,7 +116,7 @@ pub fn transient(
     let driven = is_stirred(scene)
         || drag.is_some()
             && (!scene.fluid.as_ref().is_some_and(|fluid| matches!(fluid.profile, Profile::Uniform(_)))
-                || falls && kinds > 1 && rest.is_none());
+                || falls && (kinds > 1 || scene.has_sizes()) && rest.is_none());
     let count = experiment.count() as f64;
     let loss = |e: f64| 1.0 - e * e;
     let counts = experiment.counts();

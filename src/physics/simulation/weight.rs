@@ -12,12 +12,16 @@ impl Simulation {
     /// [N] weight of all particles in all processes minus their buoyancy. If particles come and go, or species differ
     /// in buoyancy, it is the mean over the time since the start.
     pub fn weight(&self) -> Vector3<f64> {
-        let is_constant = self.scene.differences_in_gravity().is_empty() && !self.scene.has_openings();
-        if is_constant || self.time == 0.0 {
+        if self.has_constant_weight() || self.time == 0.0 {
             return self.total_mass() * self.scene.gravity;
         }
         // the impulse of a constant force is proportional to the time
         self.record.ledger.gravity_impulse / self.time
+    }
+
+    /// True if the weight of all particles minus their buoyancy does not change during the run.
+    pub fn has_constant_weight(&self) -> bool {
+        self.scene.differences_in_gravity().is_empty() && !self.scene.has_openings()
     }
 
     /// Adds the work and the impulse of gravity in a window of `window` [s] to the ledger. `reached` [s] is the part of

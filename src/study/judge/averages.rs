@@ -22,17 +22,17 @@ const SLICES: usize = 4;
 const POINTS: usize = 20;
 
 /// Observables of a variant and of its reference, in the same order in both lists. A mixture adds the temperature and
-/// the impact rate of each species, and its velocity if gas or gravity drives a stream.
+/// the impact rate of each species, and its velocity if gas, gravity or walls drive a stream.
 ///
 /// The velocities V (across the walls) and W (spanwise) and the stresses uw and vw are left out: V vanishes since mass
-/// is conserved, the others vanish by symmetry. The streamwise velocity U needs gas or gravity along the stream, since
-/// momentum is conserved otherwise. The number density needs walls or gravity. The stress uv needs walls and a stream,
-/// or a sheared box. The rotational temperature T_r is compared if the spheres of both variants rotate. The mean spin
-/// also needs walls and a stream.
+/// is conserved, the others vanish by symmetry. The streamwise velocity U needs gas, gravity along the stream, or walls
+/// that move, since momentum is conserved otherwise. The number density needs walls or gravity. The stress uv needs
+/// walls and a stream, or a sheared box. The rotational temperature T_r is compared if the spheres of both variants
+/// rotate. The mean spin also needs walls and a stream.
 pub fn observables(variant: &Outcome, reference: &Outcome) -> [Vec<Observable>; 2] {
     let scene = &reference.experiment.scene;
     let walls = !scene.walls.is_empty();
-    let driven = scene.fluid.is_some() || scene.gravity.z != 0.0;
+    let driven = [variant, reference].iter().any(|one| is_driven(&one.experiment.scene));
     let mirrored = [variant, reference].iter().all(|one| is_mirrored(&one.experiment));
     let mut columns: Vec<SliceColumn> = Vec::new();
     let across = reference.profiles.slices.len() >= SLICES;
@@ -92,9 +92,11 @@ fn numbers(outcome: &Outcome, reference: &Outcome, until: f64) -> Vec<Observable
         ]
     };
     let both = of(outcome).into_iter().zip(of(reference));
+    // with inlets or outlets the number of particles is a result too, and that at the end is not the mean
+    let comes_and_goes = [outcome, reference].iter().any(|one| one.experiment.scene.has_openings());
     let numbers = both.filter_map(|((name, unit, own), (_, _, other))| {
         // rates are scaled to the number of particles of the reference
-        let counts = (unit == "1/s").then_some((reference.particles, outcome.particles));
+        let counts = (unit == "1/s" && !comes_and_goes).then_some((reference.particles, outcome.particles));
         // particles at rest have no meaningful temperature or impact rates
         let rest = reference.experiment.scene.rest_speed().powi(2);
         reference.temperature.filter(|temperature| temperature.value > rest)?;
@@ -115,7 +117,8 @@ fn of_kinds(outcome: &Outcome, reference: &Outcome, until: f64, which: usize) ->
             0 => scale(&U, reference)?,
             _ => (value(&other.batches[which])?, "its value"),
         };
-        let counts = (which == 2).then_some((other.count, own.count));
+        let comes_and_goes = [outcome, reference].iter().any(|one| one.experiment.scene.has_openings());
+        let counts = (which == 2 && !comes_and_goes).then_some((other.count, own.count));
         let batches = of_as_many(own.batches[which].clone(), counts).map(|batches| batches.until(until));
         Some(number(format!("{name} of {}", other.name).into(), unit, scale, batches))
     };
@@ -189,6 +192,12 @@ pub(super) fn scale(column: &SliceColumn, reference: &Outcome) -> Option<Scale> 
     (scale.0 > rest && !known.is_empty()).then_some(scale)
 }
 
+/// True if gas, gravity or walls that move may drive a stream along z.
+fn is_driven(scene: &Scene) -> bool {
+    let moves = |wall: &Wall| wall.velocity != Vector3::zeros() || wall.turning.is_some() || wall.moving.is_some();
+    scene.fluid.is_some() || scene.gravity.z != 0.0 || scene.walls.iter().any(moves)
+}
+
 /// True if the mirror image of the scene at the mid-plane y = L_y/2 is the scene itself.
 fn is_mirrored(experiment: &Experiment) -> bool {
     let Scene { domain, gravity, fluid, walls, .. } = &experiment.scene;
@@ -198,7 +207,11 @@ fn is_mirrored(experiment: &Experiment) -> bool {
         let Some(plane) = wall.geometry.plane() else { return false };
         let point = Vector3::new(plane.point.x, height - plane.point.y, plane.point.z);
         let is_like = |other: &&Wall| {
-            other.surface == wall.surface && other.roughness == wall.roughness && other.thermal == wall.thermal
+            other.surface == wall.surface
+                && other.roughness == wall.roughness
+                && other.thermal == wall.thermal
+                && other.turning.is_none()
+                && other.velocity == mirror(wall.velocity)
         };
         walls.iter().filter(is_like).filter_map(|other| other.geometry.plane()).any(|image| {
             let apart = (image.point - point).dot(&image.normal).abs();
@@ -211,7 +224,8 @@ fn is_mirrored(experiment: &Experiment) -> bool {
             (low - high).abs() <= 1e-6 * low.abs().max(high.abs())
         })
     };
-    let still = gravity.y == 0.0 && !experiment.scene.has_moving_walls();
+    let scene = &experiment.scene;
+    let still = gravity.y == 0.0 && !scene.has_moving_walls() && !scene.has_openings();
     still && walls.iter().all(has_image) && fluid.as_ref().is_none_or(|fluid| even(&fluid.profile))
 }
 
@@ -232,5 +246,6 @@ mod tests {
         assert!(!mirrored(&["walls[1].restitution=0.9"]), "walls that differ");
         assert!(!mirrored(&["gravity.acceleration[1]=-1 m/s^2"]), "gravity across the channel");
         assert!(!mirrored(&["walls[1].plane.point[1]=39 mm"]), "a wall that stands elsewhere");
+        assert!(!mirrored(&["walls[1].velocity=[0 m/s, 0 m/s, 1 m/s]"]), "a wall that slides");
     }
 }

@@ -190,7 +190,7 @@ pub fn surfaces(plan: &SensitivityPlan) -> Vec<String> {
 /// of species.
 fn pairs(plan: &SensitivityPlan) -> Result<Vec<(String, Surface)>, String> {
     let reference = plan.reference();
-    if reference.count() < 2 {
+    if reference.most_that_touch(reference.count()) < 2 {
         return Err("there is one particle only".into());
     }
     let listed = listed(plan, |other| matches!(other, Kind::Species(_)));

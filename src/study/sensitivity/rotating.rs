@@ -26,7 +26,8 @@ pub fn rotation(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<Planne
         return Ok(PlannedFactor::against(first, run, "rotation → none", "the paper's spheres do not rotate"));
     }
     let rough = |surface: &Surface| surface.friction > 0.0;
-    if !scene.surfaces(plan.reference().count()).iter().any(rough) {
+    let most = plan.reference().most_that_touch(plan.reference().count());
+    if !scene.surfaces(most).iter().any(rough) {
         return Err("there is no friction that could turn a particle".into());
     }
     let rule = format!("hard.friction.walton.tangential_restitution={GLASS_TANGENTIAL}");

@@ -126,7 +126,11 @@ fn sets(keys: &[&str], assumed: &str) -> Richer {
 }
 
 fn has_friction(experiment: &Experiment) -> bool {
-    experiment.scene.surfaces(experiment.count()).iter().any(|surface| surface.friction > 0.0)
+    experiment
+        .scene
+        .surfaces(experiment.most_that_touch(experiment.count()))
+        .iter()
+        .any(|surface| surface.friction > 0.0)
 }
 
 fn friction(experiment: &Experiment) -> Richer {
@@ -203,7 +207,7 @@ fn suspension(experiment: &Experiment) -> Richer {
     let scene = &experiment.scene;
     let largest = scene.species.iter().map(crate::scene::Species::largest).fold(0.0, f64::max);
     let slices = (scene.domain.size.y / largest).floor().clamp(1.0, SLICES);
-    if experiment.count() < 2 {
+    if experiment.most_that_touch(experiment.count()) < 2 {
         return Richer::No("there is one particle only");
     }
     sets(&[&format!("drag.wen_yu.cells=[1, {slices}, 1]")], "the law of Wen and Yu in slices across the box")

@@ -6,6 +6,7 @@ use super::start::{FASTEST, Placed};
 use super::table::{DataTable, TableRow};
 use crate::case::de::{Located, suggestion};
 use crate::case::diagnostic::Diagnostic;
+use crate::case::file::ParticlesFile;
 use crate::case::saved::box_lines;
 use crate::case::source::Origin;
 use crate::legible::quote;
@@ -13,10 +14,10 @@ use crate::particles::Particles;
 use crate::scene::{Scene, SizeDistribution};
 use crate::triangles::digits;
 use nalgebra::Vector3;
-use rustc_hash::FxHashSet;
 
-/// Index of the diameter in [`COLUMNS`], the properties of a particle. The constants below are indices of other
-/// properties that a file may lack; `OF_SPIN` and `OF_MOMENTUM` are those of the x component of a vector.
+/// Index in [`COLUMNS`], the properties of a particle, of the x component of the velocity. The constants below are
+/// indices of other properties that a file may lack; `OF_SPIN` and `OF_MOMENTUM` are those of the x component too.
+const OF_VELOCITY: usize = 3;
 const OF_DIAMETER: usize = 6;
 const OF_SPECIES: usize = 7;
 const OF_ID: usize = 8;
@@ -25,6 +26,8 @@ const OF_RADIUS: usize = 12;
 const OF_DENSITY: usize = 13;
 const OF_MASS: usize = 14;
 const OF_MOMENTUM: usize = 15;
+/// [rad/s] fastest spin about an axis that a file may give, as the range of the key `spin` has it.
+const FASTEST_SPIN: f64 = 1e9;
 /// [-] relative error of a number in single precision, which other programs write.
 const SINGLE: f64 = f32::EPSILON as f64;
 /// Number of significant digits from which on the last digit of a number may be rounded. Numbers with fewer digits are
@@ -37,29 +40,46 @@ fn precision(text: &str) -> f64 {
     if digits < ROUNDED { SINGLE } else { SINGLE.max(10f64.powi(1 - digits as i32)) }
 }
 
+/// True if two displacements [m] of the image above are equal up to rounding and whole periods [m] of the box.
+fn near_offset(there: &[f64], here: &[f64], period: f64) -> bool {
+    let ([there], [here]) = (there, here) else { return false };
+    let apart = (there - here) / period;
+    (apart - apart.round()).abs() < SINGLE
+}
+
 impl Resolver {
-    /// Particles in the file `name` that belong to the species with the given `index`. If the table has no column of
-    /// species, all rows belong to this species.
+    /// Particles in the file `name` that belong to the species with the given `index`, in the order of their ids. If the
+    /// table has no column of species, all rows belong to this species. `kinds` are the kinds of particles of the case.
     pub(super) fn placed_in_file(
         &mut self,
         name: &Located<String>,
-        index: usize,
+        (kinds, index): (&[Located<ParticlesFile>], usize),
         scene: &Scene,
         particles: &mut Particles,
     ) -> Result<Vec<Placed>, Diagnostic> {
         let table = self.table_of_places(name, scene)?;
-        let mut ids = FxHashSet::default();
-        let mut placed = Vec::new();
+        let species = &scene.species[index];
+        let mut left_out = vec![0; scene.species.len()];
+        let mut rows = Vec::new();
         for row in table.rows() {
-            if !self.is_of(row, index, scene)? {
-                continue;
+            let named = self.species_of(row, scene)?.unwrap_or(index);
+            if scene.species[named].name == species.name {
+                self.check_row(row, index, scene)?;
+                rows.push((self.id(row)?, row));
+            } else {
+                left_out[named] += 1;
             }
-            if let Some(id) = row.text(OF_ID).filter(|id| !ids.insert(*id)) {
-                let message = format!("`id` = {} stands in two lines", quote(id));
-                return Err(self.sources.error(row.origin, message).help("each particle has an id of its own"));
-            }
+        }
+        self.warn_of_kinds_left_out(name, kinds, &left_out);
+        rows.sort_by_key(|(id, _)| *id);
+        if let Some([_, (id, row)]) = rows.array_windows().find(|[(one, _), (other, _)]| one.is_some() && one == other)
+        {
+            let message = format!("`id` = {} stands in two lines", id.unwrap_or_default());
+            return Err(self.sources.error(row.origin, message).help("each particle has an id of its own"));
+        }
+        let mut placed = Vec::new();
+        for (_, row) in rows {
             let place = self.push_row(row, index, scene, particles)?;
-            let species = &scene.species[index];
             let radius = particles.radius[place];
             placed.push(Placed {
                 position: particles.position[place],
@@ -81,37 +101,65 @@ impl Resolver {
             Some(format) => self.foreign_table(format, (source, &text), &kinds)?,
             None => self.csv_table(name, (source, &text), &COLUMNS[..3], &COLUMNS[3..OF_CSV])?,
         };
-        let absent: Vec<&str> = (3..6).filter(|at| !table.has(*at)).map(|at| COLUMNS[at]).collect();
-        if (1..3).contains(&absent.len()) {
-            let header = Origin { source, span: 0..text.find('\n').unwrap_or(text.len()) };
-            let message = format!("the header of `{}` lacks {}", name.value, absent.join(", "));
-            let help = "give all three velocities, or none: then all are 0";
-            return Err(self.sources.error(&header, message).help(help));
+        for (first, what) in [(OF_VELOCITY, "velocities"), (OF_SPIN, "spins")] {
+            let absent: Vec<&str> = (first..first + 3).filter(|at| !table.has(*at)).map(|at| COLUMNS[at]).collect();
+            if (1..3).contains(&absent.len()) {
+                let header = Origin { source, span: 0..text.find('\n').unwrap_or(text.len()) };
+                let message = format!("the header of `{}` lacks {}", name.value, absent.join(", "));
+                let help = format!("give all three {what}, or none: then all are 0");
+                return Err(self.sources.error(&header, message).help(help));
+            }
         }
         if table.has(OF_SPIN) && scene.rotation.is_none() {
             let message = format!("the spins in `{}` are left out: spheres of this case do not rotate", name.value);
             self.warn(&name.origin, message, "add `rotation = true` to [contact] to let them");
         }
         self.warn_of_another_box(&table, name, scene);
+        self.warn_of_another_time(&table, name, scene);
         self.warn_of_no_rows(&table, name);
         Ok(table)
     }
 
-    /// True if a row belongs to the species with the given `index`. Diameter, density and mass in the row must agree
-    /// with those of the species.
-    fn is_of(&self, row: TableRow<'_>, index: usize, scene: &Scene) -> Result<bool, Diagnostic> {
-        let species = &scene.species[index];
-        if let Some(of) = row.text(OF_SPECIES) {
-            let named = scene.species.iter().position(|kind| kind.name == of);
-            let Some(index) = named.or_else(|| of.parse().ok().filter(|index| *index < scene.species.len())) else {
+    /// Index of the species that a row names, by its name or by its index; `None` if the table has no such column.
+    fn species_of(&self, row: TableRow<'_>, scene: &Scene) -> Result<Option<usize>, Diagnostic> {
+        let Some(of) = row.text(OF_SPECIES) else { return Ok(None) };
+        let named = scene.species.iter().position(|kind| kind.name.trim() == of);
+        match named.or_else(|| of.parse().ok().filter(|index| *index < scene.species.len())) {
+            Some(index) => Ok(Some(index)),
+            None => {
                 let names: Vec<&str> = scene.species.iter().map(|kind| kind.name.as_str()).collect();
                 let help = suggestion(of, &names, "kinds of particles in the case");
-                return Err(self.sources.error(row.origin, format!("unknown species \"{}\"", quote(of))).help(help));
-            };
-            if scene.species[index].name != species.name {
-                return Ok(false);
+                Err(self.sources.error(row.origin, format!("unknown species \"{}\"", quote(of))).help(help))
             }
         }
+    }
+
+    /// Id of the particle in a row; `None` if the table has no such column.
+    fn id(&self, row: TableRow<'_>) -> Result<Option<u64>, Diagnostic> {
+        let Some(text) = row.text(OF_ID) else { return Ok(None) };
+        let refuse = |_| {
+            let message = format!("`id` = {} is no whole number", quote(text));
+            self.sources.error(row.origin, message).help("ids are 0, 1, 2 and so on; the column may be left out")
+        };
+        text.parse().map(Some).map_err(refuse)
+    }
+
+    /// Warns if a file contains particles of kinds that do not name it, since these particles are then left out.
+    /// `left_out` is the number of such particles of each kind.
+    fn warn_of_kinds_left_out(&mut self, name: &Located<String>, kinds: &[Located<ParticlesFile>], left_out: &[usize]) {
+        for (kind, count) in kinds.iter().zip(left_out).filter(|(_, count)| **count > 0) {
+            let names_it = kind.value.file.as_ref().is_some_and(|file| file.value == name.value);
+            if let (false, Some(other)) = (names_it, &kind.value.name) {
+                let message =
+                    format!("{count} particles of \"{}\" in `{}` are left out", quote(&other.value), name.value);
+                self.warn(&name.origin, message, "name the file under that kind too, if they belong to the start");
+            }
+        }
+    }
+
+    /// Checks that diameter, density and mass in a row agree with those of the species with the given `index`.
+    fn check_row(&self, row: TableRow<'_>, index: usize, scene: &Scene) -> Result<(), Diagnostic> {
+        let species = &scene.species[index];
         let size = self.size(row)?;
         match (size, &species.sizes) {
             (Some((diameter, _)), Some(sizes)) => self.check_size(row, diameter, sizes)?,
@@ -136,7 +184,7 @@ impl Resolver {
             // itself
             self.agree(row, (OF_MASS, mass), (of_case, &species.name), "kg", 4.0)?;
         }
-        Ok(true)
+        Ok(())
     }
 
     /// [m] diameter of the particle in a row, and the index of the column from which it comes: that of the diameter or
@@ -220,10 +268,16 @@ impl Resolver {
         }
         particles.position[place] = scene.domain.wrap(&particles.position[place]);
         let velocity = &particles.velocity[place];
-        match (0..3).find(|&axis| velocity[axis].abs() > FASTEST) {
-            Some(axis) => Err(self.too_fast(["vx", "vy", "vz"][axis], velocity[axis], row.origin)),
-            None => Ok(place),
+        if let Some(axis) = (0..3).find(|&axis| velocity[axis].abs() > FASTEST) {
+            return Err(self.too_fast(["vx", "vy", "vz"][axis], velocity[axis], row.origin));
         }
+        let spin = particles.spin.as_ref().map_or_else(Vector3::zeros, |spins| spins[place]);
+        if let Some(axis) = (0..3).find(|&axis| spin[axis].abs() > FASTEST_SPIN) {
+            let (column, spin) = (COLUMNS[OF_SPIN + axis], spin[axis]);
+            let message = format!("`{column}` = {spin:e} rad/s is out of range; allowed: -1e9 ..= 1e9 rad/s");
+            return Err(self.sources.error(row.origin, message).help("spins are in rad/s"));
+        }
+        Ok(place)
     }
 
     /// Warns about a table that has a header but no rows, and so no particles.
@@ -246,13 +300,27 @@ impl Resolver {
             let (there, here_m) = (edges(value), edges(here));
             let near = there.len() == here_m.len()
                 && there.iter().zip(&here_m).all(|(a, b)| (a - b).abs() <= SINGLE * b.abs());
-            if value != here && !(key == "box_m" && near) {
+            // images are displaced by whole periods too
+            let slides = key == "image_offset_m" && near_offset(&there, &here_m, scene.domain.size.z);
+            if value != here && !(key == "box_m" && near) && !slides {
                 let said = |text: &str| if text.is_empty() { "none".to_owned() } else { text.to_owned() };
                 let message =
                     format!("`{}` was saved with {key} {}, the case has {}", name.value, said(value), said(here));
                 self.warn(&name.origin, message, "change `domain`, if the box of the file is meant");
             }
         }
+    }
+
+    /// Warns if a state was saved at another time than 0 and the case has walls that move, since these begin at their
+    /// places of time 0 again.
+    fn warn_of_another_time(&mut self, table: &DataTable, name: &Located<String>, scene: &Scene) {
+        let time = table.head.iter().find(|(key, _)| key == "time_s").and_then(|(_, time)| time.parse::<f64>().ok());
+        let Some(time) = time.filter(|time| *time != 0.0 && scene.has_moving_walls()) else { return };
+        let message =
+            format!("`{}` was saved at {time} s, but walls that move begin at their places of time 0", name.value);
+        let help =
+            "for a vibration add 2 pi f t to its `phase`; otherwise move the shape; `resume` continues a stopped run";
+        self.warn(&name.origin, message, help);
     }
 
     /// Creates the error about a velocity [m/s] in a table that is too large.

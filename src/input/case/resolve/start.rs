@@ -105,7 +105,8 @@ impl Resolver {
         for (index, kind) in file.particles.iter().flatten().enumerate() {
             let species = &scene.species[index];
             let mut particles = Particles { spin: scene.rotation.as_ref().map(|_| Vec::new()), ..Particles::default() };
-            let placed = self.placed(kind, index, scene, &mut particles)?;
+            let kinds = file.particles.as_deref().unwrap_or_default();
+            let placed = self.placed((kinds, index), scene, &mut particles)?;
             let (velocity_mean, velocity_fluctuation) = self.random_velocity(&kind.value, placed.is_some())?;
             let region = self.region(kind, file, scene)?;
             let amount = match placed {
@@ -296,13 +297,13 @@ impl Resolver {
     /// particles are also added to `particles`.
     fn placed(
         &mut self,
-        kind: &Located<ParticlesFile>,
-        index: usize,
+        (kinds, index): (&[Located<ParticlesFile>], usize),
         scene: &Scene,
         particles: &mut Particles,
     ) -> Result<Option<Vec<Placed>>, Diagnostic> {
+        let kind = &kinds[index];
         if let Some(name) = &kind.value.file {
-            return self.placed_in_file(name, index, scene, particles).map(Some);
+            return self.placed_in_file(name, (kinds, index), scene, particles).map(Some);
         }
         let Some(list) = &kind.value.at else { return Ok(None) };
         let species = &scene.species[index];

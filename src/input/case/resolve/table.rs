@@ -161,9 +161,13 @@ fn with_unit<'a>(column: &'a str, wanted: &[&str]) -> (&'a str, Option<String>) 
 }
 
 /// Exponents of m, kg and s in the dimension of a column of initial states. Columns whose name begins with v are
-/// velocities, all others are lengths.
+/// velocities, those with w are spins, all others are lengths.
 fn dimension(column: &str) -> [i8; 3] {
-    if column.starts_with('v') { [1, 0, -1] } else { [1, 0, 0] }
+    match column.as_bytes().first() {
+        Some(b'v') => [1, 0, -1],
+        Some(b'w') => [0, 0, -1],
+        _ => [1, 0, 0],
+    }
 }
 
 impl Resolver {

@@ -33,7 +33,7 @@ impl Resolver {
     pub(super) fn check_thermostat(&mut self, file: &CaseFile, experiment: &Experiment) {
         let Some(typed) = &file.thermostat else { return };
         let scene = &experiment.scene;
-        let surfaces = scene.surfaces(experiment.count());
+        let surfaces = scene.surfaces(experiment.most_that_touch(experiment.count()));
         let lossy = surfaces.iter().any(|surface| surface.restitution < 1.0 || surface.friction > 0.0);
         let dragged = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
         if !lossy && !dragged {

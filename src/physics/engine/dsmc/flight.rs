@@ -7,7 +7,7 @@ use crate::engine::{Failure, Window};
 use crate::particles::{CHUNK, Motion, Particles};
 use crate::record::Log;
 use crate::scene::Scene;
-use crate::walls::{Flight, Geometry, NearWalls, Plane, Touch, Wall};
+use crate::walls::{Flight, Geometry, NearWalls, Plane, Touch, Wall, WallGeometry};
 use crate::work_sharing;
 use nalgebra::Vector3;
 
@@ -150,16 +150,23 @@ fn fly_among_walls(
 ) -> Result<(), Failure> {
     let (mut flown, mut history) = (0.0, LastCollision::default());
     loop {
-        let rest = time.duration - flown;
+        let left = time.duration - flown;
         let flight = Flight { position: one.position[0], velocity: one.velocity[0], gravity: scene.gravity };
+        let rest = left.min(longest_piece(scene, &flight, left));
         let reach = one.radius[0] + (flight.velocity.norm() + 0.5 * scene.gravity.norm() * rest) * rest;
         walls.list(&flight.position, reach, found);
         let next = first_touch(one, scene, found, rest);
         let until = next.map_or(rest, |(_, touch)| touch.time.min(rest));
         one.position[0] = flight.position_at(until);
         one.velocity[0] = flight.velocity_at(until);
-        let Some((couple, touch)) = next else { return Ok(()) };
         flown += until;
+        let Some((couple, touch)) = next else {
+            if rest == left {
+                return Ok(());
+            }
+            one.position[0] = scene.domain.wrap(&one.position[0]);
+            continue;
+        };
         let now = time.start + flown;
         let here = FrameTime::default();
         let met = couple.strike(one, scene, here, touch.feature);
@@ -180,6 +187,18 @@ fn fly_among_walls(
             });
         }
     }
+}
+
+/// [s] longest piece of a flight, of which `left` [s] are left, in which all images of a body that the particle may
+/// reach are tested: the particle flies over at most one period of the box. Infinite without such bodies.
+fn longest_piece(scene: &Scene, flight: &Flight, left: f64) -> f64 {
+    let domain = &scene.domain;
+    let has_images = scene.walls.iter().any(|wall| matches!(wall.geometry, WallGeometry::Repeated(_)));
+    if !has_images || domain.shear.is_some() {
+        return f64::INFINITY;
+    }
+    let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| domain.size[axis]);
+    periods.fold(f64::INFINITY, f64::min) / (flight.velocity.norm() + flight.gravity.norm() * left)
 }
 
 /// First touch of the single particle in the store `one` with one of the given walls within `until` [s] from now;

@@ -164,14 +164,15 @@ impl Layout {
 }
 
 impl ForeignReader<'_> {
-    /// Refuses a layout without all components of the position, or with only some components of the velocity or the
-    /// momentum. Warns about columns that are ignored.
+    /// Refuses a layout without all components of the position, or with only some components of the velocity, the
+    /// spin or the momentum. Warns about columns that are ignored.
     pub(super) fn check_layout(&mut self, lines: &Lines, number: usize, layout: &mut Layout) -> Result<(), Diagnostic> {
         if layout.at[VELOCITY].is_some() && layout.at[MOMENTUM].is_some() {
             layout.left.push("momenta".into());
             layout.at[MOMENTUM..MOMENTUM + 3].fill(None);
         }
-        for (first, what) in [(POSITION, "position"), (VELOCITY, "velocity"), (MOMENTUM, "momentum")] {
+        let vectors = [(POSITION, "position"), (VELOCITY, "velocity"), (SPIN, "spin"), (MOMENTUM, "momentum")];
+        for (first, what) in vectors {
             let lacks: Vec<&str> =
                 (first..first + 3).filter(|at| layout.at[*at].is_none()).map(|at| COLUMNS[at]).collect();
             if first == POSITION && !lacks.is_empty() || (1..3).contains(&lacks.len()) {

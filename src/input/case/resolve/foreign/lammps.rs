@@ -102,6 +102,10 @@ impl ForeignReader<'_> {
                     let axis = ["xlo", "ylo", "zlo"].iter().position(|name| *name == low).unwrap_or_default();
                     found.low[axis] = self.cell(lines, number, from, "the box")?;
                     found.high[axis] = self.cell(lines, number, to, "the box")?;
+                    if found.low[axis] >= found.high[axis] {
+                        let message = format!("the box has no size along {}", ["x", "y", "z"][axis]);
+                        return Err(self.wrong(lines, number, message, "write the lower end first: 0 0.01 xlo xhi"));
+                    }
                     found.boxed = true;
                 }
                 [xy, xz, yz, "xy", "xz", "yz"] => {
@@ -153,7 +157,11 @@ impl ForeignReader<'_> {
                     found.spins |= spin.iter().any(|spin| spin.parse::<f64>() != Ok(0.0));
                     let spin = match spin[..] {
                         [x, y, z] => [x, y, z],
-                        _ => ["0"; 3],
+                        [] => ["0"; 3],
+                        _ => {
+                            let message = format!("{} values after the velocity of atom {id}", spin.len());
+                            return Err(self.wrong(lines, number, message, "spheres have three, the angular velocity"));
+                        }
                     };
                     if found.velocities.insert(id, (number, [x, y, z], spin)).is_some() {
                         let message = format!("a second velocity of atom {id}");

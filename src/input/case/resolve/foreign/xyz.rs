@@ -4,6 +4,7 @@
 use super::columns::Layout;
 use super::{Cells, ForeignInstant, ForeignReader, ForeignStart, Lines};
 use crate::case::diagnostic::Diagnostic;
+use crate::legible::quote;
 use nalgebra::Vector3;
 
 const HELP: &str = "an extended XYZ file begins with the number of particles, then a line such as \
@@ -76,14 +77,29 @@ impl ForeignReader<'_> {
     fn header(&mut self, lines: &Lines, number: usize) -> Result<Header, Diagnostic> {
         let keys = keys(lines.get(number));
         let key = |name: &str| keys.iter().find(|(key, _)| key.eq_ignore_ascii_case(name)).map(|(_, value)| *value);
-        if key("units").is_none() {
-            self.warn_of_units(lines, number, "add `units=\"m s\"` to this line once all numbers are in m and m/s");
+        match key("units") {
+            None => {
+                self.warn_of_units(lines, number, "add `units=\"m s\"` to this line once all numbers are in m and m/s");
+            }
+            Some("m s") => {}
+            Some(units) => {
+                let message = format!("the file is in the units \"{}\"", quote(units));
+                return Err(self.wrong(
+                    lines,
+                    number,
+                    message,
+                    "convert the numbers to m and m/s, and write units=\"m s\"",
+                ));
+            }
         }
         let numbers = |name: &str| -> Result<Option<Vec<f64>>, Diagnostic> {
             let cells = key(name).map(|text| text.split_whitespace().map(|cell| self.cell(lines, number, cell, name)));
             cells.map(Iterator::collect).transpose()
         };
-        let corner = numbers("Origin")?.and_then(|corner| <[f64; 3]>::try_from(corner).ok());
+        let corner = numbers("Origin")?.map(<[f64; 3]>::try_from).transpose().map_err(|corner| {
+            let message = format!("`Origin` has {} numbers", corner.len());
+            self.wrong(lines, number, message, "give the three coordinates of the lowest corner of the box")
+        })?;
         let edges = match numbers("Lattice")?.as_deref() {
             None => None,
             Some([x, a, b, c, y, d, e, f, z]) if [a, b, c, d, e, f].iter().all(|off| **off == 0.0) => {
