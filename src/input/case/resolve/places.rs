@@ -72,8 +72,8 @@ impl Resolver {
         }
         self.warn_of_kinds_left_out(name, kinds, &left_out);
         rows.sort_by_key(|(id, _)| *id);
-        if let Some([_, (id, row)]) = rows.array_windows().find(|[(one, _), (other, _)]| one.is_some() && one == other)
-        {
+        let twice = rows.windows(2).find(|pair| pair[0].0.is_some() && pair[0].0 == pair[1].0);
+        if let Some([_, (id, row)]) = twice {
             let message = format!("`id` = {} stands in two lines", id.unwrap_or_default());
             return Err(self.sources.error(row.origin, message).help("each particle has an id of its own"));
         }
