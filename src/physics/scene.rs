@@ -319,7 +319,7 @@ impl Scene {
 
     /// True if a thermostat or thermal walls give energy to the particles.
     pub fn is_heated(&self) -> bool {
-        self.thermostat.is_some() || self.walls.iter().any(|wall| wall.thermal.is_some())
+        self.thermostat.is_some() || self.has_thermal_walls()
     }
 
     /// True if the restitution of any impact depends on its speed.

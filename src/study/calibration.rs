@@ -260,11 +260,10 @@ fn temperature_error(outcome: &Outcome) -> Option<f64> {
 /// models without lasting contacts if the scene has servo walls.
 pub fn with_choice(experiment: &Experiment, choice: EngineChoice, law: Option<ContactLaw>) -> Option<Experiment> {
     let scene = &experiment.scene;
-    let has_thermal_walls = scene.walls.iter().any(|wall| wall.thermal.is_some());
     let is_refused = match choice {
         EngineChoice::Hard => scene.has_servo_walls(),
         EngineChoice::Dsmc => scene.has_moving_walls(),
-        EngineChoice::SoftLocal | EngineChoice::SoftUniform | EngineChoice::Hybrid => has_thermal_walls,
+        EngineChoice::SoftLocal | EngineChoice::SoftUniform | EngineChoice::Hybrid => scene.has_thermal_walls(),
     };
     if is_refused {
         return None;

@@ -118,8 +118,7 @@ fn restitution(outcome: &Outcome, note: &mut impl FnMut(String)) {
         ));
     }
     // a thermal wall gives a new speed, whatever the restitution is
-    let is_thermal = scene.walls.iter().any(|wall| wall.thermal.is_some());
-    if let Some(asked) = scene.restitution_at_walls().filter(|_| !is_thermal)
+    if let Some(asked) = scene.restitution_at_walls().filter(|_| !scene.has_thermal_walls())
         && let Some(walls) = outcome.record.walls.summary().mean_restitution
         && (walls - asked).abs() > MISS
     {

@@ -113,7 +113,7 @@ fn restitutions(outcome: &Outcome) -> [TrustCheck; 2] {
             "restitution, walls",
             outcome.record.walls.count,
             outcome.wall_restitution,
-            scene.restitution_at_walls().filter(|_| scene.walls.iter().all(|wall| wall.thermal.is_none())),
+            scene.restitution_at_walls().filter(|_| !scene.has_thermal_walls()),
             no_wall_impact,
         ),
     ]

@@ -96,7 +96,7 @@ pub fn against_soft(experiment: &Experiment) -> Vec<String> {
     if scene.surfaces(experiment.count()).iter().any(|surface| !surface.always_rebounds()) {
         list.push("a restitution of 0 needs critical damping, with which a contact never ends".into());
     }
-    if scene.walls.iter().any(|wall| wall.thermal.is_some()) {
+    if scene.has_thermal_walls() {
         list.push("a thermal wall gives a new velocity in an instant, which a lasting contact does not have".into());
     }
     list

@@ -40,6 +40,11 @@ impl Scene {
         self.fluid.as_ref().is_some_and(|fluid| fluid.turbulence.is_some())
     }
 
+    /// True if any wall has a temperature, so that impacts on it give new velocities.
+    pub fn has_thermal_walls(&self) -> bool {
+        self.walls.iter().any(|wall| wall.thermal.is_some())
+    }
+
     /// True if any wall is rough.
     pub fn has_rough_walls(&self) -> bool {
         self.walls.iter().any(|wall| wall.roughness.is_some())

@@ -93,7 +93,7 @@ fn numbers(outcome: &Outcome, reference: &Outcome, until: f64) -> Vec<Observable
     };
     let both = of(outcome).into_iter().zip(of(reference));
     // with inlets or outlets the number of particles is a result too, and that at the end is not the mean
-    let comes_and_goes = [outcome, reference].iter().any(|one| one.experiment.scene.has_openings());
+    let comes_and_goes = has_openings([outcome, reference]);
     let numbers = both.filter_map(|((name, unit, own), (_, _, other))| {
         // rates are scaled to the number of particles of the reference
         let counts = (unit == "1/s" && !comes_and_goes).then_some((reference.particles, outcome.particles));
@@ -117,8 +117,7 @@ fn of_kinds(outcome: &Outcome, reference: &Outcome, until: f64, which: usize) ->
             0 => scale(&U, reference)?,
             _ => (value(&other.batches[which])?, "its value"),
         };
-        let comes_and_goes = [outcome, reference].iter().any(|one| one.experiment.scene.has_openings());
-        let counts = (which == 2 && !comes_and_goes).then_some((other.count, own.count));
+        let counts = (which == 2 && !has_openings([outcome, reference])).then_some((other.count, own.count));
         let batches = of_as_many(own.batches[which].clone(), counts).map(|batches| batches.until(until));
         Some(number(format!("{name} of {}", other.name).into(), unit, scale, batches))
     };
@@ -190,6 +189,11 @@ pub(super) fn scale(column: &SliceColumn, reference: &Outcome) -> Option<Scale> 
         _ => scene.rest_speed().powi(2),
     };
     (scale.0 > rest && !known.is_empty()).then_some(scale)
+}
+
+/// True if particles come in or leave in either run.
+fn has_openings(runs: [&Outcome; 2]) -> bool {
+    runs.iter().any(|run| run.experiment.scene.has_openings())
 }
 
 /// True if gas, gravity or walls that move may drive a stream along z.
