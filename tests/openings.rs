@@ -3,17 +3,19 @@
 
 mod surfaces;
 
+use crate::made_up::write;
 use crate::support::*;
 use diptych::engine::Engine;
 use diptych::engine::dsmc::Dsmc;
 use diptych::engine::hard::Hard;
 use diptych::engine::hybrid::Hybrid;
 use diptych::experiment::{AverageFrom, DsmcSettings, Integrator, Model, SoftStepping};
+use diptych::output::{Folder, HalvedStep};
 use diptych::placement::initial_state;
 use diptych::rotation::{ImpactRule, LinearTangential, Rotation, TangentialLaw};
 use diptych::scene::{Inlet, Outlet, OutletShape, Species};
 use diptych::simulation::{FlowTotals, Simulation, Snapshot};
-use diptych::study::execute;
+use diptych::study::{execute, trust_sheet};
 use diptych::walls::{Cavity, Hollow, Plane};
 use diptych::{ContactLaw, Particles, Scene, Vector3};
 use std::collections::HashSet;
@@ -349,6 +351,33 @@ fn the_weight_of_what_has_come_in_is_averaged() {
     // unit spheres have the mass 1 kg
     close("weight", outcome.balance.weight, -(end.len() as f64), 1e-9 * end.len() as f64);
     close("residual", residual.value, 0.0, 4.0 * residual.error.unwrap());
+}
+
+/// Momentum that comes in and leaves is a term of the balance, in the outcome, the trust sheet, the page and the summary.
+#[test]
+fn the_balance_lists_what_comes_and_leaves() {
+    let mut run = experiment(stream(1.0, 20.0), 0, [0.0; 3], 0.0, Model::Hard, 4);
+    (run.run.duration, run.run.window) = (8.0, Some(0.05));
+    run.run.average_from = AverageFrom::Time(2.0);
+    run.statistics.sample_interval = Some(0.05);
+    let start = initial_state(&run).unwrap();
+    let (outcome, _) = execute(&run, start, &mut []);
+    let balance = outcome.balance;
+    let [drag, wall, flow, sum] =
+        [balance.drag, balance.wall, balance.flow, balance.residual].map(|of| of.unwrap().value);
+    assert!(flow != 0.0);
+    close("sum of the terms", drag + balance.weight + wall + flow, sum, 1e-9 * flow.abs());
+    let sheet = trust_sheet(&outcome, HalvedStep::Unknown("not asked for".into()));
+    for start in ["streamwise", "energy"] {
+        let check = sheet.checks.iter().find(|check| check.name.starts_with(start)).unwrap();
+        assert!(check.remark.contains("inflow less outflow"), "{check:?}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    write(&Folder::create(folder.path().join("flow"), false).unwrap(), &[outcome]);
+    let read = |name: &str| std::fs::read_to_string(folder.path().join("flow").join(name)).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&read("summary.json")).unwrap();
+    close("summary", summary["variants"][0]["momentum_balance"]["flow"]["value"].as_f64().unwrap(), flow, 0.0);
+    assert!(read("report.html").contains("inflow less outflow</th><th scope=\"col\">sum</th>"));
 }
 
 /// Spheres at rest fill a region, until those that are due find no place.

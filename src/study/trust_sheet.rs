@@ -4,6 +4,7 @@ use super::trust::{MISS, meets_several, softness};
 use crate::engine::Failure;
 use crate::experiment::{HardStepping, Model};
 use crate::outcome::Outcome;
+use crate::output::numbers::with_error;
 use crate::output::{Expected, HalvedStep, Judgement, TrustCheck, TrustSheet};
 use crate::statistics::Estimate;
 
@@ -172,7 +173,7 @@ fn energy(outcome: &Outcome) -> TrustCheck {
     }
     remarked(
         check(NAME, "", outcome.energy_residual.over(through), Expected::AtMost(RESIDUAL), 0.0),
-        "through: start + |drag| + |gravity| + |moving walls| + |shear| + |thermostat|; rounding for hard spheres, the integrator's gain or loss for soft ones",
+        "through: start + |drag| + |gravity| + |moving walls| + |shear| + |thermostat| + |inflow less outflow|; rounding for hard spheres, the integrator's gain or loss for soft ones",
     )
 }
 
@@ -180,13 +181,19 @@ fn momentum(outcome: &Outcome) -> TrustCheck {
     const NAME: &str = "streamwise forces, sum";
     let balance = &outcome.balance;
     if balance.is_idle() {
-        return unknown(NAME, "N", "no drag, weight or wall friction acts along the stream");
+        return unknown(NAME, "N", "no drag, weight, wall friction, inflow or outflow acts along the stream");
     }
     let Some(residual) = balance.residual.filter(|residual| residual.error.is_some()) else {
         return unknown(NAME, "N", "too few samples in the averaging period for a standard error");
     };
     let found = check(NAME, "N", residual, Expected::Equals(0.0), 0.0);
-    remarked(found, "drag + weight + walls: zero in a steady flow")
+    match balance.flow.filter(|_| outcome.experiment.scene.has_openings()) {
+        Some(flow) => {
+            let flow = with_error(flow);
+            remarked(found, format!("drag + weight + walls + inflow less outflow ({flow} N): zero in a steady flow"))
+        }
+        None => remarked(found, "drag + weight + walls: zero in a steady flow"),
+    }
 }
 
 fn steady(outcome: &Outcome) -> TrustCheck {

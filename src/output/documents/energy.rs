@@ -95,7 +95,7 @@ pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     let mut blocks = vec![Block::Table(Table { head, rows, remarks: false })];
     blocks.extend(notes_on_contact_time(outcomes, &prefix));
     blocks.push(Block::note(
-        "Kinetic and elastic energy; in brackets the share of what went through the ledger (start + |drag| + |gravity| + |moving walls| + |shear| + |thermostat| + |flow|). \
+        "Kinetic and elastic energy; in brackets the share of what went through the ledger (start + |drag| + |gravity| + |moving walls| + |shear| + |thermostat| + |inflow less outflow|). \
          Unexplained: rounding for hard spheres, also the integrator’s own gain or loss for soft ones; marked above 0.1 %.",
     ));
     blocks

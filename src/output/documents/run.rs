@@ -257,17 +257,19 @@ fn impact_cells(impacts: &Impacts, rate: Option<Estimate>, requested: String, ro
 /// Parts of the page about the balance of streamwise forces.
 fn momentum(outcomes: &[Outcome]) -> Vec<Block> {
     let forces = |o: &Outcome| {
-        let averaged = [o.balance.drag, o.balance.wall, o.balance.residual].into_iter().flatten();
+        let averaged = [o.balance.drag, o.balance.wall, o.balance.flow, o.balance.residual].into_iter().flatten();
         averaged.map(|force| force.value).chain([o.balance.weight])
     };
     let largest = outcomes.iter().flat_map(forces).filter(|f| f.is_finite()).fold(0.0, |a: f64, b| a.max(b.abs()));
     let prefix = Prefix::of(largest);
+    let flows = outcomes.iter().any(|o| o.experiment.scene.has_openings());
     let newton = |force: Option<Estimate>| with_error(force.map(|force| force.times(prefix.factor)));
     let cells = |o: &Outcome| {
         let b = &o.balance;
         let errors = b.residual.and_then(Estimate::in_errors);
         let weight = significant(b.weight * prefix.factor, 4);
-        let cells = vec![newton(b.drag), weight, newton(b.wall), newton(b.residual), significant(errors, 2)];
+        let forces = [newton(b.drag), weight, newton(b.wall)].into_iter().chain(flows.then(|| newton(b.flow)));
+        let cells = forces.chain([newton(b.residual), significant(errors, 2)]).collect();
         (errors.is_some_and(|errors| errors.abs() > SUSPECT), cells)
     };
     let note = format!(
@@ -275,7 +277,28 @@ fn momentum(outcomes: &[Outcome]) -> Vec<Block> {
          to zero within the error.",
         prefix.symbol
     );
-    vec![table("variant | drag | weight | walls | sum | sum in SE", outcomes, cells), Block::Note(note)]
+    let head = if flows {
+        "variant | drag | weight | walls | inflow less outflow | sum | sum in SE"
+    } else {
+        "variant | drag | weight | walls | sum | sum in SE"
+    };
+    vec![table(head, outcomes, cells), Block::Note(note)]
+}
+
+/// Mean forces on all particles along the stream for `summary.json`. The momentum per time through inlets and outlets
+/// is an entry only in scenes that have any.
+fn momentum_json(outcome: &Outcome) -> Value {
+    let balance = &outcome.balance;
+    let mut forces = json!({
+        "drag": measured(balance.drag),
+        "weight": balance.weight,
+        "wall": measured(balance.wall),
+        "residual": measured(balance.residual),
+    });
+    if outcome.experiment.scene.has_openings() {
+        forces["flow"] = measured(balance.flow);
+    }
+    forces
 }
 
 /// Parts of the page about the averaging period and the test for a steady state.
@@ -351,12 +374,7 @@ fn variant(outcome: &Outcome, parameters: Option<&Value>) -> Value {
         "instants": hybrid::json(outcome),
         "impacts_per_second": { "pairs": measured(outcome.pair_rate), "walls": measured(outcome.wall_rate) },
         "kinds": outcome.kinds,
-        "momentum_balance": {
-            "drag": measured(outcome.balance.drag),
-            "weight": outcome.balance.weight,
-            "wall": measured(outcome.balance.wall),
-            "residual": measured(outcome.balance.residual),
-        },
+        "momentum_balance": momentum_json(outcome),
         "averaging": {
             "from": outcome.profiles.from,
             "until": outcome.profiles.until,

@@ -1,4 +1,4 @@
-//! Streamwise (z) forces on all particles together: drag, weight and wall shear.
+//! Streamwise (z) forces on all particles together: drag, weight and wall shear, and the momentum that comes in and leaves.
 
 use super::{Needs, Observer, plain_data};
 use crate::schedule::Schedule;
@@ -7,8 +7,8 @@ use crate::statistics::{Estimate, estimate};
 use serde::{Deserialize, Serialize};
 
 /// Mean streamwise (z) forces on all particles together [N], positive along z, over the averaging period. A force is
-/// `None` if the period contains fewer than two samples. In a steady flow without inlets and outlets the forces add up
-/// to zero.
+/// `None` if the period contains fewer than two samples. In a steady flow the forces, with the momentum per time through
+/// inlets and outlets, add up to zero.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Balance {
     /// [N] mean drag force of the gas on all particles along z.
@@ -17,8 +17,11 @@ pub struct Balance {
     pub weight: f64,
     /// [N] mean shear force of the walls on all particles along z.
     pub wall: Option<Estimate>,
-    /// [N] sum of drag, weight, wall force and the momentum per time that comes in through inlets, less that which
-    /// leaves through outlets; zero on average in a steady flow.
+    /// [N] mean momentum per time along z that particles bring in through inlets, less that which particles take out
+    /// through outlets; 0 without inlets and outlets.
+    pub flow: Option<Estimate>,
+    /// [N] sum of drag, weight, wall force and the momentum per time through inlets and outlets; zero on average in a
+    /// steady flow.
     pub residual: Option<Estimate>,
 }
 
@@ -63,16 +66,18 @@ impl MomentumBooks {
             drag: estimate(&drag),
             weight: self.weight.unwrap_or_else(|| gravity.iter().sum::<f64>() / gravity.len().max(1) as f64),
             wall: estimate(&wall),
+            flow: estimate(&flow),
             residual: sum.map(|sum| Estimate { value: sum.value + constant, ..sum }),
         }
     }
 }
 
 impl Balance {
-    /// True if drag, weight and wall force along z are exactly zero. If a force is unknown, the result is false.
+    /// True if drag, weight, wall force and the momentum through inlets and outlets along z are exactly zero. If one of
+    /// them is unknown, the result is false.
     pub fn is_idle(&self) -> bool {
         let none = |force: Option<Estimate>| force.is_some_and(|force| force.value == 0.0);
-        none(self.drag) && self.weight == 0.0 && none(self.wall)
+        none(self.drag) && self.weight == 0.0 && none(self.wall) && none(self.flow)
     }
 }
 
