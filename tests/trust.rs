@@ -1,8 +1,10 @@
 //! Trust sheet of a report: each measured number beside its expected value, and the effect of half the time step.
 
+use crate::made_up::outcome;
 use crate::support::{empty, experiment, plane, random, small, surface};
 use diptych::contact_law::ContactLaw;
 use diptych::experiment::{AverageFrom, Experiment, HardStepping, Integrator, Model, Spheres, TimeStep};
+use diptych::outcome::Outcome;
 use diptych::output::{Expected, HalvedStep, Judgement, TrustCheck, TrustSheet};
 use diptych::study::{execute, trust_sheet, verify};
 
@@ -80,6 +82,21 @@ fn what_is_not_as_asked_is_suspect() {
     for name in ["energy", "mean overlap", "softness"] {
         assert_eq!(find(&sheet, name).judgement, Judgement::Suspect, "{name}: {:?}", find(&sheet, name));
     }
+}
+
+/// Hybrid spheres of which none collided in an instant act as soft ones; else the sheet gives the share of instants.
+#[test]
+fn the_sheet_counts_the_instants_of_hybrid_spheres() {
+    let mut outcome = outcome("hybrid", Model::Hybrid, 1);
+    let softness = |outcome: &Outcome| {
+        let unasked = HalvedStep::Unknown("not asked for".into());
+        find(&trust_sheet(outcome, unasked), "softness").clone()
+    };
+    assert_eq!(outcome.record.pairs.instants.count, 0);
+    assert!(softness(&outcome).found.is_some_and(|found| found.value > 0.0), "{:?}", softness(&outcome));
+    outcome.record.pairs.instants.count = outcome.record.pairs.count / 10;
+    let some = softness(&outcome);
+    assert!(some.found.is_none() && some.remark.starts_with("10 % of the impacts"), "{some:?}");
 }
 
 #[test]

@@ -1,6 +1,5 @@
 //! Sentences on the reliability of the results of a run, and on what limits it.
 
-use crate::experiment::Model;
 use crate::outcome::Outcome;
 use crate::output::numbers;
 use crate::predict::gas;
@@ -41,13 +40,13 @@ pub fn granular_temperature(outcome: &Outcome) -> Option<f64> {
 }
 
 /// [-] relative reduction of the effective diameter of soft spheres of the first species, after Barker and Henderson.
-/// `None` for other models than soft spheres, if no temperature or no impact between particles was measured, and for
-/// few bodies, which do not form a gas.
+/// `None` for hard and hybrid spheres that collide in instants, if no temperature or no impact between particles was
+/// measured, and for few bodies, which do not form a gas.
 pub fn softness(outcome: &Outcome) -> Option<f64> {
     if outcome.record.pairs.count == 0 || !outcome.paths.points.is_empty() {
         return None;
     }
-    let law = outcome.experiment.law().filter(|_| outcome.experiment.model() == Model::Soft)?;
+    let law = outcome.experiment.law().filter(|_| outcome.record.pairs.instants.count == 0)?;
     let (species, ratio) = outcome.experiment.scene.alike().next()?;
     let shrink = gas::softness(&law.stiffened(ratio), species, granular_temperature(outcome)?);
     shrink.is_finite().then_some(shrink)

@@ -4,7 +4,7 @@ use super::trust::{MISS, meets_several, softness};
 use crate::engine::Failure;
 use crate::experiment::{HardStepping, Model};
 use crate::outcome::Outcome;
-use crate::output::numbers::with_error;
+use crate::output::numbers::{percent, with_error};
 use crate::output::{Expected, HalvedStep, Judgement, TrustCheck, TrustSheet};
 use crate::statistics::Estimate;
 
@@ -216,18 +216,26 @@ fn steady(outcome: &Outcome) -> TrustCheck {
 
 fn soft_diameter(outcome: &Outcome) -> TrustCheck {
     const NAME: &str = "softness: spheres act as if smaller by";
+    let pairs = &outcome.record.pairs;
     match outcome.experiment.model() {
         Model::Hard => return unknown(NAME, "", "hard spheres are not soft"),
         Model::Dsmc => return unknown(NAME, "", "spheres that collide by chance are not soft"),
-        Model::Hybrid => return unknown(NAME, "", "most impacts are instants: see what they leave out"),
-        Model::Soft => {}
+        Model::Hybrid if pairs.instants.count > 0 => {
+            let share = percent(pairs.instants.count as f64, pairs.count as f64);
+            let why = format!("{share} of the impacts between particles are instants: see what they leave out");
+            return unknown(NAME, "", &why);
+        }
+        Model::Soft | Model::Hybrid if pairs.count == 0 => {
+            return unknown(NAME, "", "no impact between particles ended");
+        }
+        Model::Soft | Model::Hybrid => {}
     }
     match softness(outcome) {
         Some(shrink) => remarked(
             check(NAME, "", certain(shrink), Expected::AtMost(SOFTNESS), 0.0),
             "sqrt(π m T/(2 k_n))/d; at 0.005 impacts make the agitation of the directions equal 0.8 % more slowly",
         ),
-        None => unknown(NAME, "", "nothing was sampled, so the agitation is not known"),
+        None => unknown(NAME, "", "few spheres, or none sampled: the agitation of a gas is not known"),
     }
 }
 
