@@ -1,6 +1,7 @@
 //! Two-way coupling: the gas alone stays as it is, momentum of gas and particles closes, the pressure drop carries the
 //! weight of the particles, same bits, messages.
 
+mod half_kick;
 use crate::support::{case, close, diptych, shared, words};
 use diptych::ContactLaw;
 use diptych::engine::distributed::Distributed;
@@ -232,7 +233,7 @@ fn the_gas_is_the_same_on_processes_and_after_a_snapshot() {
     let experiment = case(CHANNEL, Model::Soft, &["fluid.lift.shear=true", "fluid.turbulence.langevin={}"]).unwrap();
     let window = Schedule::new(&experiment).window;
     let start = initial_state(&experiment).unwrap();
-    let whole = run(&experiment, 40);
+    let mut whole = run(&experiment, 40);
     let state = |simulation: &mut Simulation| (simulation.fingerprint(), simulation.loaded_flow().cloned());
     // resumed in the middle, after observers have looked at half-kicked states
     let mut first = Simulation::new(&experiment, start.clone());
@@ -246,7 +247,6 @@ fn the_gas_is_the_same_on_processes_and_after_a_snapshot() {
         .unwrap();
     let mut second = Simulation::restore(&experiment, first.snapshot().unwrap()).unwrap();
     second.run(40 - done, window).unwrap();
-    let mut whole = whole;
     assert_eq!(state(&mut whole), state(&mut second));
     let of = (experiment.scene.clone(), start);
     for stepping in [SoftStepping::Local, SoftStepping::Uniform] {

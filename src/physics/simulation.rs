@@ -439,7 +439,8 @@ impl Simulation {
             let mut before = Particles::default();
             self.particles.keep_kicked(&mut before);
             before.eddies.clone_from(&self.particles.eddies);
-            (before, self.record.ledger.clone(), self.totals.momentum, self.loaded_flow.clone())
+            let kept = (self.record.ledger.clone(), self.totals.momentum, self.refused.clone());
+            (before, self.loaded_flow.clone(), kept)
         });
         let by_all = kicked && self.engine.is_cut();
         if by_all {
@@ -452,11 +453,11 @@ impl Simulation {
         if by_all {
             self.order(&Order::TakeBack);
         }
-        if let Some((mut before, ledger, momentum, gas)) = kept {
+        if let Some((mut before, gas, kept)) = kept {
             self.particles.take_back(&mut before);
             self.particles.eddies = before.eddies;
             self.take_gas(gas);
-            (self.record.ledger, self.totals.momentum) = (ledger, momentum);
+            (self.record.ledger, self.totals.momentum, self.refused) = kept;
         }
         answer
     }
