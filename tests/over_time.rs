@@ -3,7 +3,7 @@
 use crate::made_up::{outcomes, with_study};
 use crate::support::{edge, empty, experiment, hard, placed, plane, small, surface, try_run};
 use diptych::drag::{Drag, Stokes};
-use diptych::experiment::Model;
+use diptych::experiment::{Experiment, Model, Spheres};
 use diptych::fluid::{Fluid, Profile};
 use diptych::observe::{Observer, Paths, Series};
 use diptych::output::{Folder, write_study};
@@ -14,6 +14,13 @@ use diptych::simulation::Simulation;
 use diptych::study::execute;
 use diptych::walls::ThermalWall;
 use nalgebra::Vector3;
+
+/// Hard run of a scene for `duration` [s].
+fn lasting(scene: &Scene, duration: f64) -> Experiment {
+    let mut run = experiment(scene.clone(), 0, [0.0; 3], 0.0, Model::Hard, 1);
+    run.run.duration = duration;
+    run
+}
 
 /// A sphere between a floor and a ceiling. It is thrown upwards so fast that its first flight reaches the ceiling, then
 /// more slowly.
@@ -26,7 +33,7 @@ fn bounces_are_those_of_the_hard_engine() {
         plane([0.0, 0.03, 0.0], [0.0, -1.0, 0.0], surface(0.7, 0.0)),
     ];
     let start = [Vector3::new(5e-3, 0.02, 5e-3), Vector3::new(0.0, 0.9, 0.0)];
-    let bouncing = Bouncing::of(&scene, start, 0.3).unwrap();
+    let bouncing = Bouncing::of(&lasting(&scene, 0.3), start).unwrap();
     let mut simulation =
         Simulation::with_engine(scene.clone(), placed(&scene, &[(start[0].into(), start[1].into())]), hard());
     for k in 1..=300 {
@@ -40,10 +47,17 @@ fn bounces_are_those_of_the_hard_engine() {
     let before = bouncing.bounces().filter(|time| *time <= 0.3).count();
     assert!(before as u64 == simulation.record.walls.count && before >= 3, "{before}");
     // a flight from rest ends in a geometric series of bounces; there is no prediction after the last visible bounce
-    let dropped = Bouncing::of(&scene, [start[0], Vector3::zeros()], 10.0).unwrap();
+    let drop = [start[0], Vector3::zeros()];
+    let dropped = Bouncing::of(&lasting(&scene, 10.0), drop).unwrap();
     assert!(dropped.at(9.0).is_none() && dropped.at(0.1).is_some());
+    // the TC model makes the end of a flight elastic that is shorter than the contact time
+    let mut lasting_contacts = lasting(&scene, 10.0);
+    lasting_contacts.hard.contact_time = Some(0.05);
+    let long: Vec<f64> = Bouncing::of(&lasting_contacts, drop).unwrap().bounces().collect();
+    assert!(long.len() < dropped.bounces().count() && long.iter().copied().eq(dropped.bounces().take(long.len())));
+    assert!(long.windows(2).all(|two| two[1] - two[0] >= 0.05), "{long:?}");
     scene.walls[0] = plane([0.0; 3], [0.6, 0.8, 0.0], surface(0.8, 0.0));
-    assert!(Bouncing::of(&scene, start, 0.3).is_none(), "a slope");
+    assert!(Bouncing::of(&lasting(&scene, 0.3), start).is_none(), "a slope");
 }
 
 #[test]
@@ -75,7 +89,7 @@ fn rows_of_elastic_spheres_exchange_velocities_as_the_hard_engine_says() {
 #[test]
 fn a_gas_cools_as_haff_says() {
     let mut scene = empty([edge(2000, 406e-6, 0.05); 3], [true; 3], small(), surface(0.9, 0.0));
-    let gas = Cooling::of(&scene, 2000, 1.0).unwrap();
+    let gas = Cooling::of(&lasting(&scene, 1.0), 2000, 1.0).unwrap();
     // lower by a factor of 1 - 1/2000, because a particle does not collide with itself
     assert!((gas.temperature(0.02) - 0.206).abs() < 1e-3, "{}", gas.temperature(0.02));
     // the rate of collisions is half of the sum over all particles, because each collision has two partners
@@ -92,7 +106,7 @@ fn a_gas_cools_as_haff_says() {
         assert!((found / gas.temperature(row.time) - 1.0).abs() < 0.06, "{} s: {found}", row.time);
     }
     scene.contact = surface(0.9, 0.1);
-    assert!(Cooling::of(&scene, 2000, 1.0).is_none(), "friction takes energy as well");
+    assert!(Cooling::of(&lasting(&scene, 1.0), 2000, 1.0).is_none(), "friction takes energy as well");
 }
 
 /// Haff's law and the parabolas of a bouncing sphere leave out all other sources of motion, so that they are not offered
@@ -100,19 +114,60 @@ fn a_gas_cools_as_haff_says() {
 #[test]
 fn driven_scenes_have_no_closed_form() {
     let gas = empty([edge(2000, 406e-6, 0.05); 3], [true; 3], small(), surface(0.9, 0.0));
-    assert!(Cooling::of(&gas, 2000, 1.0).is_some());
+    assert!(Cooling::of(&lasting(&gas, 1.0), 2000, 1.0).is_some());
     let heated = Scene { thermostat: Some(Thermostat::Stochastic { heating: 1.0 }), ..gas.clone() };
     let sheared = Scene { domain: gas.domain.clone().sheared(10.0, 0.0), ..gas.clone() };
     for (scene, name) in [(heated, "heated"), (sheared, "sheared")] {
-        assert!(Cooling::of(&scene, 2000, 1.0).is_none(), "{name}");
+        assert!(Cooling::of(&lasting(&scene, 1.0), 2000, 1.0).is_none(), "{name}");
     }
     let mut box_of_one = empty([0.02; 3], [true, false, true], small(), surface(0.9, 0.0));
     box_of_one.gravity = Vector3::new(0.0, -9.81, 0.0);
     box_of_one.walls = vec![plane([0.0; 3], [0.0, 1.0, 0.0], surface(0.9, 0.0))];
     let start = [Vector3::new(0.01, 0.01, 0.01), Vector3::zeros()];
-    assert!(Bouncing::of(&box_of_one, start, 1.0).is_some());
+    assert!(Bouncing::of(&lasting(&box_of_one, 1.0), start).is_some());
     box_of_one.walls[0].thermal = Some(ThermalWall { temperature: 1.0, seed: 1 });
-    assert!(Bouncing::of(&box_of_one, start, 1.0).is_none(), "a thermal wall gives another speed");
+    assert!(Bouncing::of(&lasting(&box_of_one, 1.0), start).is_none(), "a thermal wall gives another speed");
+}
+
+/// Collisions by chance without Enskog's factor are fewer by the contact value, 1.303 at a volume fraction of 0.1. The
+/// TC model cools in another way than Haff's law says.
+#[test]
+fn the_law_of_cooling_is_that_of_the_variant() {
+    let scene = empty([edge(2000, 406e-6, 0.1); 3], [true; 3], small(), surface(0.9, 0.0));
+    let mut run = lasting(&scene, 1.0);
+    let hard = Cooling::of(&run, 2000, 1.0).unwrap();
+    run.run.spheres = Spheres::Dsmc;
+    assert_eq!(Cooling::of(&run, 2000, 1.0), Some(hard));
+    run.dsmc.enskog = false;
+    let dilute = Cooling::of(&run, 2000, 1.0).unwrap();
+    assert!((hard.pair_rate(0.0) / dilute.pair_rate(0.0) - 1.303).abs() < 1e-3);
+    run.hard.contact_time = Some(1e-5);
+    assert_eq!(Cooling::of(&run, 2000, 1.0), Some(dilute), "only hard spheres have the contact time");
+    run.run.spheres = Spheres::Hard;
+    assert_eq!(Cooling::of(&run, 2000, 1.0), None);
+}
+
+/// A theory that only one variant has is drawn with the name of this variant; one that all have, without names.
+#[test]
+fn theories_name_their_variants_if_they_differ() {
+    let scene = |e: f64| empty([edge(120, 406e-6, 0.05); 3], [true; 3], small(), surface(e, 0.0));
+    let legend = |second: f64| {
+        let run = |(name, e): (&str, f64)| {
+            let mut run = experiment(scene(e), 120, [0.0; 3], 1.0, Model::Hard, 1);
+            (run.name, run.run.duration) = (name.into(), 2e-3);
+            let start = diptych::placement::initial_state(&run).unwrap();
+            execute(&run, start, &mut []).0
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let folder = Folder::create(folder.path().join("out"), false).unwrap();
+        let outcomes = [("one", 0.9), ("two", second)].map(run);
+        with_study(&outcomes, |study| drop(write_study(&folder, study).unwrap()));
+        let picture = std::fs::read_to_string(folder.path().join("figures/over-time.svg")).unwrap();
+        ["theory", "theory, one", "theory, two"].map(|label| picture.contains(&format!(">{label}<")))
+    };
+    assert_eq!(legend(0.9), [true, false, false]);
+    assert_eq!(legend(0.7), [false, true, true]);
+    assert_eq!(legend(1.0), [false, true, false]);
 }
 
 #[test]

@@ -104,8 +104,7 @@ impl Gauge {
                 vec![graph("Velocity of each sphere"), blow]
             }
             Self::Bounces => {
-                let path =
-                    Bouncing::of(&experiment.scene, [start.position[0], start.velocity[0]], experiment.run.duration);
+                let path = Bouncing::of(experiment, [start.position[0], start.velocity[0]]);
                 let radius = start.radius[0];
                 let points = path.map(|path| curve(experiment, 1e-3, |t| Some(1e3 * (path.at(t)?[0].norm() - radius))));
                 vec![
@@ -115,7 +114,7 @@ impl Gauge {
             }
             Self::Gas => {
                 let at_start = temperature(start);
-                let haff = Cooling::of(&experiment.scene, start.len(), at_start);
+                let haff = Cooling::of(experiment, start.len(), at_start);
                 let points = haff.map(|haff| curve(experiment, 1e-3, |t| Some(haff.temperature(t) / at_start)));
                 vec![
                     Graph::new("Temperature", MILLI, "T/T₀", vec![1]).with("Haff", points),

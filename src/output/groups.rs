@@ -58,6 +58,23 @@ pub(super) fn groups(outcomes: &[Outcome]) -> Vec<PanelGroup<'_>> {
     heads.iter().map(group).collect()
 }
 
+/// Distinct values among those of several variants. The text after each is empty if all variants have this value,
+/// else it names the variants that have it. Variants without a value are left out.
+pub(super) fn distinct<'a, T: PartialEq>(of: impl Iterator<Item = (&'a str, Option<T>)>) -> Vec<(T, String)> {
+    let mut found: Vec<(T, Vec<&str>)> = Vec::new();
+    let mut all = 0;
+    for (name, value) in of {
+        all += 1;
+        let Some(value) = value else { continue };
+        match found.iter_mut().find(|(known, _)| *known == value) {
+            Some((_, names)) => names.push(name),
+            None => found.push((value, vec![name])),
+        }
+    }
+    let named = |names: Vec<&str>| if names.len() == all { String::new() } else { format!(", {}", names.join("; ")) };
+    found.into_iter().map(|(value, names)| (value, named(names))).collect()
+}
+
 /// Splits the names of variants at their first comma: "case B, soft" and "case B, hard" give "case B", and the list
 /// "soft", "hard". `None` if the parts before the comma differ, or if a name has no comma.
 fn split(names: &[String]) -> Option<(String, Vec<String>)> {

@@ -5,7 +5,7 @@ use super::map::map;
 use super::profiles::draw;
 use crate::observe::{Observation, ObservedCurve, ObservedQuantity};
 use crate::outcome::Outcome;
-use crate::output::groups::{PanelGroup, groups};
+use crate::output::groups::{PanelGroup, distinct, groups};
 use crate::output::numbers::Prefix;
 use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle};
 
@@ -65,9 +65,12 @@ fn panel(group: &PanelGroup, first: &Observation, curve: &ObservedCurve) -> Pane
     let values = lines.iter().flat_map(|(.., curve)| curve.values.iter().flatten());
     let largest = values.map(|value| value.value.abs()).fold(0.0, f64::max);
     let ([x, y], [x_label, y_label]) = scales([(&first.axis, furthest), (&curve.quantity, largest)]);
-    let exact = curve.theory.iter().map(|(name, theory)| {
-        let points = first.places.iter().zip(theory).map(|(place, value)| SeriesPoint::at(place * x, value * y));
-        PanelSeries::new(*name, SeriesStyle::Exact, points)
+    let theories = lines.iter().map(|(_, name, observed, curve)| {
+        (*name, curve.theory.as_ref().map(|(source, values)| (*source, (&observed.places, values))))
+    });
+    let exact = distinct(theories).into_iter().map(|((source, (places, theory)), whose)| {
+        let points = places.iter().zip(theory).map(|(place, value)| SeriesPoint::at(place * x, value * y));
+        PanelSeries::new(format!("{source}{whose}"), SeriesStyle::Exact, points)
     });
     let measured = lines.iter().map(|(style, name, observed, curve)| {
         let points = observed.places.iter().zip(&curve.values).filter_map(|(place, value)| {

@@ -5,7 +5,7 @@ use super::{chart, file_name};
 use crate::experiment::Model;
 use crate::observe::Row;
 use crate::outcome::Outcome;
-use crate::output::groups::{PanelGroup, groups};
+use crate::output::groups::{PanelGroup, distinct, groups};
 use crate::output::numbers::Prefix;
 use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::predict::closed_form::{Bouncing, Chain, Cooling, settling_velocity};
@@ -166,24 +166,30 @@ fn velocity(group: &PanelGroup, time: &TimeAxis, axis: usize) -> Vec<PanelSeries
 /// Panels of the averages over all particles as functions of time.
 fn series(group: &PanelGroup, time: &TimeAxis) -> Vec<Panel> {
     let Some((_, first)) = group.members.first() else { return Vec::new() };
-    let scene = &first.experiment.scene;
     let axis = axis(first);
     let letter = ["x", "y", "z"][axis];
-    let start = first.series.rows.first().and_then(Row::granular_temperature);
-    let cooling = start.and_then(|start| Cooling::of(scene, first.particles, start));
-    let with = |mut series: Vec<PanelSeries>, theory: Option<PanelSeries>| {
+    let cooling = theories(group, |outcome| {
+        let start = outcome.series.rows.first().and_then(Row::granular_temperature)?;
+        Cooling::of(&outcome.experiment, outcome.particles, start)
+    });
+    let with = |mut series: Vec<PanelSeries>, theory: Vec<PanelSeries>| {
         series.splice(0..0, theory);
         series
     };
-    let haff = cooling.map(|gas| time.theory("theory", |t| Some(gas.temperature(t))));
-    let enskog = cooling.map(|gas| time.theory("theory", |t| Some(gas.pair_rate(t))));
+    let cools = |of: fn(&Cooling, f64) -> f64| -> Vec<PanelSeries> {
+        cooling.iter().map(|(gas, label)| time.theory(label, |t| Some(of(gas, t)))).collect()
+    };
+    let (haff, enskog) = (cools(Cooling::temperature), cools(Cooling::pair_rate));
     let temperature = temperature(group, time);
     let least = temperature.iter().flat_map(|series| &series.points).map(|point| point.y).fold(f64::INFINITY, f64::min);
     let decays = least > 0.0 && largest(&temperature) > DECAY * least;
     let velocity = velocity(group, time, axis);
-    let settles =
-        settling_velocity(scene).map(|velocity| velocity[axis]).filter(|v| largest(&velocity) > NEAR * v.abs());
-    let settles = settles.map(|settled| time.theory("theory", |_| Some(settled)));
+    let most = largest(&velocity);
+    let settles = theories(group, |outcome| {
+        let settled = settling_velocity(&outcome.experiment.scene)?[axis];
+        (most > NEAR * settled.abs()).then_some(settled)
+    });
+    let settles = settles.iter().map(|(settled, label)| time.theory(label, |_| Some(*settled))).collect();
     let panels = [
         plain(time, "T  [m²/s²]", with(temperature, haff)).map(|panel| Panel { log_y: decays, ..panel }),
         plain(time, "T_r  [m²/s²]", lines(group, time, |row| row.rotational_temperature())),
@@ -211,22 +217,42 @@ fn axis(outcome: &Outcome) -> usize {
     }
 }
 
-/// Theory of the motion of single particles, as a function. It returns the position [m] and the velocity [m/s] of the
-/// particle with the given index at a time [s], or `None` if they are unknown.
-type Theory = dyn Fn(usize, f64) -> Option<[Vector3<f64>; 2]>;
+/// Distinct theories of the variants of a group, each with the label of its curves. The label names the variants unless
+/// all have this theory. `of` returns the theory of a variant, or `None` if it has none.
+fn theories<T: PartialEq>(group: &PanelGroup, of: impl Fn(&Outcome) -> Option<T>) -> Vec<(T, String)> {
+    let each = group.members.iter().map(|(name, outcome)| (name.as_str(), of(outcome)));
+    distinct(each).into_iter().map(|(theory, whose)| (theory, format!("theory{whose}"))).collect()
+}
+
+/// Theory of the motion of single particles.
+#[derive(PartialEq)]
+enum PathTheory {
+    /// One sphere that bounces.
+    Bouncing(Bouncing),
+    /// Equal spheres in a row.
+    Chain(Chain),
+}
+
+impl PathTheory {
+    /// Position [m] and velocity [m/s] of the particle with the index `id` at `time` [s]; `None` if they are unknown.
+    fn at(&self, id: usize, time: f64) -> Option<[Vector3<f64>; 2]> {
+        match self {
+            Self::Bouncing(bouncing) => bouncing.at(time),
+            Self::Chain(chain) => chain.at(id, time),
+        }
+    }
+}
 
 /// Theory of a single bouncing sphere or of a row of equal spheres; `None` for other scenes.
-fn theory(outcome: &Outcome) -> Option<Box<Theory>> {
+fn theory(outcome: &Outcome) -> Option<PathTheory> {
     let points = &outcome.paths.points;
     let start: Vec<_> = points.iter().take(outcome.particles).map(|point| [point.position, point.velocity]).collect();
-    let scene = &outcome.experiment.scene;
     if let [start] = start[..] {
-        let bouncing = Bouncing::of(scene, start, outcome.experiment.run.duration)?;
-        return Some(Box::new(move |_, time| bouncing.at(time)));
+        return Bouncing::of(&outcome.experiment, start).map(PathTheory::Bouncing);
     }
     // spheres that collide by chance fly through each other
-    let chain = Chain::of(scene, &start).filter(|_| outcome.experiment.model() != Model::Dsmc)?;
-    Some(Box::new(move |sphere, time| chain.at(sphere, time)))
+    let chain = Chain::of(&outcome.experiment.scene, &start).filter(|_| outcome.experiment.model() != Model::Dsmc);
+    chain.map(PathTheory::Chain)
 }
 
 /// Panels of the position and the velocity of every particle along one axis.
@@ -236,13 +262,13 @@ fn paths(group: &PanelGroup, time: &TimeAxis) -> Vec<Panel> {
     };
     let axis = axis(first);
     let letter = ["x", "y", "z"][axis];
-    let theory = theory(first);
+    let theories = theories(group, theory);
     let all = |which: usize| {
         let of = |point: &crate::observe::PathSample| [point.position, point.velocity][which][axis];
         let mut series = Vec::new();
-        for id in 0..first.particles {
-            let known = theory.as_ref().map(|theory| time.theory("theory", |t| Some(theory(id, t)?[which][axis])));
-            series.extend(known);
+        for (theory, label) in &theories {
+            let path = |id| time.theory(label, |t| Some(theory.at(id, t)?[which][axis]));
+            series.extend((0..first.particles).map(path));
         }
         for (place, (name, outcome)) in group.members.iter().enumerate() {
             for id in 0..outcome.particles {

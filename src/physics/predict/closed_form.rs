@@ -4,6 +4,7 @@
 
 use super::flow::terminal_slip;
 use super::gas::{AgitationSpread, Component, gas};
+use crate::experiment::{Experiment, Model};
 use crate::fluid::Profile;
 use crate::scene::{Kind, Scene, Surface};
 use nalgebra::Vector3;
@@ -31,11 +32,19 @@ fn is_undriven(scene: &Scene) -> bool {
     !(driven || scene.has_openings() || scene.has_rough_walls())
 }
 
+/// [s] contact time of the TC model of hard spheres, which makes collisions in quick succession elastic; `None` for
+/// other models and without this time.
+fn contact_time(experiment: &Experiment) -> Option<f64> {
+    experiment.hard.contact_time.filter(|_| experiment.model() == Model::Hard)
+}
+
 impl Cooling {
     /// Makes a cooling gas of `count` particles that start with the granular temperature `temperature` [m²/s²]. `None`
     /// unless the scene is a periodic box of many equal spheres with constant restitution below 1. Friction, rotation,
-    /// drag, heating, shear, inlets, outlets and walls also give `None`.
-    pub fn of(scene: &Scene, count: usize, temperature: f64) -> Option<Self> {
+    /// drag, heating, shear, inlets, outlets, walls and the TC model also give `None`. `dsmc` without Enskog's factor has
+    /// the rate without the contact value.
+    pub fn of(experiment: &Experiment, count: usize, temperature: f64) -> Option<Self> {
+        let scene = &experiment.scene;
         let [species] = scene.species.as_slice() else { return None };
         if scene.has_sizes() {
             return None;
@@ -44,13 +53,17 @@ impl Cooling {
         let contact = scene.surface(0, Kind::Species(0));
         let smooth = scene.rotation.is_none() && contact.friction == 0.0;
         let smooth = smooth && contact.by_speed.is_none() && contact.restitution < 1.0;
+        let smooth = smooth && contact_time(experiment).is_none();
         if !(alone && smooth && count >= FEWEST && temperature > 0.0) {
             return None;
         }
         let component = Component { count, diameter: species.diameter, variance: temperature };
         let at_start = gas(scene, &[component], &AgitationSpread::even());
         let square = contact.restitution * contact.restitution;
-        Some(Self { temperature, rate: at_start.collision_rate, pair_rate: at_start.pair_rate, square })
+        let dilute = experiment.model() == Model::Dsmc && !experiment.dsmc.enskog;
+        let factor = if dilute { at_start.contact_value } else { 1.0 };
+        let [rate, pair_rate] = [at_start.collision_rate, at_start.pair_rate].map(|rate| rate / factor);
+        Some(Self { temperature, rate, pair_rate, square })
     }
 
     /// [-] ratio T(t)/T(0) of the granular temperature at `time` t [s] to that at the start (Haff 1983, J. Fluid Mech.
@@ -110,13 +123,16 @@ pub struct Bouncing {
 }
 
 impl Bouncing {
-    /// Computes the bounces of a sphere from a position [m] and a velocity [m/s] for `duration` [s], or until a flight
-    /// becomes shorter than `SHORTEST`. `None` without gravity, with drag, heating, inlets, outlets, several species
-    /// or sizes, or if a wall is not a smooth plane at rest and perpendicular to gravity.
-    pub fn of(scene: &Scene, [position, velocity]: [Vector3<f64>; 2], duration: f64) -> Option<Self> {
-        /// [-] duration of the shortest flight that is computed, over `duration`. Shorter flights could not be
+    /// Computes the bounces of a sphere from a position [m] and a velocity [m/s] for the duration of the run, or until a
+    /// flight becomes shorter than `SHORTEST` or the contact time of the TC model, which makes its end elastic. `None`
+    /// without gravity, with drag, heating, inlets, outlets, several species or sizes, or if a wall is not a smooth plane
+    /// at rest and perpendicular to gravity.
+    pub fn of(experiment: &Experiment, [position, velocity]: [Vector3<f64>; 2]) -> Option<Self> {
+        /// [-] duration of the shortest flight that is computed, over that of the run. Shorter flights could not be
         /// distinguished in a picture.
         const SHORTEST: f64 = 1e-5;
+        let (scene, duration) = (&experiment.scene, experiment.run.duration);
+        let elastic = contact_time(experiment).unwrap_or(0.0);
         let other = scene.has_sizes() || !is_undriven(scene);
         let ([species], false) = (scene.species.as_slice(), other) else { return None };
         let (up, gravity, radius) = (-scene.gravity.try_normalize(0.0)?, scene.gravity.norm(), 0.5 * species.diameter);
@@ -146,7 +162,8 @@ impl Bouncing {
                     floor,
                 )
             };
-            if !(time > SHORTEST * duration && time.is_finite()) {
+            let after_bounce = flights.len() > 1;
+            if !(time > SHORTEST * duration && time.is_finite()) || (after_bounce && time < elastic) {
                 break;
             }
             let impact = velocity - gravity * time;
