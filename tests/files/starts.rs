@@ -165,6 +165,23 @@ fn xyz_is_right_or_refused() {
     assert_eq!(found("start.xyz", &turned, ONE).unwrap().0, [BEADS[1], BEADS[0]]);
 }
 
+/// The box of a sheared case may be tilted along z, as in frames of this program. A warning tells another displacement
+/// of the images than that of the case.
+#[test]
+fn the_box_of_a_sheared_case_may_be_tilted() {
+    let sheared = ONE.replace("\"z\"] }", "\"z\"], shear = { rate = \"50 1/s\", offset = \"4 mm\" } }");
+    let tilted = |tilt: &str| XYZ.replace("0 0.02 0 0 0 0.02\"", &format!("0 0.02 {tilt} 0 0 0.02\""));
+    for (tilt, another) in [("0.004", false), ("-0.016", false), ("0.005", true)] {
+        let (states, told) = found("start.xyz", &tilted(tilt), &sheared).unwrap();
+        assert_eq!(states, BEADS);
+        assert_eq!(told.iter().any(|line| line.contains("image_offset_m 0.005")), another, "{told:?}");
+    }
+    let why = found("start.xyz", &tilted("0.004"), ONE).unwrap_err();
+    assert!(why.contains("start.xyz:2") && why.contains("has no [domain.shear]"), "{why}");
+    let why = found("start.xyz", &tilted("0.004").replace("\"0.02", "\"0.03"), &sheared).unwrap_err();
+    assert!(why.contains("is not the sheared box"), "{why}");
+}
+
 const DATA: &str = "LAMMPS data file via write_data, version 2 Aug 2023, timestep = 1000, units = si\n\n3 atoms\n2 atom types\n\n\
     0 0.02 xlo xhi\n0 0.02 ylo yhi\n0 0.02 zlo zhi\n\nAtoms # sphere\n\n2 1 0.002 2500 0.005 0.005 0.005 0 0 0\n\
     0 1 0.002 2500 0.015 0.005 0.005 1 0 0\n1 2 0.001 7800 0.010 0.015 0.010 0 -1 0\n\n\

@@ -96,9 +96,8 @@ impl Resolver {
     /// Reads a table of positions, and of velocities if the file contains them, in any supported format.
     fn table_of_places(&mut self, name: &Located<String>, scene: &Scene) -> Result<DataTable, Diagnostic> {
         let (source, text) = self.read_named(name)?;
-        let kinds: Vec<&str> = scene.species.iter().map(|kind| kind.name.as_str()).collect();
         let table = match Foreign::of(&name.value, &text) {
-            Some(format) => self.foreign_table(format, (source, &text), &kinds)?,
+            Some(format) => self.foreign_table(format, (source, &text), scene)?,
             None => self.csv_table(name, (source, &text), &COLUMNS[..3], &COLUMNS[3..OF_CSV])?,
         };
         for (first, what) in [(OF_VELOCITY, "velocities"), (OF_SPIN, "spins")] {

@@ -85,7 +85,7 @@ impl ForeignReader<'_> {
         let rows = (header + 1..header + 1 + count).map(row).collect::<Result<_, _>>()?;
         let edges = instant.bounds.map(|[low, high]| high - low);
         let periodic = instant.bounds.map(|_| instant.periodic.clone());
-        let start = ForeignStart { rows, edges, periodic, counted: layout.counted };
+        let start = ForeignStart { rows, edges, tilt: None, periodic, counted: layout.counted };
         Ok(ForeignInstant { start, time: instant.time, step: instant.step, first: instant.first })
     }
 

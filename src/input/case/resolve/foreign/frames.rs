@@ -72,6 +72,9 @@ impl ForeignReader<'_> {
     /// Makes the particles of an instant from the texts of its cells.
     fn frame(&self, lines: &Lines, instant: ForeignInstant) -> Result<ParticleFrame, Diagnostic> {
         let ForeignInstant { start, time, step, first } = instant;
+        if let Some((_, origin)) = &start.tilt {
+            return Err(self.tilted(origin, "averages are not taken in tilted boxes"));
+        }
         let mut particles = Particles::default();
         let mut spins = Vec::new();
         let mut has_masses = true;

@@ -76,7 +76,7 @@ impl ForeignReader<'_> {
         }
         self.warn_of_left_sections(lines, &outline);
         let edges = outline.boxed.then(|| outline.high - outline.low);
-        Ok(ForeignStart { rows, edges, periodic: None, counted: true })
+        Ok(ForeignStart { rows, edges, tilt: None, periodic: None, counted: true })
     }
 
     /// Warns about sections that are ignored.

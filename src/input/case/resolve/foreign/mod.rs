@@ -11,7 +11,9 @@ use super::Resolver;
 use super::table::DataTable;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::source::{Origin, Sources};
+use crate::domain::Domain;
 use crate::legible::quote;
+use crate::scene::Scene;
 pub use frames::{FramesAndWarnings, ParticleFrame, particle_frames};
 
 use columns::SPECIES;
@@ -113,6 +115,9 @@ struct ForeignStart {
     rows: Vec<(Cells, Origin)>,
     /// [m] edges of the box; `None` if the file does not give the box.
     edges: Option<Vector3<f64>>,
+    /// [m] displacement along z of the upper side of a tilted box, and the line that gives it; `None` for a rectangular
+    /// box.
+    tilt: Option<(f64, Origin)>,
     /// Names of the axes along which the box is periodic, separated by blanks; `None` if the file does not give them.
     periodic: Option<String>,
     /// True if species are given by numbers, counted from 1 in the order of the case, instead of names.
@@ -138,15 +143,18 @@ struct ForeignReader<'a> {
 }
 
 impl Resolver {
-    /// Reads an initial state of another program. `kinds` are the names of the species in the case.
+    /// Reads an initial state of another program. Its kinds of particles are the species of `scene`, and its box may be
+    /// tilted only if it is the sheared box of `scene`.
     pub(super) fn foreign_table(
         &mut self,
         format: Foreign,
         (source, text): (usize, &str),
-        kinds: &[&str],
+        scene: &Scene,
     ) -> Result<DataTable, Diagnostic> {
         let mut reader = ForeignReader { sources: &self.sources, warnings: Vec::new() };
-        let read = reader.start(format, &Lines::of(source, text), kinds)?;
+        let kinds: Vec<&str> = scene.species.iter().map(|kind| kind.name.as_str()).collect();
+        let read = reader.start(format, &Lines::of(source, text), &kinds)?;
+        reader.check_tilt(&read, &scene.domain)?;
         for warning in reader.warnings {
             // if several species name the same file, it is read once for each of them, but one warning is enough
             if !self.warnings.contains(&warning) {
@@ -156,7 +164,9 @@ impl Resolver {
         let known = |column: usize| read.rows.iter().any(|(cells, _)| !cells[column].is_empty());
         let columns = (0..COLUMNS.len()).map(|column| known(column).then_some(column)).collect();
         let edges = read.edges.map(|edges| ("box_m".to_owned(), format!("{:?} {:?} {:?}", edges.x, edges.y, edges.z)));
-        let head = edges.into_iter().chain(read.periodic.map(|axes| ("periodic".to_owned(), axes))).collect();
+        let tilt = read.tilt.map(|(tilt, _)| ("image_offset_m".to_owned(), format!("{tilt:?}")));
+        let periodic = read.periodic.map(|axes| ("periodic".to_owned(), axes));
+        let head = edges.into_iter().chain(periodic).chain(tilt).collect();
         let rows = read.rows.into_iter().map(|(cells, origin)| (StringRecord::from(cells.to_vec()), origin)).collect();
         Ok(DataTable { saved: false, foreign: true, head, columns, units: vec![None; COLUMNS.len()], rows })
     }
@@ -174,6 +184,29 @@ impl ForeignReader<'_> {
         self.name_kinds(&mut read, kinds)?;
         self.sort_by_ids(&mut read)?;
         Ok(read)
+    }
+
+    /// Refuses a tilted box unless it is the sheared box of the case, whose images slide along z.
+    fn check_tilt(&self, read: &ForeignStart, domain: &Domain) -> Result<(), Diagnostic> {
+        let Some((_, origin)) = &read.tilt else { return Ok(()) };
+        let is_own = |edges: Vector3<f64>| {
+            edges.iter().zip(&domain.size).all(|(edge, own)| (edge - own).abs() <= f64::from(f32::EPSILON) * own)
+        };
+        match (domain.shear, read.edges.is_some_and(is_own)) {
+            (None, _) => Err(self.tilted(origin, "it is tilted along z, and the case has no [domain.shear]")),
+            (Some(_), false) => {
+                Err(self.tilted(origin, "it is tilted along z, and is not the sheared box of the case"))
+            }
+            (Some(_), true) => Ok(()),
+        }
+    }
+
+    /// Creates the error about a box that is not rectangular.
+    fn tilted(&self, origin: &Origin, why: &str) -> Diagnostic {
+        let message = format!("the box (`Lattice`) is not rectangular along x, y, z: {why}");
+        self.sources.error(origin, message).help(
+            "only rectangular boxes can be run, and the sheared box of the case (`domain.size`) with any tilt along z",
+        )
     }
 
     /// Replaces the type number in each row by the name of the species. If the case has one species, the cell becomes

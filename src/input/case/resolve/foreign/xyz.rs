@@ -16,6 +16,8 @@ struct Header {
     origin: [f64; 3],
     /// [m] edges of the box; `None` if the line does not give the box.
     edges: Option<Vector3<f64>>,
+    /// [m] displacement along z of the upper side of the box; 0 for a rectangular box.
+    tilt: f64,
     /// Names of the axes along which the box is periodic, separated by blanks; `None` if the line does not give them.
     periodic: Option<String>,
     /// [s] time of the instant; `None` if the line does not give it.
@@ -68,8 +70,9 @@ impl ForeignReader<'_> {
         let header = self.header(lines, first + 1)?;
         let row = |number: usize| self.particle(lines, number, &header).map(|cells| (cells, lines.origin(number)));
         let rows = (first + 2..first + 2 + count).map(row).collect::<Result<_, Diagnostic>>()?;
-        let start =
-            ForeignStart { rows, edges: header.edges, periodic: header.periodic, counted: header.layout.counted };
+        let tilt = (header.tilt != 0.0).then(|| (header.tilt, lines.origin(first + 1)));
+        let counted = header.layout.counted;
+        let start = ForeignStart { rows, edges: header.edges, tilt, periodic: header.periodic, counted };
         Ok(ForeignInstant { start, time: header.time, step: header.step, first })
     }
 
@@ -100,15 +103,12 @@ impl ForeignReader<'_> {
             let message = format!("`Origin` has {} numbers", corner.len());
             self.wrong(lines, number, message, "give the three coordinates of the lowest corner of the box")
         })?;
-        let edges = match numbers("Lattice")?.as_deref() {
-            None => None,
-            Some([x, a, b, c, y, d, e, f, z]) if [a, b, c, d, e, f].iter().all(|off| **off == 0.0) => {
-                Some(Vector3::new(*x, *y, *z))
+        let (edges, tilt) = match numbers("Lattice")?.as_deref() {
+            None => (None, 0.0),
+            Some([x, a, b, c, y, tilt, d, e, z]) if [a, b, c, d, e].iter().all(|off| **off == 0.0) => {
+                (Some(Vector3::new(*x, *y, *z)), *tilt)
             }
-            Some(_) => {
-                let message = "the box (`Lattice`) is not rectangular along x, y, z";
-                return Err(self.wrong(lines, number, message, "only such boxes can be run"));
-            }
+            Some(_) => return Err(self.tilted(&lines.origin(number), "its edges are not along x, y, z")),
         };
         let of_axis = |letters: &str| {
             let axes = letters
@@ -124,7 +124,7 @@ impl ForeignReader<'_> {
             key(name).map(|text| self.cell(lines, number, text, name)).transpose()
         };
         let (time, step) = (number_of("Time")?, number_of("Timestep")?);
-        Ok(Header { origin: corner.unwrap_or_default(), edges, periodic, time, step, layout })
+        Ok(Header { origin: corner.unwrap_or_default(), edges, tilt, periodic, time, step, layout })
     }
 
     /// Layout of the lines of particles, from the entry `Properties`: `name:type:columns` for each property.
