@@ -5,9 +5,13 @@
 use super::columns::{DENSITY, DIAMETER, MASS, SPECIES, SPIN};
 use super::{Cells, ForeignReader, ForeignStart, ID, Lines};
 use crate::case::diagnostic::Diagnostic;
+use crate::legible::quote;
 use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use std::ops::Range;
+
+/// Names of the lower and the upper end of the box along x, y and z.
+const SIDES: [[&str; 2]; 3] = [["xlo", "xhi"], ["ylo", "yhi"], ["zlo", "zhi"]];
 
 /// Section `Atoms` of a LAMMPS data file: the indices of its columns and lines.
 #[derive(Clone)]
@@ -98,16 +102,6 @@ impl ForeignReader<'_> {
                 [count, "atoms"] => {
                     found.announced = Some((self.cell(lines, number, count, "the number of atoms")?, number));
                 }
-                [from, to, low @ ("xlo" | "ylo" | "zlo"), _] => {
-                    let axis = ["xlo", "ylo", "zlo"].iter().position(|name| *name == low).unwrap_or_default();
-                    found.low[axis] = self.cell(lines, number, from, "the box")?;
-                    found.high[axis] = self.cell(lines, number, to, "the box")?;
-                    if found.low[axis] >= found.high[axis] {
-                        let message = format!("the box has no size along {}", ["x", "y", "z"][axis]);
-                        return Err(self.wrong(lines, number, message, "write the lower end first: 0 0.01 xlo xhi"));
-                    }
-                    found.boxed = true;
-                }
                 [xy, xz, yz, "xy", "xz", "yz"] => {
                     for tilt in [xy, xz, yz] {
                         if self.cell::<f64>(lines, number, tilt, "the tilt")? != 0.0 {
@@ -120,6 +114,7 @@ impl ForeignReader<'_> {
                         }
                     }
                 }
+                _ if line.iter().any(|word| of_box(word)) => self.side(lines, number, &line, &mut found)?,
                 [_, _, _, "avec" | "bvec" | "cvec"] => {
                     return Err(self.wrong(lines, number, "the box is tilted", "only rectangular boxes can be run"));
                 }
@@ -133,6 +128,34 @@ impl ForeignReader<'_> {
             number = next;
         }
         Ok(found)
+    }
+
+    /// Reads the two ends of the box along one axis.
+    fn side(&self, lines: &Lines, number: usize, line: &[&str], found: &mut Outline) -> Result<(), Diagnostic> {
+        let axis = |names: [&str; 2]| SIDES.iter().position(|side| *side == names);
+        let ([from, to], Some(axis)) = (match line[..] {
+            [from, to, low, high] => ([from, to], axis([low, high])),
+            _ => ([""; 2], None),
+        }) else {
+            let message = format!("{:?} is no line of the box", quote(lines.get(number).trim()));
+            return Err(self.wrong(
+                lines,
+                number,
+                message,
+                "write two ends and their names: 0 0.01 xlo xhi; leave tilts of 0 out",
+            ));
+        };
+        let ends: [f64; 2] = [self.cell(lines, number, from, "the box")?, self.cell(lines, number, to, "the box")?];
+        if let Some(end) = ends.iter().find(|end| !end.is_finite()) {
+            return Err(self.wrong(lines, number, format!("the box = {end} is not finite"), "plain SI numbers"));
+        }
+        [found.low[axis], found.high[axis]] = ends;
+        if ends[0] >= ends[1] {
+            let message = format!("the box has no size along {}", ["x", "y", "z"][axis]);
+            return Err(self.wrong(lines, number, message, "write the lower end first: 0 0.01 xlo xhi"));
+        }
+        found.boxed = true;
+        Ok(())
     }
 
     /// Reads the section with the header line `header` and the other lines `body` into `found`.
@@ -232,6 +255,11 @@ impl ForeignReader<'_> {
         row[ID] = cells[0].to_owned();
         Ok(row)
     }
+}
+
+/// True for a word that stands only in lines about the box, in capitals too.
+fn of_box(word: &str) -> bool {
+    SIDES.iter().flatten().chain(&["xy", "xz", "yz"]).any(|name| name.eq_ignore_ascii_case(word))
 }
 
 /// Words of a line, without its comment.
