@@ -228,6 +228,7 @@ fn set_arguments_that_are_wrong() {
         ("contact.restitution=1e400", vec!["finite"]),
         ("particles[0].count=1e2", vec!["a whole number"]),
         ("particles[0].count=99999999999999999999", vec!["a whole number"]),
+        ("walls[1].velocity=[0 m/s, 0, 1 m/s]", vec!["--set 'walls[1].velocity=[\"0 m/s\", 0, \"1 m/s\"]'"]),
         ("particles[0].count=-1", vec!["`particles[0].count` = -1", "0 ..="]),
     ] {
         let message = refused(&[set], Model::Soft);

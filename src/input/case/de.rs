@@ -67,8 +67,11 @@ impl Error {
             }
             EnumVisitor::WrongType { found, expected } => {
                 let message = format!("`{path}`{value}: {found} where {expected} belongs");
-                let diagnostic = sources.error(&origin, message);
-                diagnostic.help(format!("`{path}` takes {expected}"))
+                let takes_list = expected.contains("array") || expected.starts_with("a list");
+                let quoted = with_quotes(&typed).filter(|_| takes_list && found == "a string");
+                let form = quoted.map(|list| format!("; texts in it need quotes: --set '{path}={list}'"));
+                let help = format!("`{path}` takes {expected}{}", form.unwrap_or_default());
+                sources.error(&origin, message).help(help)
             }
             EnumVisitor::Other(text) => {
                 let (message, help) = match text.split_once(HELP_MARK) {
@@ -83,6 +86,16 @@ impl Error {
             }
         }
     }
+}
+
+/// A list of an argument `--set` with quotes about its texts, without which it is read as one string. `None` for other
+/// texts, and for lists of lists or tables.
+fn with_quotes(typed: &str) -> Option<String> {
+    let inside = typed.strip_prefix('[')?.strip_suffix(']').filter(|inside| !inside.contains(['[', '{', '\'']))?;
+    let parts = inside.split(',').map(str::trim).filter(|part| !part.is_empty());
+    let is_whole = |part: &str| part.starts_with('"') || part.parse::<f64>().is_ok();
+    let quoted = parts.map(|part| if is_whole(part) { part.to_owned() } else { format!("\"{part}\"") });
+    Some(format!("[{}]", quoted.collect::<Vec<_>>().join(", ")))
 }
 
 /// Known name nearest to a misspelt name; `None` if all known names are too different.
