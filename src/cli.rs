@@ -134,7 +134,7 @@ pub struct Output {
 pub struct Keep {
     /// Wall time between two checkpoints, from which `diptych resume` continues, such as "90 s" or "1 h"; `never`
     /// writes none.
-    #[arg(long, value_name = "TIME", default_value = "10 min", value_parser = wall_time)]
+    #[arg(long, value_name = "TIME", default_value = "10 min", value_parser = wall_time, allow_hyphen_values = true)]
     pub checkpoint_every: CheckpointEvery,
 }
 
@@ -204,7 +204,7 @@ pub struct Run {
     /// Writes the particles at regular intervals for ParaView, OVITO and ASE (trajectory/), such as --every "1 ms";
     /// the same as --set output.every="1 ms". Windows also end at these times, which may change the last digits of
     /// results.
-    #[arg(long, value_name = "TIME")]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub every: Option<String>,
     /// Shows the run on a page while it goes on, and prints the address of the page. Only browsers on this machine can
     /// open it. Results are those of a run without the page.

@@ -351,3 +351,20 @@ fn sets_and_the_case_of_impact_are_built_in() {
         words(&output.stderr)
     );
 }
+
+/// The message about a time that cannot be names the key of this time.
+#[test]
+fn times_out_of_range_are_said_of_their_own_key() {
+    let place = tempfile::tempdir().unwrap();
+    for (option, time, said) in [
+        ("--every", "-1 ms", "`output.every` = -1 ms is out of range"),
+        ("--set", "statistics.sample_interval=1e-300 s", "--> --set statistics.sample_interval=1e-300 s"),
+        ("--set", "output.every=1e-300 s", "--> --set output.every=1e-300 s"),
+    ] {
+        let folder = place.path().join("none");
+        let output = into(&folder, &["run", "tests/inputs/good/base.toml", option, time]);
+        let told = words(&output.stderr);
+        assert_eq!(code(&output), 2, "{told}");
+        assert!(told.contains(said) && !folder.exists(), "{told}");
+    }
+}

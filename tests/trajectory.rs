@@ -342,6 +342,7 @@ fn a_comparison_writes_the_same_times_for_every_variant() {
     std::fs::write(&own, "of the user").unwrap();
     assert_eq!(diptych(place.path(), &["run", "case.toml", "--out", "out", "--overwrite", "--quiet"]).0, 0);
     assert!(!place.path().join("out/trajectory/soft.pvd").exists() && own.exists());
+    assert!(!place.path().join("out/trajectory/soft").exists(), "an empty folder is left");
     assert!(!place.path().join("out/trajectory/hard/000000.vtp").exists());
 }
 

@@ -16,7 +16,7 @@ pub struct Compare {
     /// Writes the particles at regular intervals for ParaView, OVITO and ASE (trajectory/), such as --every "1 ms";
     /// the same as --set output.every="1 ms". Windows also end at these times, which may change the last digits of
     /// results.
-    #[arg(long, value_name = "TIME")]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub every: Option<String>,
     /// Differences smaller than this margin count as zero; given as 1% or 0.01 of the scale of each observable [-].
     #[arg(long, value_name = "SHARE", default_value = "1%", value_parser = relative_error)]

@@ -50,7 +50,7 @@ pub struct FactorRuns {
     #[arg(long, value_parser = PossibleValuesParser::new(MODELS.map(Model::name)).try_map(model_of))]
     pub model: Option<Model>,
     /// Simulated time of each run; the same as --set run.duration=TIME.
-    #[arg(long, value_name = "TIME")]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub duration: Option<String>,
     /// Runs each variant with N seeds (that of the case and the next ones) [default: 1, or 8 for scenes without a
     /// steady state, such as a cooling gas].

@@ -317,6 +317,9 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
+        // an earlier run may have left folders that are empty now; the system refuses to remove others
+        let places = self.trajectory_folders().into_iter().rev().chain([VTK.to_owned(), MAPS.to_owned()]);
+        places.filter(|_| !self.resumed).for_each(|place| drop(std::fs::remove_dir(self.path.join(place))));
         unlock(&self.path, self.lock.take());
     }
 }

@@ -20,6 +20,18 @@ pub const MOST: f64 = 1e9;
 /// would be close to the rounding error of the simulated time (1e-16 of that time).
 const MOST_LOCAL: f64 = 1e15;
 
+/// Source position of the interval of samples or of trajectory frames, if it alone makes too many windows; windows end
+/// at these instants.
+fn too_often<'a>(file: &'a CaseFile, experiment: &Experiment) -> Option<&'a Origin> {
+    let duration = experiment.run.duration;
+    let samples = file.statistics.as_ref().and_then(|typed| typed.value.sample_interval.as_ref());
+    let samples =
+        samples.filter(|_| experiment.statistics.sample_interval.is_some_and(|every| duration / every > MOST));
+    let frames = file.output.as_ref().and_then(|typed| typed.value.every.as_ref());
+    let frames = frames.filter(|_| experiment.run.instants.is_some_and(|every| duration / every > MOST));
+    samples.or(frames).map(|typed| &typed.origin)
+}
+
 impl Resolver {
     /// Refuses a run that has too many windows (times between two exchanges with the gas) or time steps, unless the
     /// case allows such runs.
@@ -36,7 +48,8 @@ impl Resolver {
         let windows = experiment.run.duration / schedule.window + instants;
         if windows > MOST {
             let typed = value.window.as_ref().filter(|typed| matches!(typed.value, WindowFile::Time(_)));
-            let origin = typed.map(|typed| &typed.origin).or(duration).unwrap_or(&run.origin);
+            let window = typed.map(|typed| &typed.origin);
+            let origin = too_often(file, experiment).or(window).or(duration).unwrap_or(&run.origin);
             return Err(self.too_long(origin, windows, &format!("windows of {:.3e} s", schedule.window), MOST));
         }
         let Some(law) = experiment.law() else { return Ok(()) };
@@ -63,8 +76,7 @@ impl Resolver {
 
     fn too_long(&self, origin: &Origin, count: f64, what: &str, most: f64) -> Diagnostic {
         let message = format!("the run would have {count:.3e} {what}; allowed: up to {}", short(most));
-        let help =
-            "make the run shorter or its windows and steps longer; to run it all the same, set `run.allow_long = true`";
+        let help = "make the run shorter, or its windows, steps and intervals longer; to run it all the same, set `run.allow_long = true`";
         self.sources.error(origin, message).help(help)
     }
 }
