@@ -428,6 +428,11 @@ fn no_part_of_a_file_is_left_out_in_silence() {
     let swapped = "x,y,z,id\n0.015,0.005,0.005,1\n0.005,0.005,0.005,0\n";
     let places: Vec<f64> = found("start.csv", swapped, ONE).unwrap().0.iter().map(|state| state[0]).collect();
     assert_eq!(places, [5.0, 15.0]);
+    // cells of tables and names of the case are compared without blanks at their ends
+    let blanks = "x,y,z,species\n0.005,0.005,0.005,  glass \n";
+    assert_eq!(found("start.csv", blanks, ONE).unwrap().0.len(), 1);
+    let why = found("start.csv", blanks, &ONE.replace("glass", "  glass ")).unwrap_err();
+    assert!(why.contains("blank") && why.contains("write name = \"glass\""), "{why}");
     let rotating = ONE.replace("restitution = 0.9", "restitution = 0.9, rotation = true");
     let refused = |name: &str, text: &str, words: &str| {
         let why = found(name, text, &rotating).unwrap_err();

@@ -122,7 +122,7 @@ impl Resolver {
     /// Index of the species that a row names, by its name or by its index; `None` if the table has no such column.
     fn species_of(&self, row: TableRow<'_>, scene: &Scene) -> Result<Option<usize>, Diagnostic> {
         let Some(of) = row.text(OF_SPECIES) else { return Ok(None) };
-        let named = scene.species.iter().position(|kind| kind.name.trim() == of);
+        let named = scene.species.iter().position(|kind| kind.name == of);
         match named.or_else(|| of.parse().ok().filter(|index| *index < scene.species.len())) {
             Some(index) => Ok(Some(index)),
             None => {

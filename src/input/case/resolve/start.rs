@@ -75,6 +75,10 @@ impl Resolver {
                 self.warn(&density.origin, message, grams);
             }
             let name = kind.value.name.as_ref().map_or(format!("particles {index}"), |name| name.value.clone());
+            if let Some(typed) = kind.value.name.as_ref().filter(|typed| typed.value.trim() != typed.value) {
+                let help = format!("write name = \"{}\"; rows of files name kinds without these blanks", name.trim());
+                return Err(self.refuse(typed, "begins or ends with a blank").help(help));
+            }
             if species.iter().any(|other| other.name == name) {
                 let message = format!("two kinds of particles are called \"{name}\"");
                 let origin = kind.value.name.as_ref().map_or(&kind.origin, |name| &name.origin);
