@@ -3,14 +3,14 @@
 
 mod surfaces;
 
-use crate::made_up::write;
+use crate::made_up::with_study;
 use crate::support::*;
 use diptych::engine::Engine;
 use diptych::engine::dsmc::Dsmc;
 use diptych::engine::hard::Hard;
 use diptych::engine::hybrid::Hybrid;
 use diptych::experiment::{AverageFrom, DsmcSettings, Integrator, Model, SoftStepping};
-use diptych::output::{Folder, HalvedStep};
+use diptych::output::{Folder, HalvedStep, write_study};
 use diptych::placement::initial_state;
 use diptych::rotation::{ImpactRule, LinearTangential, Rotation, TangentialLaw};
 use diptych::scene::{Inlet, Outlet, OutletShape, Species};
@@ -373,8 +373,9 @@ fn the_balance_lists_what_comes_and_leaves() {
         assert!(check.remark.contains("inflow less outflow"), "{check:?}");
     }
     let folder = tempfile::tempdir().unwrap();
-    write(&Folder::create(folder.path().join("flow"), false).unwrap(), &[outcome]);
-    let read = |name: &str| std::fs::read_to_string(folder.path().join("flow").join(name)).unwrap();
+    let out = Folder::create(folder.path().join("flow"), false).unwrap();
+    with_study(&[outcome], |study| drop(write_study(&out, study).unwrap()));
+    let read = |name: &str| std::fs::read_to_string(out.path().join(name)).unwrap();
     let summary: serde_json::Value = serde_json::from_str(&read("summary.json")).unwrap();
     close("summary", summary["variants"][0]["momentum_balance"]["flow"]["value"].as_f64().unwrap(), flow, 0.0);
     assert!(read("report.html").contains("inflow less outflow</th><th scope=\"col\">sum</th>"));

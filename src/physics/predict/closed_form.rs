@@ -123,10 +123,10 @@ pub struct Bouncing {
 }
 
 impl Bouncing {
-    /// Computes the bounces of a sphere from a position [m] and a velocity [m/s] for the duration of the run, or until a
-    /// flight becomes shorter than `SHORTEST` or the contact time of the TC model, which makes its end elastic. `None`
-    /// without gravity, with drag, heating, inlets, outlets, several species or sizes, or if a wall is not a smooth plane
-    /// at rest and perpendicular to gravity.
+    /// Computes the bounces of a sphere from a position [m] and a velocity [m/s] for the duration of the run. It ends
+    /// before a flight shorter than `SHORTEST`, or than the contact time of the TC model, which makes the next bounce
+    /// elastic. `None` without gravity, with drag, heating, inlets, outlets, several species or sizes, or if a wall is
+    /// not a smooth plane at rest and perpendicular to gravity.
     pub fn of(experiment: &Experiment, [position, velocity]: [Vector3<f64>; 2]) -> Option<Self> {
         /// [-] duration of the shortest flight that is computed, over that of the run. Shorter flights could not be
         /// distinguished in a picture.
