@@ -12,7 +12,7 @@ use crate::particles::Particles;
 use crate::predict::contact::{ContactKind, ImpactSpeeds, StepScales, contacts, step_limits};
 use crate::predict::effects::effects;
 use crate::predict::flow::flows;
-use crate::predict::gas::{AgitationSpread, Component, gas, largest_island, softness};
+use crate::predict::gas::{AgitationSpread, Component, gas, largest_island, softest as softest_pair};
 use crate::predict::integrator::{Method, Scheme};
 use crate::predict::obstacles::{Obstacles, bodies};
 use crate::predict::recommendation::{rounded_up, softest};
@@ -226,9 +226,9 @@ fn with_contacts(
     if let Some(gas) = &plan.gas {
         let walls = gas.wall_rate / plan.particles.max(1) as f64;
         plan.time_in_contact = Some((gas.collision_rate * longest(false) + walls * longest(true)).min(1.0));
-        let shrinks = scene.alike().zip(temperatures);
-        plan.softness =
-            shrinks.map(|((s, ratio), t)| softness(&law.stiffened(ratio), s, *t)).reduce(f64::max).filter(|s| *s > 0.0);
+        let kinds = experiment.expected_counts().into_iter().zip(temperatures);
+        let present: Vec<Option<f64>> = kinds.map(|(count, t)| (count > 0.0).then_some(*t)).collect();
+        plan.softness = softest_pair(law, scene, &present).filter(|shrink| *shrink > 0.0);
     }
     plan.shear = plan.gas.as_ref().and_then(|gas| shear(scene, gas, law, [longest(false), plan.target_error]));
     if let Some(rest) = plan.rest.as_ref().filter(|rest| rest.time < plan.duration) {

@@ -40,17 +40,23 @@ pub fn granular_temperature(outcome: &Outcome) -> Option<f64> {
     (count > 0.0).then(|| sum / count)
 }
 
-/// [-] relative reduction of the effective diameter of soft spheres of the first species, after Barker and Henderson.
-/// `None` for other models than soft spheres, if no temperature or no impact between particles was measured, and for
+/// [-] relative reduction of the effective diameter of soft spheres, after Barker and Henderson; the largest one among
+/// all pairs of species. A species whose temperature was not measured has that of all particles. `None` for other models than soft spheres, if no temperature or no impact between particles was measured, and for
 /// few bodies, which do not form a gas.
 pub fn softness(outcome: &Outcome) -> Option<f64> {
     if outcome.record.pairs.count == 0 || !outcome.paths.points.is_empty() {
         return None;
     }
     let law = outcome.experiment.law().filter(|_| outcome.experiment.model() == Model::Soft)?;
-    let (species, ratio) = outcome.experiment.scene.alike().next()?;
-    let shrink = gas::softness(&law.stiffened(ratio), species, granular_temperature(outcome)?);
-    shrink.is_finite().then_some(shrink)
+    let (scene, of_all) = (&outcome.experiment.scene, granular_temperature(outcome)?);
+    let temperature = |name: &str| {
+        let measured = outcome.kinds.species.iter().find(|averages| averages.name == name);
+        measured.and_then(|averages| averages.temperature).map_or(of_all, |temperature| temperature.value)
+    };
+    let kinds = scene.species.iter().zip(outcome.experiment.expected_counts());
+    let temperatures: Vec<Option<f64>> =
+        kinds.map(|(species, count)| (count > 0.0).then(|| temperature(&species.name))).collect();
+    gas::softest(&law, scene, &temperatures).filter(|shrink| shrink.is_finite())
 }
 
 /// Sentences on effects that limit the reliability of each outcome, such as that a run is not steady.
