@@ -29,6 +29,11 @@ impl Experiment {
         self.expected_counts().iter().sum()
     }
 
+    /// Expected largest number of particles of each species in the scene, rounded up.
+    pub fn expected_numbers(&self) -> Vec<usize> {
+        self.expected_counts().into_iter().map(|count| count.ceil() as usize).collect()
+    }
+
     /// Expected largest number of particles from an inlet in the scene at once.
     fn expected_from(&self, inlet: &Inlet) -> f64 {
         let due = inlet.due(self.run.duration) as f64;
