@@ -1,11 +1,13 @@
 //! Sentences on the reliability of the results of a run, and on what limits it.
 
+use crate::engine::dsmc::cells_and_path;
 use crate::experiment::Model;
 use crate::outcome::Outcome;
 use crate::output::numbers;
-use crate::predict::gas;
+use crate::predict::gas::{self, Component};
 use crate::statistics::{Estimate, UU, VV, WW};
 use crate::study::judge::not_steady;
+use std::f64::consts::PI;
 
 /// [-] smallest difference between the given and the realised restitution that a note reports. Restitution is given to
 /// two digits, and this difference is half of the last digit.
@@ -79,6 +81,7 @@ pub fn notes(outcomes: &[Outcome]) -> Vec<String> {
             ));
         }
         restitution(outcome, &mut note);
+        cells_in_shear(outcome, &mut note);
         let balance = &outcome.balance;
         if let Some(unclosed) = balance.residual.and_then(Estimate::in_errors)
             && unclosed.abs() > 3.0
@@ -129,5 +132,34 @@ fn restitution(outcome: &Outcome, note: &mut impl FnMut(String)) {
         && (walls - asked).abs() > MISS
     {
         note(format!("wall impacts rebound with a restitution of {walls:.4} on average where {asked} was asked for."));
+    }
+}
+
+/// Adds a note if the cells of collisions by chance are too thick across a sheared box: thicker than √T/γ, with the
+/// granular temperature T and the shear rate γ, or thicker than the mean free path.
+fn cells_in_shear(outcome: &Outcome, note: &mut impl FnMut(String)) {
+    let experiment = &outcome.experiment;
+    let scene = &experiment.scene;
+    let (Some(shear), Some(temperature), Model::Dsmc) = (&scene.domain.shear, outcome.temperature, experiment.model())
+    else {
+        return;
+    };
+    let kinds = scene.species.iter().zip(experiment.counts());
+    let components = kinds.flat_map(|(species, count)| Component::of(species, count, temperature.value));
+    let groups: Vec<(usize, f64)> = components.map(|one| (one.count, 0.5 * one.diameter)).collect();
+    let (edges, path) = cells_and_path(scene, &experiment.dsmc, &groups);
+    let flow = temperature.value.sqrt() / shear.rate.abs();
+    let length = |length: f64| numbers::quantity(length, "m", 3);
+    let cells = format!("its cells are {} thick across the shear", length(edges.y));
+    let help = "thinner cells: dsmc.cells";
+    if edges.y > flow {
+        let why = "differences of the mean flow within a cell count as agitation";
+        note(format!("{cells}, and √T/γ is {}: {why} ({help}).", length(flow)));
+    } else if edges.y > path {
+        // at the thickness L of a cell the viscosity is too large by the factor 1 + 16 L²/(45 π λ²): Alexander, Garcia
+        // and Alder 1998, Phys. Fluids 10, 1540
+        let excess = 16.0 / (45.0 * PI) * (edges.y / path).powi(2);
+        let high = format!("the viscosity is too high by about {}", numbers::percent(excess, 1.0));
+        note(format!("{cells}, and the mean free path is {}: {high} ({help}).", length(path)));
     }
 }
