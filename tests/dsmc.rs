@@ -467,3 +467,19 @@ fn images_of_a_body_are_met_in_windows_of_any_length() {
     println!("{short} {long}");
     close("impacts in long windows", long / short, 1.0, 4.0 * (2.0 / short).sqrt());
 }
+
+/// In the cells that the program chooses for a thin ring, the mean flow varies by more than the agitation: a note says so,
+/// and thinner cells have none.
+#[test]
+fn cells_too_thick_for_the_shear_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    for (set, is_told) in [("dsmc.step=0.2", true), ("dsmc.cells=[1, 40, 1]", false)] {
+        let run = ["run", "cases/shear/planetary-ring.toml", "--model", "dsmc", "--overwrite", "--set", set];
+        let short = ["--set", "run.duration=95608 s", "--set", "run.average_from=0 s", "--out"];
+        let output = diptych(&[&run[..], &short].concat()).arg(&out).output().unwrap();
+        assert!(output.status.success(), "{}", words(&output.stderr));
+        let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
+        assert_eq!(summary.contains("its cells are 10.0 m thick across the shear, and √T/γ is"), is_told, "{set}");
+    }
+}

@@ -32,6 +32,7 @@ mod everyday; // long names, folders in use or emptied, damaged files, large sce
 mod examples; // the programs of examples/ run and are short
 mod files; // files of other programs: each oddity, and each pair of oddities
 mod first_answer; // README, picture, pages and stored runs agree
+mod floors; // floors in predictions: slopes, chutes, buoyancy, drag, inlets
 mod fluid; // gas profiles against independent solvers, tables, pipes
 mod folder; // the folder of results: which command owns it, and which files are replaced in it
 mod free_surface; // surface of a layer: waves by hand, columns, smoothing, up, messages

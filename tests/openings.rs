@@ -19,6 +19,7 @@ use diptych::study::{execute, trust_sheet};
 use diptych::walls::{Cavity, Hollow, Plane};
 use diptych::{ContactLaw, Particles, Scene, Vector3};
 use std::collections::HashSet;
+use std::path::Path;
 
 /// [N/m] stiffness of soft contacts of spheres of 1 kg.
 const STIFFNESS: f64 = 1e5;
@@ -454,4 +455,33 @@ fn cases_give_rates_and_bad_ones_are_refused_with_a_remedy() {
         let why = case(CASE, Model::Hard, &[set]).unwrap_err();
         assert!(why.contains(words), "{set}: {why}");
     }
+}
+
+/// Of a gas that has left before the end of a hybrid run, the time that instants leave out is a share of the time that its
+/// particles were there.
+#[test]
+fn the_time_left_out_is_a_share_of_the_mean_number() {
+    let all_leave = [
+        ("particles[0].count", "50"),
+        ("particles[0].velocity_fluctuation", "\"0.5 m/s\""),
+        ("inlets[0].end", "\"1 us\""),
+        ("outlets", "[{ side = \"-y\" }, { side = \"+y\" }]"),
+        ("soft.linear_spring_dashpot.stiffness", "\"1000 N/m\""),
+        ("run.average_from", "\"0 s\""),
+    ];
+    let sets = all_leave.map(|(key, value)| format!("--set={key}={value}"));
+    let folder = tempfile::tempdir().unwrap();
+    let [path, out] = ["case.toml", "out"].map(|name| folder.path().join(name).display().to_string());
+    std::fs::write(&path, CASE).unwrap();
+    let mut command = diptych(&["run", &path, "--model", "hybrid", "--threads", "1", "--out", &out]);
+    let output = command.args(sets).output().unwrap();
+    assert!(output.status.success(), "{}", words(&output.stderr));
+    let summary = std::fs::read_to_string(Path::new(&out).join("summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let (run, of_pairs) = (&summary["variants"][0], &summary["variants"][0]["instants"]["pairs"]);
+    let time = 2.0 * of_pairs["instants"].as_f64().unwrap() * of_pairs["mean_duration_left_out"].as_f64().unwrap();
+    let share = run["instants"]["share_of_time_left_out"].as_f64().unwrap();
+    // the gas leaves within some 10 ms of the 100 ms
+    let mean = time / (0.1 * share);
+    assert!((4.0..9.0).contains(&mean), "{mean}");
 }

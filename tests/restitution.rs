@@ -393,7 +393,8 @@ fn a_ball_comes_to_rest_when_its_bounces_are_over() {
     scene.gravity = Vector3::new(0.0, -9.81, 0.0);
     scene.walls = vec![plane([0.0; 3], [0.0, 1.0, 0.0], by_speed(viscoelastic(), 0.0))];
     let start = placed(&scene, &[([0.01, 203e-6 + 5e-3, 0.01], [0.0; 3])]);
-    let rest = diptych::predict::rest::rest(&scene, &start, None).unwrap();
+    let dropped = experiment(scene.clone(), 1, [0.0; 3], 0.0, Model::Hard, 1);
+    let rest = diptych::predict::rest::rest(&dropped, &start, None).unwrap();
     let (_, result) = try_run(&scene, start, hard(), 2.0 * rest.time, 1);
     let Err(diptych::Failure::InelasticCollapse { time, .. }) = result else { panic!("{result:?}") };
     close("rest", time, rest.time, 2.6e-5 * rest.time);

@@ -8,15 +8,15 @@ use diptych::domain::Domain;
 use diptych::drag::{Drag, SchillerNaumann};
 use diptych::engine::{Engine, Failure};
 use diptych::experiment::{Amount, Experiment, HardStepping, Integrator, Model, Spheres};
-use diptych::fluid::{Fluid, Profile};
+use diptych::fluid::{Coupling, Fluid, HeldFlow, Modulation, Profile};
 use diptych::observe::{RunLoop, Series};
 use diptych::placement::initial_state;
 use diptych::predict::Obstacles;
 use diptych::rotation::{ImpactRule, Rotation, TangentialLaw};
-use diptych::scene::{Inlet, Scene, Species, Thermostat};
-use diptych::schedule::{SPLITTING, SPLITTING_ALONE, Schedule};
+use diptych::scene::{Inlet, Outlet, OutletShape, Scene, Species, Thermostat};
+use diptych::schedule::{SPLITTING, SPLITTING_ALONE, Schedule, longest_for_coupling, longest_for_thermostat};
 use diptych::simulation::Simulation;
-use diptych::walls::{Cavity, Hollow, PrescribedMotion, ThermalWall, Turning, Wall};
+use diptych::walls::{Cavity, Hollow, Plane, PrescribedMotion, ThermalWall, Turning, Wall};
 use nalgebra::Vector3;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -204,6 +204,42 @@ fn windows_stay_where_particles_gain_energy() {
         let schedule = Schedule::new(&crowd);
         assert_eq!(schedule.longest() == schedule.window, is_fed, "{name}: {schedule:?}");
     }
+}
+
+/// A scene that an inlet fills has the windows of a scene that starts with as many particles, with drag, with two-way
+/// coupling and with a thermostat. With an outlet, the particles count that come in while one crosses the box.
+#[test]
+fn windows_count_what_inlets_bring() {
+    let region = Cavity::Box { center: Vector3::repeat(2.5e-3), half_extents: Vector3::repeat(2.5e-3) };
+    let inlet = |rate: f64| Inlet {
+        name: "feed".into(),
+        species: 0,
+        region: Hollow::new(region.clone()),
+        rate,
+        start: 0.0,
+        end: f64::INFINITY,
+        velocity_mean: Vector3::new(0.0, 0.0, 1e-3),
+        velocity_fluctuation: Vector3::zeros(),
+        spin_mean: Vector3::zeros(),
+        spin_fluctuation: 0.0,
+    };
+    let mut full = slowing(Model::Hard);
+    full.scene.thermostat = Some(Thermostat::Stochastic { heating: 0.1 });
+    let coupling = Coupling { slices: 7, held: HeldFlow::PressureGradient(0.0), modulation: Modulation::None };
+    full.scene.fluid.as_mut().unwrap().coupling = Some(coupling);
+    let mut fed = full.clone();
+    fed.start[0].amount = Amount::Count(0);
+    // 1 particle at the start of the run, and 99 more within its second
+    fed.scene.inlets = vec![inlet(99.0)];
+    let windows =
+        |one: &Experiment| [longest_for_coupling(one), longest_for_thermostat(one), Schedule::new(one).window];
+    assert_eq!(windows(&fed), windows(&full));
+    assert!(windows(&full).iter().all(|window| *window < 0.1), "{:?}", windows(&full));
+    // 5 sqrt(3) mm at 1 mm/s: 8.66 s
+    let plane = Plane { point: Vector3::zeros(), normal: Vector3::z() };
+    fed.scene.outlets = vec![Outlet { name: "end".into(), shape: OutletShape::Behind(plane) }];
+    fed.run.duration = 100.0;
+    assert!((fed.expected_count() - (1.0 + 99.0 * 8.660254)).abs() < 1e-3, "{}", fed.expected_count());
 }
 
 /// A run that is stopped after every window and resumed has identical bits. Its observers are called at their times.

@@ -254,3 +254,15 @@ fn factors_of_rotation_change_the_motion_of_a_ball_on_a_floor() {
         "stiffness ratio in its place",
     );
 }
+
+/// The wall gives the rolling friction of the test above for itself, and the law another one.
+#[test]
+fn rolling_friction_of_walls_and_pairs_moves_with_that_of_the_law() {
+    let law = ["cases/rotation/slide-to-roll.toml", "--set=soft.rolling.spring.friction=0.001"];
+    let pair = "--set=contact.pairs=[{ between = [\"ball\", \"floor\"], rolling_friction = 0.05 }]";
+    for of_floor in ["--set=walls[0].rolling_friction=0.05", pair] {
+        let (_, said, summary) = study(&[&law[..], &[of_floor]].concat(), &["--factors=rolling"]);
+        let shift = share(&factors(&summary)["rolling"], "velocity of one particle", "difference");
+        assert!((shift - 0.1049).abs() < 3e-3, "{of_floor}: {said}");
+    }
+}

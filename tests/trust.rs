@@ -3,9 +3,11 @@
 use crate::made_up::outcome;
 use crate::support::{empty, experiment, plane, random, small, surface};
 use diptych::contact_law::ContactLaw;
-use diptych::experiment::{AverageFrom, Experiment, HardStepping, Integrator, Model, Spheres, TimeStep};
+use diptych::experiment::{AverageFrom, Experiment, HardStepping, Integrator, Model, Population, Spheres, TimeStep};
 use diptych::outcome::Outcome;
 use diptych::output::{Expected, HalvedStep, Judgement, TrustCheck, TrustSheet};
+use diptych::placement::initial_state;
+use diptych::scene::{Kind, Meeting, Species};
 use diptych::study::{execute, trust_sheet, verify};
 
 /// Experiment of 200 small spheres at 0.5 m/s, dilute (3 %), in a box of 6 mm between two walls, for 10 ms.
@@ -97,6 +99,28 @@ fn the_sheet_counts_the_instants_of_hybrid_spheres() {
     outcome.record.pairs.instants.count = outcome.record.pairs.count / 10;
     let some = softness(&outcome);
     assert!(some.found.is_none() && some.remark.starts_with("10 % of the impacts"), "{some:?}");
+}
+
+/// The softness is that of the softest pair, whatever the order of the species: the overlaps of springs of a hundredth of
+/// the stiffness are ten times as deep.
+#[test]
+fn softness_is_that_of_the_softest_pair() {
+    let found = |ratio: f64| {
+        let mut gas = gas(Model::Soft, 0.9, 0.9);
+        gas.scene.species.push(Species { name: "second".into(), ..small() });
+        let soft = Meeting { stiffness_ratio: ratio, ..surface(0.9, 0.0).into() };
+        gas.scene.pairs.set(1, Kind::Species(1), soft);
+        let second = Population { species: 1, ..gas.start[0].clone() };
+        gas.start.push(second);
+        gas.run.duration = 2e-3;
+        let start = initial_state(&gas).unwrap();
+        let (outcome, _) = execute(&gas, start, &mut []);
+        let sheet = trust_sheet(&outcome, HalvedStep::Unknown("not asked for".into()));
+        find(&sheet, "softness").found.unwrap().value
+    };
+    // the temperatures of the two runs differ by the losses of 2 ms
+    let times = found(0.01) / found(1.0);
+    assert!((times - 10.0).abs() < 1.0, "{times}");
 }
 
 #[test]

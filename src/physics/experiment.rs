@@ -2,6 +2,7 @@
 //! which a simulation depends.
 
 mod defaults;
+mod expected;
 mod observe_settings;
 
 pub use observe_settings::{
@@ -160,15 +161,15 @@ impl Experiment {
         self.start.iter().map(|population| population.amount.count()).sum()
     }
 
-    /// [-] volume fraction for the drag law: volume of all particles at the start over the volume of the box. It is 0
-    /// if the drag law does not depend on the volume fraction.
+    /// [-] volume fraction for the drag law: volume of all [expected](Self::expected_counts) particles over the volume
+    /// of the box. It is 0 if the drag law does not depend on the volume fraction.
     pub fn fraction_for_drag(&self) -> f64 {
         let drag = self.scene.fluid.as_ref().and_then(|fluid| fluid.drag.as_ref());
         if drag.is_none_or(|drag| drag.law().cells().is_none()) {
             return 0.0;
         }
-        let volumes = self.counts().into_iter().zip(&self.scene.species);
-        volumes.map(|(count, species)| count as f64 * species.volume()).sum::<f64>() / self.scene.domain.volume()
+        let volumes = self.expected_counts().into_iter().zip(&self.scene.species);
+        volumes.map(|(count, species)| count * species.volume()).sum::<f64>() / self.scene.domain.volume()
     }
 
     /// True if the particles form a gas in equilibrium: only collisions change their velocities, without loss and

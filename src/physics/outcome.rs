@@ -100,6 +100,16 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// Mean number of particles over the time of the run. It is the number at every instant if the scene has neither
+    /// inlets nor outlets.
+    pub fn mean_count(&self) -> f64 {
+        let points = self.series.rows.iter().filter_map(|row| Some([row.time, row.particles? as f64]));
+        let points: Vec<[f64; 2]> = points.collect();
+        let pieces = points.windows(2).map(|two| [two[1][0] - two[0][0], 0.5 * (two[0][1] + two[1][1])]);
+        let [time, sum] = pieces.fold([0.0; 2], |[time, sum], [piece, mean]| [time + piece, sum + piece * mean]);
+        if time > 0.0 { sum / time } else { self.particles as f64 }
+    }
+
     /// Names of the time integrators used for contacts; empty for models without lasting contacts and for runs without
     /// a contact.
     pub fn integrators(&self) -> Vec<&'static str> {

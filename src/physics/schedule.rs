@@ -329,11 +329,11 @@ impl DragScales {
         let relaxation = law.relaxation_time(&sphere, falling);
         let steeper = 1.0 / relaxation - 1.0 / law.relaxation_time(&sphere, 0.0);
         let fall = if falling > 0.0 && steeper > 0.0 { falling / gravity / steeper } else { f64::INFINITY };
-        let count: usize = experiment.count();
-        let density = count as f64 / scene.domain.volume();
+        let count = experiment.expected_count();
+        let density = count / scene.domain.volume();
         // without agitation at the start, an agitation is assumed that will develop: a share of the gas velocity or,
         // for falling bodies, of their speed
-        let kept_up = if count < 2 { 0.0 } else { AGITATION * gas.abs().max(falling) };
+        let kept_up = if count < 2.0 { 0.0 } else { AGITATION * gas.abs().max(falling) };
         let agitation = fluctuation.max(kept_up);
         // Chapman & Cowling 1970, 5.21: 4 n d² sqrt(π T), where T is the variance of a velocity component
         let rate = 4.0 * density * species.diameter.powi(2) * PI.sqrt() * agitation;
@@ -384,7 +384,8 @@ const EXCHANGED: f64 = 0.1;
 
 /// [s] longest window with two-way coupling; infinite if particles do not change the gas. The slip of the gas decays at
 /// the rate Σ(m/τ)/(ρ_f V), with the mass m and response time τ of each particle, and the density ρ_f and volume V of
-/// the gas. A window lasts a tenth of the inverse of this rate.
+/// the gas. A window lasts a tenth of the inverse of this rate. Inlets count with the number of particles that they are
+/// [expected](Experiment::expected_counts) to bring.
 pub fn longest_for_coupling(experiment: &Experiment) -> f64 {
     let scene = &experiment.scene;
     let Some(fluid) = scene.fluid.as_ref().filter(|fluid| fluid.coupling.is_some()) else { return f64::INFINITY };
@@ -393,11 +394,11 @@ pub fn longest_for_coupling(experiment: &Experiment) -> f64 {
         Profile::Pipe(pipe) => PI * pipe.radius().powi(2) * scene.domain.size.z,
         Profile::Uniform(_) | Profile::Tabulated(_) | Profile::Channel(_) | Profile::LogLaw(_) => scene.domain.volume(),
     };
-    let kinds = scene.species.iter().zip(experiment.counts());
+    let kinds = scene.species.iter().zip(experiment.expected_counts());
     let exchange = kinds.map(|(species, count)| {
         let sphere = fluid.sphere(species).among(experiment.fraction_for_drag());
         let slip = terminal_slip(drag, &sphere, scene.gravity_of(species).norm());
-        count as f64 * species.mass() / drag.law().response_time(&sphere, slip)
+        count * species.mass() / drag.law().response_time(&sphere, slip)
     });
     EXCHANGED * fluid.density * volume / exchange.sum::<f64>()
 }

@@ -12,7 +12,7 @@ use crate::particles::Particles;
 use crate::predict::contact::{ContactKind, ImpactSpeeds, StepScales, contacts, step_limits};
 use crate::predict::effects::effects;
 use crate::predict::flow::flows;
-use crate::predict::gas::{AgitationSpread, Component, gas, largest_island, softness};
+use crate::predict::gas::{AgitationSpread, Component, gas, largest_island, softest as softest_pair};
 use crate::predict::integrator::{Method, Scheme};
 use crate::predict::obstacles::{Obstacles, bodies};
 use crate::predict::recommendation::{rounded_up, softest};
@@ -112,7 +112,7 @@ pub fn plan_of(experiment: &Experiment, target: f64, timed: bool) -> Result<Plan
         let local = |cost: &&mut PredictedCost| {
             matches!(cost.model, EngineChoice::SoftLocal | EngineChoice::Hybrid) && cost.failure.is_none()
         };
-        if plan.particles > 1 && plan.share_at_rest() > 0.0 {
+        if plan.particles + plan.coming.unwrap_or(0) > 1 && plan.share_at_rest() > 0.0 {
             plan.costs.iter_mut().filter(local).for_each(|cost| cost.wall_seconds = None);
         }
     }
@@ -139,6 +139,7 @@ fn without_contacts(
     let spread = measured.map_or_else(AgitationSpread::even, |found| found.spread.clone());
     let gas = is_gas(experiment).then(|| gas(scene, &components, &spread));
     let schedule = Schedule::new(experiment);
+    let coming = experiment.expected_count() - experiment.count() as f64;
     let (variance, source) = match measured {
         Some(found) => {
             let run = &found.calibration;
@@ -150,6 +151,7 @@ fn without_contacts(
     RunPrediction {
         target_error: target,
         particles: particles.len(),
+        coming: (!scene.inlets.is_empty()).then(|| (coming as usize).max(1)),
         duration: experiment.run.duration,
         window: schedule.window,
         agitation: Agitation { variance, source },
@@ -169,7 +171,7 @@ fn without_contacts(
         starts_overlapping: seen.overlapping,
         in_a_row: seen.in_a_row,
         lying: seen.lying,
-        flow: flows(scene, &counts),
+        flow: flows(scene, &experiment.expected_numbers()),
         effects: Vec::new(),
         calibration: measured.map(|found| found.calibration.clone()),
         costs: Vec::new(),
@@ -190,7 +192,7 @@ fn with_contacts(
     let mut soft = experiment.clone();
     soft.run.spheres = Spheres::Soft(*law);
     let scheme = Scheme::of(soft.soft.integrator, soft.soft.stepping);
-    let time_step = soft_step(&soft, plan.particles).min(plan.window);
+    let time_step = soft_step(&soft, experiment.most_that_touch(plan.particles)).min(plan.window);
     let parameter = law.parameter();
     plan.contact_law = format!("{} {} {}", parameter.name, significant(parameter.value, 3), parameter.unit);
     plan.integrator = format!(
@@ -226,9 +228,9 @@ fn with_contacts(
     if let Some(gas) = &plan.gas {
         let walls = gas.wall_rate / plan.particles.max(1) as f64;
         plan.time_in_contact = Some((gas.collision_rate * longest(false) + walls * longest(true)).min(1.0));
-        let shrinks = scene.alike().zip(temperatures);
-        plan.softness =
-            shrinks.map(|((s, ratio), t)| softness(&law.stiffened(ratio), s, *t)).reduce(f64::max).filter(|s| *s > 0.0);
+        let kinds = experiment.expected_counts().into_iter().zip(temperatures);
+        let present: Vec<Option<f64>> = kinds.map(|(count, t)| (count > 0.0).then_some(*t)).collect();
+        plan.softness = softest_pair(law, scene, &present).filter(|shrink| *shrink > 0.0);
     }
     plan.shear = plan.gas.as_ref().and_then(|gas| shear(scene, gas, law, [longest(false), plan.target_error]));
     if let Some(rest) = plan.rest.as_ref().filter(|rest| rest.time < plan.duration) {
@@ -247,7 +249,7 @@ fn kinds(
     temperatures: &[f64],
     measured: Option<&Physics>,
 ) -> Vec<ContactKind> {
-    let counts = experiment.counts();
+    let counts = experiment.expected_numbers();
     let temperature = |species: usize| temperatures.get(species).copied().unwrap_or(0.0);
     if plan.gas.is_some() {
         let spread = measured.map_or_else(AgitationSpread::even, |found| found.spread.clone());

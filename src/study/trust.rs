@@ -1,10 +1,12 @@
 //! Sentences on the reliability of the results of a run, and on what limits it.
 
+use crate::engine::dsmc::cells_and_path;
 use crate::outcome::Outcome;
 use crate::output::numbers;
-use crate::predict::gas;
+use crate::predict::gas::{self, Component};
 use crate::statistics::{Estimate, UU, VV, WW};
 use crate::study::judge::not_steady;
+use std::f64::consts::PI;
 
 /// [-] smallest difference between the given and the realised restitution that a note reports. Restitution is given to
 /// two digits, and this difference is half of the last digit.
@@ -39,17 +41,24 @@ pub fn granular_temperature(outcome: &Outcome) -> Option<f64> {
     (count > 0.0).then(|| sum / count)
 }
 
-/// [-] relative reduction of the effective diameter of soft spheres of the first species, after Barker and Henderson.
-/// `None` for hard and hybrid spheres that collide in instants, if no temperature or no impact between particles was
-/// measured, and for few bodies, which do not form a gas.
+/// [-] relative reduction of the effective diameter of soft spheres, after Barker and Henderson; the largest one among
+/// all pairs of species. A species whose temperature was not measured has that of all particles. `None` for hard and
+/// hybrid spheres that collide in instants, if no temperature or no impact between particles was measured, and for few
+/// bodies, which do not form a gas.
 pub fn softness(outcome: &Outcome) -> Option<f64> {
     if outcome.record.pairs.count == 0 || !outcome.paths.points.is_empty() {
         return None;
     }
     let law = outcome.experiment.law().filter(|_| outcome.record.pairs.instants.count == 0)?;
-    let (species, ratio) = outcome.experiment.scene.alike().next()?;
-    let shrink = gas::softness(&law.stiffened(ratio), species, granular_temperature(outcome)?);
-    shrink.is_finite().then_some(shrink)
+    let (scene, of_all) = (&outcome.experiment.scene, granular_temperature(outcome)?);
+    let temperature = |name: &str| {
+        let measured = outcome.kinds.species.iter().find(|averages| averages.name == name);
+        measured.and_then(|averages| averages.temperature).map_or(of_all, |temperature| temperature.value)
+    };
+    let kinds = scene.species.iter().zip(outcome.experiment.expected_counts());
+    let temperatures: Vec<Option<f64>> =
+        kinds.map(|(species, count)| (count > 0.0).then(|| temperature(&species.name))).collect();
+    gas::softest(&law, scene, &temperatures).filter(|shrink| shrink.is_finite())
 }
 
 /// Sentences on effects that limit the reliability of each outcome, such as that a run is not steady.
@@ -72,6 +81,7 @@ pub fn notes(outcomes: &[Outcome]) -> Vec<String> {
             ));
         }
         restitution(outcome, &mut note);
+        cells_in_shear(outcome, &mut note);
         let balance = &outcome.balance;
         if let Some(unclosed) = balance.residual.and_then(Estimate::in_errors)
             && unclosed.abs() > 3.0
@@ -122,5 +132,34 @@ fn restitution(outcome: &Outcome, note: &mut impl FnMut(String)) {
         && (walls - asked).abs() > MISS
     {
         note(format!("wall impacts rebound with a restitution of {walls:.4} on average where {asked} was asked for."));
+    }
+}
+
+/// Adds a note if the cells of collisions by chance are too thick across a sheared box: thicker than √T/γ, with the
+/// granular temperature T and the shear rate γ, or thicker than the mean free path.
+fn cells_in_shear(outcome: &Outcome, note: &mut impl FnMut(String)) {
+    let experiment = &outcome.experiment;
+    let scene = &experiment.scene;
+    let (Some(shear), Some(temperature), Model::Dsmc) = (&scene.domain.shear, outcome.temperature, experiment.model())
+    else {
+        return;
+    };
+    let kinds = scene.species.iter().zip(experiment.counts());
+    let components = kinds.flat_map(|(species, count)| Component::of(species, count, temperature.value));
+    let groups: Vec<(usize, f64)> = components.map(|one| (one.count, 0.5 * one.diameter)).collect();
+    let (edges, path) = cells_and_path(scene, &experiment.dsmc, &groups);
+    let flow = temperature.value.sqrt() / shear.rate.abs();
+    let length = |length: f64| numbers::quantity(length, "m", 3);
+    let cells = format!("its cells are {} thick across the shear", length(edges.y));
+    let help = "thinner cells: dsmc.cells";
+    if edges.y > flow {
+        let why = "differences of the mean flow within a cell count as agitation";
+        note(format!("{cells}, and √T/γ is {}: {why} ({help}).", length(flow)));
+    } else if edges.y > path {
+        // at the thickness L of a cell the viscosity is too large by the factor 1 + 16 L²/(45 π λ²): Alexander, Garcia
+        // and Alder 1998, Phys. Fluids 10, 1540
+        let excess = 16.0 / (45.0 * PI) * (edges.y / path).powi(2);
+        let high = format!("the viscosity is too high by about {}", numbers::percent(excess, 1.0));
+        note(format!("{cells}, and the mean free path is {}: {high} ({help}).", length(path)));
     }
 }

@@ -48,8 +48,7 @@ impl Variants {
     /// # Errors
     /// The message of the error names the largest useful number of processes.
     pub fn refuse_idle(&self, ranks: &Ranks) -> Result<(), StudyError> {
-        let processes = ranks.count();
-        let particles = self.experiments().map(|experiment| experiment.count().max(1)).min().unwrap_or(1);
+        let (processes, particles) = (ranks.count(), self.fewest_particles());
         if self.replicas > 1 || processes <= particles {
             return Ok(());
         }
@@ -58,6 +57,11 @@ impl Variants {
              help: start at most {particles} of them (`mpirun -n`)",
             counted(particles, "particle")
         )))
+    }
+
+    /// Smallest number of particles of any variant, at least 1. Particles that inlets are expected to bring count.
+    fn fewest_particles(&self) -> usize {
+        self.experiments().map(|experiment| experiment.expected_count().max(1.0) as usize).min().unwrap_or(1)
     }
 
     /// Checksum of the experiments of all variants. All processes compare it before they make initial states, to make
@@ -261,4 +265,20 @@ fn file_names<'a>(variants: impl Iterator<Item = &'a str>) -> Vec<String> {
         names.push(if taken { format!("{name}variant-{}", names.len()) } else { name });
     }
     names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A chute starts empty, and its inlet brings some hundred particles: several processes are not refused.
+    #[test]
+    fn particles_that_come_in_count_as_work() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/driven/chute.toml");
+        let case = Case::read(&path, &[]).unwrap();
+        let checked = vec![case.experiment(None, None).unwrap()];
+        assert_eq!(checked[0].0.count(), 0);
+        let variants = Variants { case, checked, replicas: 1, trajectories: None, verify: false };
+        assert!(variants.fewest_particles() > 50, "{}", variants.fewest_particles());
+    }
 }

@@ -68,11 +68,12 @@ fn contacts_restitution(impacts: &Impacts) -> Option<f64> {
 
 /// [-] share of the time in which particles would have been in contact if instantaneous impacts had lasted for a
 /// contact time. The contact times of these impacts are summed over all particles, and divided by the simulated time
-/// times the number of particles.
+/// times the mean number of particles. It is 0 without particles.
 fn time_left_out(outcome: &Outcome) -> f64 {
     let record = &outcome.record;
     let time = 2.0 * record.pairs.instants.duration() + record.walls.instants.duration();
-    time / (outcome.particles as f64 * outcome.simulated_seconds)
+    let total = outcome.mean_count() * outcome.simulated_seconds;
+    if total > 0.0 { time / total } else { 0.0 }
 }
 
 /// Numbers about instantaneous impacts of a hybrid run for `summary.json`; `null` for other models.

@@ -29,7 +29,7 @@ pub struct PlanDocument<'a> {
 const UNITS: [(&str, &str); 11] = [
     (
         "s",
-        "at_rest averaged contact_time duration duration_as_given longest response_time simulated stokes_time time \
+        "at_rest averaged contact_time duration duration_as_given fall longest response_time simulated stokes_time time \
          time_step wall_seconds window",
     ),
     ("1/s", "collision_rate pair_rate shear_rate wall_rate"),
@@ -37,7 +37,7 @@ const UNITS: [(&str, &str); 11] = [
     ("N/m", "stiffness"),
     (
         "1",
-        "contact_over_shear contact_value dissipation_over_shear kappa largest_island largest_stress_change lying \
+        "coming contact_over_shear contact_value dissipation_over_shear kappa largest_island largest_stress_change lying \
          mass_loading mean_overlap number overlap_99 particles realised_mean_square realised_restitution replicas \
          restitution scatter share slip_reynolds softness static_overlap steps steps_per_contact stokes_bulk stokes_friction target_error temperature_error threads threshold \
          time_in_contact volume_fraction windows_timed",
@@ -131,6 +131,9 @@ fn advised(advice: &Recommendation) -> Block {
 
 fn motion(plan: &RunPrediction) -> Block {
     let mut entries = Entries::default();
+    if let Some(coming) = plan.coming {
+        entries.add("particles from inlets", format!("up to about {} at once", count(coming as u64)));
+    }
     entries.add(
         "agitation, T = <u''u''> per component",
         format!("{} m²/s², from {}", significant(plan.agitation.variance, 3), plan.agitation.source),
@@ -174,7 +177,8 @@ fn motion(plan: &RunPrediction) -> Block {
         entries.add("shear stress", format!("{change}; within {error} of it from {from} on"));
     }
     if let Some(rest) = &plan.rest {
-        entries.add("fastest fall on the floor", format!("{} m/s", significant(rest.speed, 3)));
+        let name = if rest.rises { "fastest rise to the upper wall" } else { "fastest fall on the floor" };
+        entries.add(name, format!("{} m/s", significant(rest.speed, 3)));
         let ends = rest.time.is_finite();
         let after = format!("after about {}", quantity(rest.time, "s", 3));
         entries.add("bounces over", if ends { after } else { "never: nothing is lost".into() });
@@ -276,10 +280,11 @@ fn costs(plan: &RunPrediction, threads: usize) -> Vec<Block> {
         return Vec::new();
     }
     let title = format!(
-        "Cost of {} on this machine, {}, at the case's own settings (from a few windows; {} particles)",
+        "Cost of {} on this machine, {}, at the case's own settings (from a few windows; {} particles{})",
         quantity(plan.duration, "s", 3),
         counted(threads, "thread"),
-        count(plan.particles as u64)
+        count(plan.particles as u64),
+        if plan.coming.is_some() { " at the start" } else { "" }
     );
     let rows = plan.costs.iter().map(|cost| -> TextRow {
         let time = match (&cost.failure, cost.wall_seconds) {

@@ -40,14 +40,15 @@ impl Effect {
 /// Lists all physical effects that are considered, with their sizes in the scene. Most sizes are compared with the
 /// relative error that `plan` allows.
 pub fn effects(scene: &Scene, plan: &RunPrediction) -> Vec<Effect> {
-    if plan.particles == 0 {
+    let particles = plan.particles + plan.coming.unwrap_or(0);
+    if particles == 0 {
         return Vec::new();
     }
     // at critical damping a contact does not end, so it has no duration
     let times = plan.contacts.iter().map(|row| row.contact_time).filter(|time| time.is_finite());
     let longest = times.reduce(f64::max);
     let slowest = plan.contacts.iter().map(|row| row.impact_speed).reduce(f64::min);
-    let surfaces = scene.surfaces(plan.particles);
+    let surfaces = scene.surfaces(particles);
     let slip = surfaces.iter().map(|s| (s.friction * (1.0 + s.restitution)).min(2.0 / 7.0)).fold(0.0, f64::max);
     let against_target = |name, measure, number, modelled| against_target(plan, name, measure, number, modelled);
     let mut list = vec![against_target(

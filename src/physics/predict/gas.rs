@@ -233,6 +233,21 @@ pub fn softness(law: &ContactLaw, species: &Species, temperature: f64) -> f64 {
     law.thermal_overlap(&spring, species.mass() * temperature) / species.diameter
 }
 
+/// [-] largest apparent decrease of the contact distance of soft spheres over this distance, among all pairs of species
+/// that have particles. It is [`softness`] for two spheres of one species. `temperatures` holds the granular
+/// temperature [m²/s²] of each species, `None` for a species without particles. `None` if no species has particles.
+pub fn softest(law: &ContactLaw, scene: &Scene, temperatures: &[Option<f64>]) -> Option<f64> {
+    let present: Vec<(u16, f64)> = (0..).zip(temperatures).filter_map(|(species, t)| Some((species, (*t)?))).collect();
+    let of_pair = |(one, t): (u16, f64), (other, u): (u16, f64)| {
+        // the stored energy does not depend on the restitution
+        let bodies = Bodies::between(scene, one, other).elastic();
+        let [first, second] = [one, other].map(|species| scene.species[usize::from(species)].diameter);
+        law.thermal_overlap(&law.between(&bodies), bodies.effective_mass * (t + u)) / (0.5 * (first + second))
+    };
+    let pairs = present.iter().enumerate().flat_map(|(k, one)| present[k..].iter().map(move |other| (*one, *other)));
+    pairs.map(|(one, other)| of_pair(one, other)).reduce(f64::max)
+}
+
 /// [-] factor by which the elastic constant of the law must increase so that the relative decrease of the cross-section
 /// is at most `error` [-]. The decrease is that of spheres of `species` at the granular temperature `temperature`
 /// [m²/s²].

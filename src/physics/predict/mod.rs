@@ -14,10 +14,12 @@ pub mod gas;
 pub mod integrator;
 pub mod obstacles;
 pub mod overlaps;
+mod pull;
 pub mod recommendation;
 pub mod rest;
 pub mod shear;
 pub mod springs;
+mod touching;
 pub mod transient;
 
 pub use obstacles::Obstacles;
@@ -94,8 +96,10 @@ pub struct Averaging {
 pub struct RunPrediction {
     /// [-] relative error that is desired for averages over the run.
     pub target_error: f64,
-    /// Number of particles in the run.
+    /// Number of particles at the start of the run.
     pub particles: usize,
+    /// Number of particles, at least 1, that inlets are expected to bring into the scene; `None` without inlets.
+    pub coming: Option<usize>,
     /// [s] simulated time of the whole run.
     pub duration: f64,
     /// [s] window h: time between two exchanges of momentum with the gas.

@@ -3,9 +3,11 @@
 
 use super::contact::{ContactKind, ImpactSpeeds, contacts};
 use super::flow::{flows, lift};
-use super::rest::{Rest, in_a_row, lying, overlapping, rest};
+use super::rest::{Rest, rest};
+use super::touching::{in_a_row, lying, overlapping};
 use crate::experiment::{Amount, Experiment};
 use crate::particles::Particles;
+use crate::scene::Inlet;
 use nalgebra::Vector3;
 
 /// Properties of the start of a run that may exclude an engine.
@@ -32,8 +34,8 @@ impl Obstacles {
         });
         let given: Vec<bool> = given.collect();
         let placed = given.iter().all(|given| *given);
-        let lift = lift(scene, &flows(scene, &experiment.counts()));
-        let rest = rest(scene, start, lift);
+        let lift = lift(scene, &flows(scene, &experiment.expected_numbers()));
+        let rest = rest(experiment, start, lift);
         let fall = rest.as_ref().map_or(0.0, |rest| rest.speed);
         let deepest = experiment.soft.law.filter(|_| placed).map_or(0.0, |law| {
             let deep = |kind: &ContactKind| kind.largest_overlap(&law, kind.speeds.quantile(0.99));
@@ -59,14 +61,18 @@ impl Obstacles {
         // with a contact time, collisions in quick succession are elastic, so a bed hovers above the floor
         let rests = |rest: &&Rest| rest.time < duration && experiment.hard.contact_time.is_none();
         if let Some(rest) = self.rest.as_ref().filter(rests) {
-            list.push(if rest.time > 0.0 {
-                format!(
-                    "particles come to rest after about {:.3e} s of {duration} s: ever shorter bounces without end, and instants cannot carry weight",
-                    rest.time
-                )
-            } else {
-                "particles lie at rest from the start, and instants cannot carry weight".into()
-            });
+            let time = rest.time;
+            let when = match (time > 0.0, rest.slides) {
+                (true, false) => {
+                    format!("come to rest after about {time:.3e} s of {duration} s: ever shorter bounces without end")
+                }
+                (true, true) => format!(
+                    "stay on the floor after about {time:.3e} s of {duration} s, and slide or roll along it: ever shorter bounces without end"
+                ),
+                (false, false) => "lie at rest from the start".to_owned(),
+                (false, true) => "lie on the floor from the start, and slide or roll along it".to_owned(),
+            };
+            list.push(format!("particles {when}, and instants cannot carry weight"));
         } else if self.lying > 0 && experiment.hard.contact_time.is_none() {
             list.push(format!(
                 "{} of the particles lie on something at the start, and instants cannot carry weight",
@@ -93,7 +99,7 @@ impl Obstacles {
 pub fn against_soft(experiment: &Experiment) -> Vec<String> {
     let scene = &experiment.scene;
     let mut list = Vec::new();
-    if scene.surfaces(experiment.count()).iter().any(|surface| !surface.always_rebounds()) {
+    if scene.surfaces(experiment.most_that_touch(experiment.count())).iter().any(|surface| !surface.always_rebounds()) {
         list.push("a restitution of 0 needs critical damping, with which a contact never ends".into());
     }
     if scene.has_thermal_walls() {
@@ -110,15 +116,17 @@ pub fn named(hard: &[String], soft: &[String]) -> Vec<String> {
 }
 
 /// Kinds of contact of a few bodies, each with the normal speed of its fastest impact. It is the largest speed that the
-/// velocities at the start allow, but at least `fall` [m/s].
+/// velocities at the start and at inlets allow, but at least `fall` [m/s].
 pub fn bodies(experiment: &Experiment, start: &Particles, fall: f64) -> Vec<ContactKind> {
-    let (apart, fastest) = speeds(start);
+    let (apart, fastest) = speeds(start, &experiment.scene.inlets);
     let pair = |_: usize, _: usize| ImpactSpeeds::Bodies { speed: apart.max(fall) };
-    contacts(&experiment.scene, &experiment.counts(), pair, |_| ImpactSpeeds::Bodies { speed: fastest.max(fall) })
+    let counts = experiment.expected_numbers();
+    contacts(&experiment.scene, &counts, pair, |_| ImpactSpeeds::Bodies { speed: fastest.max(fall) })
 }
 
 /// [m/s] upper limit of the relative speed of any two particles, followed by the largest speed of any particle.
-fn speeds(particles: &Particles) -> (f64, f64) {
+/// Particles from an inlet have at most three standard deviations of each velocity component.
+fn speeds(particles: &Particles, inlets: &[Inlet]) -> (f64, f64) {
     /// Largest number of particles for which the relative velocities of all pairs are computed.
     const ALL_PAIRS: usize = 2000;
     let velocities = &particles.velocity;
@@ -128,5 +136,14 @@ fn speeds(particles: &Particles) -> (f64, f64) {
     } else {
         2.0 * largest(velocities.iter().sum::<Vector3<f64>>() / velocities.len() as f64)
     };
-    (apart, largest(Vector3::zeros()))
+    let spread = |inlet: &Inlet| 3.0 * inlet.velocity_fluctuation.norm();
+    let (mut apart, mut fastest) = (apart, largest(Vector3::zeros()));
+    for (k, inlet) in inlets.iter().enumerate() {
+        let others =
+            inlets[..=k].iter().map(|other| (inlet.velocity_mean - other.velocity_mean).norm() + spread(other));
+        let others = others.chain((!velocities.is_empty()).then(|| largest(inlet.velocity_mean)));
+        apart = others.map(|other| other + spread(inlet)).fold(apart, f64::max);
+        fastest = fastest.max(inlet.velocity_mean.norm() + spread(inlet));
+    }
+    (apart, fastest)
 }

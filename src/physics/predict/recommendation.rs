@@ -186,7 +186,7 @@ fn engine(
     against: (&[String], &[String]),
 ) -> Option<(EngineChoice, String)> {
     // the particles form a dense bed long before the last bounce ends
-    let bed = plan.particles > 1 && (plan.share_at_rest() > 0.0 || plan.lying > 0);
+    let bed = plan.particles + plan.coming.unwrap_or(0) > 1 && (plan.share_at_rest() > 0.0 || plan.lying > 0);
     let lasting = bed || plan.time_in_contact.is_some_and(|share| share > CROWDED);
     let steps_per_window = || shortest(contacts, law).map(|time| plan.window * USUAL_STEPS / time);
     let few_steps = || steps_per_window().is_some_and(|steps| steps < SEARCH);
@@ -233,6 +233,7 @@ fn why_hard(plan: &RunPrediction) -> String {
             plain(100.0 * share, 2),
             plain(1e3 * gas.mean_free_path, 3)
         ),
+        _ if plan.coming.is_some() => "Particles come in, and do not come to rest within the run: each collision of two is an instant with a known outcome.".into(),
         _ => "A few bodies that meet two at a time and do not come to rest within the run: each collision is an instant with a known outcome.".into(),
     }
 }

@@ -1,31 +1,32 @@
-//! Particles at rest on a floor, and particles that touch more than one neighbour.
+//! Floors on which particles come to rest, and the time until then.
 
-use crate::encounter::{FrameTime, Other};
-use crate::neighbours::NeighbourList;
+use super::flow::{bulk_velocity, terminal_slip};
+use super::pull::is_pulled;
+use crate::experiment::Experiment;
 use crate::particles::Particles;
-use crate::scene::{Kind, Scene, Surface};
+use crate::scene::{Inlet, Kind, Scene, Species, Surface};
+use crate::walls::Plane;
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// [-] gap between two neighbours at the start, over the overlap of an impact, below which the contacts of a sphere
-/// with both neighbours overlap in time. The number follows from solutions of the three-sphere equations. Three spheres
-/// in a row with gaps of twice u sqrt(m/k) agree with a sequence of two impacts to 1e-6. With half of these gaps they
-/// differ by more than 1e-2.
-const SEPARATE: f64 = 2.0;
-
 /// Largest number of particles for which all pairs of particles are examined at the start.
-const ALL_PAIRS: usize = 2000;
+pub(super) const ALL_PAIRS: usize = 2000;
 
 /// Floor on which particles gather under gravity, with the time until they are at rest.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Rest {
-    /// [m/s²] component of gravity normal to the floor, towards it.
+    /// [m/s²] component normal to the floor, towards it, of the acceleration by weight and buoyancy; the largest one of
+    /// all species.
     pub gravity: f64,
-    /// [m] longest fall of a particle from the start: down to the floor, or to the particles that lie on the floor.
+    /// [m] longest fall of a particle from the start or from an inlet: down to the floor, or to the particles that lie
+    /// on the floor.
     pub height: f64,
     /// [m/s] largest speed with which a particle can reach the floor.
     pub speed: f64,
-    /// [s] time from the start to the end of all bounces; infinite if no impact loses energy.
+    /// [s] time from the start of the run to the end of the first fall.
+    pub fall: f64,
+    /// [s] time from the start to the end of all bounces; infinite if no impact loses energy. If the run starts without
+    /// particles, it is the time for the first particles that come in.
     pub time: f64,
     /// [-] restitution, at the impact speed `speed`, of the contact with the smallest energy loss above zero; 0 if no
     /// impact loses energy.
@@ -33,57 +34,203 @@ pub struct Rest {
     /// [N] force between the floor and one particle at rest, if the weight of all particles is divided equally among
     /// the particles on the floor.
     pub weight: f64,
+    /// True if gravity pulls the particles along the floor more than friction can hold, so that they slide or roll on.
+    pub slides: bool,
+    /// True if the particles are lighter than the fluid, so that they rise, and the floor is above them.
+    pub rises: bool,
 }
 
-/// Finds the floor of a scene: the flat wall against which gravity presses most. `None` if there is no such wall, if
-/// the gas lifts the particles, if a wall moves or is thermal, or with a thermostat. `lift` [m/s] is the component of the gas velocity against gravity,
-/// minus the terminal slip speed.
+/// Motion of the particles of one species towards the floor.
+#[derive(Clone, Copy)]
+struct Sinking {
+    /// [m/s²] acceleration by weight and buoyancy towards the floor.
+    gravity: f64,
+    /// [m/s] speed towards the floor at which drag balances the weight, for a sphere of the mean volume, and for the
+    /// largest sphere; infinite without drag.
+    settling: [f64; 2],
+}
+
+/// Particles of one species that fall from the start or from one inlet.
+struct Falling {
+    species: usize,
+    /// [m] longest fall.
+    height: f64,
+    /// [m/s] largest speed with which a particle can reach the floor.
+    speed: f64,
+    /// [s] time at which the fall begins.
+    start: f64,
+}
+
+/// Finds the floor of a scene: the flat wall against which weight and buoyancy press a species most. `None` if there is
+/// no such wall, if the gas lifts the particles, if a wall moves or is thermal, or with a thermostat. `lift` [m/s] is
+/// the component of the gas velocity against gravity, minus the terminal slip speed.
 ///
-/// The time until rest is that of a sphere dropped from the height h. Its fall and all bounces together last
-/// (1+e)/(1-e) sqrt(2h/g) (a geometric series). If e depends on the speed, the bounces are added one by one. A bed of N
-/// spheres needs less time than one sphere.
-pub fn rest(scene: &Scene, particles: &Particles, lift: Option<f64>) -> Option<Rest> {
+/// The time until rest is that of a sphere dropped from the height h. Without drag, its fall and all bounces together
+/// last (1+e)/(1-e) sqrt(2h/g) (a geometric series). If e depends on the speed, the bounces are added one by one. Drag
+/// makes the fall longer, and limits its speed to that of settling; that it also shortens the bounces, and that
+/// neighbours slow a fall down, is neglected. A bed of N spheres needs less time than one sphere.
+pub fn rest(experiment: &Experiment, particles: &Particles, lift: Option<f64>) -> Option<Rest> {
+    let scene = &experiment.scene;
     // walls that move or are thermal, and a thermostat, may throw the particles up again
-    let is_fed = scene.has_moving_walls() || scene.is_heated();
-    if lift.is_some_and(|lift| lift > 0.0) || particles.is_empty() || is_fed {
+    if lift.is_some_and(|lift| lift > 0.0) || scene.has_moving_walls() || scene.is_heated() {
         return None;
     }
+    let expected = experiment.expected_counts();
+    let present = || scene.species.iter().zip(&expected).filter(|(_, count)| **count > 0.0).map(|(species, _)| species);
+    let into = |floor: &Plane| present().map(|one| scene.gravity_of(one).dot(&floor.normal)).fold(0.0, f64::min);
     let planes = (0u32..).zip(&scene.walls).filter_map(|(index, wall)| Some((wall.geometry.plane()?, index)));
-    let floors = planes.filter(|(plane, _)| scene.gravity.dot(&plane.normal) < 0.0);
-    let (plane, floor) = floors.min_by(|a, b| {
-        let into = |floor: &crate::walls::Plane| scene.gravity.dot(&floor.normal);
-        into(a.0).total_cmp(&into(b.0))
-    })?;
-    let gravity = -scene.gravity.dot(&plane.normal);
-    let places = || particles.position.iter().zip(&particles.velocity).zip(&particles.radius);
-    let gap = |x: &Vector3<f64>, r: f64| ((x - plane.point).dot(&plane.normal) - r).max(0.0);
-    let below = |x: &Vector3<f64>, r: f64| stacked(scene, particles, &plane.normal, x, r);
-    let (mut height, mut speed) = (0.0f64, 0.0f64);
-    for ((x, v), &r) in places() {
-        // a distance below the rounding of positions does not count as a fall
-        let fall = gap(x, r) - below(x, r);
-        let fall = if fall > 1e-9 * r { fall } else { 0.0 };
-        height = height.max(fall);
-        speed = speed.max((v.dot(&plane.normal).powi(2) + 2.0 * gravity * fall).sqrt());
-    }
+    let floors = planes.map(|(plane, index)| (into(plane), plane, index)).filter(|(into, ..)| *into < 0.0);
+    let (into, plane, floor) = floors.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let sinking: Vec<Option<Sinking>> = scene.species.iter().map(|one| sinking(scene, one, &plane.normal)).collect();
+    let falling = falling_from_start(scene, particles, plane, &sinking);
+    let coming: Vec<Falling> =
+        scene.inlets.iter().filter_map(|inlet| falling_from(scene, inlet, plane, &sinking)).collect();
+    let first = coming.iter().min_by(|a, b| a.start.total_cmp(&b.start)).filter(|_| falling.is_empty());
     // the pair of bodies with the least energy loss bounces longest
-    let pairs = scene.meetings().filter(|_| particles.len() > 1).map(|(_, _, meeting)| meeting);
+    let is_paired = expected.iter().sum::<f64>() > 1.0;
+    let pairs = scene.meetings().filter(|_| is_paired).map(|(_, _, meeting)| meeting);
     let at_floor = (0..scene.species.len() as u16).map(|species| scene.meeting(species, Kind::Wall(floor)));
     let surfaces: Vec<Surface> = pairs.chain(at_floor).map(|meeting| meeting.surface).collect();
-    let at_speed = || surfaces.iter().map(|surface| (surface, surface.restitution_at(speed)));
-    let lossy = at_speed().filter(|(_, e)| *e < 1.0).map(|(_, e)| e).fold(0.0, f64::max);
-    let falls = at_speed().filter(|(_, e)| *e < 1.0).map(|(surface, _)| falls(surface, speed)).reduce(f64::max);
-    let time = falls.unwrap_or(f64::INFINITY) * (speed / gravity);
+    let timed = falling.iter().chain(first);
+    let times = timed.filter_map(|group| Some(times(group, sinking[group.species]?, &surfaces)));
+    let [fall, time] = times.reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])])?;
+    let largest = |of: fn(&Falling) -> f64| falling.iter().chain(&coming).map(of).fold(0.0, f64::max);
+    let (height, speed) = (largest(|group| group.height), largest(|group| group.speed));
+    let lossy = surfaces.iter().map(|surface| surface.restitution_at(speed)).filter(|e| *e < 1.0).fold(0.0, f64::max);
+    Some(Rest {
+        gravity: -into,
+        height,
+        speed,
+        fall,
+        time,
+        restitution: lossy,
+        weight: weight_on_floor(experiment, particles, plane, &sinking),
+        slides: is_pulled(scene),
+        rises: scene.gravity_alone().dot(&plane.normal) > 0.0,
+    })
+}
+
+/// Motion of the particles of `species` towards a floor with the unit normal `up`. `None` if gravity does not press
+/// them onto the floor, or if the gas carries them away from it.
+fn sinking(scene: &Scene, species: &Species, up: &Vector3<f64>) -> Option<Sinking> {
+    let weight = scene.gravity_of(species);
+    let gravity = -weight.dot(up);
+    if gravity <= 0.0 {
+        return None;
+    }
+    let Some((fluid, drag)) = scene.fluid.as_ref().and_then(|fluid| Some((fluid, fluid.drag.as_ref()?))) else {
+        return Some(Sinking { gravity, settling: [f64::INFINITY; 2] });
+    };
+    // the gas flows along z
+    let away = if up.z == 0.0 { 0.0 } else { up.z * bulk_velocity(fluid, scene.domain.size.y) };
+    let settling = [species.diameter, species.largest()].map(|diameter| {
+        let sphere = fluid.sphere(&species.of_one_size(diameter));
+        terminal_slip(drag, &sphere, weight.norm()) * gravity / weight.norm() - away
+    });
+    (settling[0] > 0.0).then_some(Sinking { gravity, settling })
+}
+
+/// Particles of the start that fall to the floor `plane`, for each species. `sinking` is the motion of each species
+/// towards the floor.
+fn falling_from_start(
+    scene: &Scene,
+    particles: &Particles,
+    plane: &Plane,
+    sinking: &[Option<Sinking>],
+) -> Vec<Falling> {
+    let mut groups: Vec<Option<Falling>> = scene.species.iter().map(|_| None).collect();
+    let places = particles.position.iter().zip(&particles.velocity).zip(&particles.radius);
+    for (((x, v), &r), &species) in places.zip(&particles.species) {
+        let species = usize::from(species);
+        let Some(sinking) = sinking[species] else { continue };
+        // a distance below the rounding of positions does not count as a fall
+        let fall = gap(plane, x, r) - stacked(scene, particles, &plane.normal, x, r);
+        let fall = if fall > 1e-9 * r { fall } else { 0.0 };
+        let group = groups[species].get_or_insert(Falling { species, height: 0.0, speed: 0.0, start: 0.0 });
+        group.height = group.height.max(fall);
+        group.speed = group.speed.max(sinking.speed(v.dot(&plane.normal), fall));
+    }
+    groups.into_iter().flatten().collect()
+}
+
+/// Particles that fall from an inlet to the floor `plane`, at the mean velocity of the inlet. `None` if they do not
+/// sink to this floor.
+fn falling_from(scene: &Scene, inlet: &Inlet, plane: &Plane, sinking: &[Option<Sinking>]) -> Option<Falling> {
+    let species = usize::from(inlet.species);
+    let sinking = sinking[species]?;
+    let [low, high] = inlet.region.corners();
+    let highest = low.zip_zip_map(&high, &plane.normal, |low, high, up| if up > 0.0 { high } else { low });
+    // the region contains the whole sphere
+    let height = gap(plane, &highest, scene.species[species].diameter);
+    let speed = sinking.speed(inlet.velocity_mean.dot(&plane.normal), height);
+    Some(Falling { species, height, speed, start: inlet.start })
+}
+
+/// [m] distance between a floor and a sphere with the centre `x` [m] and the radius `r` [m]; 0 if they touch.
+fn gap(plane: &Plane, x: &Vector3<f64>, r: f64) -> f64 {
+    ((x - plane.point).dot(&plane.normal) - r).max(0.0)
+}
+
+impl Sinking {
+    /// [m/s] largest speed with which a particle can reach the floor after a fall by `fall` [m], if it starts with the
+    /// velocity component `normal` [m/s] normal to the floor.
+    fn speed(&self, normal: f64, fall: f64) -> f64 {
+        let free = (normal.powi(2) + 2.0 * self.gravity * fall).sqrt();
+        free.min(self.settling[1].max(normal.abs()))
+    }
+
+    /// [s] upper limit of the time of a fall from rest by `height` [m].
+    ///
+    /// With the settling speed w the acceleration is at least g (1 - v/w) at the speed v, since drag grows at least as
+    /// fast as v. So the fall lasts at most as long as with linear drag, after which the height w (t - τ (1 -
+    /// exp(-t/τ))) is passed in the time t, with τ = w/g.
+    fn time(&self, height: f64) -> f64 {
+        let (free, settling) = ((2.0 * height / self.gravity).sqrt(), self.settling[0]);
+        if settling.is_infinite() || height == 0.0 {
+            return free;
+        }
+        let response = settling / self.gravity;
+        let (mut low, mut high) = (free, height / settling + response);
+        for _ in 0..100 {
+            let middle = 0.5 * (low + high);
+            // expm1 keeps the small difference of a fall that is short compared with the response time
+            let passed = settling * (middle + response * (-middle / response).exp_m1());
+            if passed < height { low = middle } else { high = middle }
+        }
+        0.5 * (low + high)
+    }
+}
+
+/// [s] times from the start of the run to the end of the fall of a group of particles, and to the end of their bounces
+/// on the surfaces `surfaces`. The second one is infinite if no impact loses energy.
+fn times(group: &Falling, sinking: Sinking, surfaces: &[Surface]) -> [f64; 2] {
+    let (speed, flight) = (group.speed, group.speed / sinking.gravity);
+    let fall = group.start + flight.max(sinking.time(group.height));
+    if speed == 0.0 {
+        return [fall; 2];
+    }
+    let lossy = surfaces.iter().filter(|surface| surface.restitution_at(speed) < 1.0);
+    let longest = lossy.map(|surface| falls(surface, speed)).reduce(f64::max);
+    [fall, fall + (longest.unwrap_or(f64::INFINITY) - 1.0) * flight]
+}
+
+/// [N] weight of all particles that sink to the floor `plane`, over the number of particles on the floor. Particles
+/// that inlets are expected to bring count.
+fn weight_on_floor(experiment: &Experiment, particles: &Particles, plane: &Plane, sinking: &[Option<Sinking>]) -> f64 {
+    let scene = &experiment.scene;
+    let gravity = |species: usize| sinking[species].map_or(0.0, |sinking| sinking.gravity);
+    let of_start = particles.mass.iter().zip(&particles.species).map(|(m, &species)| m * gravity(usize::from(species)));
+    let coming = experiment.expected_counts().into_iter().zip(experiment.counts()).map(|(all, now)| all - now as f64);
+    let to_come = coming.zip(&scene.species).enumerate().map(|(k, (count, one))| count * one.mass() * gravity(k));
     // number of particles on the floor: those whose gap is less than their radius or, if there are none, those that fit
     // on it
-    let near = places().filter(|((x, _), r)| gap(x, **r) < **r).count();
+    let places = particles.position.iter().zip(&particles.radius);
+    let near = places.filter(|(x, r)| gap(plane, x, **r) < **r).count();
     let area = (0..3).map(|k| scene.domain.size[k]).product::<f64>() / scene.domain.size.dot(&plane.normal.abs());
-    let widest = particles.radius.iter().fold(0.0, |a: f64, &r| a.max(2.0 * r));
-    let places_on_floor = (area / (widest * widest)).floor().max(1.0);
+    let places_on_floor = (area / scene.largest_diameter().powi(2)).floor();
     let on_floor = if near > 0 { near as f64 } else { places_on_floor };
-    let on_floor = on_floor.clamp(1.0, particles.len() as f64);
-    let weight = particles.mass.iter().sum::<f64>() * gravity / on_floor;
-    Some(Rest { gravity, height, speed, time, weight, restitution: lossy })
+    let on_floor = on_floor.min(experiment.expected_count()).max(1.0);
+    (of_start.sum::<f64>() + to_come.sum::<f64>()) / on_floor
 }
 
 /// [-] duration of the first fall and all bounces of a sphere, over the time of this fall. The sphere first meets the
@@ -126,84 +273,14 @@ fn stacked(scene: &Scene, particles: &Particles, up: &Vector3<f64>, x: &Vector3<
 
 impl Rest {
     /// Number of bounces, within `duration` [s], of the sphere that falls farthest. The flight after bounce k lasts 2
-    /// e^k times as long as the first fall, with the restitution e.
+    /// e^k times as long as a fall without drag to the same speed, with the restitution e.
     pub fn bounces(&self, duration: f64) -> f64 {
-        let (e, fall) = (self.restitution, self.speed / self.gravity);
-        if fall <= 0.0 || duration <= fall {
+        let (e, flight) = (self.restitution, self.speed / self.gravity);
+        if flight <= 0.0 || duration <= self.fall {
             return 0.0;
         }
-        let left = 1.0 - (duration / fall - 1.0) * (1.0 - e) / (2.0 * e);
+        let left = 1.0 - (duration - self.fall) / flight * (1.0 - e) / (2.0 * e);
         // after the end of the series, the bounces are counted whose speed is above a millionth of the first speed
         1.0 + (left.max(1e-6).ln() / e.ln()).floor()
     }
-}
-
-/// True if spheres overlap each other or a wall by more than the rounding of positions.
-pub fn overlapping(scene: &Scene, particles: &Particles) -> bool {
-    /// [-] largest overlap that counts as rounding of typed positions, divided by the diameter.
-    const ROUNDING: f64 = 1e-9;
-    let mut list = NeighbourList::default();
-    let mut sorted = particles.clone();
-    list.build(&mut sorted, scene, 0.0);
-    let mut slots = Vec::new();
-    list.overlapping(&sorted, scene, &mut slots);
-    slots.iter().any(|&slot| {
-        let couple = list.couple(slot as usize);
-        couple.meet(&sorted, scene, FrameTime::default()).overlap() > ROUNDING * couple.diameter(&sorted)
-    })
-}
-
-/// Number of particles that lie on a wall or on another particle. The gap below such a particle is less than a
-/// thousandth of its diameter. Neither body may be faster than after a fall through this gap. `given` contains, for
-/// each id, true if the case gives the position. Particles at random positions are not counted, because they may be
-/// this close by chance.
-pub fn lying(scene: &Scene, particles: &Particles, given: &[bool]) -> usize {
-    /// [-] largest gap below a particle that counts as lying, over its diameter. Overlaps of glass beads of 1 mm at 10
-    /// kN/m are 1e-6 of a diameter under their weight, and 1e-3 under a thousand layers.
-    const NEAR: f64 = 1e-3;
-    let mut list = NeighbourList::default();
-    let mut sorted = particles.clone();
-    list.build(&mut sorted, scene, 0.0);
-    let near = |i: usize| 2.0 * NEAR * sorted.radius[i];
-    let given = |i: usize| given.get(sorted.id[i] as usize).is_some_and(|given| *given);
-    let slow = |i: usize| given(i) && sorted.velocity[i].norm_squared() <= 2.0 * scene.gravity.norm() * near(i);
-    let mut lies = vec![false; sorted.len()];
-    for couple in (0..list.slots()).map(|slot| list.couple(slot)) {
-        let met = couple.meet(&sorted, scene, FrameTime::default());
-        let i = Some(couple.i as usize);
-        let other = match couple.other {
-            Other::Particle(j) => Some(j as usize),
-            Other::Wall(_) => None,
-        };
-        let all_slow = i.into_iter().chain(other).all(slow);
-        let close = i.into_iter().chain(other).any(|i| met.overlap() > -near(i));
-        let held = -scene.gravity.dot(&met.normal);
-        if all_slow && close && held != 0.0 {
-            // the upper particle of a pair lies on the lower one
-            let upper = if held > 0.0 { i } else { other };
-            upper.into_iter().for_each(|i| lies[i] = true);
-        }
-    }
-    lies.into_iter().filter(|lies| *lies).count()
-}
-
-/// True if some particle at the start has two neighbours (or a neighbour and a wall) so close that an impact has
-/// contacts with both at the same time. `overlap` [m] is the overlap of such an impact. Hard spheres would transmit the
-/// impulse in successive collisions. The test is for starts with given positions, since particles at random positions
-/// are farther apart. More than 2000 particles are not tested, and the result is then false.
-pub fn in_a_row(scene: &Scene, particles: &Particles, overlap: f64) -> bool {
-    let count = particles.len();
-    if count > ALL_PAIRS {
-        return false;
-    }
-    let near = SEPARATE * overlap.max(1e-9 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r)));
-    (0..count).any(|i| {
-        let (x, r) = (&particles.position[i], particles.radius[i]);
-        let beside = (0..count).filter(|&j| {
-            let apart = scene.domain.separation(x, &particles.position[j]).norm();
-            j != i && apart - r - particles.radius[j] < near
-        });
-        let walls = scene.walls.iter().filter(|wall| wall.geometry.nearest(x).distance - r < near);
-        beside.count() + walls.count() > 1
-    })
 }

@@ -2,10 +2,10 @@
 //! have no meaning.
 
 use super::gas::Gas;
+use super::pull::is_pulled;
 use super::rest::Rest;
 use crate::experiment::{Amount, Experiment};
 use crate::fluid::Profile;
-use crate::scene::Scene;
 use crate::walls::Wall;
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -76,18 +76,22 @@ pub fn fades(experiment: &Experiment) -> bool {
     let sheared = scene.fluid.as_ref().is_some_and(|fluid| !matches!(fluid.profile, Profile::Uniform(_)));
     let surfaces = scene.surfaces(experiment.most_that_touch(experiment.count()));
     let lossy = surfaces.iter().any(|surface| surface.restitution < 1.0 || surface.friction > 0.0);
-    let driven = is_stirred(scene) || drag.is_some() && sheared;
+    let driven = is_stirred(experiment) || drag.is_some() && sheared;
     !driven && (drag.is_some() || lossy)
 }
 
 /// True if something gives energy to the particles: walls whose shape or surface moves, the shear of the box, eddies of
-/// the gas, a thermostat or thermal walls.
-fn is_stirred(scene: &Scene) -> bool {
+/// the gas, a thermostat or thermal walls. Gravity that pulls the particles along walls counts too, and so do particles
+/// that come in until the end of the run.
+fn is_stirred(experiment: &Experiment) -> bool {
+    let scene = &experiment.scene;
     let turbulent = scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some() && fluid.turbulence.is_some());
     let slides = |wall: &Wall| wall.turning.is_some() || wall.velocity != Vector3::zeros();
     turbulent
         || scene.changes()
         || scene.is_heated()
+        || is_pulled(scene)
+        || scene.inlets.iter().any(|inlet| inlet.end >= experiment.run.duration)
         || scene.walls.iter().any(|wall| slides(wall) && wall.surface.friction > 0.0)
 }
 
@@ -113,7 +117,7 @@ pub fn transient(
     let falls = scene.gravity.norm() > 0.0;
     let drag = scene.fluid.as_ref().and_then(|fluid| fluid.drag.as_ref());
     // a sheared gas keeps the particles moving; so does a fall of species with different speeds, which only drag limits
-    let driven = is_stirred(scene)
+    let driven = is_stirred(experiment)
         || drag.is_some()
             && (!scene.fluid.as_ref().is_some_and(|fluid| matches!(fluid.profile, Profile::Uniform(_)))
                 || falls && (kinds > 1 || scene.has_sizes()) && rest.is_none());
@@ -137,13 +141,15 @@ pub fn transient(
         impacts: rates / 3.0 * (at_start / of_the_rates).sqrt(),
     };
     let lost = decay.drag > 0.0 || decay.impacts > 0.0;
-    // gravity adds energy unless it brings all particles to the floor
     if driven || !lost {
         return None;
     }
     let at_rest = rest.map(|rest| rest.time).filter(|time| time.is_finite());
-    let course = if falls && rest.is_some() {
-        "The particles fall, bounce and come to rest on the floor."
+    let course = if let Some(rest) = rest.filter(|_| falls) {
+        match rest.rises {
+            true => "The particles rise, bounce and come to rest at the upper wall.",
+            false => "The particles fall, bounce and come to rest on the floor.",
+        }
     } else if drag.is_some() {
         "Drag and impacts take the agitation, and nothing brings it back."
     } else {

@@ -15,19 +15,22 @@ pub fn longest_for_thermostat(experiment: &Experiment) -> f64 {
 
 /// [1/s] upper limit of the collision rate of a particle in a scene with a thermostat; `None` without a thermostat. The
 /// granular temperature is at most the larger of two values: that of the start, and that at which the least inelastic
-/// impacts balance the heat. It is also at most the temperature that heat without losses gives within the run.
+/// impacts balance the heat. It is also at most the temperature that heat without losses gives within the run. Inlets
+/// count with the number of particles that they are [expected](Experiment::expected_counts) to bring.
 pub(super) fn heated_rate(experiment: &Experiment) -> Option<f64> {
     let scene = &experiment.scene;
     let thermostat = scene.thermostat?;
     let (room, diameter) = (scene.room(), scene.largest_diameter());
-    let kinds = || scene.species.iter().zip(experiment.counts());
-    let fraction = kinds().map(|(species, count)| count as f64 * species.volume()).sum::<f64>() / room;
-    let squares = kinds().map(|(species, count)| count as f64 * species.diameter.powi(2)).sum::<f64>() / room;
+    let counts = experiment.expected_counts();
+    let kinds = || scene.species.iter().zip(&counts);
+    let fraction = kinds().map(|(species, count)| count * species.volume()).sum::<f64>() / room;
+    let squares = kinds().map(|(species, count)| count * species.diameter.powi(2)).sum::<f64>() / room;
     let contact_value = contact_value(diameter, diameter, fraction, PI / 6.0 * squares);
     // Chapman & Cowling 1970, 5.21, as in `DragScales::at`, over the root of T
-    let over_root = 4.0 * experiment.count() as f64 / room * diameter.powi(2) * PI.sqrt() * contact_value;
+    let over_root = 4.0 * counts.iter().sum::<f64>() / room * diameter.powi(2) * PI.sqrt() * contact_value;
     let at_start = experiment.start.iter().map(|population| motion(population).1.powi(2)).fold(0.0, f64::max);
-    let losses = scene.surfaces(experiment.count()).into_iter().map(|surface| 1.0 - surface.restitution.powi(2));
+    let surfaces = scene.surfaces(experiment.most_that_touch(experiment.count()));
+    let losses = surfaces.into_iter().map(|surface| 1.0 - surface.restitution.powi(2));
     let least = losses.fold(1.0, f64::min);
     // each collision takes (1 - e²)/3 of T from its two particles, see `predict::transient`
     let steady = thermostat.steady_temperature(over_root * least / 3.0);

@@ -257,10 +257,10 @@ fn unsteady(runs: &[&Outcome]) -> String {
 /// Remark that soft spheres in a dilute gas collide as often as hard ones, although they behave like smaller spheres in
 /// other ways. `None` in a dense gas, or unless a soft variant is compared with a hard reference.
 fn soft_rate(variant: &Outcome, reference: &Outcome) -> Option<String> {
-    let scene = &variant.experiment.scene;
-    let volume = |(count, species): (usize, &crate::scene::Species)| count as f64 * species.volume();
-    let filled = variant.experiment.counts().into_iter().zip(&scene.species).map(volume).sum::<f64>();
-    let dilute = filled < DILUTE * scene.domain.volume();
+    // measured, since particles may come and go
+    let slices = &variant.stress.volume_fraction;
+    let filled: f64 = slices.iter().flatten().map(|fraction| fraction.value).sum();
+    let dilute = slices.iter().all(Option::is_some) && filled < DILUTE * slices.len() as f64;
     let shrink = softness(variant).filter(|_| dilute && reference.experiment.law().is_none())?;
     Some(format!(
         "At this stiffness and agitation the spheres of \"{}\" press and crowd as if smaller by {}, but touch at their full diameter: in a dilute gas as often as hard ones.",

@@ -10,7 +10,7 @@ use crate::contact_law::ContactLaw;
 use crate::experiment::{Amount, Experiment, HardStepping, Integrator, Model, TimeStep};
 use crate::fluid::Profile;
 use crate::output::numbers::quantity;
-use crate::scene::{Kind, Surface};
+use crate::scene::{Kind, Meeting, Surface};
 
 /// [-] restitution of the inelastic walls of the paper (section 4). A factor sets it if the case is elastic.
 const PAPER_RESTITUTION: f64 = 0.94;
@@ -194,12 +194,14 @@ fn pairs(plan: &SensitivityPlan) -> Result<Vec<(String, Surface)>, String> {
         return Err("there is one particle only".into());
     }
     let listed = listed(plan, |other| matches!(other, Kind::Species(_)));
+    let listed = listed.into_iter().map(|(table, meeting)| (table, meeting.surface));
     Ok(std::iter::once(("contact".to_owned(), reference.scene.contact)).chain(listed).collect())
 }
 
 /// Names of the tables in the list `contact.pairs` whose second kind of body is `wanted` (a species or a wall), each
-/// with its surface. The friction in a table is changed on trial, which shows the pair that the table determines.
-fn listed(plan: &SensitivityPlan, wanted: fn(&Kind) -> bool) -> Vec<(String, Surface)> {
+/// with its contact properties. The friction in a table is changed on trial, which shows the pair that the table
+/// determines.
+pub(super) fn listed(plan: &SensitivityPlan, wanted: fn(&Kind) -> bool) -> Vec<(String, Meeting)> {
     /// [-] friction coefficient of the trial, which does not occur in any case.
     const PROBE: f64 = 0.123_456_789;
     let before = &plan.reference().scene.pairs;
@@ -207,9 +209,9 @@ fn listed(plan: &SensitivityPlan, wanted: fn(&Kind) -> bool) -> Vec<(String, Sur
         let table = format!("contact.pairs[{k}]");
         let probed = plan.changed(&[format!("{table}.friction={PROBE}")], None, None).ok()?;
         let changed = before.iter().zip(probed.scene.pairs.iter()).find(|(a, b)| a.2.surface != b.2.surface);
-        Some(changed.map(|((_, other, meeting), _)| (table, *other, meeting.surface)))
+        Some(changed.map(|((_, other, meeting), _)| (table, *other, *meeting)))
     });
-    tables.flatten().filter(|(_, other, _)| wanted(other)).map(|(table, _, surface)| (table, surface)).collect()
+    tables.flatten().filter(|(_, other, _)| wanted(other)).map(|(table, _, meeting)| (table, meeting)).collect()
 }
 
 fn restitution(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
@@ -283,7 +285,7 @@ fn walls(plan: &SensitivityPlan, of: fn(&Surface) -> f64) -> Result<Vec<(String,
     }
     let every = walls.iter().enumerate().map(|(k, wall)| (format!("walls[{k}]"), of(&wall.surface)));
     let listed = listed(plan, |other| matches!(other, Kind::Wall(_)));
-    Ok(every.chain(listed.iter().map(|(table, surface)| (table.clone(), of(surface)))).collect())
+    Ok(every.chain(listed.iter().map(|(table, meeting)| (table.clone(), of(&meeting.surface)))).collect())
 }
 
 /// Factor that changes the key `key` of several surfaces. `symbol` is its symbol in texts. Each surface is given by the

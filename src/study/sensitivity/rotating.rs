@@ -1,6 +1,6 @@
 //! Factors (changes of the case) for spheres that rotate: rotation, the tangential law, and rolling resistance.
 
-use super::factors::{no_size, plain, sized, why};
+use super::factors::{listed, no_size, plain, sized, why};
 use super::plan::{PlannedFactor, SensitivityPlan};
 use crate::rotation::{ImpactRule, LinearTangential, TangentialLaw};
 use crate::scene::Surface;
@@ -84,7 +84,8 @@ pub fn tangential_stiffness(plan: &mut SensitivityPlan, size: Option<&str>) -> R
 }
 
 /// Plans the run with the rolling friction coefficient `size` [-]; without a `size`, the run has no rolling resistance.
-/// If the case has no rolling resistance, a `size` is required, since no value is usual.
+/// Coefficients that walls and listed pairs give for themselves change with that of the law. If the case has no rolling
+/// resistance, a `size` is required, since no value is usual.
 pub fn rolling(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     let first = plan.first();
     let reference = plan.run(first);
@@ -97,13 +98,14 @@ pub fn rolling(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<Planned
         return Err("there is no rolling resistance, and no value is usual: try one, as in rolling=0.05".into());
     }
     let to = sized(size, 0.0, 0.0, 10.0)?;
-    let set = match to {
+    let mut sets = vec![match to {
         // a change cannot remove a table of the case, so the torque is made negligible
         0.0 => format!("soft.rolling.constant.friction={NO_TORQUE}"),
         _ => format!("soft.rolling.spring.friction={to}"),
-    };
+    }];
+    sets.extend(with_rolling_friction(plan).into_iter().map(|table| format!("{table}.rolling_friction={to}")));
     let name = if to > 0.0 { format!("μ_r = {to}") } else { "no rolling resistance".to_owned() };
-    let run = plan.add(&name, &[set], None, None)?;
+    let run = plan.add(&name, &sets, None, None)?;
     let change = format!("{} → {name}", own.unwrap_or("none".into()));
     Ok(PlannedFactor::against(
         first,
@@ -111,4 +113,12 @@ pub fn rolling(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<Planned
         change,
         why(size, "spheres that are round and do not deform do not resist rolling"),
     ))
+}
+
+/// Names of the tables of walls and listed pairs that give a rolling friction coefficient for themselves.
+fn with_rolling_friction(plan: &SensitivityPlan) -> Vec<String> {
+    let walls = plan.reference().scene.walls.iter().enumerate();
+    let walls = walls.filter(|(_, wall)| wall.resistance.rolling.is_some()).map(|(k, _)| format!("walls[{k}]"));
+    let pairs = listed(plan, |_| true).into_iter().filter(|(_, meeting)| meeting.resistance.rolling.is_some());
+    walls.chain(pairs.map(|(table, _)| table)).collect()
 }

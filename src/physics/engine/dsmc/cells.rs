@@ -74,6 +74,22 @@ impl RadiusSummary {
         }
     }
 
+    /// Makes the summary of groups of equal particles, each given by the number of particles and their radius [m].
+    pub fn among(groups: &[(usize, f64)]) -> Self {
+        let count = groups.iter().map(|(number, _)| number).sum::<usize>();
+        let mean = |power: i32| {
+            let sum: f64 = groups.iter().map(|(number, radius)| *number as f64 * radius.powi(power)).sum();
+            sum / count.max(1) as f64
+        };
+        let radii = || groups.iter().filter(|(number, _)| *number > 0).map(|(_, radius)| *radius);
+        Self {
+            range: [radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max)],
+            mean: [mean(1), mean(2)],
+            volume: 4.0 / 3.0 * PI * mean(3) * count as f64,
+            count,
+        }
+    }
+
     /// True if the particles have different radii.
     pub fn are_mixed(&self) -> bool {
         self.range[0] < self.range[1]
@@ -146,6 +162,11 @@ impl CollisionCells {
             region,
             count,
         }
+    }
+
+    /// [m] edges of a cell along the three axes.
+    pub fn edges(&self) -> Vector3<f64> {
+        Vector3::from_fn(|axis, _| self.region.size()[axis] / self.count[axis] as f64)
     }
 
     /// Sorts the particles into the cells by their positions.

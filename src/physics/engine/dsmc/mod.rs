@@ -20,7 +20,7 @@ use crate::work_sharing;
 use cells::{CollisionCells, PIECE, RadiusSummary};
 use collide::{CellCollisions, CellMemory, CellState, collide};
 use flight::{FlightTime, FlightWalls, fly};
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 pub use crate::experiment::DsmcSettings;
@@ -47,6 +47,14 @@ struct DsmcState {
     /// [s] time for which particles have flown minus time for which they have collided so far; negative if collisions
     /// are ahead of the flight.
     owed: f64,
+}
+
+/// [m] edges of the cells of a run along the three axes, and mean free path. Each of the `groups` is a number of
+/// particles and their radius [m].
+pub fn cells_and_path(scene: &Scene, settings: &DsmcSettings, groups: &[(usize, f64)]) -> (Vector3<f64>, f64) {
+    let sizes = RadiusSummary::among(groups);
+    let cells = CollisionCells::new(scene, &sizes, settings);
+    (cells.edges(), sizes.mean_free_path(scene.room(), settings.enskog))
 }
 
 /// Largest number of windows (times between two exchanges with the gas) that share one collision step. The collision
