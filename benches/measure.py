@@ -53,9 +53,10 @@ def diptych(case, out, model, keys, threads=1, options=()):
     return {**variant, "peak_memory": memory, "share": share}
 
 
-def from_a_file(case, model, keys):
-    """A case like `case` that starts from a file, so that several runs have one random start, which takes long to make."""
-    diptych(case, "placed-start", model, {**keys, "run.duration": "0 s"}, 1, ["--save-state"])
+def from_a_file(case, model, keys, settle="0 s"):
+    """A case like `case` that starts from a file, so that several runs have one random start, which takes long to make. The start is the state after
+    the time `settle`."""
+    diptych(case, "placed-start", model, {**keys, "run.duration": settle}, 1, ["--save-state"])
     random = ("count", "volume_fraction", "velocity_mean", "velocity_fluctuation")
     lines = [line for line in case.read_text().splitlines() if not line.startswith(random)]
     at = next(k for k, line in enumerate(lines) if line.startswith("use = \"particles/")) + 1

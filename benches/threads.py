@@ -3,7 +3,8 @@
 
     benches/threads.py [ROUNDS] [SCENE ...]
 
-Scenes are s1, d (from its settled start), dense; all of them unless some are named. The machine must be quiet on both cores. Prints the ratio of wall times of each
+Scenes are s1, d (from its settled start), dense, and crowd-0.5 and crowd-0.3 (100,000 hard spheres at these volume fractions, settled for about
+one d/sqrt(T)); all of them unless some are named. The machine must be quiet on both cores. Prints the ratio of wall times of each
 round, and how long a word takes to the other core and back, which says whether the two share a cache; the states at the end must be the same bits.
 """
 import re
@@ -14,9 +15,11 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE / "peers"))
+import crowds
 import measure
 import scenes
 
+CROWD = 100_000
 ENGINES = {"hard": {}, "soft": {"soft.stepping": "local"}, "hybrid": {}}
 DENSE = {"soft": {}}
 
@@ -49,6 +52,12 @@ def compare(scene, case, model, keys, rounds):
     print(f"| {scene}, {model} | {measure.spread(ratios)} | {times} | {held:.2f} | {measure.spread(words)} |", flush=True)
 
 
+def crowd(fraction):
+    """The case of settled hard spheres at a volume fraction."""
+    keys = {**crowds.size(CROWD, fraction), "particles[0].volume_fraction": fraction}
+    return lambda: measure.from_a_file(HERE / "peers" / "hard.toml", "hard", keys, "0.8 ms")
+
+
 def main():
     rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 5
     measure.build()
@@ -57,6 +66,10 @@ def main():
         "s1": (lambda: HERE / "peers" / "s1.toml", {"run.duration": "60 ms"}, ENGINES),
         "d": (lambda: scenes.settled(scenes.D), {}, ENGINES),
         "dense": (lambda: HERE / "peers" / "dense.toml", {}, DENSE),
+        **{
+            f"crowd-{fraction}": (crowd(fraction), {**crowds.size(CROWD, fraction), "run.duration": f"{time} ms"}, {"hard": {}})
+            for fraction, time in ((0.5, 0.8), (0.3, 2.4))
+        },
     }
     print("| scene | wall time of 1 thread over 2, median [range] | s, 2 threads | cores held | ns to the other core and back |")
     print("|---|---|---|---|---|")

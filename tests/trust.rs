@@ -90,6 +90,7 @@ fn what_is_not_as_asked_is_suspect() {
 #[test]
 fn the_sheet_counts_the_instants_of_hybrid_spheres() {
     let mut outcome = outcome("hybrid", Model::Hybrid, 1);
+    outcome.experiment.start = gas(Model::Hybrid, 0.9, 0.9).start;
     let softness = |outcome: &Outcome| {
         let unasked = HalvedStep::Unknown("not asked for".into());
         find(&trust_sheet(outcome, unasked), "softness").clone()

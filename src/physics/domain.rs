@@ -56,13 +56,17 @@ pub struct Domain {
     /// edge, no periodic image of one is nearer to the other.
     #[serde(skip)]
     direct: f64,
+    /// [1/m] inverse edge length along periodic axes, 0 along others.
+    #[serde(skip)]
+    pub(crate) per_size: Vector3<f64>,
 }
 
 impl Domain {
     /// Makes a box with the edge lengths `size` [m]. `periodic` is true for each axis along which the box is periodic.
     pub fn new(size: Vector3<f64>, periodic: [bool; 3]) -> Self {
         let half = Vector3::from_fn(|axis, _| if periodic[axis] { 0.5 * size[axis] } else { f64::INFINITY });
-        Self { size, periodic, shear: None, half, direct: half.min().powi(2) }
+        let per_size = Vector3::from_fn(|axis, _| if periodic[axis] { 1.0 / size[axis] } else { 0.0 });
+        Self { size, periodic, shear: None, half, direct: half.min().powi(2), per_size }
     }
 
     /// Makes the box sheared at the shear rate `rate` [1/s], with periodic images at their places of time 0: the image
@@ -212,6 +216,18 @@ impl Domain {
             }
         }
         d
+    }
+
+    /// Vector [m] `apart` between two particles, shifted by whole periods to that between the nearest images. Unlike in
+    /// [`separation`](Self::separation), the particles may be many periods apart. Images must not slide.
+    #[inline]
+    pub fn nearest_image(&self, apart: &Vector3<f64>) -> Vector3<f64> {
+        if apart.norm_squared() < self.direct {
+            return *apart;
+        }
+        Vector3::from_fn(|axis, _| {
+            apart[axis] - self.size[axis] * (apart[axis] * self.per_size[axis]).round_ties_even()
+        })
     }
 
     /// Vector [m] from `b` to the nearest periodic image of `a`, and velocity [m/s] of this image relative to `b`. In a

@@ -1,6 +1,7 @@
 //! Sentences on the reliability of the results of a run, and on what limits it.
 
 use crate::engine::dsmc::cells_and_path;
+use crate::experiment::Model;
 use crate::outcome::Outcome;
 use crate::output::numbers;
 use crate::predict::gas::{self, Component};

@@ -106,6 +106,13 @@ impl std::ops::AddAssign<SideCrossings> for Ledger {
     }
 }
 
+impl std::ops::AddAssign for Ledger {
+    fn add_assign(&mut self, other: Self) {
+        let (own, others) = (self.to_array(), other.to_array());
+        *self = Self::from_array(std::array::from_fn(|k| own[k] + others[k]));
+    }
+}
+
 impl std::ops::AddAssign<SideCrossings> for Books {
     fn add_assign(&mut self, crossings: SideCrossings) {
         let mut ledger = Ledger::default();

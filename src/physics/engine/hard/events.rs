@@ -4,7 +4,7 @@
 
 use super::calendar::Calendar;
 use super::collapse_detector::{Collapsed, LastCollision, Recent, recent, rests, sliding};
-use super::impulse::{Collision, CollisionMasses};
+use super::impulse::{Collision, CollisionMasses, ParticleAccess};
 use crate::encounter::{Couple, FrameTime, Partner};
 use crate::engine::islands::Bounds;
 use crate::engine::{Failure, Window};
@@ -147,7 +147,7 @@ impl EventLoop {
             let masses = CollisionMasses::of(&couple, particles);
             let (change_i, change_j) = match rests(&collision, scene, self.contact_time) {
                 Some(speed) => (collision.hold_at_rest(speed, masses.mass, scene, left, log), Vector3::zeros()),
-                None => collision.apply_impulse(&masses, particles, scene, left, log),
+                None => collision.apply_impulse(&masses, &mut ParticleAccess::Exclusive(particles), scene, left, log),
             };
             self.events += 1;
             self.list.clock.tell(window.start + now);

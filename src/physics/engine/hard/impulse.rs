@@ -7,6 +7,7 @@ use crate::record::{Between, Impact, Ledger, Log};
 use crate::scene::{Kind, Scene, Surface};
 use crate::walls::WallApproach;
 use nalgebra::Vector3;
+use std::ops::Deref;
 
 /// Impulse on body i [kg m/s] from a body j that it approaches, without rotation. The normal part is J_n = (1+e) M
 /// |u_n|, with the restitution e at the normal speed |u_n|. The tangential part acts against the slip **u**_t, with the
@@ -25,6 +26,35 @@ pub fn impulse(surface: &Surface, effective_mass: f64, velocity: &Vector3<f64>, 
         impulse -= slip * (against / slip_speed);
     }
     impulse
+}
+
+/// Access of a collision to the particle store.
+pub enum ParticleAccess<'a> {
+    /// The store of a single thread, in which a collision changes spins.
+    Exclusive(&'a mut Particles),
+    /// A store that several threads read at the same time. Spheres do not rotate then.
+    Shared(&'a Particles),
+}
+
+impl Deref for ParticleAccess<'_> {
+    type Target = Particles;
+
+    fn deref(&self) -> &Particles {
+        match self {
+            Self::Exclusive(particles) => particles,
+            Self::Shared(particles) => particles,
+        }
+    }
+}
+
+impl ParticleAccess<'_> {
+    /// The store, with spins that may be changed; `None` if other threads read it.
+    fn exclusive(&mut self) -> Option<&mut Particles> {
+        match self {
+            Self::Exclusive(particles) => Some(particles),
+            Self::Shared(_) => None,
+        }
+    }
 }
 
 /// Two bodies at the instant of their collision; body `i` is the first particle of `couple`.
@@ -104,7 +134,7 @@ impl Collision {
         log: &mut Log,
     ) -> (Vector3<f64>, Vector3<f64>) {
         let masses = CollisionMasses::of(&self.couple, particles);
-        let changes = self.apply_impulse(&masses, particles, scene, remaining, log);
+        let changes = self.apply_impulse(&masses, &mut ParticleAccess::Exclusive(particles), scene, remaining, log);
         particles.velocity[self.couple.i as usize] += changes.0;
         if let Some(j) = self.couple.j() {
             particles.velocity[j as usize] += changes.1;
@@ -144,7 +174,7 @@ impl Collision {
     pub fn apply_impulse(
         &self,
         weights: &CollisionMasses,
-        particles: &mut Particles,
+        particles: &mut ParticleAccess,
         scene: &Scene,
         remaining: f64,
         log: &mut Log,
@@ -160,7 +190,8 @@ impl Collision {
             log.ledger.contact_time_kept += 0.5 * effective_mass * this.approach().powi(2) * (1.0 - e * e);
         }
         let thermal = this.thermal_rebound(particles, scene);
-        let rough = scene.rotation.as_ref().filter(|_| thermal.is_none()).map(|rotation| {
+        let rotation = scene.rotation.as_ref().filter(|_| thermal.is_none());
+        let rough = rotation.zip(particles.exclusive()).map(|(rotation, particles)| {
             let normal_impulse = (1.0 + surface.restitution) * effective_mass * this.approach();
             let numbers = (normal_impulse, effective_mass, weights.reach);
             this.rough_impulse(rotation, &of_kinds, numbers, particles)

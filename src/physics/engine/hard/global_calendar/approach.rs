@@ -6,28 +6,31 @@
 
 use super::next_events::FlightState;
 use crate::domain::Domain;
-use nalgebra::Vector3;
 
-/// The particle whose neighbours are tested: its state at the present time, in the falling frame of the calendar (the
-/// event queue of all particles).
+/// The particle whose neighbours are tested: its flight, in the falling frame of the calendar (the event queue of all
+/// particles).
 pub struct ObservingParticle<'a> {
-    /// [m] position of the particle at the time `now`.
-    pub here: Vector3<f64>,
-    /// [m/s] velocity of the particle relative to the falling frame.
-    pub velocity: Vector3<f64>,
-    /// [s] present time since the epoch, the instant from which the calendar counts times.
+    /// Flight of the particle.
+    pub flight: &'a FlightState,
+    /// [s] time since the epoch (zero of the calendar's time) up to which touches are of interest.
+    pub until: f64,
+    /// [s] present time since the epoch (zero of the calendar's time).
     pub now: f64,
-    /// True if no periodic side of the box lies between the particle and any of its neighbours, so that no images need
-    /// be considered.
-    pub inside: bool,
+    /// True if no neighbour has a flight that began later than that of the particle.
+    pub is_latest: bool,
+    /// True if a neighbour may be nearer through a periodic image.
+    pub across: bool,
     /// The box of the scene, with its periodic sides.
     pub domain: &'a Domain,
 }
 
-/// Relative motion of the particle and four of its neighbours at the present time; each array has one value per
-/// neighbour.
+/// Relative motion of the particle and four of its neighbours; each array has one value per neighbour. The motion is
+/// that at the start of the later of both flights. So a predicted touch depends only on the two flights, and not on the
+/// instant of the prediction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FourNeighbours {
+    /// [s] start of the later of both flights, since the epoch (zero of the calendar's time).
+    pub start: [f64; 4],
     /// [m²/s] half the rate at which the squared distance of the centres decreases; positive if the particles approach.
     pub closing: [f64; 4],
     /// [m²] squared distance of the centres minus the squared distance at which the particles touch; negative if they
@@ -38,6 +41,10 @@ pub struct FourNeighbours {
     pub discriminant: [f64; 4],
 }
 
+/// [-] twice the time that is of interest: a touch cannot occur before `gap`/(2 `closing`). The factor also allows for
+/// rounding, so that touches at equal times are all found.
+const TWICE: f64 = 2.0 * (1.0 + 1e-9);
+
 /// Array of four numbers: the values f(0), f(1), f(2) and f(3).
 #[inline(always)]
 fn each(f: impl Fn(usize) -> f64) -> [f64; 4] {
@@ -47,21 +54,27 @@ fn each(f: impl Fn(usize) -> f64) -> [f64; 4] {
 impl ObservingParticle<'_> {
     /// Computes the relative motion of the particle and the neighbours `others`; `touch` [m²] contains the squared
     /// distances of the centres at touch. Also returns a bit mask: bit k is set if neighbour k will touch the particle
-    /// and may do so within half of `soon` [s]. A touch cannot occur before the time `gap`/(2 `closing`), with these
+    /// and may do so before the time `until`. A touch cannot occur before `start` + `gap`/(2 `closing`), with these
     /// fields of [`FourNeighbours`]. No bit is set for the particle itself, which fills groups of fewer than four
     /// neighbours.
     #[inline(always)]
-    pub fn one_by_one(&self, others: &[&FlightState; 4], touch: &[f64; 4], soon: f64) -> (FourNeighbours, u32) {
-        let since = each(|k| self.now - others[k].time);
+    pub fn one_by_one(&self, others: &[&FlightState; 4], touch: &[f64; 4]) -> (FourNeighbours, u32) {
+        let own_start = self.flight.time;
+        let is_own = |k: usize| self.is_latest || own_start > others[k].time;
+        let start = each(|k| if is_own(k) { own_start } else { others[k].time });
         let axis = |axis: usize| {
+            let own = self.flight.velocity[axis];
             let theirs = each(|k| others[k].velocity[axis]);
-            let mut apart = each(|k| self.here[axis] - (others[k].position[axis] + theirs[k] * since[k]));
-            if !self.inside {
-                let (size, half) = (self.domain.size[axis], self.domain.half[axis]);
-                let beyond = |beyond: bool| if beyond { size } else { 0.0 };
-                apart = each(|k| apart[k] - beyond(apart[k] > half) + beyond(apart[k] < -half));
+            let here = each(|k| self.flight.position[axis] + own * (start[k] - own_start));
+            let there = each(|k| others[k].position[axis] + theirs[k] * (start[k] - others[k].time));
+            let (size, per_size) = (self.domain.size[axis], self.domain.per_size[axis]);
+            let mut apart = each(|k| here[k] - there[k]);
+            let velocity = each(|k| own - theirs[k]);
+            if self.across {
+                let present = |k: usize| apart[k] + velocity[k] * (self.now - start[k]);
+                apart = each(|k| apart[k] - size * (present(k) * per_size).round_ties_even());
             }
-            (apart, each(|k| self.velocity[axis] - theirs[k]))
+            (apart, velocity)
         };
         let ((x, u), (y, v), (z, w)) = (axis(0), axis(1), axis(2));
         let closing = each(|k| -(x[k] * u[k] + y[k] * v[k] + z[k] * w[k]));
@@ -69,10 +82,11 @@ impl ObservingParticle<'_> {
         let speed_square = each(|k| u[k] * u[k] + v[k] * v[k] + w[k] * w[k]);
         let discriminant = each(|k| closing[k] * closing[k] - speed_square[k] * gap[k]);
         let coming = (0..4).fold(0, |coming, k| {
+            let soon = (self.until - start[k]) * TWICE;
             let comes = (closing[k] > 0.0) & (gap[k] <= closing[k] * soon) & (discriminant[k] >= 0.0);
             coming | u32::from(comes) << k
         });
-        (FourNeighbours { closing, gap, discriminant }, coming)
+        (FourNeighbours { start, closing, gap, discriminant }, coming)
     }
 }
 
@@ -80,36 +94,45 @@ impl ObservingParticle<'_> {
 /// once.
 #[cfg(target_arch = "x86_64")]
 pub mod wide {
-    use super::{FlightState, FourNeighbours, ObservingParticle};
+    use super::{FlightState, FourNeighbours, ObservingParticle, TWICE};
     use nalgebra::Vector3;
     use pulp::x86::V3;
-    use std::arch::x86_64::{__m256d, _CMP_GE_OQ, _CMP_GT_OQ, _CMP_LE_OQ, _CMP_LT_OQ};
+    use std::arch::x86_64::{
+        __m256d, _CMP_GE_OQ, _CMP_GT_OQ, _CMP_LE_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT,
+    };
+
+    /// Rounding to the nearest integer, ties to even.
+    const NEAREST: i32 = _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC;
 
     /// State of the particle whose neighbours are tested, each number repeated four times in a processor vector.
     pub struct Wide {
         simd: V3,
-        here: [__m256d; 3],
+        position: [__m256d; 3],
         velocity: [__m256d; 3],
+        time: __m256d,
+        until: __m256d,
         now: __m256d,
-        soon: __m256d,
-        /// [m] edges of the box and half of them; `None` if no periodic side lies between the particle and its
-        /// neighbours.
+        is_latest: bool,
+        /// [m] edges of the box, and [1/m] their inverse along periodic axes (0 along others); `None` if no neighbour is
+        /// nearer through an image.
         sides: Option<([__m256d; 3], [__m256d; 3])>,
     }
 
     impl Wide {
         /// Copies the state of the particle `view` into vectors. [`at_once`](Self::at_once) then marks the neighbours
-        /// that may touch within half of `soon` [s], as [`ObservingParticle::one_by_one`] does.
+        /// that may touch before the time `view.until`, as [`ObservingParticle::one_by_one`] does.
         #[inline(always)]
-        pub fn new(simd: V3, view: &ObservingParticle, soon: f64) -> Self {
-            let domain = view.domain;
+        pub fn new(simd: V3, view: &ObservingParticle) -> Self {
+            let (domain, flight) = (view.domain, view.flight);
             Self {
                 simd,
-                here: axes(simd, &view.here),
-                velocity: axes(simd, &view.velocity),
+                position: axes(simd, &flight.position),
+                velocity: axes(simd, &flight.velocity),
+                time: simd.avx._mm256_set1_pd(flight.time),
+                until: simd.avx._mm256_set1_pd(view.until),
                 now: simd.avx._mm256_set1_pd(view.now),
-                soon: simd.avx._mm256_set1_pd(soon),
-                sides: if view.inside { None } else { Some((axes(simd, &domain.size), axes(simd, &domain.half))) },
+                is_latest: view.is_latest,
+                sides: view.across.then(|| (axes(simd, &domain.size), axes(simd, &domain.per_size))),
             }
         }
 
@@ -128,21 +151,31 @@ pub mod wide {
         }
 
         /// Separations [m] and relative velocities [m/s] along one axis: those of the particle minus those of four
-        /// neighbours, at the nearest images. `there` [m] and `theirs` [m/s] are the neighbours' positions `since` [s]
-        /// ago and their velocities.
+        /// neighbours, at the nearest images. `there` [m] and `theirs` [m/s] are the positions of the neighbours at the
+        /// starts of their flights, and their velocities. The flights of particle and neighbours began `ours` [s] and
+        /// `since` [s] before the time `start` at which the separations are computed.
         #[inline(always)]
-        fn relative(&self, axis: usize, there: __m256d, theirs: __m256d, since: __m256d) -> (__m256d, __m256d) {
+        fn relative(
+            &self,
+            axis: usize,
+            (there, theirs): (__m256d, __m256d),
+            [start, ours, since]: [__m256d; 3],
+        ) -> (__m256d, __m256d) {
             let avx = self.simd.avx;
-            let there = avx._mm256_add_pd(there, avx._mm256_mul_pd(theirs, since));
-            let mut apart = avx._mm256_sub_pd(self.here[axis], there);
-            if let Some((size, half)) = &self.sides {
-                let below = avx._mm256_sub_pd(avx._mm256_setzero_pd(), half[axis]);
-                let back = avx._mm256_cmp_pd::<_CMP_GT_OQ>(apart, half[axis]);
-                let on = avx._mm256_cmp_pd::<_CMP_LT_OQ>(apart, below);
-                apart = avx._mm256_sub_pd(apart, avx._mm256_and_pd(back, size[axis]));
-                apart = avx._mm256_add_pd(apart, avx._mm256_and_pd(on, size[axis]));
+            let mut here = self.position[axis];
+            if !self.is_latest {
+                here = avx._mm256_add_pd(here, avx._mm256_mul_pd(self.velocity[axis], ours));
             }
-            (apart, avx._mm256_sub_pd(self.velocity[axis], theirs))
+            let there = avx._mm256_add_pd(there, avx._mm256_mul_pd(theirs, since));
+            let mut apart = avx._mm256_sub_pd(here, there);
+            let velocity = avx._mm256_sub_pd(self.velocity[axis], theirs);
+            if let Some((size, per_size)) = &self.sides {
+                let flown = avx._mm256_mul_pd(velocity, avx._mm256_sub_pd(self.now, start));
+                let present = avx._mm256_add_pd(apart, flown);
+                let periods = avx._mm256_round_pd::<NEAREST>(avx._mm256_mul_pd(present, per_size[axis]));
+                apart = avx._mm256_sub_pd(apart, avx._mm256_mul_pd(size[axis], periods));
+            }
+            (apart, velocity)
         }
 
         #[inline(always)]
@@ -159,10 +192,13 @@ pub mod wide {
             let (avx, [a, b, c, d]) = (self.simd.avx, *others);
             let [x, y, z, time] = self.columns([index(a), index(b), index(c), index(d)]);
             let [u, v, w, _] = self.columns([speed(a), speed(b), speed(c), speed(d)]);
-            let (since, zero) = (avx._mm256_sub_pd(self.now, time), avx._mm256_setzero_pd());
-            let (x, u) = self.relative(0, x, u, since);
-            let (y, v) = self.relative(1, y, v, since);
-            let (z, w) = self.relative(2, z, w, since);
+            // the second operand, as the version without vectors, if neither time is later
+            let start = if self.is_latest { self.time } else { avx._mm256_max_pd(self.time, time) };
+            let since = [start, avx._mm256_sub_pd(start, self.time), avx._mm256_sub_pd(start, time)];
+            let zero = avx._mm256_setzero_pd();
+            let (x, u) = self.relative(0, (x, u), since);
+            let (y, v) = self.relative(1, (y, v), since);
+            let (z, w) = self.relative(2, (z, w), since);
             let (apart, velocity) = ([x, y, z], [u, v, w]);
             let closing = avx._mm256_sub_pd(zero, self.dot(apart, velocity));
             let gap = avx._mm256_sub_pd(self.dot(apart, apart), pulp::cast(*touch));
@@ -170,11 +206,13 @@ pub mod wide {
             let discriminant =
                 avx._mm256_sub_pd(avx._mm256_mul_pd(closing, closing), avx._mm256_mul_pd(speed_square, gap));
             let nearer = avx._mm256_cmp_pd::<_CMP_GT_OQ>(closing, zero);
-            let in_time = avx._mm256_cmp_pd::<_CMP_LE_OQ>(gap, avx._mm256_mul_pd(closing, self.soon));
+            let soon = avx._mm256_mul_pd(avx._mm256_sub_pd(self.until, start), avx._mm256_set1_pd(TWICE));
+            let in_time = avx._mm256_cmp_pd::<_CMP_LE_OQ>(gap, avx._mm256_mul_pd(closing, soon));
             let touches = avx._mm256_cmp_pd::<_CMP_GE_OQ>(discriminant, zero);
             let comes = avx._mm256_and_pd(nearer, avx._mm256_and_pd(in_time, touches));
-            let (closing, gap, discriminant) = (pulp::cast(closing), pulp::cast(gap), pulp::cast(discriminant));
-            (FourNeighbours { closing, gap, discriminant }, avx._mm256_movemask_pd(comes) as u32)
+            let (start, closing) = (pulp::cast(start), pulp::cast(closing));
+            let (gap, discriminant) = (pulp::cast(gap), pulp::cast(discriminant));
+            (FourNeighbours { start, closing, gap, discriminant }, avx._mm256_movemask_pd(comes) as u32)
         }
     }
 
@@ -204,11 +242,11 @@ pub mod wide {
 #[cfg(target_arch = "x86_64")]
 mod tests {
     use super::*;
+    use nalgebra::Vector3;
     use rand::{RngExt, SeedableRng};
     use rand_xoshiro::Xoshiro256PlusPlus;
 
-    /// Checks that the version with vectors and the one without give equal bits, near periodic sides and away from
-    /// them.
+    /// Checks that the version with vectors and the one without give equal bits, also across periodic sides.
     #[test]
     fn vectors_of_four_give_the_bits_of_one_by_one() {
         let Some(simd) = pulp::x86::V3::try_new() else { return };
@@ -222,21 +260,19 @@ mod tests {
                 FlightState { position, velocity, time, kind: 0, collision_count: 0 }
             };
             let bodies: [FlightState; 4] = std::array::from_fn(|_| body(draw(0.0, 1.0), draw(-1.0, 1.0)));
-            let me = body(draw(0.0, 1.0), draw(-1.0, 1.0));
+            let is_latest = round % 4 < 2;
+            let mut me = body(draw(0.0, 1.0), draw(-1.0, 1.0));
+            me.time += if is_latest { 3.0 } else { 0.0 };
             let others = bodies.each_ref();
-            let view = ObservingParticle {
-                here: me.position,
-                velocity: me.velocity,
-                now: 3.0,
-                inside: round % 2 == 0,
-                domain: &domain,
-            };
-            let (touch, soon) = ([1.0, 0.5, 0.25, 1.0], 2.0);
-            let wide = simd.vectorize(|| wide::Wide::new(simd, &view, soon).at_once(&others, &touch));
-            let plain = view.one_by_one(&others, &touch, soon);
+            let now = if is_latest { me.time } else { 9.0 };
+            let (until, across, domain) = (now + 2.0, round % 2 == 0, &domain);
+            let view = ObservingParticle { flight: &me, until, now, is_latest, across, domain };
+            let touch = [1.0, 0.5, 0.25, 1.0];
+            let wide = simd.vectorize(|| wide::Wide::new(simd, &view).at_once(&others, &touch));
+            let plain = view.one_by_one(&others, &touch);
             assert_eq!(wide, plain);
             coming += plain.1.count_ones();
-            let itself = view.one_by_one(&[&FlightState { time: 3.0, ..me }; 4], &touch, soon);
+            let itself = view.one_by_one(&[&me; 4], &touch);
             assert_eq!(itself.1, 0);
         }
         // in this test some neighbours approach, most do not

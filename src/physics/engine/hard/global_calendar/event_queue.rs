@@ -35,10 +35,12 @@ impl QueuedEvent {
     }
 }
 
-/// Table of the next events and the ids of all particles, both by particle index.
+/// Table of the next events of particles with consecutive indices, and of the ids of all particles.
 #[derive(Clone, Copy)]
 pub struct EventTable<'a> {
-    /// Next two events of each particle, by particle index.
+    /// Index of the first particle of the table.
+    pub first: u32,
+    /// Next two events of each particle, from the first particle on.
     pub next_events: &'a [NextEvents],
     /// Id of each particle, by particle index.
     pub ids: &'a [u32],
@@ -49,7 +51,7 @@ impl EventTable<'_> {
     /// counted).
     #[inline]
     fn time(&self, index: u32) -> f64 {
-        self.next_events[index as usize].time
+        self.next_events[(index - self.first) as usize].time
     }
 }
 
@@ -94,9 +96,33 @@ impl EventQueue {
         // frees this memory, which the bins need
         drop(times);
         self.current = self.bin(now);
-        for (index, _) in table.next_events.iter().enumerate().filter(|(_, events)| events.time < before) {
-            self.insert(index as u32, table);
+        for (index, events) in (table.first..).zip(table.next_events) {
+            if events.time < before {
+                self.insert(index, table);
+            }
         }
+    }
+
+    /// Empties the queue, for a few events that are mostly earlier than `end` [s]; the present time is `now` [s]. Both
+    /// times are counted from the epoch (zero of the calendar's time).
+    pub fn restart(&mut self, now: f64, end: f64) {
+        self.near.clear();
+        self.later.clear();
+        self.bins.reset(64);
+        self.in_bins = 0;
+        let rate = 16.0 / (end - now);
+        self.rate = if rate.is_finite() { rate } else { 1.0 };
+        self.current = self.bin(now);
+    }
+
+    /// Removes all entries, outdated ones included, and calls `each` with the index of the particle of every entry.
+    pub fn drain(&mut self, mut each: impl FnMut(u32)) {
+        self.near.drain(..).for_each(|entry| each(entry.index));
+        if self.in_bins > 0 {
+            (0..self.bins.count()).for_each(|bin| self.bins.empty(bin, &mut each));
+        }
+        self.in_bins = 0;
+        self.later.drain(..).for_each(each);
     }
 
     fn bin(&self, time: f64) -> u64 {
@@ -148,9 +174,13 @@ impl EventQueue {
                 if valid && entry.time >= before {
                     return None;
                 }
-                let index = entry.index;
+                let QueuedEvent { time, index } = *entry;
                 self.near.pop();
                 if valid {
+                    // an entry that was outdated for a while may have become valid again
+                    while self.near.last().is_some_and(|next| next.index == index && next.time == time) {
+                        self.near.pop();
+                    }
                     return Some(index);
                 }
             }
@@ -205,7 +235,7 @@ impl EventQueue {
     fn fetch_ahead(&self, table: EventTable) {
         self.bins
             .indices(self.slot(self.current + 1))
-            .for_each(|index| prefetch_index(table.next_events, index as usize));
+            .for_each(|index| prefetch_index(table.next_events, (index - table.first) as usize));
         self.bins.fetch(self.slot(self.current + 2));
     }
 

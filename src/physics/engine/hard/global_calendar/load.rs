@@ -7,10 +7,11 @@ use super::cells::ROUNDING;
 use super::event_queue::{EventQueue, EventTable};
 use super::frame::FallingFrame;
 use super::next_events::{FlightState, NextEvents};
+use super::prediction::Flights;
 use super::shells::RadiusClass;
 use super::sliding::SLIDE;
 use super::walls::WallContacts;
-use super::{GlobalCalendar, LastCollision, Recent};
+use super::{GlobalCalendar, LastCollision, Recent, view_of};
 use crate::engine::driver::Work;
 use crate::engine::population::crowded_density;
 use crate::engine::{Failure, Window, not_a_number};
@@ -18,6 +19,7 @@ use crate::neighbours::along_walls;
 use crate::particles::{CHUNK, Particles};
 use crate::scene::Scene;
 use nalgebra::Vector3;
+use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::f64::consts::{PI, SQRT_2};
 
@@ -38,8 +40,9 @@ const FEWEST: usize = 100;
 /// the layer. Above this value the frame follows the layer from the next window on.
 const LEFT_BEHIND: f64 = 2.0;
 
-/// Number of new shells (balls in which neighbour lists are valid) per particle after which the particles in the store
-/// are sorted again. By then, particles near in memory are no longer near in space.
+/// Number of collisions per particle after which the particles in the store are sorted again. By then, particles near
+/// in memory are no longer near in space. New shells would measure the motion better, but their number depends on the
+/// number of threads.
 const SORT_AFTER: u64 = 40;
 
 /// Kind of change that other parts of the program have made to the particle store since the calendar (event queue of
@@ -62,7 +65,7 @@ impl GlobalCalendar {
             self.walls = WallContacts::of(scene);
         }
         let kicked = scene.is_kicked();
-        let due = self.shells.renewed - self.sorted_at > SORT_AFTER * self.next_events.len() as u64;
+        let due = self.events - self.sorted_at > SORT_AFTER * self.next_events.len() as u64;
         let due = due || (!outdated && self.is_left_behind(work.particles, scene));
         let change = if outdated || due { Change::Moved } else { self.change(work.particles, scene) };
         match change {
@@ -79,13 +82,32 @@ impl GlobalCalendar {
         self.horizon = if kicked { self.now + window.duration } else { f64::INFINITY };
         let anew = kicked || !matches!(change, Change::None);
         if anew {
-            self.foretell_all(scene);
+            self.predict_all(scene);
         }
         if anew || !self.ready {
-            self.queue.fill(EventTable { next_events: &self.next_events, ids: &self.ids }, self.now, self.horizon);
+            self.fill_queue();
         }
         self.ready = true;
         Ok(())
+    }
+
+    /// Puts the next events of all particles into the event queue, which one thread processes.
+    pub(super) fn fill_queue(&mut self) {
+        self.parts.clear();
+        let table = EventTable { first: 0, next_events: &self.next_events, ids: &self.ids };
+        self.queue.fill(table, self.now, self.horizon);
+    }
+
+    /// Predicts the next two events of every particle, without filling the event queue.
+    pub(super) fn predict_all(&mut self, scene: &Scene) {
+        let around = view_of!(self, scene);
+        let flights = Flights { around: &around, first: 0, bodies: &self.bodies, now: self.now, in_order: true };
+        let chunks = self.next_events.par_chunks_mut(CHUNK).zip(self.bodies.par_chunks(CHUNK));
+        let touch_times = chunks.map(|(entries, bodies)| {
+            entries.iter_mut().zip(bodies).for_each(|(events, body)| flights.predict_into(body, events));
+            entries.iter().map(|events| u64::from(events.shell.count())).sum::<u64>()
+        });
+        self.touch_times += touch_times.sum::<u64>();
     }
 
     /// True if the particles fly as a layer that the frame does not follow, as after a rebound from a floor.
@@ -124,8 +146,7 @@ impl GlobalCalendar {
     /// the falling frame of the calendar. The position may be outside the box.
     pub(super) fn motion_in_scene(&self, index: usize) -> (Vector3<f64>, Vector3<f64>) {
         let body = &self.bodies[index];
-        let position = body.position + body.velocity * (self.now - body.time);
-        let flight = self.frame.flight(&position, &body.velocity, self.now);
+        let flight = self.frame.flight(&body.position_at(self.now), &body.velocity, self.now);
         (flight.position, flight.velocity)
     }
 
@@ -171,6 +192,7 @@ impl GlobalCalendar {
     pub fn forget(&mut self) {
         (self.bodies, self.next_events, self.last_collisions) = (Vec::new(), Vec::new(), Vec::new());
         self.queue = EventQueue::default();
+        self.parts = Vec::new();
         self.shells.forget();
     }
 
@@ -188,7 +210,7 @@ impl GlobalCalendar {
         self.forget();
         particles.wrap(&scene.domain);
         particles.reorder(&super::curve::order(particles, &scene.domain));
-        (self.now, self.epoch) = (0.0, start);
+        (self.now, self.epoch, self.slack) = (0.0, start, 0.0);
         self.limit = f64::INFINITY;
         self.frame = FallingFrame {
             offset: Vector3::zeros(),
@@ -228,7 +250,7 @@ impl GlobalCalendar {
         let at_wall: Vec<bool> = (0..particles.len()).map(|index| self.at_wall(index, scene)).collect();
         let domain = self.domain_of_interval(scene);
         self.shells.build(&mut self.next_events, &self.bodies, &domain, &at_wall);
-        self.sorted_at = self.shells.renewed;
+        self.sorted_at = self.events;
         self.ready = true;
         self.builds += 1;
         self.building += self.clock.now() - began;
@@ -294,24 +316,27 @@ impl GlobalCalendar {
             let met = self.history(work.particles, None);
             self.load(work.particles, scene, met, time)?;
             self.horizon = horizon;
-            self.foretell_all(scene);
+            self.predict_all(scene);
         } else {
             self.horizon = horizon;
             self.frame = self.frame.from(self.now);
             self.frame.offset = scene.domain.wrap(&self.frame.offset);
+            // all flights begin anew, inside the box
             for body in &mut self.bodies {
-                body.time -= self.now;
-            }
-            for entry in &mut self.next_events {
-                entry.time -= self.now;
-                entry.second_time -= self.now;
+                body.advance(self.now);
+                body.time = 0.0;
+                if scene.domain.shear.is_none() {
+                    body.position = scene.domain.wrap(&body.position);
+                }
             }
             self.epoch += self.now;
             self.lists_valid_until -= self.now;
             self.now = 0.0;
             self.set_limit(work.particles, scene, time)?;
+            self.shells.find_images(&mut self.next_events, &self.bodies, &scene.domain, self.now);
+            self.predict_all(scene);
         }
-        self.queue.fill(EventTable { next_events: &self.next_events, ids: &self.ids }, self.now, self.horizon);
+        self.fill_queue();
         Ok(())
     }
 
@@ -322,7 +347,7 @@ impl GlobalCalendar {
             return false;
         }
         let body = &self.bodies[index];
-        let flight = self.frame.flight(&body.position, &body.velocity, self.now);
+        let flight = self.frame.flight(&body.position_at(self.now), &body.velocity, self.now);
         // distance by which the frame moves and falls towards walls within the epoch
         let drift = across(scene, self.frame.velocity).norm() * self.limit;
         let fall = drift + 0.5 * across(scene, scene.gravity).norm() * self.limit * self.limit;

@@ -9,41 +9,97 @@
 //! The calendar stores a copy of the flights, in a falling frame, and writes positions and velocities to the particle
 //! store at the end of each window. If velocities in the store have changed when the next window begins, for instance
 //! by drag, all events are predicted again.
+//!
+//! Several threads share the events of many particles without kicks ([`rounds`]).
 
 mod approach;
 mod bins;
 mod cells;
 mod curve;
+mod division;
 mod event_queue;
 mod frame;
 mod list_pool;
 mod load;
 mod next_events;
+mod part;
 mod prediction;
+mod records;
+mod rounds;
+mod search;
 mod shells;
 mod sliding;
+mod undo;
+mod view;
 mod walls;
 
-use super::collapse_detector::{Collapsed, LastCollision, Recent, recent, rests, sliding};
-use super::impulse::{Collision, CollisionMasses};
+use super::collapse_detector::{LastCollision, Recent, recent};
+use super::impulse::ParticleAccess;
 use crate::clock::Clock;
-use crate::encounter::{Couple, Encounter, Other, Partner, WallMotion};
 use crate::engine::driver::Work;
 use crate::engine::{Failure, Window};
-use crate::scene::Scene;
-use event_queue::{EventQueue, EventTable};
+use event_queue::EventQueue;
 use frame::FallingFrame;
-use nalgebra::Vector3;
-use next_events::{EventKind, FlightState, NextEvents};
-use prefetch_index::prefetch_index;
+use next_events::{FlightState, NextEvents};
+use part::EventCounts;
+use rounds::{PartState, Round};
 use serde::{Deserialize, Serialize};
 use shells::Shells;
 use std::time::Duration;
 use walls::WallContacts;
 
-/// Number of impacts after which the log of impacts is added to the record. A time window may have millions of impacts.
-/// A log of this length stays in the processor's cache.
-const KEPT_IMPACTS: usize = 1 << 8;
+/// Data of a calendar that no event changes ([`CalendarView`]), while its other data are borrowed to be changed.
+macro_rules! view_of {
+    ($calendar:expr, $scene:expr) => {
+        $crate::engine::hard::global_calendar::view::CalendarView {
+            scene: $scene,
+            frame: $calendar.frame,
+            limit: $calendar.limit,
+            horizon: $calendar.horizon,
+            epoch: $calendar.epoch,
+            shells: &$calendar.shells,
+            walls: &$calendar.walls,
+            ids: &$calendar.ids,
+            far_images: $calendar.far_images,
+            contact_time: $calendar.contact_time,
+            slack: $calendar.slack,
+            grace: $calendar.grace,
+            clock: &$calendar.clock,
+        }
+    };
+}
+use view_of;
+
+/// All particles of a calendar as one [`Part`], whose events one thread processes.
+macro_rules! whole_of {
+    ($calendar:expr, $around:expr, $particles:expr, $log:expr, $span:expr) => {
+        $crate::engine::hard::global_calendar::part::Part {
+            around: $around,
+            particles: $particles,
+            first: 0,
+            bodies: &mut $calendar.bodies,
+            next_events: &mut $calendar.next_events,
+            last_collisions: &mut $calendar.last_collisions,
+            queue: &mut $calendar.queue,
+            now: $calendar.now,
+            span: $span,
+            log: $log,
+            counts: Default::default(),
+            round: None,
+        }
+    };
+}
+use whole_of;
+
+/// Number of collisions after which the log is added to the record. A time window may have millions of collisions. A log
+/// of this length stays in the processor's cache.
+const KEPT: u64 = 1 << 8;
+
+/// True if the log must be added to the record after the collision with this number. The number counts all collisions of
+/// the run, so the sums in the ledger do not depend on the division of the work.
+fn is_full(collisions: u64) -> bool {
+    collisions.is_multiple_of(KEPT)
+}
 
 /// The event queue of all particles, with copies of their flights, their neighbour lists and their collision histories.
 /// Times are counted from the instant called epoch.
@@ -74,8 +130,7 @@ pub struct GlobalCalendar {
     /// True for each periodic axis along which the box is so short that a pair may touch through an image other than
     /// the nearest one.
     far_images: [bool; 3],
-    /// Number of shells (balls in which neighbour lists are valid) that had been made when the particle store was last
-    /// sorted.
+    /// Number of collisions when the particle store was last sorted.
     sorted_at: u64,
     /// Number of collisions that the event queue has processed so far.
     pub events: u64,
@@ -85,8 +140,34 @@ pub struct GlobalCalendar {
     pub builds: u64,
     /// Wall-clock time that building the event queue and all neighbour lists has taken so far.
     pub building: Duration,
+    /// Event queue of all particles. While several threads share the events, it holds those that concern several parts.
     #[serde(skip)]
     queue: EventQueue,
+    /// Parts of the particles whose events the threads process; empty while one thread processes all events.
+    #[serde(skip)]
+    parts: Vec<PartState>,
+    /// Lists of the events in a round that concern several parts.
+    #[serde(skip)]
+    border: Round,
+    /// [m] distance from the surface of its shell at which a particle gets a new shell, so that shells need not be made
+    /// during a round (piece of time in which several threads process events).
+    #[serde(skip)]
+    slack: f64,
+    /// [s] time after this exit for which touches are predicted.
+    #[serde(skip)]
+    grace: f64,
+    /// [m/s] speed that no particle may exceed in a round.
+    #[serde(skip)]
+    speed: f64,
+    /// [s] length of a round.
+    #[serde(skip)]
+    round: f64,
+    /// [s] time since the epoch at which shells were last made between rounds.
+    #[serde(skip)]
+    renewed_at: f64,
+    /// Number of times that shells have been made between rounds since the particles were divided.
+    #[serde(skip)]
+    renewals: u32,
     #[serde(skip)]
     walls: WallContacts,
     /// True if the data that snapshots of a run do not contain (event queue, cells, walls) have been computed.
@@ -144,19 +225,13 @@ impl GlobalCalendar {
     fn events(&mut self, work: &mut Work<Recent>, span: &mut CalendarWindow) -> Result<(), Failure> {
         loop {
             let stop = span.end.min(self.limit).min(self.lists_valid_until).max(self.now);
-            while let Some(index) = self.queue.next(EventTable { next_events: &self.next_events, ids: &self.ids }, stop)
-            {
-                self.fetch_ahead();
-                self.now = self.next_events[index as usize].time.max(self.now);
-                self.event(index, work, span)?;
-                self.clock.tell(span.time(self.now));
-                if work.log.impacts.len() >= KEPT_IMPACTS {
-                    work.record.absorb(work.log);
-                }
+            if self.is_shared(work.scene) {
+                self.rounds(work, *span, stop)?;
+            } else {
+                self.one_after_the_other(work, *span, stop)?;
             }
-            self.now = stop;
             if stop >= self.lists_valid_until {
-                self.next_interval(work);
+                self.next_interval(work, *span);
             }
             if stop >= span.end {
                 return Ok(());
@@ -170,186 +245,39 @@ impl GlobalCalendar {
         }
     }
 
-    /// Prefetches the data of the next events into the processor's cache. Data are fetched in stages, one event apart:
-    /// first a particle, then its partner and its neighbour list, then the neighbours.
-    fn fetch_ahead(&self) {
-        let upcoming = |after| self.queue.upcoming(after).map(|index| &self.next_events[index as usize]);
-        if let Some(index) = self.queue.upcoming(3) {
-            self.fetch(index);
+    /// Processes all events up to the time `stop` [s] since the epoch by one thread.
+    fn one_after_the_other(&mut self, work: &mut Work<Recent>, span: CalendarWindow, stop: f64) -> Result<(), Failure> {
+        if !self.parts.is_empty() {
+            self.fill_queue();
         }
-        if let Some(events) = upcoming(2) {
-            self.shells.fetch_list(&events.shell);
-            if let EventKind::Pair(j) = events.kind {
-                self.fetch(j);
-            }
-        }
-        if let Some(events) = upcoming(1) {
-            self.fetch_near(events);
-            if let EventKind::Pair(j) = events.kind {
-                self.shells.fetch_list(&self.next_events[j as usize].shell);
-            }
-        }
-        if let Some(NextEvents { kind: EventKind::Pair(j), .. }) = upcoming(0) {
-            self.fetch_near(&self.next_events[*j as usize]);
+        loop {
+            let before = self.events;
+            let around = view_of!(self, work.scene);
+            let particles = ParticleAccess::Exclusive(work.particles);
+            let mut part = whole_of!(self, &around, particles, work.log, span);
+            let leaving = part.run(stop, work.record, before);
+            let (now, counts) = (part.now, part.counts);
+            self.now = now;
+            self.count(counts);
+            let Some(index) = leaving? else { return Ok(()) };
+            self.make_shell(index, work);
+            self.predict_again(index, work, span);
         }
     }
 
-    #[inline]
-    fn fetch(&self, index: u32) {
-        prefetch_index(&self.next_events, index as usize);
-        prefetch_index(&self.bodies, index as usize);
-        prefetch_index(&self.last_collisions, index as usize);
+    /// Predicts the next events of the particle at `index`, and puts the first into the event queue.
+    fn predict_again(&mut self, index: u32, work: &mut Work<Recent>, span: CalendarWindow) {
+        let around = view_of!(self, work.scene);
+        let particles = ParticleAccess::Exclusive(work.particles);
+        let mut part = whole_of!(self, &around, particles, work.log, span);
+        part.predict_events(index);
+        let counts = part.counts;
+        self.count(counts);
     }
 
-    #[inline]
-    fn fetch_near(&self, events: &NextEvents) {
-        self.shells.neighbours(&events.shell).iter().for_each(|&k| prefetch_index(&self.bodies, k as usize));
-    }
-
-    /// Processes the next event of the particle at `index`: a collision or a new shell. An event is void if its partner
-    /// has collided meanwhile; if a second event is stored, it then replaces the void one in the queue. Otherwise the
-    /// next events of all particles that took part are predicted.
-    fn event(&mut self, index: u32, work: &mut Work<Recent>, span: &CalendarWindow) -> Result<(), Failure> {
-        let scene = work.scene;
-        let NextEvents { kind, detail, .. } = self.next_events[index as usize];
-        match kind {
-            EventKind::Pair(j) if self.bodies[j as usize].collision_count == detail => {
-                self.collide(Couple::pair(index, j), 0, work, span)?;
-                self.predict_events(index, scene);
-                self.predict_events(j, scene);
-                return Ok(());
-            }
-            EventKind::Wall(k) => {
-                let at = self.walls.contacts[k as usize];
-                self.collide(Couple::at_wall(index, at), detail, work, span)?;
-            }
-            EventKind::LeaveShell => self.make_shell(index, work),
-            EventKind::Pair(_) if self.next_events[index as usize].has_second() => {
-                self.next_events[index as usize].take_second();
-                self.enqueue(index);
-                return Ok(());
-            }
-            EventKind::Pair(_) | EventKind::Predict => self.bodies[index as usize].advance(self.now),
-        }
-        self.predict_events(index, scene);
-        Ok(())
-    }
-
-    /// Position and velocity of particle `couple.i` relative to the other body at the present time, to which both
-    /// flights must have been advanced. For a wall, `struck` is the number of the surface feature (such as a triangle)
-    /// that is touched.
-    fn meet(&self, couple: &Couple, struck: u32, scene: &Scene) -> Encounter {
-        let body = &self.bodies[couple.i as usize];
-        let radius = self.shells.radius(body);
-        let (normal, gap, velocity) = match couple.other {
-            Other::Particle(j) => {
-                let other = &self.bodies[j as usize];
-                let velocity = body.velocity - other.velocity;
-                let (apart, velocity) = self.domain(scene).relative(&body.position, &other.position, velocity, 0.0);
-                let distance = apart.norm();
-                let normal = if distance > 0.0 { apart / distance } else { Vector3::y() };
-                (normal, distance - (radius + self.shells.radius(other)), velocity)
-            }
-            Other::Wall(at) => {
-                let flight = self.frame.flight(&body.position, &body.velocity, self.now);
-                let wall = &scene.walls[at.wall as usize];
-                let position = scene.domain.wrap(&flight.position);
-                let ahead = self.ahead(wall);
-                let nearest = wall.struck([at.which, struck], &position, radius, ahead);
-                let surface = wall.surface_velocity(&(position - nearest.normal * nearest.distance), ahead);
-                (nearest.normal, nearest.distance - radius, flight.velocity - surface)
-            }
-        };
-        Encounter { normal, gap, velocity, normal_velocity: velocity.dot(&normal) }
-    }
-
-    /// Motion of the wall's surface at the point of contact at the present time: velocity, spin and accelerations.
-    /// `None` for a pair of particles.
-    fn wall_motion(&self, couple: &Couple, met: &Encounter, scene: &Scene) -> Option<WallMotion> {
-        let Other::Wall(at) = couple.other else { return None };
-        let (wall, body) = (&scene.walls[at.wall as usize], &self.bodies[couple.i as usize]);
-        let flight = self.frame.flight(&body.position, &body.velocity, self.now);
-        let depth = self.shells.radius(body) + met.gap;
-        let touched = scene.domain.wrap(&flight.position) - met.normal * depth;
-        Some(WallMotion::of(wall, &touched, self.ahead(wall)))
-    }
-
-    fn collide(
-        &mut self,
-        couple: Couple,
-        struck: u32,
-        work: &mut Work<Recent>,
-        span: &CalendarWindow,
-    ) -> Result<(), Failure> {
-        let (scene, time) = (work.scene, span.time(self.now));
-        for index in couple.indices().into_iter().flatten() {
-            self.bodies[index as usize].advance(self.now);
-        }
-        let met = self.meet(&couple, struck, scene);
-        let kinds = couple.kinds(work.particles);
-        let wall = self.wall_motion(&couple, &met, scene);
-        let image = self.image_velocity(&couple, &met, scene);
-        let collision = Collision { couple, met, elastic: self.in_contact(&couple, time), kinds, wall, image };
-        let weights = self.weights(&couple);
-        let left = span.left(self.now);
-        let (change_i, change_j) = match rests(&collision, scene, self.contact_time) {
-            Some(speed) => (collision.hold_at_rest(speed, weights.mass, scene, left, work.log), Vector3::zeros()),
-            None => collision.apply_impulse(&weights, work.particles, scene, left, work.log),
-        };
-        self.events += 1;
-        for (index, change) in couple.indices().into_iter().flatten().zip([change_i, change_j]) {
-            let body = &mut self.bodies[index as usize];
-            body.velocity += change;
-            body.collision_count = body.collision_count.wrapping_add(1);
-        }
-        self.watch(&collision, scene, time)
-    }
-
-    /// Velocity [m/s] along z of the periodic image that particle `couple.i` hits, relative to the other particle
-    /// itself. It is 0 unless the two meet across a sheared side of the box.
-    fn image_velocity(&self, couple: &Couple, met: &Encounter, scene: &Scene) -> f64 {
-        let Some(j) = couple.j() else { return 0.0 };
-        let own = self.bodies[couple.i as usize].velocity.z - self.bodies[j as usize].velocity.z;
-        scene.domain.whole_slides(own - met.velocity.z)
-    }
-
-    fn weights(&self, couple: &Couple) -> CollisionMasses {
-        let (i, j) = (&self.bodies[couple.i as usize], couple.j().map(|j| &self.bodies[j as usize]));
-        let radius = self.shells.radius(i);
-        CollisionMasses {
-            mass: self.shells.mass(i),
-            other: j.map(|j| self.shells.mass(j)),
-            reach: radius + j.map_or(0.0, |j| self.shells.radius(j)),
-            diameter: 2.0 * j.map_or(radius, |j| radius.min(self.shells.radius(j))),
-        }
-    }
-
-    /// True if the TC model makes a collision of these bodies at simulated time `time` [s] elastic: one of them
-    /// collided less than the contact time before.
-    fn in_contact(&self, couple: &Couple, time: f64) -> bool {
-        let Some(contact_time) = self.contact_time else { return false };
-        couple.indices().into_iter().flatten().any(|i| time - self.last_collisions[i as usize].last < contact_time)
-    }
-
-    /// Adds a collision at simulated time `time` [s] to the histories of both partners. Returns an error if the
-    /// histories show an inelastic collapse (infinitely many impacts in finite time).
-    fn watch(&mut self, collision: &Collision, scene: &Scene, time: f64) -> Result<(), Failure> {
-        let couple = collision.couple;
-        for i in couple.indices().into_iter().flatten() {
-            let met = &mut self.last_collisions[i as usize];
-            let Some(interval) = met.note(collision, scene, time, self.contact_time) else { continue };
-            let (impacts, particle) = (met.impacts, self.ids[i as usize]);
-            let sliding = sliding(collision, scene);
-            let collapsed = Collapsed { impacts, interval, contact_time: self.contact_time, sliding };
-            let partner = match couple.other {
-                Other::Wall(at) => Partner::Wall(at.wall),
-                Other::Particle(j) => Partner::Particle(self.ids[if i == couple.i { j } else { couple.i } as usize]),
-            };
-            let body = &self.bodies[i as usize];
-            let position = scene.domain.wrap(&self.frame.flight(&body.position, &body.velocity, self.now).position);
-            return Err(collapsed.failure(time, (particle, partner), position));
-        }
-        Ok(())
+    fn count(&mut self, counts: EventCounts) {
+        self.events += counts.collisions;
+        self.touch_times += counts.touch_times;
     }
 
     /// Last collisions of all particles that collided less than the contact time of the TC model (in which their next
@@ -367,7 +295,8 @@ impl GlobalCalendar {
     /// the lists were built.
     pub fn state(&self) -> Self {
         let (shells, next_events) = self.shells.tidy(&self.next_events);
-        Self { shells, next_events, queue: EventQueue::default(), ..self.clone() }
+        let without = Self { queue: EventQueue::default(), parts: Vec::new(), ..self.clone() };
+        Self { shells, next_events, ..without }
     }
 
     /// Continues from a state that [`state`](Self::state) has returned. The clock and the contact time of this event

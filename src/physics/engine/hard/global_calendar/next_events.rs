@@ -15,8 +15,8 @@ pub struct FlightState {
     pub position: Vector3<f64>,
     /// [m/s] velocity of the particle in the frame that falls with gravity.
     pub velocity: Vector3<f64>,
-    /// [s] time since the epoch (zero of the calendar's time) at which the particle is at `position`; usually that of
-    /// its last event.
+    /// [s] time since the epoch (zero of the calendar's time) at which the particle is at `position`: that of its last
+    /// collision.
     pub time: f64,
     /// Number of the particle's combination of radius and mass in `Shells::kinds`.
     pub kind: u32,
@@ -26,6 +26,12 @@ pub struct FlightState {
 }
 
 impl FlightState {
+    /// Position [m] of the particle on its flight at the time `now` [s] since the epoch (zero of the calendar's time).
+    #[inline]
+    pub fn position_at(&self, now: f64) -> Vector3<f64> {
+        self.position + self.velocity * (now - self.time)
+    }
+
     /// Moves the particle along its flight to the time `now` [s] since the epoch (zero of the calendar's time).
     #[inline]
     pub fn advance(&mut self, now: f64) {
@@ -92,6 +98,13 @@ impl NextEvents {
     #[inline]
     pub fn has_second(&self) -> bool {
         self.second_time > self.time
+    }
+
+    /// Puts a touch with the particle at `partner` before the stored events. `time` [s] since the epoch is the time of
+    /// the touch, and `detail` the partner's number of collisions.
+    pub fn put_first(&mut self, time: f64, partner: u32, detail: u32) {
+        (self.second_time, self.second_kind, self.second_detail) = (self.time, self.kind, self.detail);
+        (self.time, self.kind, self.detail) = (time, EventKind::Pair(partner), detail);
     }
 
     /// Replaces the next event by the second one, after the partner of the next event has collided with another body.

@@ -1,26 +1,23 @@
 //! Prediction of the next two events of a particle: touches, and the exit from its shell (the ball in which its
-//! neighbour list is valid).
+//! neighbour list is valid). The time of a touch depends only on the flights of the two bodies, not on the instant of
+//! the prediction.
 
-use super::GlobalCalendar;
 #[cfg(target_arch = "x86_64")]
 use super::approach::wide::Wide;
 use super::approach::{FourNeighbours, ObservingParticle};
 use super::cells::ROUNDING;
-use super::event_queue::EventTable;
-use super::next_events::{EventKind, FlightState};
+use super::next_events::{EventKind, FlightState, NextEvents};
 use super::shells::Shell;
-use crate::domain::Domain;
+use super::view::CalendarView;
 use crate::encounter::first_touch;
-use crate::particles::CHUNK;
-use crate::scene::Scene;
 use crate::walls::Touch;
 use nalgebra::Vector3;
-use rayon::prelude::*;
 
-/// A predicted event of a particle, with the time `wait` [s] from now until it happens.
+/// A predicted event of a particle.
 #[derive(Clone, Copy)]
 struct Event {
-    wait: f64,
+    /// [s] time of the event since the epoch (zero of the calendar's time).
+    time: f64,
     kind: EventKind,
     /// Number of the surface feature (such as a triangle) of a wall that is touched; 0 for other events.
     feature: u32,
@@ -28,7 +25,7 @@ struct Event {
 
 /// The earliest two events of a particle, among those that the prediction has found so far.
 #[derive(Clone, Copy)]
-struct Events {
+pub struct Events {
     first: Event,
     second: Event,
 }
@@ -39,8 +36,8 @@ impl Events {
     #[inline]
     fn offer(&mut self, event: Event, ids: &[u32]) {
         let before = |other: &Event| match (event.kind, other.kind) {
-            (EventKind::Pair(j), EventKind::Pair(k)) if event.wait == other.wait => ids[j as usize] < ids[k as usize],
-            _ => event.wait < other.wait,
+            (EventKind::Pair(j), EventKind::Pair(k)) if event.time == other.time => ids[j as usize] < ids[k as usize],
+            _ => event.time < other.time,
         };
         if before(&self.first) {
             *self = Self { first: event, second: self.first };
@@ -58,128 +55,126 @@ const AT_ONCE: usize = 4;
 /// a rounding error, as in [`first_touch`].
 const RESOLUTION: f64 = 4.0 * f64::EPSILON;
 
-impl GlobalCalendar {
-    /// Predicts the next two events of one particle and puts the first into the event queue. The flight of the particle
-    /// must have been advanced to the present time.
-    #[inline]
-    pub(super) fn predict_events(&mut self, index: u32, scene: &Scene) {
-        let events = self.next_events(index, scene);
-        self.touch_times += u64::from(self.next_events[index as usize].shell.count());
-        self.store_events(index, events);
-        self.enqueue(index);
+/// Flights of particles with consecutive indices, and all that a prediction of their events reads.
+#[derive(Clone, Copy)]
+pub struct Flights<'a> {
+    /// Data that no event changes.
+    pub around: &'a CalendarView<'a>,
+    /// Index of the first particle.
+    pub first: u32,
+    /// Flights of the particles from this index on. Neighbours without a flight in this list are left out.
+    pub bodies: &'a [FlightState],
+    /// [s] present time since the epoch (zero of the calendar's time).
+    pub now: f64,
+    /// True if no flight begins later than now.
+    pub in_order: bool,
+}
+
+impl<'a> Flights<'a> {
+    /// Flight of the particle at `index`; `None` if it does not belong to these flights.
+    #[inline(always)]
+    pub fn get(&self, index: u32) -> Option<&'a FlightState> {
+        self.bodies.get(index.wrapping_sub(self.first) as usize)
     }
 
-    /// Puts the next event of a particle into the event queue. Events after the horizon, the time up to which events
-    /// are predicted, are left out.
+    /// Start [s] since the epoch of the later of the present flights of a particle with the flight `body` and of the
+    /// particle `j`, if they may have touched between `start` [s] and this time. Predictions from the present flights do
+    /// not see such a touch. `None` if they have not touched. No particle was faster than `speed` [m/s].
     #[inline]
-    pub(super) fn enqueue(&mut self, index: u32) {
-        if self.next_events[index as usize].time < self.horizon {
-            self.queue.insert(index, EventTable { next_events: &self.next_events, ids: &self.ids });
-        }
+    pub fn may_have_touched(&self, body: &FlightState, j: u32, start: f64, speed: f64) -> Option<f64> {
+        let other = self.get(j)?;
+        let later = Some(body.time.max(other.time)).filter(|later| *later > start)?;
+        let apart = body.position_at(later) - other.position_at(later);
+        let square = self.around.scene.domain.nearest_image(&apart).norm_squared();
+        let shells = self.around.shells;
+        let reach = shells.radius(body) + shells.radius(other) + 2.0 * speed * (later - start);
+        (square <= reach * reach).then_some(later)
     }
 
-    /// Predicts the next two events of every particle, without filling the event queue. All flights must have been
-    /// advanced to the present time.
-    pub(super) fn foretell_all(&mut self, scene: &Scene) {
-        let count = self.bodies.len();
-        self.touch_times += self.next_events.iter().map(|events| u64::from(events.shell.count())).sum::<u64>();
-        if count <= CHUNK {
-            for index in 0..count as u32 {
-                let events = self.next_events(index, scene);
-                self.store_events(index, events);
-            }
-            return;
-        }
-        // a few chunks of particles at a time, so that most events are stored only once in memory, in `next_events`
-        let batch = CHUNK * rayon::current_num_threads();
-        for first in (0..count).step_by(batch) {
-            let (last, this) = (count.min(first + batch), &*self);
-            let each = (first as u32..last as u32).into_par_iter().with_min_len(CHUNK);
-            let events: Vec<Events> = each.map(|index| this.next_events(index, scene)).collect();
-            for (index, events) in (first as u32..).zip(events) {
-                self.store_events(index, events);
-            }
-        }
-    }
-
+    /// Writes the next two events of the particle with the flight `body` into its entry `events`.
     #[inline]
-    fn store_events(&mut self, index: u32, Events { first, second }: Events) {
+    pub fn predict_into(&self, body: &FlightState, events: &mut NextEvents) {
+        let Events { first, second } = self.next_events(body, &events.shell);
         let detail = |event: &Event| match event.kind {
-            EventKind::Pair(j) => self.bodies[j as usize].collision_count,
+            EventKind::Pair(j) => self.get(j).map_or(0, |other| other.collision_count),
             EventKind::Wall(_) | EventKind::LeaveShell | EventKind::Predict => event.feature,
         };
-        let details = (detail(&first), detail(&second));
-        let events = &mut self.next_events[index as usize];
-        (events.time, events.second_time) = (self.now + first.wait, self.now + second.wait);
+        (events.time, events.second_time) = (first.time, second.time);
         (events.kind, events.second_kind) = (first.kind, second.kind);
-        (events.detail, events.second_detail) = details;
+        (events.detail, events.second_detail) = (detail(&first), detail(&second));
     }
 
     /// Finds the earliest two events of a particle. The candidates are the exit from its shell (ball in which its
-    /// neighbour list is valid), the end of prediction, and all touches. If no touch is the first event, both events
-    /// are the same.
+    /// neighbour list is valid), the end of prediction, and all touches. If the end of prediction is the first event,
+    /// both events are the same.
     #[inline]
-    fn next_events(&self, index: u32, scene: &Scene) -> Events {
-        let (body, shell) = (&self.bodies[index as usize], &self.next_events[index as usize].shell);
-        let leave = leave(body, &shell.centre(), self.shells.margin);
-        let end = self.horizon.min(self.limit) - self.now;
-        let (wait, kind) = if leave < end { (leave, EventKind::LeaveShell) } else { (end, EventKind::Predict) };
-        let last = Event { wait, kind, feature: 0 };
-        let mut events = Events { first: last, second: last };
-        if self.far_images == [false; 3] && (shell.inside || scene.domain.shear.is_none()) {
-            self.touches(body, shell, &scene.domain, &mut events);
+    fn next_events(&self, body: &FlightState, shell: &Shell) -> Events {
+        let around = self.around;
+        let leave = self.now + self.leave(body, &shell.centre());
+        let end = around.horizon.min(around.limit);
+        let never = |time: f64| Event { time, kind: EventKind::Predict, feature: 0 };
+        let mut events = if leave < end {
+            let leave = Event { time: leave, kind: EventKind::LeaveShell, feature: 0 };
+            Events { first: leave, second: if around.slack > 0.0 { never(leave.time + around.grace) } else { leave } }
         } else {
-            self.all_images(body, self.shells.neighbours(shell), scene, &mut events);
+            Events { first: never(end), second: never(end) }
+        };
+        let domain = &around.scene.domain;
+        if around.far_images == [false; 3] && !around.shells.is_at_sheared_side(shell, domain) {
+            self.touches(body, shell, &mut events);
+        } else {
+            self.all_images(body, around.shells.neighbours(shell), &mut events);
         }
-        if shell.at_wall && last.wait < f64::INFINITY {
-            self.at_walls(body, scene, &mut events);
+        if shell.at_wall && events.first.time < f64::INFINITY {
+            self.at_walls(body, &mut events);
         }
         events
     }
 
     /// Adds to `events` the coming touches of a particle with walls, if they are among the earliest two events.
-    fn at_walls(&self, body: &FlightState, scene: &Scene, events: &mut Events) {
-        let mut flight = self.frame.flight(&body.position, &body.velocity, self.now);
+    fn at_walls(&self, body: &FlightState, events: &mut Events) {
+        let around = self.around;
+        let (scene, walls) = (around.scene, around.walls);
+        // places of moving walls are those of the present window
+        let start = if scene.has_moving_walls() { self.now } else { body.time };
+        let mut flight = around.frame.flight(&body.position_at(start), &body.velocity, start);
         flight.position = scene.domain.wrap(&flight.position);
-        let (radius, until) = (self.shells.radius(body), events.second.wait);
+        let radius = around.shells.radius(body);
+        let until = events.second.time - start;
         let mut ask = |k: u32| {
-            let at = self.walls.contacts[k as usize];
-            let (wall, span) =
-                (&scene.walls[at.wall as usize], (self.ahead(&scene.walls[at.wall as usize]), events.second.wait));
+            let at = walls.contacts[k as usize];
+            let wall = &scene.walls[at.wall as usize];
+            let span = (around.ahead(wall, start), events.second.time - start);
             if let Some(Touch { time, feature }) = wall.first_touch(at.which, &flight, radius, span) {
-                events.offer(Event { wait: time, kind: EventKind::Wall(k), feature }, &self.ids);
+                events.offer(Event { time: start + time, kind: EventKind::Wall(k), feature }, around.ids);
             }
         };
-        if self.walls.near.are_few() {
-            (0..self.walls.contacts.len() as u32).for_each(ask);
+        if walls.near.are_few() {
+            (0..walls.contacts.len() as u32).for_each(ask);
             return;
         }
         let way = (flight.velocity.norm() + 0.5 * flight.gravity.norm() * until) * until;
         let reach = (radius + way) * (1.0 + ROUNDING);
         let mut near = Vec::new();
-        self.walls.near.list(&flight.position, reach, &mut near);
-        near.into_iter().flat_map(|wall| self.walls.of_wall(wall)).for_each(&mut ask);
+        walls.near.list(&flight.position, reach, &mut near);
+        near.into_iter().flat_map(|wall| walls.of_wall(wall)).for_each(&mut ask);
     }
 
     /// Adds to `events` the coming touches of a particle with the nearest images of its neighbours. The processor's
     /// vector instructions are used if it has them.
     #[inline]
-    fn touches(&self, body: &FlightState, shell: &Shell, domain: &Domain, events: &mut Events) {
-        let view = ObservingParticle {
-            here: body.position,
-            velocity: body.velocity,
-            now: self.now,
-            inside: shell.inside,
-            domain,
-        };
-        // the factor allows for rounding, so that touches at equal times are all found
-        let soon = 2.0 * events.second.wait * (1.0 + 1e-9);
+    fn touches(&self, body: &FlightState, shell: &Shell, events: &mut Events) {
+        let domain = &self.around.scene.domain;
+        // in a sheared box, new shells shift particles by whole periods
+        let (until, now, across) = (events.second.time, self.now, shell.across || domain.shear.is_some());
+        let is_latest = self.in_order && body.time == now;
+        let view = ObservingParticle { flight: body, until, now, is_latest, across, domain };
         #[cfg(target_arch = "x86_64")]
         if let Some(simd) = pulp::x86::V3::try_new() {
             simd.vectorize(
                 #[inline(always)]
                 || {
-                    let wide = Wide::new(simd, &view, soon);
+                    let wide = Wide::new(simd, &view);
                     self.touches_by(
                         body,
                         shell,
@@ -191,7 +186,7 @@ impl GlobalCalendar {
             );
             return;
         }
-        self.touches_by(body, shell, |others, touch| view.one_by_one(others, touch, soon), events);
+        self.touches_by(body, shell, |others, touch| view.one_by_one(others, touch), events);
     }
 
     /// Adds to `events` the coming touches of a particle with its neighbours. The function `test` tests four neighbours
@@ -205,17 +200,20 @@ impl GlobalCalendar {
         test: impl Fn(&[&FlightState; 4], &[f64; 4]) -> (FourNeighbours, u32),
         events: &mut Events,
     ) {
-        let radius = self.shells.radius(body);
-        let (alike, largest_square) = (self.shells.alike(), (2.0 * self.shells.largest()).powi(2));
-        for indices in self.shells.in_fours(shell).chunks(AT_ONCE) {
+        let shells = self.around.shells;
+        let radius = shells.radius(body);
+        let (alike, largest_square) = (shells.alike(), (2.0 * shells.largest()).powi(2));
+        // the particle itself stands for neighbours that are left out: it does not touch itself
+        let flight = |index: u32| self.get(index).unwrap_or(body);
+        for indices in shells.in_fours(shell).chunks(AT_ONCE) {
             let (mut seen, mut coming) = ([FourNeighbours::default(); AT_ONCE], 0);
             for (k, (four, indices)) in seen.iter_mut().zip(indices).enumerate() {
                 let [a, b, c, d] = *indices;
-                let others = [self.body(a), self.body(b), self.body(c), self.body(d)];
+                let others = [flight(a), flight(b), flight(c), flight(d)];
                 let touch = if alike {
                     [largest_square; 4]
                 } else {
-                    others.map(|other| (radius + self.shells.radius(other)).powi(2))
+                    others.map(|other| (radius + shells.radius(other)).powi(2))
                 };
                 let come;
                 (*four, come) = test(&others, &touch);
@@ -229,40 +227,37 @@ impl GlobalCalendar {
         }
     }
 
-    #[inline(always)]
-    fn body(&self, index: u32) -> &FlightState {
-        &self.bodies[index as usize]
-    }
-
     /// Adds to `events` the touch of a particle with one approaching neighbour. `k` is the number of the neighbour in
     /// the group `four`, and `index` its particle index.
     #[inline(always)]
     fn touch(&self, body: &FlightState, four: &FourNeighbours, (k, index): (usize, u32), events: &mut Events) {
         let (closing, gap, discriminant) = (four.closing[k], four.gap[k], four.discriminant[k]);
         let wait = if gap <= 0.0 { 0.0 } else { gap / (closing + discriminant.sqrt()) };
-        if wait > events.second.wait {
-            return;
-        }
-        let other = &self.bodies[index as usize];
-        let reach = self.shells.radius(body) + self.shells.radius(other);
+        let time = four.start[k] + wait;
+        let Some(other) = self.get(index).filter(|_| time <= events.second.time) else { return };
+        let shells = self.around.shells;
+        let reach = shells.radius(body) + shells.radius(other);
         // at least the square of the sum of both speeds
         let speeds_square = 2.0 * (body.velocity.norm_squared() + other.velocity.norm_squared());
         if closing * closing > RESOLUTION * RESOLUTION * (gap + reach * reach) * speeds_square {
-            events.offer(Event { wait, kind: EventKind::Pair(index), feature: 0 }, &self.ids);
+            events.offer(Event { time, kind: EventKind::Pair(index), feature: 0 }, self.around.ids);
         }
     }
 
     /// Adds to `events` the coming touches of a particle with all images of its neighbours. This is needed near sheared
-    /// sides, and in a box so short that images other than the nearest may touch.
-    fn all_images(&self, body: &FlightState, neighbours: &[u32], scene: &Scene, events: &mut Events) {
-        let (size, domain) = (&scene.domain.size, self.domain(scene));
+    /// sides, and in a box so short that images other than the nearest may touch. The times are computed from the
+    /// present places.
+    fn all_images(&self, body: &FlightState, neighbours: &[u32], events: &mut Events) {
+        let around = self.around;
+        let size = &around.scene.domain.size;
         for &j in neighbours {
-            let other = &self.bodies[j as usize];
-            let there = other.position + other.velocity * (self.now - other.time);
-            let (apart, velocity) = domain.relative(&body.position, &there, body.velocity - other.velocity, 0.0);
-            let reach = self.shells.radius(body) + self.shells.radius(other);
+            let Some(other) = self.get(j) else { continue };
+            let (here, there) = (body.position_at(self.now), other.position_at(self.now));
+            let (apart, velocity) = around.relative(&here, &there, body.velocity - other.velocity, self.now);
+            let reach = around.shells.radius(body) + around.shells.radius(other);
             let speeds = body.velocity.norm() + other.velocity.norm();
-            let images = (0..8usize).filter(|image| (0..3).all(|axis| image >> axis & 1 == 0 || self.far_images[axis]));
+            let far = around.far_images;
+            let images = (0..8usize).filter(|image| (0..3).all(|axis| image >> axis & 1 == 0 || far[axis]));
             let touch = images.filter_map(|image| {
                 let apart = Vector3::from_fn(|axis, _| {
                     apart[axis] - if image >> axis & 1 == 1 { size[axis].copysign(apart[axis]) } else { 0.0 }
@@ -270,22 +265,23 @@ impl GlobalCalendar {
                 first_touch(&apart, &velocity, reach, speeds)
             });
             if let Some(wait) = touch.reduce(f64::min) {
-                events.offer(Event { wait, kind: EventKind::Pair(j), feature: 0 }, &self.ids);
+                events.offer(Event { time: self.now + wait, kind: EventKind::Pair(j), feature: 0 }, around.ids);
             }
         }
     }
-}
 
-/// Time [s] until a particle is `margin` [m] away from the centre [m] of its shell (ball in which its neighbour list is
-/// valid). It is infinite if the particle does not move in the falling frame.
-fn leave(body: &FlightState, centre: &Vector3<f64>, margin: f64) -> f64 {
-    let from = body.position - centre;
-    let (along, square) = (from.dot(&body.velocity), body.velocity.norm_squared());
-    if square == 0.0 {
-        return f64::INFINITY;
+    /// Time [s] from now until a particle leaves its shell (ball in which its neighbour list is valid) with the centre
+    /// `centre` [m]. It is infinite if the particle does not move in the falling frame.
+    fn leave(&self, body: &FlightState, centre: &Vector3<f64>) -> f64 {
+        let (margin, domain) = (self.around.shells.margin - self.around.slack, &self.around.scene.domain);
+        let from = domain.nearest_image(&(body.position_at(self.now) - centre));
+        let (along, square) = (from.dot(&body.velocity), body.velocity.norm_squared());
+        if square == 0.0 {
+            return f64::INFINITY;
+        }
+        let room = (margin * margin - from.norm_squared()).max(0.0);
+        // this form of the root does not subtract nearly equal numbers, which would lose digits
+        let root = (along * along + square * room).sqrt();
+        if along > 0.0 { room / (along + root) } else { (root - along) / square }
     }
-    let room = (margin * margin - from.norm_squared()).max(0.0);
-    // this form of the root does not subtract nearly equal numbers, which would lose digits
-    let root = (along * along + square * room).sqrt();
-    if along > 0.0 { room / (along + root) } else { (root - along) / square }
 }

@@ -5,9 +5,10 @@
 //! leaves its shell gets a new one, while the other shells stay.
 
 use super::cells::{ROUNDING, ShellGrid, rounded, widened};
+use super::division::Division;
 use super::list_pool::{ListPool, room_for, size};
 use super::next_events::{FlightState, NextEvents};
-use super::sliding::SLIDE;
+use super::search::{Lists, has_images};
 use crate::domain::Domain;
 use crate::particles::CHUNK;
 use nalgebra::Vector3;
@@ -27,8 +28,12 @@ pub struct Shell {
     room: u8,
     /// True if the particle may touch a wall before it leaves the shell.
     pub at_wall: bool,
-    /// True if no periodic side of the box lies between the particle and any of its neighbours.
-    pub inside: bool,
+    /// True if the particle may have neighbours in another part of the particles, whose events another thread
+    /// processes.
+    pub at_border: bool,
+    /// True if a neighbour may be nearer through a periodic image. Flights may lead out of the box, so this does not
+    /// follow from the centre.
+    pub across: bool,
 }
 
 /// Class of particles: a combination of radius and mass.
@@ -43,11 +48,12 @@ pub struct RadiusClass {
 /// Grid with the shells of all particles in a range of radii whose largest is at most twice the smallest. A single grid
 /// for all sizes would have very many small particles in each cell.
 #[derive(Clone, Debug)]
-struct ShellLevel {
-    cells: ShellGrid,
-    /// [m] smallest and largest radius of the particles in this grid.
-    smallest: f64,
-    largest: f64,
+pub struct ShellLevel {
+    pub cells: ShellGrid,
+    /// [m] smallest radius of the particles in this grid.
+    pub smallest: f64,
+    /// [m] largest radius of the particles in this grid.
+    pub largest: f64,
 }
 
 /// The shells of all particles (balls in which neighbour lists are valid), with the lists.
@@ -67,7 +73,7 @@ pub struct Shells {
     pub checks: u64,
     /// Grids with the centres of shells, one for each range of radii, in ascending order.
     #[serde(skip)]
-    levels: Vec<ShellLevel>,
+    pub levels: Vec<ShellLevel>,
     /// Largest radius [m] of any particle.
     #[serde(skip)]
     largest: f64,
@@ -83,17 +89,9 @@ pub struct Shells {
     /// Free memory blocks between the neighbour lists, which other lists may use.
     #[serde(skip)]
     free: ListPool,
-}
-
-/// Neighbour lists of some consecutive particles, before they are stored with those of other particles.
-#[derive(Default)]
-struct Lists {
-    /// Neighbours of all particles of these lists, list after list.
-    near: Vec<u32>,
-    /// Number of neighbours in the list of each particle.
-    counts: Vec<u32>,
-    /// Number of distances between shells that were computed for these lists.
-    checks: u64,
+    /// Division of the particles among threads, and particles whose neighbours in other parts have changed.
+    #[serde(skip)]
+    pub parts: Division,
 }
 
 /// Inverse of the fraction of memory that is reserved for growth of the neighbour lists. After a random start the lists
@@ -128,9 +126,6 @@ impl Shells {
             entry.shell = Shell { centre: rounded(&body.position), at_wall, ..Shell::default() };
         }
         self.fill_cells(next_events, bodies, domain);
-        for entry in &mut *next_events {
-            entry.shell.inside = self.is_inside(&entry.shell.centre, domain);
-        }
         self.near.clear();
         self.free.clear();
         let chunks = bodies.len().div_ceil(CHUNK);
@@ -139,7 +134,10 @@ impl Shells {
         for first in (0..chunks).step_by(batch) {
             let last = chunks.min(first + batch);
             let (this, all) = (&*self, &*next_events);
-            let look = |chunk| this.look_around_chunk(chunk, all, bodies, domain);
+            let look = |chunk: usize| {
+                let indices = chunk * CHUNK..((chunk + 1) * CHUNK).min(bodies.len());
+                this.look_around_each(indices.map(|index| index as u32), all, bodies, (domain, 0.0))
+            };
             let parts: Vec<Lists> = (first..last).into_par_iter().map(look).collect();
             self.reserve(&parts, (last * CHUNK).min(bodies.len()), bodies.len());
             for (chunk, lists) in (first..last).zip(parts) {
@@ -149,27 +147,18 @@ impl Shells {
         self.renewed += bodies.len() as u64;
     }
 
+    /// Finds again, for each particle, if a neighbour may be nearer through a periodic image. This is needed after flights
+    /// have been shifted by whole periods. `now` [s] is the present time.
+    pub fn find_images(&self, next_events: &mut [NextEvents], bodies: &[FlightState], domain: &Domain, now: f64) {
+        for (index, NextEvents { shell, .. }) in (0..).zip(next_events) {
+            shell.across = has_images(index, self.neighbours(shell), bodies, (domain, now));
+        }
+    }
+
     /// Frees the memory of all lists and cells, before these are made again.
     pub fn forget(&mut self) {
         (self.near, self.levels) = (Vec::new(), Vec::new());
         self.free.clear();
-    }
-
-    /// Makes the neighbour lists of the particles in one chunk, a fixed number of consecutive particles.
-    fn look_around_chunk(
-        &self,
-        chunk: usize,
-        next_events: &[NextEvents],
-        bodies: &[FlightState],
-        domain: &Domain,
-    ) -> Lists {
-        let mut lists = Lists::default();
-        for index in chunk * CHUNK..((chunk + 1) * CHUNK).min(bodies.len()) {
-            let before = lists.near.len();
-            lists.checks += self.look_around(index as u32, next_events, bodies, domain, &mut lists.near);
-            lists.counts.push((lists.near.len() - before) as u32);
-        }
-        lists
     }
 
     /// Reserves memory for the neighbour lists in `parts`, after which the first `known` particles have lists. If
@@ -188,14 +177,13 @@ impl Shells {
     /// index `first`. The place of each list is written to its particle in `next_events`.
     fn hand_out(&mut self, lists: Lists, first: usize, next_events: &mut [NextEvents]) {
         self.checks += lists.checks;
-        let mut near = lists.near.as_slice();
-        for ((index, entry), count) in (first as u32..).zip(&mut next_events[first..]).zip(lists.counts) {
-            let (own, rest) = near.split_at(count as usize);
-            near = rest;
+        for ((index, entry), (own, across)) in (first as u32..).zip(&mut next_events[first..]).zip(lists.each()) {
+            let count = own.len() as u32;
             let (first, room) = (self.near.len() as u32, room_for(count));
             self.near.extend_from_slice(own);
             self.near.resize((first + size(room)) as usize, index);
             (entry.shell.first, entry.shell.count, entry.shell.room) = (first, count, room);
+            entry.shell.across = across;
         }
     }
 
@@ -230,25 +218,17 @@ impl Shells {
         self.levels.iter().take_while(|level| level.largest < radius).count()
     }
 
-    /// True if a shell's centre [m] is so far from all periodic sides of the box that none lies between the particle
-    /// and its neighbours.
-    fn is_inside(&self, centre: &[f32; 3], domain: &Domain) -> bool {
-        let reach = self.search_radius(domain);
-        let within = |axis: usize| {
-            let x = f64::from(centre[axis]);
-            x > reach && x < domain.size[axis] - reach
-        };
-        (0..3).all(|axis| !domain.periodic[axis] || within(axis))
-    }
-
     /// True if a shell is so near to a sheared side of the box that its particle may have neighbours across that side.
     pub fn is_at_sheared_side(&self, shell: &Shell, domain: &Domain) -> bool {
+        if domain.shear.is_none() {
+            return false;
+        }
         let (y, reach) = (f64::from(shell.centre[1]), self.search_radius(domain));
-        domain.shear.is_some() && !(reach..domain.size.y - reach).contains(&y)
+        !(reach..domain.size.y - reach).contains(&y)
     }
 
     /// [m] distance between centres beyond which two shells never overlap, with an allowance for rounding.
-    fn search_radius(&self, domain: &Domain) -> f64 {
+    pub fn search_radius(&self, domain: &Domain) -> f64 {
         2.0 * (self.largest + self.margin) + 2.0 * ROUNDING * domain.size.max()
     }
 
@@ -297,92 +277,53 @@ impl Shells {
         (first..last).step_by(PER_LINE).chain([last]).for_each(|at| prefetch_index(&self.near, at));
     }
 
-    /// Appends to `found` the indices of all particles whose shells overlap that of particle `i`, and of some whose
-    /// shells nearly do. Returns the number of shells tested.
-    fn look_around(
-        &self,
-        i: u32,
-        next_events: &[NextEvents],
-        bodies: &[FlightState],
-        domain: &Domain,
-        found: &mut Vec<u32>,
-    ) -> u64 {
-        let (centre, radius) = (next_events[i as usize].shell.centre(), self.radius(&bodies[i as usize]));
-        let near = |j: u32| {
-            let reach = radius + self.radius(&bodies[j as usize]) + 2.0 * self.margin;
-            domain.separation(&centre, &next_events[j as usize].shell.centre()).norm_squared() < reach * reach
-        };
-        let mut checks = 0;
-        for ShellLevel { cells, smallest, largest } in &self.levels {
-            let (before, farthest) = (found.len(), radius + largest + 2.0 * self.margin);
-            checks += if radius <= *largest {
-                cells.near(&centre, farthest, found)
-            } else {
-                cells.near_by_far(&centre, farthest, found)
-            };
-            let mut end = before;
-            for k in before..found.len() {
-                let j = found[k];
-                found[end] = j;
-                end += usize::from(j != i && (smallest == largest || near(j)));
-            }
-            found.truncate(end);
-        }
-        checks + self.look_across(i, next_events, bodies, domain, found)
-    }
-
-    /// Appends to `found` the particles whose shells may overlap an image of the shell of particle `i` across a sheared
-    /// side. From their places in `domain`, images slide along that side by up to [`SLIDE`] times the margin. Returns
-    /// the number of shells tested.
-    fn look_across(
-        &self,
-        i: u32,
-        next_events: &[NextEvents],
-        bodies: &[FlightState],
-        domain: &Domain,
-        found: &mut Vec<u32>,
-    ) -> u64 {
-        let (centre, radius) = (next_events[i as usize].shell.centre(), self.radius(&bodies[i as usize]));
-        let mut checks = 0;
-        domain.for_each_across(&centre, self.search_radius(domain), |image| {
-            for ShellLevel { cells, largest, .. } in &self.levels {
-                let before = found.len();
-                checks += cells.near_by_far(&image, radius + largest + (2.0 + SLIDE) * self.margin, found);
-                let mut end = before;
-                for k in before..found.len() {
-                    let j = found[k];
-                    found[end] = j;
-                    let reach = radius + self.radius(&bodies[j as usize]) + 2.0 * self.margin;
-                    let apart = domain.separation(&centre, &next_events[j as usize].shell.centre());
-                    end += usize::from(apart.y.abs() < reach && apart.norm() < reach + SLIDE * self.margin);
-                }
-                found.truncate(end);
-            }
-        });
-        checks
-    }
-
-    /// Makes a new shell about the position of particle `i`, which must be inside the box. Updates the neighbour lists
-    /// of `i`, of its old neighbours and of its new ones. `at_wall` is true if the particle may touch a wall within its
-    /// new shell.
+    /// Makes a new shell about the point `centre` [m] for particle `i`. The point must be inside the box. Updates the
+    /// neighbour lists of `i`, of its old neighbours and of its new ones. `at_wall` is true if the particle may touch a
+    /// wall within its new shell.
     pub fn update_neighbour_list(
         &mut self,
         i: u32,
+        (centre, at_wall): (&Vector3<f64>, bool),
         next_events: &mut [NextEvents],
         bodies: &[FlightState],
-        domain: &Domain,
-        at_wall: bool,
+        (domain, now): (&Domain, f64),
     ) {
-        let shell = next_events[i as usize].shell;
-        let centre = rounded(&bodies[i as usize].position);
-        let inside = self.is_inside(&centre, domain);
-        let renewed = Shell { centre, at_wall, inside, ..shell };
-        next_events[i as usize].shell = renewed;
-        let level = self.level(&bodies[i as usize]);
-        self.levels[level].cells.change(i, shell.centre, centre);
+        self.recentre(i, (centre, at_wall), next_events, bodies);
         let mut found = std::mem::take(&mut self.found);
         found.clear();
         self.checks += self.look_around(i, next_events, bodies, domain, &mut found);
+        let across = has_images(i, &found, bodies, (domain, now));
+        self.relink(i, (&found, across), next_events, bodies, (domain, now));
+        self.found = found;
+    }
+
+    /// Moves the shell of particle `i` to the point `centre` [m] inside the box; its neighbour list must be made again.
+    /// `at_wall` is true if the particle may touch a wall within the shell.
+    pub fn recentre(
+        &mut self,
+        i: u32,
+        (centre, at_wall): (&Vector3<f64>, bool),
+        next_events: &mut [NextEvents],
+        bodies: &[FlightState],
+    ) {
+        let level = self.level(&bodies[i as usize]);
+        let shell = &mut next_events[i as usize].shell;
+        let centre = rounded(centre);
+        self.levels[level].cells.change(i, shell.centre, centre);
+        *shell = Shell { centre, at_wall, ..*shell };
+    }
+
+    /// Makes the list of the particles in `found` the neighbour list of particle `i`, and updates the lists of its old
+    /// and of its new neighbours. `across` is true if one of them may be nearer through a periodic image.
+    pub fn relink(
+        &mut self,
+        i: u32,
+        (found, across): (&[u32], bool),
+        next_events: &mut [NextEvents],
+        bodies: &[FlightState],
+        (domain, now): (&Domain, f64),
+    ) {
+        let shell = next_events[i as usize].shell;
         // most neighbours stay neighbours, so only the lists of new and of lost neighbours are changed
         self.marks.resize(next_events.len(), 0);
         let was_near = 2 * ((self.renewed + 1) as u32 & (u32::MAX >> 1));
@@ -392,11 +333,18 @@ impl Shells {
         for k in shell.first..shell.first + shell.count {
             self.marks[self.near[k as usize] as usize] = was_near;
         }
-        for &j in &found {
+        let own = self.parts.of(i);
+        let mut at_border = false;
+        for &j in found {
+            let is_foreign = !own.contains(&j);
+            at_border |= is_foreign;
             if self.marks[j as usize] == was_near {
                 self.marks[j as usize] = was_near + 1;
             } else {
-                self.add(&mut next_events[j as usize].shell, j, i);
+                let other = &mut next_events[j as usize].shell;
+                self.add(other, j, i);
+                other.at_border |= is_foreign;
+                other.across |= across && has_images(i, &[j], bodies, (domain, now));
             }
         }
         for k in shell.first..shell.first + shell.count {
@@ -413,12 +361,11 @@ impl Shells {
         if wanted != shell.room {
             *shell = self.moved(shell, wanted);
         }
-        shell.count = count;
+        (shell.count, shell.at_border, shell.across) = (count, at_border, across);
         let room = size(shell.room) as usize;
         let (own, free) = self.near[shell.first as usize..][..room].split_at_mut(found.len());
-        own.copy_from_slice(&found);
+        own.copy_from_slice(found);
         free.fill(i);
-        self.found = found;
         self.renewed += 1;
     }
 

@@ -7,7 +7,7 @@
 //! distance that a particle may move from the centre of its shell. A list is made for one interval. When the interval
 //! ends, all shells near the sheared sides are made anew.
 
-use super::{GlobalCalendar, Recent};
+use super::{CalendarWindow, GlobalCalendar, Recent};
 use crate::domain::Domain;
 use crate::engine::driver::Work;
 use crate::particles::SideCrossings;
@@ -22,12 +22,6 @@ use std::borrow::Cow;
 pub const SLIDE: f64 = 3.0;
 
 impl GlobalCalendar {
-    /// The box with the images across its sheared sides at their present places; without shear, the box itself.
-    #[inline]
-    pub(super) fn domain<'a>(&self, scene: &'a Scene) -> Cow<'a, Domain> {
-        scene.domain.at(self.epoch + self.now)
-    }
-
     /// The box with images at their places in the middle of the present interval, for which neighbour lists across
     /// sheared sides are made.
     pub(super) fn domain_of_interval<'a>(&self, scene: &'a Scene) -> Cow<'a, Domain> {
@@ -47,22 +41,37 @@ impl GlobalCalendar {
         self.lists_valid_until = self.now + self.interval(scene);
     }
 
-    /// Moves the particle at `index` to the present time and into the box, and gives it a new shell (ball in which its
-    /// neighbour list is valid). If the particle crosses a sheared side, the work of the crossing is added to the
-    /// ledger, the sums of energies of the run.
+    /// Gives the particle at `index` a new shell (ball in which its neighbour list is valid). In a sheared box its
+    /// flight begins anew, at its present place in the box. If it crosses a sheared side, the work of the crossing is
+    /// added to the ledger, the sums of energies of the run.
     pub(super) fn make_shell(&mut self, index: u32, work: &mut Work<Recent>) {
-        let (now, scene) = (self.now, work.scene);
-        let (domain, mass) = (self.domain(scene), self.shells.mass(&self.bodies[index as usize]));
+        let scene = work.scene;
+        if scene.domain.shear.is_some() {
+            self.cross_sides(index, work);
+        }
+        let centre = self.centre(index, scene);
+        let at_wall = self.at_wall(index as usize, scene);
+        let domain = self.domain_of_interval(scene);
+        let (shells, bodies, now) = (&mut self.shells, &self.bodies, self.now);
+        shells.update_neighbour_list(index, (&centre, at_wall), &mut self.next_events, bodies, (&domain, now));
+    }
+
+    /// [m] present place of the particle at `index`, in the box.
+    pub(super) fn centre(&self, index: u32, scene: &Scene) -> Vector3<f64> {
+        scene.domain.wrap(&self.bodies[index as usize].position_at(self.now))
+    }
+
+    /// Moves the particle at `index` to the present time and into a sheared box.
+    fn cross_sides(&mut self, index: u32, work: &mut Work<Recent>) {
+        let mass = self.shells.mass(&self.bodies[index as usize]);
+        let domain = work.scene.domain.at(self.epoch + self.now);
         let body = &mut self.bodies[index as usize];
-        body.advance(now);
-        let before = body.velocity.z + self.frame.velocity_at(now).z;
+        body.advance(self.now);
+        let before = body.velocity.z + self.frame.velocity_at(self.now).z;
         let change = domain.wrap_motion(&mut body.position, &mut body.velocity);
         if change != 0.0 {
             work.record.ledger += SideCrossings::of(mass, before, change);
         }
-        let at_wall = self.at_wall(index as usize, scene);
-        let domain = self.domain_of_interval(scene);
-        self.shells.update_neighbour_list(index, &mut self.next_events, &self.bodies, &domain, at_wall);
     }
 
     /// Particles that have flown beyond a sheared side of the box. For each of them: index, velocity along z [m/s], and
@@ -106,12 +115,12 @@ impl GlobalCalendar {
 
     /// Begins the next interval of sliding images: makes the shells near the sheared sides anew, and predicts the
     /// events of their particles.
-    pub(super) fn next_interval(&mut self, work: &mut Work<Recent>) {
+    pub(super) fn next_interval(&mut self, work: &mut Work<Recent>, span: CalendarWindow) {
         self.begin_interval(work.scene);
         for index in 0..self.next_events.len() as u32 {
             if self.shells.is_at_sheared_side(&self.next_events[index as usize].shell, &work.scene.domain) {
                 self.make_shell(index, work);
-                self.predict_events(index, work.scene);
+                self.predict_again(index, work, span);
             }
         }
     }

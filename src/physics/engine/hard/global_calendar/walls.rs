@@ -38,13 +38,6 @@ impl WallContacts {
 }
 
 impl GlobalCalendar {
-    /// Time [s] from the instant for which the scene gives the place of a moving wall to the present; 0 for a wall that
-    /// does not move.
-    #[inline]
-    pub(super) fn ahead(&self, wall: &Wall) -> f64 {
-        wall.moving.as_ref().map_or(0.0, |moving| self.epoch + self.now - moving.time())
-    }
-
     /// Upper limit [m] of the distance by which a wall moves away from its place in the scene until the next epoch, the
     /// instant from which the calendar then counts times. It is 0 for a wall that does not move.
     pub(super) fn travel(&self, wall: &Wall) -> f64 {

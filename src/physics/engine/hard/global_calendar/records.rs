@@ -1,0 +1,97 @@
+//! Amounts that the collisions in a round add to the ledger of the run, in the order of time.
+
+use super::is_full;
+use crate::engine::hard::impulse::Collision;
+use crate::record::{Ledger, Log, Record};
+use nalgebra::Matrix3;
+use std::cmp::Ordering;
+
+/// Amounts that a collision adds to the ledger (sums of energies and momenta of the run).
+#[derive(Clone, Debug)]
+enum Amounts {
+    /// Virial, loss by restitution and loss by friction of a collision of two particles.
+    Pair(Matrix3<f64>, f64, f64),
+    /// Any amounts.
+    Any(Box<Ledger>),
+}
+
+/// A collision in a round (piece of time in which several threads process events).
+#[derive(Clone, Debug)]
+struct CollisionRecord {
+    /// [s] time since the epoch (zero of the calendar's time).
+    time: f64,
+    /// Id of the particle whose event the collision was.
+    id: u32,
+    amounts: Amounts,
+}
+
+/// Collisions of a part of the particles in a round, in the order of time.
+#[derive(Clone, Debug, Default)]
+pub struct Records {
+    collisions: Vec<CollisionRecord>,
+}
+
+impl Records {
+    /// Moves the amounts of one collision from the ledger of `log` to this list. The impact stays in the log. The
+    /// collision was an event of the
+    /// particle with the id `id`, at `time` [s] since the epoch (zero of the calendar's time).
+    #[inline]
+    pub fn take(&mut self, time: f64, id: u32, collision: &Collision, log: &mut Log) {
+        let ledger = &mut log.ledger;
+        // a collision that the TC model makes elastic also adds to the energy that this model keeps
+        let amounts = if collision.couple.is_wall() || collision.elastic {
+            Amounts::Any(Box::new(std::mem::take(ledger)))
+        } else {
+            let take = std::mem::take::<f64>;
+            let losses = (take(&mut ledger.pair_restitution_loss), take(&mut ledger.pair_friction_loss));
+            Amounts::Pair(std::mem::take(&mut ledger.pair_virial), losses.0, losses.1)
+        };
+        self.collisions.push(CollisionRecord { time, id, amounts });
+    }
+
+    /// Forgets all collisions.
+    pub fn clear(&mut self) {
+        self.collisions.clear();
+    }
+
+    /// Adds the amounts of the collisions of all lists to the ledger of `log`, in the order of time, as if one thread had
+    /// processed them all. If the log is full, it is added to the record of the run. `before` is the number of collisions
+    /// of the run so far.
+    pub fn merge(lists: &[&Self], log: &mut Log, record: &mut Record, before: u64) {
+        let mut collisions = before;
+        let mut rest: Vec<&[CollisionRecord]> = lists.iter().map(|list| list.collisions.as_slice()).collect();
+        let order = |a: &CollisionRecord, b: &CollisionRecord| a.time.total_cmp(&b.time).then(a.id.cmp(&b.id));
+        loop {
+            let heads = rest.iter().enumerate().filter_map(|(k, list)| list.first().map(|head| (k, head)));
+            let Some((k, head)) = heads.min_by(|(_, a), (_, b)| order(a, b)) else { return };
+            // all that come before the heads of the other lists
+            let others = rest.iter().enumerate().filter(|(other, _)| *other != k);
+            let next = others.filter_map(|(_, list)| list.first()).min_by(|a, b| order(a, b));
+            let is_before = |one: &CollisionRecord| next.is_none_or(|next| order(one, next) == Ordering::Less);
+            let count = rest[k].iter().take_while(|one| std::ptr::eq(*one, head) || is_before(one)).count();
+            let (now, later) = rest[k].split_at(count);
+            for one in now {
+                one.amounts.add_to(&mut log.ledger);
+                collisions += 1;
+                if is_full(collisions) {
+                    record.absorb(log);
+                }
+            }
+            rest[k] = later;
+        }
+    }
+}
+
+impl Amounts {
+    #[inline]
+    fn add_to(&self, total: &mut Ledger) {
+        match self {
+            Self::Pair(virial, restitution_loss, friction_loss) => {
+                total.pair_virial += virial;
+                total.pair_restitution_loss += restitution_loss;
+                total.pair_friction_loss += friction_loss;
+            }
+            Self::Any(ledger) => *total += **ledger,
+        }
+    }
+}

@@ -1,0 +1,472 @@
+//! Rounds: short pieces of time in which several threads process the events of dense hard spheres.
+//!
+//! Each thread has a part of the particles: consecutive indices, and so a region of the box. A round has three steps:
+//!
+//! 1. Each thread processes the events of its part as if there were no other parts. A particle whose next event is a
+//!    touch with another part is *stopped*. So is a particle whose next event is a touch with a stopped one.
+//! 2. Each thread predicts the events of the particles at its border again, now with the particles of other parts.
+//! 3. One thread processes the events of stopped particles, and those that step 2 has found, in the order of time.
+//!
+//! If one of these events comes too late, since a particle has had a later event before, the round is undone and repeated
+//! with half the length. This is rare, because few particles have two events in a round. The time of a touch depends
+//! only on two flights, so the results have the bits of one thread.
+//!
+//! Particles get new shells between rounds. Before, they may fly on beyond the surface of their shells by a small
+//! distance. If a particle is so fast that it may fly farther, the round is undone, and one thread repeats it.
+
+use super::division::Division;
+use super::event_queue::{EventQueue, EventTable};
+use super::next_events::{EventKind, NextEvents};
+use super::part::{EventCounts, Part};
+use super::prediction::Flights;
+use super::records::Records;
+use super::search::Lists;
+use super::undo::Undo;
+use super::{CalendarWindow, GlobalCalendar, Recent, view_of, whole_of};
+use crate::engine::Failure;
+use crate::engine::driver::Work;
+use crate::engine::hard::impulse::ParticleAccess;
+use crate::particles::Particles;
+use crate::record::{Log, Record};
+use crate::scene::Scene;
+use crate::work_sharing;
+
+/// Smallest number of particles of a part. With 4000 in each of two parts, two threads were slower than one.
+const FEWEST: usize = 10_000;
+
+/// [-] distance beyond the surface of its shell that a particle may fly, over the margin of the shell. It determines how
+/// often new shells are made.
+const SLACK: f64 = 0.08;
+
+/// [-] speed that no particle may exceed in a round, over the largest speed when the particles were divided.
+const FASTER: f64 = 1.25;
+
+/// [-] factor by which rounds become longer after each success.
+const LONGER: f64 = 1.02;
+
+/// [-] factor by which rounds become shorter after each failure. Together with [`LONGER`], about one round in ten fails.
+const SHORTER: f64 = 0.8;
+
+/// [-] shortest length of a round over the longest. The first round has this length: just after a random start there are
+/// very many collisions, whose states would need much memory.
+const SHORTEST: f64 = 1e-3;
+
+/// Number of collisions in a round above which rounds do not become longer.
+const MOST: u64 = 8192;
+
+/// Number of failures after which one thread processes the events of a round.
+const ATTEMPTS: u32 = 3;
+
+/// Number of times that shells are made before the largest speed is computed again.
+const RENEWALS: u32 = 64;
+
+/// Number of particles whose neighbour lists one thread makes at a time.
+const TOGETHER: usize = 16;
+
+/// Lists to which the events of a round add.
+#[derive(Clone, Default)]
+pub struct Round {
+    /// [s] time since the epoch (zero of the calendar's time) at which the round begins.
+    pub start: f64,
+    /// Particles that have left their shells.
+    pub leaving: Vec<u32>,
+    /// Particles with neighbours in other parts whose events were predicted without these neighbours.
+    pub predicted: Vec<u32>,
+    /// States of particles before the events.
+    pub undo: Undo,
+    /// Collisions.
+    pub records: Records,
+    /// Numbers of events and of predictions.
+    pub counts: EventCounts,
+    /// [m/s] speed that no particle may exceed.
+    pub speed: f64,
+    /// True if the events are those of several parts, which may come too late.
+    pub is_border: bool,
+    /// True if a particle was too fast, or if an event failed.
+    pub must_be_repeated: bool,
+    /// [s] time since the epoch of the first event that came too early, before one that it depends on; infinite if none
+    /// did. The round is then repeated up to this time.
+    pub early: f64,
+}
+
+impl Round {
+    fn begin(&mut self, start: f64, speed: f64, is_border: bool) {
+        (self.start, self.speed, self.is_border) = (start, speed, is_border);
+        (self.must_be_repeated, self.early) = (false, f64::INFINITY);
+    }
+
+    /// Notes an event at the time `now` [s] since the epoch of a particle whose flight began at `time` [s]. If the flight
+    /// began later, the event at its start came too early.
+    #[inline]
+    pub fn note_order(&mut self, time: f64, now: f64) {
+        if time > now {
+            self.early = self.early.min(time);
+        }
+    }
+
+    /// True if the round must be undone.
+    pub fn has_failed(&self) -> bool {
+        self.must_be_repeated || self.early < f64::INFINITY
+    }
+}
+
+/// Part of the particles, between the pieces of work of its thread.
+#[derive(Clone, Default)]
+pub struct PartState {
+    queue: EventQueue,
+    /// One bit for each particle of the part: set if the particle is stopped.
+    stopped: Vec<u64>,
+    /// Particles whose next event one thread must process.
+    deferred: Vec<u32>,
+    /// Particles that were found to touch another part after the round.
+    across: Vec<u32>,
+    round: Round,
+    /// Log of the collisions. Its impacts are counted in `record` when the next round begins.
+    log: Log,
+    /// Statistics of the impacts since the start of the window.
+    record: Record,
+}
+
+impl PartState {
+    /// Predicts the events of the particles in `predicted` with the neighbours of all parts. Events before `end` [s]
+    /// since the epoch are left to one thread. `next_events` are those of the part, whose first particle has the index
+    /// `first`.
+    fn complete(&mut self, all: Flights, (first, next_events): (u32, &mut [NextEvents]), end: f64) {
+        let Self { queue, deferred, across, round, .. } = self;
+        let own = first..first + next_events.len() as u32;
+        round.predicted.sort_unstable();
+        for same in round.predicted.chunk_by(|a, b| a == b) {
+            let index = same[0];
+            let (body, events) = (&all.bodies[index as usize], &mut next_events[(index - first) as usize]);
+            let all = Flights { now: all.now.max(body.time), ..all };
+            all.predict_into(body, events);
+            round.counts.touch_times += u64::from(events.shell.count());
+            let neighbours = all.around.shells.neighbours(&events.shell).iter();
+            // a particle that was predicted twice may have had a flight of which this prediction knows nothing
+            let had_others = |j: &&u32| same.len() > 1 || all.bodies[**j as usize].time > round.start;
+            let unknown = neighbours.filter(|j| !own.contains(j)).filter(had_others);
+            let late = unknown.filter_map(|&j| all.may_have_touched(body, j, round.start, round.speed));
+            round.early = late.fold(round.early, f64::min);
+            if events.time < end {
+                deferred.push(index);
+            } else {
+                if matches!(events.kind, EventKind::Pair(j) if !own.contains(&j)) {
+                    across.push(index);
+                }
+                queue.insert(index, EventTable { first, next_events, ids: all.around.ids });
+            }
+        }
+        round.predicted.clear();
+    }
+}
+
+/// Processes the events of a part up to `end` [s] since the epoch as if there were no other parts. Particles whose next
+/// event is a touch with another part, or with a stopped particle, are stopped and added to `deferred`.
+fn process(mut part: Part, stopped: &mut [u64], deferred: &mut Vec<u32>, end: f64) {
+    while let Some(index) = part.next(end) {
+        let is_stopped = |index: u32, stopped: &[u64]| {
+            let place = part.place(index);
+            place >= part.bodies.len() || stopped[place / 64] >> (place % 64) & 1 == 1
+        };
+        let place = part.place(index);
+        let touches_stopped = match part.next_events[place].kind {
+            EventKind::Pair(j) => is_stopped(j, stopped),
+            EventKind::Wall(_) | EventKind::LeaveShell | EventKind::Predict => false,
+        };
+        if touches_stopped || is_stopped(index, stopped) {
+            stopped[place / 64] |= 1 << (place % 64);
+            deferred.push(index);
+        } else if !part.event_in_round(index) {
+            return;
+        }
+    }
+}
+
+/// The parts, each with the index of its first particle and the next events of its particles.
+fn pieces<'a>(
+    parts: &'a mut [PartState],
+    division: &Division,
+    mut next_events: &'a mut [NextEvents],
+) -> Vec<(&'a mut PartState, u32, &'a mut [NextEvents])> {
+    let mut first = 0;
+    let piece = |part| {
+        let own = division.of(first);
+        let events = next_events.split_off_mut(..own.len()).unwrap_or_default();
+        first = own.end;
+        (part, own.start, events)
+    };
+    parts.iter_mut().map(piece).collect()
+}
+
+impl GlobalCalendar {
+    /// True if several threads share the events of a window.
+    pub(super) fn is_shared(&self, scene: &Scene) -> bool {
+        self.number_of_parts() > 1
+            && self.horizon == f64::INFINITY
+            && self.far_images == [false; 3]
+            && scene.domain.shear.is_none()
+            && scene.rotation.is_none()
+            && !scene.has_moving_walls()
+    }
+
+    fn number_of_parts(&self) -> usize {
+        rayon::current_num_threads().min(self.bodies.len() / FEWEST)
+    }
+
+    /// Processes all events up to the time `stop` [s] since the epoch in rounds, by several threads.
+    pub(super) fn rounds(&mut self, work: &mut Work<Recent>, span: CalendarWindow, stop: f64) -> Result<(), Failure> {
+        let (mut failures, mut until) = (0, f64::INFINITY);
+        while self.now < stop {
+            if self.parts.len() != self.number_of_parts() {
+                self.divide(work.scene);
+            }
+            let renewal = self.renewed_at + 0.5 * self.grace;
+            let end = (self.now + self.round).min(stop).min(renewal).min(until);
+            self.process_parts(work, span, end);
+            self.complete(work.scene, end);
+            self.process_border(work, span, end);
+            let rounds = || self.parts.iter().map(|part| &part.round).chain([&self.border]);
+            if rounds().all(|round| !round.has_failed()) {
+                let before = self.events;
+                self.finish(work);
+                (self.now, failures, until) = (end, 0, f64::INFINITY);
+                if self.events - before < MOST {
+                    self.round = (LONGER * self.round).min(0.5 * self.grace);
+                }
+                self.clock.tell(span.time(end));
+                if end >= renewal || end >= stop {
+                    self.renew_shells(work.scene);
+                }
+                continue;
+            }
+            failures += 1;
+            let early = rounds().map(|round| round.early).fold(end, f64::min);
+            let repeat = rounds().any(|round| round.must_be_repeated) || failures > ATTEMPTS;
+            self.undo();
+            self.round *= SHORTER;
+            if repeat {
+                self.count_impacts(work.record);
+                self.renew_shells(work.scene);
+                self.one_after_the_other(work, span, end)?;
+                until = f64::INFINITY;
+            } else {
+                until = early;
+            }
+        }
+        self.count_impacts(work.record);
+        Ok(())
+    }
+
+    /// Adds the statistics of impacts of all parts to the record of the run.
+    fn count_impacts(&mut self, record: &mut Record) {
+        for part in &mut self.parts {
+            part.record.count(&mut part.log.impacts);
+            record.merge(&part.record);
+            part.record = Record::default();
+        }
+    }
+
+    /// Divides the particles into parts.
+    fn divide(&mut self, scene: &Scene) {
+        let slack = SLACK * self.shells.margin;
+        let is_new = self.slack != slack;
+        (self.slack, self.renewed_at, self.renewals) = (slack, self.now, 0);
+        self.limit_speed();
+        self.shells.parts = Division::new(self.bodies.len(), self.number_of_parts());
+        if is_new {
+            self.predict_all(scene);
+        }
+        // frees the memory of the events, which the parts need
+        self.queue = EventQueue::default();
+        self.parts = vec![PartState::default(); self.shells.parts.count()];
+        for (part, first, next_events) in pieces(&mut self.parts, &self.shells.parts, &mut self.next_events) {
+            part.queue.fill(EventTable { first, next_events, ids: &self.ids }, self.now, self.horizon);
+            part.stopped.resize(next_events.len().div_ceil(64), 0);
+            let own = first..first + next_events.len() as u32;
+            for events in next_events {
+                let mut neighbours = self.shells.neighbours(&events.shell).iter();
+                events.shell.at_border = neighbours.any(|k| !own.contains(k));
+            }
+        }
+    }
+
+    /// Chooses the speed that no particle may exceed, and the lengths of rounds.
+    fn limit_speed(&mut self) {
+        let fastest = self.bodies.iter().map(|body| body.velocity.norm_squared()).fold(0.0, f64::max).sqrt();
+        self.speed = FASTER * fastest;
+        let longest = self.slack / self.speed;
+        self.round = self.round.clamp(SHORTEST * longest, longest);
+        self.grace = 2.0 * longest;
+    }
+
+    /// Each thread processes the events of its part up to `end` [s] since the epoch.
+    fn process_parts(&mut self, work: &mut Work<Recent>, span: CalendarWindow, end: f64) {
+        let (around, now, speed) = (view_of!(self, work.scene), self.now, self.speed);
+        let particles: &Particles = work.particles;
+        let (mut bodies, mut histories) = (self.bodies.as_mut_slice(), self.last_collisions.as_mut_slice());
+        let mut with_flights = Vec::new();
+        for (part, first, next_events) in pieces(&mut self.parts, &self.shells.parts, &mut self.next_events) {
+            let bodies = bodies.split_off_mut(..next_events.len()).unwrap_or_default();
+            let histories = histories.split_off_mut(..next_events.len()).unwrap_or_default();
+            with_flights.push((part, first, next_events, bodies, histories));
+        }
+        work_sharing::for_each(with_flights.into_iter(), |(state, first, next_events, bodies, last_collisions)| {
+            let PartState { queue, stopped, deferred, round, log, record, .. } = state;
+            record.count(&mut log.impacts);
+            let (counts, particles) = (EventCounts::default(), ParticleAccess::Shared(particles));
+            round.begin(now, speed, false);
+            let round = Some(round);
+            let around = &around;
+            let part = Part {
+                around,
+                particles,
+                first,
+                bodies,
+                next_events,
+                last_collisions,
+                queue,
+                now,
+                span,
+                log,
+                counts,
+                round,
+            };
+            process(part, stopped, deferred, end);
+        });
+    }
+
+    /// Predicts events with the neighbours of all parts; those before `end` [s] since the epoch are left to one thread.
+    fn complete(&mut self, scene: &Scene, end: f64) {
+        let (around, bodies, now) = (view_of!(self, scene), self.bodies.as_slice(), self.now);
+        let all = Flights { around: &around, first: 0, bodies, now, in_order: false };
+        let pieces = pieces(&mut self.parts, &self.shells.parts, &mut self.next_events);
+        work_sharing::for_each(pieces.into_iter(), |(part, first, next_events)| {
+            part.complete(all, (first, next_events), end);
+        });
+    }
+
+    /// One thread processes the events that concern several parts, up to `end` [s] since the epoch.
+    fn process_border(&mut self, work: &mut Work<Recent>, span: CalendarWindow, end: f64) {
+        let (mut parts, mut border) = (std::mem::take(&mut self.parts), std::mem::take(&mut self.border));
+        let mut log = Log::default();
+        border.begin(self.now, self.speed, true);
+        self.queue.restart(self.now, end);
+        let (around, particles) = (view_of!(self, work.scene), ParticleAccess::Shared(work.particles));
+        let mut part = whole_of!(self, &around, particles, &mut log, span);
+        part.round = Some(&mut border);
+        let mut first = 0;
+        for PartState { stopped, deferred, .. } in &mut parts {
+            for &index in &*deferred {
+                stopped[(index - first) as usize / 64] = 0;
+                part.enqueue(index);
+            }
+            first = part.around.shells.parts.of(first).end;
+        }
+        if parts.iter().all(|part| !part.round.has_failed()) {
+            while let Some(index) = part.next(end) {
+                if !part.event_in_round(index) {
+                    break;
+                }
+            }
+        }
+        if let Some(part) = parts.first_mut() {
+            part.log.impacts.append(&mut log.impacts);
+        }
+        (self.parts, self.border) = (parts, border);
+    }
+
+    /// Restores the state before the present round.
+    fn undo(&mut self) {
+        let Self { parts, border, bodies, next_events, last_collisions, shells, ids, .. } = self;
+        let mut changed = Vec::new();
+        for round in [border].into_iter().chain(parts.iter_mut().map(|part| &mut part.round)) {
+            round.undo.restore(bodies, next_events, last_collisions, &mut changed);
+            round.records.clear();
+            round.predicted.clear();
+            round.counts.collisions = 0;
+        }
+        parts.iter_mut().for_each(|part| {
+            part.across.clear();
+            part.log.impacts.clear();
+        });
+        parts.iter_mut().for_each(|part| changed.append(&mut part.deferred));
+        changed.sort_unstable();
+        changed.dedup();
+        for index in changed {
+            let table = EventTable { first: 0, next_events, ids };
+            if next_events[index as usize].time < self.horizon {
+                parts[shells.parts.number(index)].queue.insert(index, table);
+            }
+        }
+    }
+
+    /// Adds the collisions of a round to the log of the run, and returns the events of the border to the parts.
+    fn finish(&mut self, work: &mut Work<Recent>) {
+        let Self { parts, border, queue, shells, bodies, next_events, ids, .. } = self;
+        let lists: Vec<&Records> = parts.iter().map(|part| &part.round.records).chain([&border.records]).collect();
+        Records::merge(&lists, work.log, work.record, self.events);
+        let mut across = std::mem::take(&mut border.predicted);
+        queue.drain(|index| {
+            let table = EventTable { first: 0, next_events, ids };
+            if next_events[index as usize].time < self.horizon {
+                parts[shells.parts.number(index)].queue.insert(index, table);
+            }
+        });
+        parts.iter_mut().for_each(|part| {
+            across.append(&mut part.across);
+            part.deferred.clear();
+        });
+        // the partners in other parts must be stopped at these touches too
+        for index in across {
+            let NextEvents { time, kind, detail, .. } = next_events[index as usize];
+            if let EventKind::Pair(j) = kind
+                && time < next_events[j as usize].time
+                && bodies[j as usize].collision_count == detail
+            {
+                next_events[j as usize].put_first(time, index, bodies[index as usize].collision_count);
+                let table = EventTable { first: 0, next_events, ids };
+                parts[shells.parts.number(j)].queue.insert(j, table);
+            }
+        }
+        for round in [border].into_iter().chain(parts.iter_mut().map(|part| &mut part.round)) {
+            let EventCounts { collisions, touch_times } = std::mem::take(&mut round.counts);
+            self.events += collisions;
+            self.touch_times += touch_times;
+            round.undo.clear();
+            round.records.clear();
+        }
+    }
+
+    /// Makes new shells (balls in which neighbour lists are valid) for the particles that have left theirs, and predicts
+    /// their events.
+    fn renew_shells(&mut self, scene: &Scene) {
+        let mut leaving = std::mem::take(&mut self.border.leaving);
+        self.parts.iter_mut().for_each(|part| leaving.append(&mut part.round.leaving));
+        leaving.sort_unstable();
+        leaving.dedup();
+        for &index in &leaving {
+            let (centre, at_wall) = (self.centre(index, scene), self.at_wall(index as usize, scene));
+            self.shells.recentre(index, (&centre, at_wall), &mut self.next_events, &self.bodies);
+        }
+        let (shells, next_events, bodies, now) = (&self.shells, &self.next_events, &self.bodies, self.now);
+        let lists: Vec<Lists> = work_sharing::map(leaving.chunks(TOGETHER), |some| {
+            shells.look_around_each(some.iter().copied(), next_events, bodies, (&scene.domain, now))
+        });
+        let mut each = leaving.iter();
+        for list in &lists {
+            self.shells.checks += list.checks;
+            for (found, &index) in list.each().zip(&mut each) {
+                self.shells.relink(index, found, &mut self.next_events, &self.bodies, (&scene.domain, now));
+                self.parts[self.shells.parts.number(index)].round.predicted.push(index);
+            }
+        }
+        leaving.clear();
+        self.border.leaving = leaving;
+        (self.renewed_at, self.renewals) = (self.now, self.renewals + 1);
+        if self.renewals.is_multiple_of(RENEWALS) {
+            self.limit_speed();
+        }
+        self.parts.iter_mut().for_each(|part| part.round.begin(self.now, self.speed, false));
+        self.complete(scene, self.now);
+    }
+}

@@ -1,0 +1,127 @@
+//! Search for the neighbours of particles: the particles whose shells overlap.
+
+use super::next_events::{FlightState, NextEvents};
+use super::shells::{ShellLevel, Shells};
+use super::sliding::SLIDE;
+use crate::domain::Domain;
+
+/// Neighbour lists of several particles, before they are stored with those of other particles.
+#[derive(Default)]
+pub struct Lists {
+    /// Neighbours of all particles of these lists, list after list.
+    pub near: Vec<u32>,
+    /// Number of neighbours in the list of each particle.
+    pub counts: Vec<u32>,
+    /// For each particle, true if a neighbour may be nearer through a periodic image.
+    across: Vec<bool>,
+    /// Number of distances between shells that were computed for these lists.
+    pub checks: u64,
+}
+
+impl Lists {
+    /// The neighbour lists one after the other, in the order in which they were made. With each comes true if a
+    /// neighbour may be nearer through a periodic image.
+    pub fn each(&self) -> impl Iterator<Item = (&[u32], bool)> {
+        let mut near = self.near.as_slice();
+        self.counts.iter().zip(&self.across).map(move |(count, across)| {
+            let (own, rest) = near.split_at(*count as usize);
+            near = rest;
+            (own, *across)
+        })
+    }
+}
+
+/// True if one of the particles in `others` may be nearer to particle `i` through a periodic image. Along a periodic
+/// axis, their places at the time `now` [s] are then more than half the box apart.
+pub fn has_images(i: u32, others: &[u32], bodies: &[FlightState], (domain, now): (&Domain, f64)) -> bool {
+    let here = bodies[i as usize].position_at(now);
+    others.iter().any(|&j| {
+        let apart = here - bodies[j as usize].position_at(now);
+        (0..3).any(|axis| apart[axis].abs() > domain.half[axis])
+    })
+}
+
+impl Shells {
+    /// Makes the neighbour lists of the given particles.
+    pub fn look_around_each(
+        &self,
+        indices: impl Iterator<Item = u32>,
+        next_events: &[NextEvents],
+        bodies: &[FlightState],
+        (domain, now): (&Domain, f64),
+    ) -> Lists {
+        let mut lists = Lists::default();
+        for index in indices {
+            let before = lists.near.len();
+            lists.checks += self.look_around(index, next_events, bodies, domain, &mut lists.near);
+            lists.counts.push((lists.near.len() - before) as u32);
+            lists.across.push(has_images(index, &lists.near[before..], bodies, (domain, now)));
+        }
+        lists
+    }
+
+    /// Appends to `found` the indices of all particles whose shells overlap that of particle `i`, and of some whose
+    /// shells nearly do. Returns the number of shells tested.
+    pub fn look_around(
+        &self,
+        i: u32,
+        next_events: &[NextEvents],
+        bodies: &[FlightState],
+        domain: &Domain,
+        found: &mut Vec<u32>,
+    ) -> u64 {
+        let (centre, radius) = (next_events[i as usize].shell.centre(), self.radius(&bodies[i as usize]));
+        let near = |j: u32| {
+            let reach = radius + self.radius(&bodies[j as usize]) + 2.0 * self.margin;
+            domain.separation(&centre, &next_events[j as usize].shell.centre()).norm_squared() < reach * reach
+        };
+        let mut checks = 0;
+        for ShellLevel { cells, smallest, largest } in &self.levels {
+            let (before, farthest) = (found.len(), radius + largest + 2.0 * self.margin);
+            checks += if radius <= *largest {
+                cells.near(&centre, farthest, found)
+            } else {
+                cells.near_by_far(&centre, farthest, found)
+            };
+            let mut end = before;
+            for k in before..found.len() {
+                let j = found[k];
+                found[end] = j;
+                end += usize::from(j != i && (smallest == largest || near(j)));
+            }
+            found.truncate(end);
+        }
+        checks + self.look_across(i, next_events, bodies, domain, found)
+    }
+
+    /// Appends to `found` the particles whose shells may overlap an image of the shell of particle `i` across a sheared
+    /// side. From their places in `domain`, images slide along that side by up to [`SLIDE`] times the margin. Returns
+    /// the number of shells tested.
+    fn look_across(
+        &self,
+        i: u32,
+        next_events: &[NextEvents],
+        bodies: &[FlightState],
+        domain: &Domain,
+        found: &mut Vec<u32>,
+    ) -> u64 {
+        let (centre, radius) = (next_events[i as usize].shell.centre(), self.radius(&bodies[i as usize]));
+        let mut checks = 0;
+        domain.for_each_across(&centre, self.search_radius(domain), |image| {
+            for ShellLevel { cells, largest, .. } in &self.levels {
+                let before = found.len();
+                checks += cells.near_by_far(&image, radius + largest + (2.0 + SLIDE) * self.margin, found);
+                let mut end = before;
+                for k in before..found.len() {
+                    let j = found[k];
+                    found[end] = j;
+                    let reach = radius + self.radius(&bodies[j as usize]) + 2.0 * self.margin;
+                    let apart = domain.separation(&centre, &next_events[j as usize].shell.centre());
+                    end += usize::from(apart.y.abs() < reach && apart.norm() < reach + SLIDE * self.margin);
+                }
+                found.truncate(end);
+            }
+        });
+        checks
+    }
+}

@@ -1,0 +1,81 @@
+//! Data that the events of all particles read: the scene, the frame of the calendar, shells and walls.
+
+use super::frame::FallingFrame;
+use super::shells::Shells;
+use super::walls::WallContacts;
+use crate::clock::Clock;
+use crate::domain::Domain;
+use crate::scene::Scene;
+use crate::walls::{Flight, Wall};
+use nalgebra::Vector3;
+use std::borrow::Cow;
+
+/// Data of the calendar (the event queue of all particles) that no event changes.
+#[derive(Clone, Copy)]
+pub struct CalendarView<'a> {
+    /// The scene of the window.
+    pub scene: &'a Scene,
+    /// The falling frame, in which flights are straight.
+    pub frame: FallingFrame,
+    /// [s] time since the epoch (zero of the calendar's time) at which a new epoch must begin.
+    pub limit: f64,
+    /// [s] time since the epoch up to which events are predicted.
+    pub horizon: f64,
+    /// [s] simulated time at the epoch, from which times are counted.
+    pub epoch: f64,
+    /// Shells (balls in which neighbour lists are valid) of all particles, with the lists.
+    pub shells: &'a Shells,
+    /// Contacts with the walls of the scene.
+    pub walls: &'a WallContacts,
+    /// Id of each particle, by particle index.
+    pub ids: &'a [u32],
+    /// True for each periodic axis along which images other than the nearest may touch.
+    pub far_images: [bool; 3],
+    /// Contact time [s] of the TC model, in which a collision is elastic soon after another one; `None` without it.
+    pub contact_time: Option<f64>,
+    /// [m] distance from the surface of its shell at which a particle gets a new shell. It is 0 unless several threads
+    /// share the events: then new shells are made only at the end of a round.
+    pub slack: f64,
+    /// [s] time after the exit from its shell for which touches of a particle are predicted, if `slack` is above 0.
+    pub grace: f64,
+    /// Clock that receives the progress of the run.
+    pub clock: &'a Clock,
+}
+
+impl<'a> CalendarView<'a> {
+    /// Time [s] from the instant for which the scene gives the place of a moving wall to the time `now` [s] since the
+    /// epoch (zero of the calendar's time); 0 for a wall that does not move.
+    #[inline]
+    pub fn ahead(&self, wall: &Wall, now: f64) -> f64 {
+        wall.moving.as_ref().map_or(0.0, |moving| self.epoch + now - moving.time())
+    }
+
+    /// The box with the images across its sheared sides at their places at `now` [s] since the epoch (zero of the
+    /// calendar's time); without shear, the box itself.
+    #[inline]
+    pub fn domain(&self, now: f64) -> Cow<'a, Domain> {
+        self.scene.domain.at(self.epoch + now)
+    }
+
+    /// Vector [m] from `b` to the nearest image of `a`, and velocity [m/s] of this image relative to `b`, at `now` [s]
+    /// since the epoch (zero of the calendar's time). `velocity` [m/s] is that of `a` itself relative to `b`.
+    #[inline]
+    pub fn relative(
+        &self,
+        a: &Vector3<f64>,
+        b: &Vector3<f64>,
+        velocity: Vector3<f64>,
+        now: f64,
+    ) -> (Vector3<f64>, Vector3<f64>) {
+        if self.scene.domain.shear.is_none() {
+            return (self.scene.domain.nearest_image(&(a - b)), velocity);
+        }
+        self.domain(now).relative(a, b, velocity, 0.0)
+    }
+
+    /// Flight relative to the scene of a body that has `position` [m] and `velocity` [m/s] in the frame of the calendar
+    /// at `now` [s] since the epoch (zero of the calendar's time).
+    pub fn flight(&self, position: &Vector3<f64>, velocity: &Vector3<f64>, now: f64) -> Flight {
+        self.frame.flight(position, velocity, now)
+    }
+}
