@@ -214,7 +214,7 @@ fn windows_count_what_inlets_bring() {
     let inlet = |rate: f64| Inlet {
         name: "feed".into(),
         species: 0,
-        region: Hollow::new(region.clone()),
+        region: Hollow::new(region),
         rate,
         start: 0.0,
         end: f64::INFINITY,

@@ -218,11 +218,18 @@ impl Domain {
         d
     }
 
+    /// True if no image of a particle is nearer than the particle itself, whose vector [m] to another particle is `apart`.
+    /// It may be false although no image is nearer.
+    #[inline]
+    pub fn is_direct(&self, apart: &Vector3<f64>) -> bool {
+        apart.norm_squared() < self.direct
+    }
+
     /// Vector [m] `apart` between two particles, shifted by whole periods to that between the nearest images. Unlike in
     /// [`separation`](Self::separation), the particles may be many periods apart. Images must not slide.
     #[inline]
     pub fn nearest_image(&self, apart: &Vector3<f64>) -> Vector3<f64> {
-        if apart.norm_squared() < self.direct {
+        if self.is_direct(apart) {
             return *apart;
         }
         Vector3::from_fn(|axis, _| {

@@ -12,7 +12,7 @@ mod islands;
 mod steps;
 
 pub(super) use collapse_detector::LastCollision;
-pub use impulse::{Collision, impulse};
+pub use impulse::{Collision, ParticleAccess, impulse};
 pub use steps::SteppedHard;
 
 use super::distributed::DistributedSolver;

@@ -250,18 +250,22 @@ impl GlobalCalendar {
         if !self.parts.is_empty() {
             self.fill_queue();
         }
+        let mut renewed = None;
         loop {
             let before = self.events;
             let around = view_of!(self, work.scene);
             let particles = ParticleAccess::Exclusive(work.particles);
             let mut part = whole_of!(self, &around, particles, work.log, span);
+            if let Some(index) = renewed {
+                part.predict_events(index);
+            }
             let leaving = part.run(stop, work.record, before);
             let (now, counts) = (part.now, part.counts);
             self.now = now;
             self.count(counts);
-            let Some(index) = leaving? else { return Ok(()) };
+            renewed = leaving?;
+            let Some(index) = renewed else { return Ok(()) };
             self.make_shell(index, work);
-            self.predict_again(index, work, span);
         }
     }
 

@@ -52,7 +52,7 @@ const SHORTER: f64 = 0.8;
 const SHORTEST: f64 = 1e-3;
 
 /// Number of collisions in a round above which rounds do not become longer.
-const MOST: u64 = 8192;
+const MOST: u64 = 2048;
 
 /// Number of failures after which one thread processes the events of a round.
 const ATTEMPTS: u32 = 3;

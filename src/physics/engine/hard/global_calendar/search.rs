@@ -31,14 +31,11 @@ impl Lists {
     }
 }
 
-/// True if one of the particles in `others` may be nearer to particle `i` through a periodic image. Along a periodic
-/// axis, their places at the time `now` [s] are then more than half the box apart.
+/// True if one of the particles in `others` may be nearer to particle `i` through a periodic image, at the time `now`
+/// [s]. Neighbours that need no image are less than half the shortest periodic edge apart.
 pub fn has_images(i: u32, others: &[u32], bodies: &[FlightState], (domain, now): (&Domain, f64)) -> bool {
     let here = bodies[i as usize].position_at(now);
-    others.iter().any(|&j| {
-        let apart = here - bodies[j as usize].position_at(now);
-        (0..3).any(|axis| apart[axis].abs() > domain.half[axis])
-    })
+    others.iter().any(|&j| !domain.is_direct(&(here - bodies[j as usize].position_at(now))))
 }
 
 impl Shells {
