@@ -31,8 +31,7 @@ fn most_in_use(count: usize, restitution: f64, engine: Box<dyn Engine>) -> usize
 
 /// Bytes in use per particle: from the difference between many and few particles, so that constant amounts cancel.
 fn per_particle(restitution: f64, engine: fn() -> Box<dyn Engine>) -> f64 {
-    // threads share the events of both, so the memory of their rounds cancels
-    let [few, many] = [24_000, 60_000];
+    let [few, many] = [4_000, 40_000];
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
     let of = |count: usize| pool.install(|| most_in_use(count, restitution, engine()));
     (of(many) as f64 - of(few) as f64) / (many - few) as f64

@@ -51,8 +51,9 @@ const SHORTER: f64 = 0.8;
 /// very many collisions, whose states would need much memory.
 const SHORTEST: f64 = 1e-3;
 
-/// Number of collisions in a round above which rounds do not become longer.
-const MOST: u64 = 2048;
+/// Number of particles per collision of a round, below which rounds do not become longer. It bounds the memory for the
+/// states before the collisions.
+const PER_COLLISION: usize = 128;
 
 /// Number of failures after which one thread processes the events of a round.
 const ATTEMPTS: u32 = 3;
@@ -230,7 +231,7 @@ impl GlobalCalendar {
                 let before = self.events;
                 self.finish(work);
                 (self.now, failures, until) = (end, 0, f64::INFINITY);
-                if self.events - before < MOST {
+                if ((self.events - before) as usize) < self.bodies.len() / PER_COLLISION {
                     self.round = (LONGER * self.round).min(0.5 * self.grace);
                 }
                 self.clock.tell(span.time(end));
