@@ -2,6 +2,7 @@
 //! time. A bin is a chain of leaves (blocks of six indices). The leaves of all bins are stored in one list; free leaves
 //! are used again.
 
+use super::append;
 use prefetch_index::prefetch_index;
 use std::iter::successors;
 use std::num::NonZeroU32;
@@ -66,11 +67,7 @@ impl Bins {
                 one
             }
             None => {
-                if self.leaves.len() == self.leaves.capacity() {
-                    // reserves less than the default growth, which would double the capacity
-                    self.leaves.reserve_exact(self.leaves.len() / 8 + 64);
-                }
-                self.leaves.push(leaf);
+                append(&mut self.leaves, leaf);
                 NonZeroU32::MIN.saturating_add(self.leaves.len() as u32 - 1)
             }
         }

@@ -5,6 +5,7 @@
 //! event of a particle changes, its outdated entry is not removed from its bin. When the time of a bin comes, outdated
 //! entries are skipped, and the others are sorted.
 
+use super::append;
 use super::bins::Bins;
 use super::next_events::NextEvents;
 use prefetch_index::prefetch_index;
@@ -156,11 +157,7 @@ impl EventQueue {
             self.bins.put(self.slot(bin), index);
             self.in_bins += 1;
         } else {
-            if self.later.len() == self.later.capacity() {
-                // reserves less than the default growth, which would double the capacity
-                self.later.reserve_exact(self.later.len() / 8 + 64);
-            }
-            self.later.push(index);
+            append(&mut self.later, index);
         }
     }
 

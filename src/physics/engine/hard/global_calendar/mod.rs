@@ -95,6 +95,15 @@ use whole_of;
 /// of this length stays in the processor's cache.
 const KEPT: u64 = 1 << 8;
 
+/// Appends an item to a list. A full list grows by an eighth, since the default growth would double its memory.
+#[inline]
+fn append<T>(list: &mut Vec<T>, item: T) {
+    if list.len() == list.capacity() {
+        list.reserve_exact(list.len() / 8 + 64);
+    }
+    list.push(item);
+}
+
 /// True if the log must be added to the record after the collision with this number. The number counts all collisions of
 /// the run, so the sums in the ledger do not depend on the division of the work.
 fn is_full(collisions: u64) -> bool {

@@ -1,6 +1,6 @@
 //! Amounts that the collisions in a round add to the ledger of the run, in the order of time.
 
-use super::is_full;
+use super::{append, is_full};
 use crate::engine::hard::impulse::Collision;
 use crate::record::{Ledger, Log, Record};
 use nalgebra::Matrix3;
@@ -33,8 +33,8 @@ pub struct Records {
 
 impl Records {
     /// Moves the amounts of one collision from the ledger of `log` to this list. The impact stays in the log. The
-    /// collision was an event of the
-    /// particle with the id `id`, at `time` [s] since the epoch (zero of the calendar's time).
+    /// collision was an event of the particle with the id `id`, at `time` [s] since the epoch (zero of the calendar's
+    /// time).
     #[inline]
     pub fn take(&mut self, time: f64, id: u32, collision: &Collision, log: &mut Log) {
         let ledger = &mut log.ledger;
@@ -46,7 +46,7 @@ impl Records {
             let losses = (take(&mut ledger.pair_restitution_loss), take(&mut ledger.pair_friction_loss));
             Amounts::Pair(std::mem::take(&mut ledger.pair_virial), losses.0, losses.1)
         };
-        self.collisions.push(CollisionRecord { time, id, amounts });
+        append(&mut self.collisions, CollisionRecord { time, id, amounts });
     }
 
     /// Forgets all collisions.

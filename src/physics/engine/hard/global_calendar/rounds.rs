@@ -140,6 +140,7 @@ impl PartState {
             let index = same[0];
             let (body, events) = (&all.bodies[index as usize], &mut next_events[(index - first) as usize]);
             let all = Flights { now: all.now.max(body.time), ..all };
+            let before = events.time;
             all.predict_into(body, events);
             round.counts.touch_times += u64::from(events.shell.count());
             let neighbours = all.around.shells.neighbours(&events.shell).iter();
@@ -154,7 +155,10 @@ impl PartState {
                 if matches!(events.kind, EventKind::Pair(j) if !own.contains(&j)) {
                     across.push(index);
                 }
-                queue.insert(index, EventTable { first, next_events, ids: all.around.ids });
+                // an event at the same time is already in the queue
+                if events.time != before {
+                    queue.insert(index, EventTable { first, next_events, ids: all.around.ids });
+                }
             }
         }
         round.predicted.clear();

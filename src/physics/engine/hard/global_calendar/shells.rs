@@ -95,9 +95,9 @@ pub struct Shells {
 }
 
 /// Inverse of the fraction of memory that is reserved for growth of the neighbour lists. After a random start the lists
-/// become longer by up to a quarter. Without reserved memory all lists might have to be copied. Reserved memory that is
-/// never written takes no space.
-const SPARE: usize = 4;
+/// become longer by a fifth or less in dense scenes. Without reserved memory all lists might have to be copied. Reserved
+/// memory that is never written takes no space.
+const SPARE: usize = 5;
 
 /// Inverse of the fraction by which the memory of all neighbour lists grows when it is full: it grows by 1/16.
 const MORE: usize = 16;

@@ -1,13 +1,18 @@
 //! States of particles before the events of a round, so that the round can be undone.
 
+use super::append;
 use super::next_events::{FlightState, NextEvents};
 use crate::engine::hard::collapse_detector::LastCollision;
 
 /// States of particles before each event of a round (piece of time in which several threads process events).
 #[derive(Clone, Debug, Default)]
 pub struct Undo {
-    /// Index of each particle that took part in an event, with its flight and its next events before the event.
-    states: Vec<(u32, FlightState, NextEvents)>,
+    /// Index of each particle that took part in an event.
+    indices: Vec<u32>,
+    /// Next events of each of these particles before the event.
+    events: Vec<NextEvents>,
+    /// Flight of each of these particles before the event.
+    flights: Vec<FlightState>,
     /// Index of each particle that collided, with its collision history before the collision.
     histories: Vec<(u32, LastCollision)>,
 }
@@ -17,15 +22,19 @@ impl Undo {
     /// collision.
     #[inline]
     pub fn push(&mut self, index: u32, body: &FlightState, events: &NextEvents, history: Option<&LastCollision>) {
-        self.states.push((index, *body, *events));
+        append(&mut self.indices, index);
+        append(&mut self.events, *events);
+        append(&mut self.flights, *body);
         if let Some(history) = history {
-            self.histories.push((index, *history));
+            append(&mut self.histories, (index, *history));
         }
     }
 
     /// Forgets all stored states.
     pub fn clear(&mut self) {
-        self.states.clear();
+        self.indices.clear();
+        self.events.clear();
+        self.flights.clear();
         self.histories.clear();
     }
 
@@ -38,9 +47,10 @@ impl Undo {
         last_collisions: &mut [LastCollision],
         changed: &mut Vec<u32>,
     ) {
-        changed.extend(self.states.iter().map(|(index, ..)| *index));
-        for (index, body, events) in self.states.drain(..).rev() {
-            (bodies[index as usize], next_events[index as usize]) = (body, events);
+        changed.extend(&self.indices);
+        let states = self.events.drain(..).zip(self.flights.drain(..));
+        for (index, (events, flight)) in self.indices.drain(..).zip(states).rev() {
+            (bodies[index as usize], next_events[index as usize]) = (flight, events);
         }
         for (index, history) in self.histories.drain(..).rev() {
             last_collisions[index as usize] = history;
